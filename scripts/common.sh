@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Sourced by run, test and install: what they share. Every step is silent where nothing has to be done.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=${TALIK_BUILD:-$root/build}
+python=/usr/bin/python3 # the interpreter of Debian's yade; another python3 may come first on the PATH
+
+fail() {
+	printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+	exit 1
+}
+
+note() {
+	printf '%s\n' "$*" >&2
+}
+
+neededPackages() {
+	sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/scripts/packages.txt"
+}
+
+missingPackages() {
+	local installed
+	installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' 2>/dev/null | awk '$2 == "installed" { print $1 }' | sort -u)
+	neededPackages | sort -u | comm -23 - <(printf '%s\n' "$installed")
+}
+
+# Shows what a long command is doing in one line, and its whole output only if it fails.
+quietly() {
+	local what=$1 log=$2
+	shift 2
+	mkdir -p "$(dirname "$log")"
+	if ! "$@" >"$log" 2>&1; then
+		tail -n 60 "$log" >&2
+		fail "$what failed; everything it said is in $log"
+	fi
+}
+
+ensurePackages() {
+	command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+		fail "Talik needs Debian 12 (apt-get and dpkg-query were not found); the packages to provide by hand are in scripts/packages.txt"
+	local missing become=() log
+	missing=$(missingPackages | xargs)
+	[ -z "$missing" ] && return
+	if [ "$(id -u)" -ne 0 ]; then
+		if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+			become=(sudo)
+		else
+			fail "these packages are missing and only root can install them: $missing
+Type  sudo apt-get install --no-install-recommends $missing  and start again."
+		fi
+	fi
+	note "Installing $missing ..."
+	log=$(mktemp -t talik-apt.XXXXXX)
+	# A repository that is not Debian's may be unreachable; whether the packages can be had shows in the next command.
+	"${become[@]}" apt-get update >"$log" 2>&1 || true
+	quietly "apt-get install" "$log" "${become[@]}" env DEBIAN_FRONTEND=noninteractive \
+		apt-get install -y --no-install-recommends $missing
+	rm -f "$log"
+}
+
+ensureYade() {
+	local version
+	version=$(dpkg-query -W -f='${Version}' yade 2>/dev/null)
+	case $version in
+	2023.02a*) ;;
+	*) fail "Talik is built for Debian 12's yade 2023.02a; yade here is '${version:-absent}'" ;;
+	esac
+}
+
+# A build folder that belongs to another clone or a moved one cannot be used by cmake.
+dropForeignBuild() {
+	local cache=$build/CMakeCache.txt
+	[ -f "$cache" ] || return 0
+	grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || rm -rf "$build"
+}
+
+# ensureBuilt [target]: everything, or only one target of CMake.
+ensureBuilt() {
+	local target=()
+	[ $# -gt 0 ] && target=(--target "$1")
+	mkdir -p "$build" 2>/dev/null && [ -w "$build" ] || fail "cannot write into $build; set TALIK_BUILD to a folder that is yours"
+	dropForeignBuild
+	if [ ! -f "$build/CMakeCache.txt" ] || [ ! -f "$build/Makefile" ]; then
+		note "Building Talik for the first time (a few minutes) ..."
+		quietly "cmake" "$build/configure.log" cmake -S "$root" -B "$build" -G "Unix Makefiles" -DCMAKE_BUILD_TYPE=Release
+	fi
+	quietly "the build" "$build/build.log" cmake --build "$build" -j "$(nproc)" "${target[@]}"
+}
+
+# Packages, the right YADE, and an up-to-date build.
+ensureReady() {
+	ensurePackages
+	ensureYade
+	ensureBuilt "$@"
+	export PYTHONPATH=$build/python${PYTHONPATH:+:$PYTHONPATH}
+}

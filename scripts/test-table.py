@@ -1,0 +1,49 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Prints what the tests measured: usage  test-table.py <JUnit file of ctest>."""
+
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+
+# Lines by which a test program talks about itself, not about what it measured.
+scaffold = re.compile(
+	r"^\s*$|^\[[-=\s\w]+\]|^Running main\(\)|^Note: Google Test|^=+ .* =+$|^(platform|rootdir|plugins|cachedir|collected|configfile)\b"
+	r"|^Welcome to Yade|^Using python version|^TCP python prompt|^XMLRPC info|^Running script|^\S+\.py(::\S+)?\s*[.FEs]*\s*(\[\s*\d+%\])?$"
+	r"|^[.FEs]+\s*(\[\s*\d+%\])?$|^\d+ (passed|failed).* in .*s"
+)
+
+
+def measuredLines(text):
+	return [line.rstrip() for line in (text or "").splitlines() if not scaffold.match(line)]
+
+
+def outcome(case):
+	if case.find("failure") is not None or case.get("status") == "fail":
+		return "FAILED"
+	if case.find("skipped") is not None or case.get("status") in ("disabled", "notrun"):
+		return "NOT RUN"
+	return "ok"
+
+
+def main(path):
+	try:
+		cases = ElementTree.parse(path).getroot().findall("testcase")
+	except (OSError, ElementTree.ParseError) as error:
+		sys.exit(f"test-table.py: no test report in {path}: {error}")
+	print("\nWhat the tests measured")
+	for case in cases:
+		state = outcome(case)
+		print(f"\n{state:8s}{case.get('name')}  ({float(case.get('time', 0)):.1f} s)")
+		if state == "ok":
+			for line in measuredLines(case.findtext("system-out")):
+				print("        " + line)
+	failed = [case.get("name") for case in cases if outcome(case) != "ok"]
+	seconds = sum(float(case.get("time", 0)) for case in cases)
+	print(f"\n{len(cases) - len(failed)} of {len(cases)} tests passed in {seconds:.0f} s" + (f"; not passed: {', '.join(failed)}" if failed else ""))
+
+
+if __name__ == "__main__":
+	if len(sys.argv) != 2:
+		sys.exit(__doc__)
+	main(sys.argv[1])
