@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/MaterialPoints.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace talik {
+
+/// Ground as a two-phase thermo-hydro-mechanical material point model, composed of the effects that the scene has.
+///
+/// Use: fill settings(), add points, initialise(), then step(dt) again and again, or the calls that it consists of. The step
+/// is the cycle of Yu & Zhao, section 2.3, cut so that stress and pressure at its end belong to the velocities just solved.
+/// Results are bit-identical for any number of threads.
+template <int D> class Ground {
+public:
+	Ground();
+	explicit Ground(const GroundSettings<D>& settings);
+	~Ground();
+	Ground(Ground&&) noexcept;
+	Ground& operator=(Ground&&) noexcept;
+
+	/// To be changed before initialise() only, except gravity, localDamping, flip fractions and time step fractions.
+	GroundSettings<D>&       settings();
+	const GroundSettings<D>& settings() const;
+
+	/// Adds a point and returns its id, which counts from 0 and never changes.
+	int addPoint(const PointInput<D>& point);
+
+	/// Checks everything, allocates all fields and sets the initial state. Throws std::invalid_argument naming attribute, value
+	/// and remedy.
+	void initialise();
+	bool initialised() const;
+
+	// ---- one step, in the order of the paper -------------------------------------------------------------------------------
+	/// Advances by dt [s] > 0: all calls below in turn.
+	void step(double dt);
+	void beginStep(double dt);      ///< sets the length of the step, sorts points if needed
+	void mapToGrid();               ///< mass, momentum, internal force, enthalpy: nodal velocities and temperature (step 1)
+	void updateTemperature();       ///< heat conduction and thermal boundaries on the nodes (thermal part of step 4)
+	void solveMomentum();           ///< nodal forces, node-implicit drag, mechanical boundaries, seepage fluxes (step 4)
+	void mapToPoints();             ///< velocity, displacement, position, received heat and water (step 5)
+	void updateStrainAndPressure(); ///< strain, volume, porosity, temperature, ice saturation, pore pressure (step 2 of the next cycle)
+	void updateEffectiveStress();   ///< asks the skeleton models (step 3 of the next cycle); ends the step
+
+	/// Largest stable step with the present state and which limit governs it. Prints nothing, changes nothing.
+	StableTimeStep stableTimeStep() const;
+
+	/// Sums and logged exchanges. Costs a pass over the points.
+	Balance<D> balance() const;
+
+	// ---- state -------------------------------------------------------------------------------------------------------------
+	double time() const;  ///< [s]
+	long   steps() const; ///< done so far
+	double dt() const;    ///< of the present or last step [s]
+
+	const Grid<D>&           grid() const;
+	MaterialPoints<D>&       points();
+	const MaterialPoints<D>& points() const;
+
+	/// All fields that exist, of points and nodes.
+	std::vector<FieldInfo> fields() const;
+
+	/// One component of a point field in the order of ids, to out[0..count). Throws std::invalid_argument listing the fields.
+	void copyById(const std::string& field, int component, double* out) const;
+
+	/// Points of one skeleton model as the model sees them.
+	SkeletonBatch<D> skeletonBatch(int skeleton) const;
+
+	/// After stress, temperature, ice saturation or pressure of points was changed from outside.
+	/// Sets the temperature [degC] and pressure [Pa] of a point (by id), with masses and enthalpy to match.
+	void setThermalState(int id, double temperature, double pressure);
+
+	/// Complete state: everything that has to be written and read back, in this order, for a run to continue bit for bit. Call on
+	/// an initialised ground with the same settings and points.
+	std::vector<StateArray> state();
+	/// To be called after the arrays of state() were overwritten.
+	void stateRestored();
+
+private:
+	struct Parts;
+	std::unique_ptr<Parts> parts_;
+};
+
+extern template class Ground<2>;
+extern template class Ground<3>;
+
+} // namespace talik

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/Boundary.hpp>
+#include <pkg/mpm/SkeletonModel.hpp>
+#include <pkg/mpm/Vector.hpp>
+#include <pkg/thm/Enthalpy.hpp>
+#include <pkg/thm/FreezingCurve.hpp>
+#include <pkg/thm/Mixture.hpp>
+#include <pkg/thm/Permeability.hpp>
+#include <pkg/thm/PoreWaterState.hpp>
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
+template <int D> struct MotionSettings {
+	Vec<D> gravity {};           ///< body force per mass b [m/s^2]
+	double flipFraction = 0.97;  ///< chi of the solid velocity: 1 = FLIP, 0 = PIC
+	double localDamping = 0.0;   ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
+	bool   cellAveraging = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
+};
+
+/// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
+struct HeatSettings {
+	double        thermalTimeScale = 1.0; ///< f_T multiplies conduction, Robin coefficients, heat fluxes and sources [-], > 0
+	double        smoothingTime    = std::numeric_limits<double>::infinity(); ///< tau_T of the conservative smoothing of point temperatures [s]
+	double        source           = 0.0; ///< Q, heat produced per volume [W/m^3]
+	EnthalpyForm  enthalpyForm     = EnthalpyForm::stateFunction;
+	LatentDensity latentDensity    = LatentDensity::ice;
+};
+
+/// The effect of pore water: a second velocity, pressure, seepage.
+struct WaterSettings {
+	PoreWaterState state;               ///< bulk moduli, cavitation pressure, densityChange
+	Permeability   permeability;        ///< hydraulic conductivity
+	double         flipFraction = 0.9;  ///< chi of the liquid velocity
+	/// exact: pressure from masses (drift-free). printed: rate form with the coefficient of Yu & Zhao eq. (3), for comparison.
+	/// The choice is made by state.massCoefficient.
+};
+
+/// Everything about a scene that is fixed before it starts. Absent optionals are absent effects: no field, no loop, no limit.
+template <int D> struct GroundSettings {
+	Vec<D> lower {};      ///< corner of the grid's box [m]
+	Vec<D> upper {};      ///< opposite corner [m], whole number of spacings away
+	double gridSpacing = 0.0; ///< h [m], > 0
+	std::string shapeFunction = "quadraticBSpline"; ///< see shapeFunctionNames()
+
+	MixtureProperties mixture;
+
+	std::optional<MotionSettings<D>> motion;
+	std::optional<HeatSettings>      heat;
+	FreezingCurvePtr                 freezing; ///< needs heat
+	std::optional<WaterSettings>     water;    ///< needs motion
+	bool                             energyLedger = false; ///< keep account of work and dissipation, see Balance
+
+	/// Fraction of the pores that holds water, in [0, 1]; NaN (default): 1 with heat or water, 0 in a dry scene. With water it must be 1.
+	double poreFill = std::numeric_limits<double>::quiet_NaN();
+
+	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
+	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
+
+	double waveFraction = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]
+	double heatFraction = 0.9;   ///< C_T: time step over the explicit heat limit, in (0, 1]
+	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
+};
+
+/// One material point as it is put into a scene.
+template <int D> struct PointInput {
+	Vec<D> position {};        ///< [m]
+	double volume = 0.0;       ///< [m^D], > 0
+	double porosity = 0.4;     ///< n [-], in (0, 1)
+	double temperature = 0.0;  ///< [degC], used if heat is present
+	double pressure = 0.0;     ///< pore pressure [Pa], used if water is present
+	int    skeleton = 0;       ///< index into GroundSettings::skeletons
+	Vec<D> velocity {};        ///< of solid and liquid [m/s]
+	std::array<double, stressSize<D>> stress {}; ///< effective stress [Pa], tension positive
+};
+
+/// One of the limits of the explicit time step.
+struct TimeStepLimit {
+	std::string name;  ///< "wave", "velocity", "heat", "heat advection"
+	double      step;  ///< [s], safety fraction included; infinity: not a limit
+	int         point; ///< id of the point that governs, -1 if none
+};
+
+/// The largest stable time step and what limits it.
+struct StableTimeStep {
+	double                     step; ///< [s]
+	std::string                governing;
+	std::vector<TimeStepLimit> limits;
+};
+
+/// Sums over the ground and what crossed its boundary since the start. Per metre of thickness in 2-D.
+template <int D> struct Balance {
+	double time = 0.0;
+	double solidMass = 0.0, waterMass = 0.0, iceMass = 0.0; ///< [kg]; water includes ice
+	double waterOut = 0.0;   ///< left through drained boundaries [kg]
+	Vec<D> momentum {};      ///< of both phases [kg m/s]
+	Vec<D> impulse {};       ///< of gravity, loads, walls and damping since the start [N s]
+	double enthalpy = 0.0;   ///< [J]
+	double heatIn = 0.0;     ///< conducted in through boundaries and produced by sources [J]
+	double enthalpyOut = 0.0; ///< carried out by water [J]
+
+	// Mechanical energies [J]; the works only with GroundSettings::energyLedger.
+	double kineticEnergy = 0.0;
+	double gravityEnergy = 0.0;   ///< relative to the origin of coordinates
+	double skeletonWork = 0.0;    ///< done on the skeleton by effective stress
+	double porePressureWork = 0.0; ///< done by pore pressure on the pore content
+	double dragDissipation = 0.0;
+	double dampingDissipation = 0.0;
+	double loadWork = 0.0;        ///< done by surface loads
+};
+
+/// One array of the complete state.
+struct StateArray {
+	std::string name;
+	void*       data;
+	std::size_t bytes;
+};
+
+} // namespace talik

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/SkeletonModel.hpp>
+
+namespace talik {
+
+/// Elastic, perfectly plastic ground after Mohr and Coulomb with a tension cut-off, whose stiffness, cohesion and tensile
+/// strength follow the ice saturation: X(S_i) = X_thawed + (X_frozen - X_thawed) phi(S_i), phi = 1 - (1 - S_i^m)^m
+/// (the ice function of Yu & Zhao, eqs. 5 to 7, used here at the scale of the ground).
+/// Trial stress by the Jaumann rate, then return to the yield surface in principal stresses (planes, edges, apex, cut-off).
+template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
+public:
+	double youngModulus       = 10e6;  ///< thawed E [Pa], > 0
+	double youngModulusFrozen = 100e6; ///< E at S_i = 1 [Pa], >= youngModulus
+	double poissonRatio       = 0.3;   ///< [-], in (-1, 0.5)
+	double cohesion           = 1e3;   ///< thawed c [Pa], >= 0
+	double cohesionFrozen     = 500e3; ///< c at S_i = 1 [Pa], >= 0
+	double frictionAngle      = 30.0;  ///< [deg], in [0, 90)
+	double dilationAngle      = 0.0;   ///< [deg], in [0, frictionAngle]
+	double tensileStrength    = 0.0;   ///< thawed [Pa], >= 0; never above c cot(phi)
+	double tensileStrengthFrozen = 200e3; ///< at S_i = 1 [Pa], >= 0
+	double iceExponent        = 2.0;   ///< m of phi [-], >= 1
+
+	std::string name() const override { return "MohrCoulombSkeleton"; }
+	void        validate() const override;
+	void        declareFields(PointFields&, const std::string& prefix) override;
+	void        updateStress(const SkeletonBatch<D>&) override;
+	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
+
+private:
+	PointFields*        fields_ = nullptr;
+	PointFields::Handle plasticStrain_ = -1;
+};
+
+} // namespace talik

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// What is known about one field of the points or of the nodes.
+struct FieldInfo {
+	std::string name;
+	std::string owner;      ///< the effect that needs it
+	std::string unit;
+	std::string place;      ///< "points" or "nodes"
+	int         components; ///< arrays of doubles
+	std::size_t bytes;
+	bool        persistent; ///< part of the state that a checkpoint holds (the rest is recomputed in each step)
+};
+
+/// Registry and storage of the fields of the material points. Every field is a set of contiguous arrays of doubles, one per
+/// component, owned by the effect that declared it. Declare first, then allocate once; pointers stay valid afterwards, also
+/// when the points are reordered.
+class PointFields {
+public:
+	/// Handle of a declared field.
+	using Handle = int;
+
+	/// Declares a field. Throws std::logic_error if the name is taken or storage exists already.
+	Handle declare(const std::string& name, const std::string& owner, const std::string& unit, int components, bool persistent = true);
+
+	/// Allocates all fields for count points, set to zero.
+	void allocate(int count);
+
+	int  count() const { return count_; }
+	bool has(const std::string& name) const;
+
+	/// Array of one component; nullptr if the field is not there.
+	double*       component(Handle field, int component = 0);
+	const double* component(Handle field, int component = 0) const;
+	double*       find(const std::string& name, int component = 0);
+	const double* find(const std::string& name, int component = 0) const;
+
+	const std::vector<FieldInfo>& list() const { return info_; }
+
+	/// New place k receives what was at place from[k], in every field.
+	void reorder(const int* from);
+
+private:
+	std::vector<FieldInfo> info_;
+	std::vector<int>       firstArray_;
+	std::vector<double*>   arrays_;
+	std::unique_ptr<double, void (*)(void*)> storage_ { nullptr, nullptr };
+	std::vector<double>    scratch_;
+	int                    count_ = 0;
+};
+
+} // namespace talik

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace talik {
+
+/// Point or vector of D components [2-D: x, y; 3-D: x, y, z].
+template <int D> using Vec = std::array<double, D>;
+
+/// Number of stored stress components: plane strain keeps xx, yy, zz, xy; 3-D keeps xx, yy, zz, yz, xz, xy.
+template <int D> constexpr int stressSize = D == 2 ? 4 : 6;
+
+/// Place of sigma_ij (i, j < D) among the stored stress components.
+template <int D> constexpr int stressIndex(int i, int j)
+{
+	if (i == j) return i;
+	if (D == 2) return 3;
+	return 6 - i - j; // yz = 3, xz = 4, xy = 5
+}
+
+} // namespace talik
