@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/thm/EnthalpySolve.hpp>
+
+#include <sstream>
+#include <stdexcept>
+
+namespace talik {
+
+EnthalpyForm enthalpyFormFromName(const std::string& name)
+{
+	if (name == "stateFunction") return EnthalpyForm::stateFunction;
+	if (name == "capacityIntegral") return EnthalpyForm::capacityIntegral;
+	throw std::invalid_argument("enthalpyForm = '" + name + "': choose stateFunction (default) or capacityIntegral");
+}
+
+LatentDensity latentDensityFromName(const std::string& name)
+{
+	if (name == "ice") return LatentDensity::ice;
+	if (name == "liquid") return LatentDensity::liquid;
+	throw std::invalid_argument("latentDensity = '" + name + "': choose ice (default) or liquid");
+}
+
+EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurvePtr curve, EnthalpyForm form, LatentDensity latentDensity)
+        : properties_(properties)
+        , curve_(curve ? std::move(curve) : unfrozenCurve())
+        , form_(form)
+        , latentDensity_(latentDensity)
+{
+	properties_.validate();
+	const bool   asPrinted = latentDensity == LatentDensity::liquid;
+	const double excess    = asPrinted ? properties_.liquid.density / properties_.ice.density : 1.0;
+	latentHeat_            = properties_.latentHeat * excess;
+	latentPerPoreVolume_   = properties_.ice.density * latentHeat_;
+	integralAtReference_   = curve_->integral(properties_.referenceTemperature);
+}
+
+void EnthalpyModel::setTolerance(double tolerance)
+{
+	requireProperty(tolerance > 0.0 && tolerance <= 1e-6, "enthalpyTolerance", tolerance, "must lie in (0, 1e-6]; 1e-12 is the default");
+	tolerance_ = tolerance;
+}
+
+ThermalState EnthalpyModel::stateAt(const SoilContent& soil, double temperature) const
+{
+	const double     sl = curve_->liquidSaturation(temperature);
+	const Evaluation at = evaluation(soil, temperature, sl, curve_->derivative(temperature), 0.0);
+	return { temperature, sl, at.iceMass, at.heatCapacity, std::isfinite(at.heatCapacity) && temperature > lowestTemperature };
+}
+
+double EnthalpyModel::enthalpy(const SoilContent& soil, double temperature) const
+{
+	const double integral = curve_->integral(temperature) - integralAtReference_;
+	return evaluation(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), integral).enthalpy;
+}
+
+double EnthalpyModel::apparentCapacity(const SoilContent& soil, double temperature) const
+{
+	return evaluation(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), 0.0).slope;
+}
+
+ThermalState EnthalpyModel::solve(const SoilContent& soil, double enthalpy, double guess) const
+{
+	ThermalState        state { guess, 1.0, 0.0, 0.0, true };
+	const EnthalpyBatch one { 1,
+		                  &enthalpy,
+		                  &soil.solidMass,
+		                  &soil.waterMass,
+		                  &soil.poreVolume,
+		                  &state.temperature,
+		                  &state.liquidSaturation,
+		                  &state.iceMass,
+		                  &state.heatCapacity };
+	if (temperatures(one) == 1) return state;
+	std::ostringstream text;
+	text << "enthalpy = " << enthalpy << " J of a point with " << soil.solidMass << " kg of grains and " << soil.waterMass
+	     << " kg of water: no temperature above " << lowestTemperature << " degC belongs to it; reduce the time step or check the heat sources";
+	throw std::runtime_error(text.str());
+}
+
+} // namespace talik

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/thm/EnthalpySolve.hpp>
+#include <pkg/thm/FreezingCurve.hpp>
+#include <pkg/thm/FreezingCurveShapes.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace talik {
+
+namespace {
+
+	template <class Curve> class CurveOf final : public FreezingCurve {
+	public:
+		explicit CurveOf(const CurveParameters& parameters)
+		        : curve_(parameters)
+		        , name_(Curve::name())
+		        , parameters_(parameters)
+		{
+		}
+		const std::string&     name() const override { return name_; }
+		const CurveParameters& parameters() const override { return parameters_; }
+		double                 freezingTemperature() const override { return curve_.freezingTemperature; }
+		double                 residualSaturation() const override { return curve_.residualSaturation; }
+		bool                   isSharp() const override { return Curve::sharp; }
+		double                 liquidSaturation(double temperature) const override { return curve_.liquidSaturation(temperature); }
+		double                 derivative(double temperature) const override { return curve_.derivative(temperature); }
+		double                 integral(double temperature) const override { return curve_.integral(temperature); }
+
+		void evaluate(const double* temperature, double* liquidSaturation, double* derivative, std::size_t count) const override
+		{
+			for (std::size_t p = 0; p < count; ++p)
+				liquidSaturation[p] = curve_.liquidSaturation(temperature[p]);
+			if (!derivative) return;
+			for (std::size_t p = 0; p < count; ++p)
+				derivative[p] = curve_.derivative(temperature[p]);
+		}
+
+		std::size_t solveTemperatures(const EnthalpyModel& model, const EnthalpyBatch& batch) const override
+		{
+			std::size_t firstInvalid = batch.count;
+			for (std::size_t p = 0; p < batch.count; ++p) {
+				const SoilContent  soil { batch.solidMass[p], batch.waterMass[p], batch.poreVolume[p] };
+				const ThermalState state  = model.solveWith(curve_, soil, batch.enthalpy[p], batch.temperature[p]);
+				batch.temperature[p]      = state.temperature;
+				batch.liquidSaturation[p] = state.liquidSaturation;
+				batch.iceMass[p]          = state.iceMass;
+				batch.heatCapacity[p]     = state.heatCapacity;
+				if (!state.valid) firstInvalid = std::min(firstInvalid, p);
+			}
+			return firstInvalid;
+		}
+
+	private:
+		Curve           curve_;
+		std::string     name_;
+		CurveParameters parameters_;
+	};
+
+	struct Registration {
+		std::vector<CurveParameter> (*parameters)();
+		FreezingCurvePtr (*make)(const CurveParameters&);
+	};
+
+	template <class Curve> std::pair<const std::string, Registration> entry()
+	{
+		return { Curve::name(), { &Curve::parameters, [](const CurveParameters& values) -> FreezingCurvePtr { return std::make_shared<CurveOf<Curve>>(values); } } };
+	}
+
+	const std::map<std::string, Registration>& registry()
+	{
+		static const std::map<std::string, Registration> table {
+			entry<VanGenuchtenCurve>(),
+			entry<GaussCurve>(),
+			entry<ExponentialCurve>(),
+			entry<PowerCurve>(),
+			entry<LinearCurve>(),
+			entry<SharpCurve>(),
+		};
+		return table;
+	}
+
+	std::string listed(const std::vector<std::string>& names)
+	{
+		std::string text;
+		for (const std::string& name : names)
+			text += (text.empty() ? "" : ", ") + name;
+		return text;
+	}
+
+	const Registration& registered(const std::string& name)
+	{
+		const auto found = registry().find(name);
+		if (found == registry().end()) throw std::invalid_argument("freezingCurve = '" + name + "': choose one of " + listed(freezingCurveNames()));
+		return found->second;
+	}
+
+	CurveParameters completed(const std::string& name, const std::vector<CurveParameter>& known, const CurveParameters& given)
+	{
+		CurveParameters          values;
+		std::vector<std::string> names;
+		for (const CurveParameter& parameter : known) {
+			values[parameter.name] = parameter.defaultValue;
+			names.push_back(parameter.name);
+		}
+		for (const auto& [key, value] : given) {
+			if (!values.count(key))
+				throw std::invalid_argument("freezingCurve " + name + " has no parameter '" + key + "': it has " + listed(names));
+			values[key] = value;
+		}
+		return values;
+	}
+
+	std::vector<CurveParameter> with(std::vector<CurveParameter> parameters, const std::vector<CurveParameter>& more)
+	{
+		parameters.insert(parameters.end(), more.begin(), more.end());
+		return parameters;
+	}
+
+	double positive(const CurveParameters& given, const std::string& curve, const std::string& name, const std::string& unit)
+	{
+		const double value = given.at(name);
+		requireProperty(std::isfinite(value) && value > 0.0, "freezingCurve." + curve + "." + name, value, "must be positive, in " + unit);
+		return value;
+	}
+
+	// Five-point Gauss-Legendre rule on [0,1]
+	constexpr double gaussNodes[5]   = { 0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155, 0.95308992296933198 };
+	constexpr double gaussWeights[5] = { 0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454 };
+
+	template <class Function> double gaussIntegral(const Function& f, double from, double to)
+	{
+		double sum = 0.0;
+		for (int k = 0; k < 5; ++k)
+			sum += gaussWeights[k] * f(from + gaussNodes[k] * (to - from));
+		return sum * (to - from);
+	}
+
+} // namespace
+
+CurveBase::CurveBase(const CurveParameters& given)
+{
+	if (given.empty()) return;
+	freezingTemperature = given.at("freezingTemperature");
+	residualSaturation  = given.at("residualSaturation");
+	requireProperty(
+	        freezingTemperature > -50.0 && freezingTemperature < 50.0,
+	        "freezingCurve.freezingTemperature",
+	        freezingTemperature,
+	        "must be a temperature in degC between -50 and 50 (pure water: 0)");
+	requireProperty(
+	        residualSaturation >= 0.0 && residualSaturation < 1.0,
+	        "freezingCurve.residualSaturation",
+	        residualSaturation,
+	        "must lie in [0, 1); 0.01 or more keeps the liquid defined in frozen ground");
+}
+
+std::vector<CurveParameter> CurveBase::baseParameters()
+{
+	return { { "freezingTemperature", 0.0, "T_f, ice forms below it [degC]" },
+		 { "residualSaturation", 0.05, "S_r, liquid saturation that never freezes [-], in [0,1)" } };
+}
+
+std::vector<CurveParameter> GaussCurve::parameters()
+{
+	return with(baseParameters(), { { "width", 0.5, "W, undercooling at which S_e = 1/e [K], usually 0.3 to 1" } });
+}
+GaussCurve::GaussCurve(const CurveParameters& given)
+        : CurveBase(given)
+        , width(positive(given, name(), "width", "K"))
+{
+}
+
+std::vector<CurveParameter> ExponentialCurve::parameters()
+{
+	return with(baseParameters(), { { "width", 0.5, "W, undercooling at which S_e = 1/e [K], usually 0.1 to 1" } });
+}
+ExponentialCurve::ExponentialCurve(const CurveParameters& given)
+        : CurveBase(given)
+        , width(positive(given, name(), "width", "K"))
+{
+}
+
+std::vector<CurveParameter> PowerCurve::parameters()
+{
+	return with(baseParameters(), { { "scale", 1.0, "D [K]" }, { "exponent", 5.0, "a [-], > 1, usually 2 to 10" } });
+}
+PowerCurve::PowerCurve(const CurveParameters& given)
+        : CurveBase(given)
+        , scale(positive(given, name(), "scale", "K"))
+        , exponent(given.at("exponent"))
+{
+	requireProperty(std::isfinite(exponent) && exponent > 1.0, "freezingCurve.power.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
+}
+
+std::vector<CurveParameter> LinearCurve::parameters()
+{
+	return with(baseParameters(), { { "frozenTemperature", -1.0, "T_m, S_l = S_r below it [degC], < T_f" } });
+}
+LinearCurve::LinearCurve(const CurveParameters& given)
+        : CurveBase(given)
+        , frozenTemperature(given.at("frozenTemperature"))
+{
+	requireProperty(
+	        frozenTemperature < freezingTemperature && frozenTemperature > -100.0,
+	        "freezingCurve.linear.frozenTemperature",
+	        frozenTemperature,
+	        "must lie below freezingTemperature, in degC (for a jump choose the curve sharp)");
+}
+
+std::vector<CurveParameter> VanGenuchtenCurve::parameters()
+{
+	return with(
+	        baseParameters(),
+	        { { "entryPressure", 1e5, "P_0 [Pa]: sand 1e4 to 5e4, silt 5e4 to 5e5, clay 2e5 to 2e6" },
+	          { "lambda", 0.4, "[-], in (0,1), usually 0.2 to 0.6" },
+	          { "suctionCoefficient", 910.0 * 334.0e3, "rho_i L_f [Pa]" } });
+}
+VanGenuchtenCurve::VanGenuchtenCurve(const CurveParameters& given)
+        : CurveBase(given)
+        , entryPressure(positive(given, name(), "entryPressure", "Pa"))
+        , lambda(given.at("lambda"))
+        , suctionCoefficient(positive(given, name(), "suctionCoefficient", "Pa"))
+        , freezingKelvin(freezingTemperature + zeroCelsius)
+{
+	requireProperty(lambda > 0.0 && lambda < 1.0, "freezingCurve.vanGenuchten.lambda", lambda, "must lie in (0, 1)");
+	knots_.push_back(0.0);
+	integrals_.push_back(0.0);
+	const auto saturation = [this](double theta) { return liquidSaturation(freezingTemperature - theta); };
+	for (double theta = 1e-6; theta < 200.0; theta *= 1.1) {
+		integrals_.push_back(integrals_.back() + gaussIntegral(saturation, knots_.back(), theta));
+		knots_.push_back(theta);
+	}
+}
+double VanGenuchtenCurve::integral(double temperature) const
+{
+	const double theta = freezingTemperature - temperature;
+	if (theta <= 0.0) return -theta;
+	const auto   above = std::upper_bound(knots_.begin(), knots_.end(), theta);
+	const auto   k     = static_cast<std::size_t>(above - knots_.begin()) - 1;
+	const auto   saturation = [this](double x) { return liquidSaturation(freezingTemperature - x); };
+	return -(integrals_[k] + gaussIntegral(saturation, knots_[k], theta));
+}
+
+std::vector<CurveParameter> SharpCurve::parameters() { return baseParameters(); }
+SharpCurve::SharpCurve(const CurveParameters& given)
+        : CurveBase(given)
+{
+}
+
+FreezingCurvePtr makeFreezingCurve(const std::string& name, const CurveParameters& parameters)
+{
+	const Registration& entry = registered(name);
+	return entry.make(completed(name, entry.parameters(), parameters));
+}
+
+FreezingCurvePtr unfrozenCurve()
+{
+	static const FreezingCurvePtr curve = std::make_shared<CurveOf<UnfrozenCurve>>(CurveParameters {});
+	return curve;
+}
+
+std::vector<std::string> freezingCurveNames()
+{
+	std::vector<std::string> names;
+	for (const auto& [name, entry] : registry())
+		names.push_back(name);
+	return names;
+}
+
+std::vector<CurveParameter> freezingCurveParameters(const std::string& name) { return registered(name).parameters(); }
+
+} // namespace talik

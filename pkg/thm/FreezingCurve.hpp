@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+class EnthalpyModel;
+struct EnthalpyBatch;
+
+/// Named parameter values of a freezing curve.
+using CurveParameters = std::map<std::string, double>;
+
+/// One parameter of a freezing curve: name, default, unit and valid range in words.
+struct CurveParameter {
+	std::string name;
+	double      defaultValue;
+	std::string description;
+};
+
+/// Soil freezing characteristic curve S_l(T): liquid saturation against temperature [degC].
+/// S_l = 1 at and above freezingTemperature, decreasing to residualSaturation below; all curves are monotone.
+class FreezingCurve {
+public:
+	virtual ~FreezingCurve() = default;
+
+	virtual const std::string&     name() const                = 0;
+	virtual const CurveParameters& parameters() const          = 0; ///< every parameter with the value in use
+	virtual double                 freezingTemperature() const = 0; ///< T_f [degC]
+	virtual double                 residualSaturation() const  = 0; ///< S_r [-]
+	/// True if S_l jumps at T_f; liquid saturation is then an unknown of its own at T_f.
+	virtual bool isSharp() const = 0;
+
+	virtual double liquidSaturation(double temperature) const = 0; ///< S_l in [S_r, 1]
+	virtual double derivative(double temperature) const       = 0; ///< dS_l/dT >= 0 [1/K]
+	virtual double integral(double temperature) const         = 0; ///< integral of S_l from T_f to T [K]
+
+	/// S_l and dS_l/dT of count temperatures (arrays of length count; derivative may be null): one virtual call for all.
+	virtual void evaluate(const double* temperature, double* liquidSaturation, double* derivative, std::size_t count) const = 0;
+
+	/// T(H) for every entry of the batch with this curve's own code, see EnthalpyModel::temperatures.
+	virtual std::size_t solveTemperatures(const EnthalpyModel& model, const EnthalpyBatch& batch) const = 0;
+};
+
+using FreezingCurvePtr = std::shared_ptr<const FreezingCurve>;
+
+/// Makes a curve by its name: vanGenuchten, gauss, exponential, power, linear, sharp. Parameters that are not given take
+/// their defaults. Throws std::invalid_argument for an unknown name or parameter, or a value out of range.
+FreezingCurvePtr makeFreezingCurve(const std::string& name = "gauss", const CurveParameters& parameters = {});
+
+/// The curve of ground that never freezes: S_l = 1 at any temperature.
+FreezingCurvePtr unfrozenCurve();
+
+/// Names of all registered curves, in alphabetical order.
+std::vector<std::string> freezingCurveNames();
+
+/// Parameters of a registered curve with defaults and descriptions.
+std::vector<CurveParameter> freezingCurveParameters(const std::string& name);
+
+} // namespace talik

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+// The freezing curves themselves, as plain structs whose functions inline into loops over points. A new curve is one struct
+// here with the same members and one line in the table of FreezingCurve.cpp.
+
+#include <pkg/thm/FreezingCurve.hpp>
+#include <pkg/thm/Mixture.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+/// What all curves have: the temperature below which ice forms and the liquid saturation that never freezes.
+struct CurveBase {
+	static constexpr bool sharp        = false;
+	static constexpr bool neverFreezes = false;
+
+	double freezingTemperature = 0.0;  ///< T_f [degC]
+	double residualSaturation  = 0.05; ///< S_r [-], in [0,1)
+
+	explicit CurveBase(const CurveParameters& given);
+	static std::vector<CurveParameter> baseParameters();
+
+	double scaled(double fraction) const { return residualSaturation + (1.0 - residualSaturation) * fraction; }
+};
+
+/// S_e = exp(-(theta/W)^2), theta = T_f - T (McKenzie et al. 2007).
+struct GaussCurve : CurveBase {
+	static const char*                 name() { return "gauss"; }
+	static std::vector<CurveParameter> parameters();
+	explicit GaussCurve(const CurveParameters& given);
+
+	double width; ///< W [K]
+
+	double liquidSaturation(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		if (theta <= 0.0) return 1.0;
+		const double x = theta / width;
+		return scaled(std::exp(-x * x));
+	}
+	double derivative(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		if (theta <= 0.0) return 0.0;
+		const double x = theta / width;
+		return (1.0 - residualSaturation) * 2.0 * x / width * std::exp(-x * x);
+	}
+	double integral(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		if (theta <= 0.0) return -theta;
+		constexpr double halfSqrtPi = 0.88622692545275801365;
+		return -(residualSaturation * theta + (1.0 - residualSaturation) * width * halfSqrtPi * std::erf(theta / width));
+	}
+};
+
+/// S_e = exp(-theta/W).
+struct ExponentialCurve : CurveBase {
+	static const char*                 name() { return "exponential"; }
+	static std::vector<CurveParameter> parameters();
+	explicit ExponentialCurve(const CurveParameters& given);
+
+	double width; ///< W [K]
+
+	double liquidSaturation(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		return theta <= 0.0 ? 1.0 : scaled(std::exp(-theta / width));
+	}
+	double derivative(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		return theta <= 0.0 ? 0.0 : (1.0 - residualSaturation) * std::exp(-theta / width) / width;
+	}
+	double integral(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		if (theta <= 0.0) return -theta;
+		return -(residualSaturation * theta - (1.0 - residualSaturation) * width * std::expm1(-theta / width));
+	}
+};
+
+/// S_e = (1 + theta/D)^-a.
+struct PowerCurve : CurveBase {
+	static const char*                 name() { return "power"; }
+	static std::vector<CurveParameter> parameters();
+	explicit PowerCurve(const CurveParameters& given);
+
+	double scale;    ///< D [K]
+	double exponent; ///< a [-], > 1
+
+	double liquidSaturation(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		return theta <= 0.0 ? 1.0 : scaled(std::pow(1.0 + theta / scale, -exponent));
+	}
+	double derivative(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		return theta <= 0.0 ? 0.0 : (1.0 - residualSaturation) * exponent / scale * std::pow(1.0 + theta / scale, -exponent - 1.0);
+	}
+	double integral(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		if (theta <= 0.0) return -theta;
+		const double integralOfPower = scale * (1.0 - std::pow(1.0 + theta / scale, 1.0 - exponent)) / (exponent - 1.0);
+		return -(residualSaturation * theta + (1.0 - residualSaturation) * integralOfPower);
+	}
+};
+
+/// S_e falls linearly from one at T_f to zero at frozenTemperature T_m; has exact moving-boundary solutions (Lunardini).
+struct LinearCurve : CurveBase {
+	static const char*                 name() { return "linear"; }
+	static std::vector<CurveParameter> parameters();
+	explicit LinearCurve(const CurveParameters& given);
+
+	double frozenTemperature; ///< T_m [degC], < T_f
+
+	double span() const { return freezingTemperature - frozenTemperature; }
+	double liquidSaturation(double temperature) const
+	{
+		if (temperature >= freezingTemperature) return 1.0;
+		if (temperature <= frozenTemperature) return residualSaturation;
+		return scaled((temperature - frozenTemperature) / span());
+	}
+	double derivative(double temperature) const
+	{
+		const bool inside = temperature > frozenTemperature && temperature < freezingTemperature;
+		return inside ? (1.0 - residualSaturation) / span() : 0.0;
+	}
+	double integral(double temperature) const
+	{
+		const double theta = freezingTemperature - temperature;
+		if (theta <= 0.0) return -theta;
+		const double x = theta / span();
+		const double integralOfFraction = x < 1.0 ? theta * (1.0 - 0.5 * x) : 0.5 * span();
+		return -(residualSaturation * theta + (1.0 - residualSaturation) * integralOfFraction);
+	}
+};
+
+/// Clausius-Clapeyron suction s = -rho_i L_f ln(T_K/T_fK) in van Genuchten's retention curve,
+/// S_e = [1 + (s/P_0)^(1/(1-lambda))]^-lambda (form of Nishimura et al. 2009).
+struct VanGenuchtenCurve : CurveBase {
+	static const char*                 name() { return "vanGenuchten"; }
+	static std::vector<CurveParameter> parameters();
+	explicit VanGenuchtenCurve(const CurveParameters& given);
+
+	double entryPressure;       ///< P_0 [Pa]
+	double lambda;              ///< [-], in (0,1)
+	double suctionCoefficient;  ///< rho_i L_f [Pa]
+	double freezingKelvin;      ///< T_f [K]
+	static constexpr double zeroCelsius = 273.15;
+
+	double suction(double temperature) const
+	{
+		// log1p keeps the digits of a small undercooling that the ratio of absolute temperatures would lose
+		return -suctionCoefficient * std::log1p((temperature - freezingTemperature) / freezingKelvin);
+	}
+	double liquidSaturation(double temperature) const
+	{
+		if (temperature >= freezingTemperature) return 1.0;
+		const double x = std::pow(suction(temperature) / entryPressure, 1.0 / (1.0 - lambda));
+		return scaled(std::pow(1.0 + x, -lambda));
+	}
+	double derivative(double temperature) const
+	{
+		if (temperature >= freezingTemperature) return 0.0;
+		const double s = suction(temperature);
+		const double x = std::pow(s / entryPressure, 1.0 / (1.0 - lambda));
+		return (1.0 - residualSaturation) * lambda / (1.0 - lambda) * (x / s) * std::pow(1.0 + x, -lambda - 1.0) * suctionCoefficient
+		        / (temperature + zeroCelsius);
+	}
+	double integral(double temperature) const;
+
+private:
+	// Without a closed form the integral is tabulated at undercoolings in geometric progression (S_l is not smooth at T_f).
+	std::vector<double> knots_, integrals_;
+};
+
+/// All pore water but the residual freezes at T_f itself.
+struct SharpCurve : CurveBase {
+	static constexpr bool              sharp = true;
+	static const char*                 name() { return "sharp"; }
+	static std::vector<CurveParameter> parameters();
+	explicit SharpCurve(const CurveParameters& given);
+
+	double liquidSaturation(double temperature) const { return temperature >= freezingTemperature ? 1.0 : residualSaturation; }
+	double derivative(double) const { return 0.0; }
+	double integral(double temperature) const
+	{
+		const double above = temperature - freezingTemperature;
+		return above >= 0.0 ? above : residualSaturation * above;
+	}
+};
+
+/// Ground that never freezes.
+struct UnfrozenCurve : CurveBase {
+	static constexpr bool              neverFreezes = true;
+	static const char*                 name() { return "unfrozen"; }
+	static std::vector<CurveParameter> parameters() { return {}; }
+	explicit UnfrozenCurve(const CurveParameters&)
+	        : CurveBase(CurveParameters {})
+	{
+	}
+
+	double liquidSaturation(double) const { return 1.0; }
+	double derivative(double) const { return 0.0; }
+	double integral(double temperature) const { return temperature - freezingTemperature; }
+};
+
+} // namespace talik
