@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <pkg/icebond/IceBondModel.hpp>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace talik {
+
+/// What never changes in the life of a sample; shared by every sample that comes from the same preparation.
+struct PackedGrains {
+	std::vector<double>       radius;  ///< r_0 [m], > 0
+	std::vector<double>       mass;    ///< [kg], > 0
+	std::vector<double>       inertia; ///< about the axis of rotation [kg m^2], > 0
+	std::vector<std::int32_t> id;      ///< body id in the scene the sample comes from
+	std::size_t               size() const { return radius.size(); }
+};
+
+/// Types that differ between discs (Dim 2) and spheres (Dim 3).
+template <int Dim> struct PackedTypes {
+	static_assert(Dim == 2 || Dim == 3, "discs or spheres");
+	using Vector      = Eigen::Matrix<double, Dim, 1>;
+	using Matrix      = Eigen::Matrix<double, Dim, Dim>;
+	using Spin        = std::conditional_t<Dim == 2, double, Eigen::Matrix<double, 3, 1>>; ///< angular velocity [rad/s]
+	using Orientation = std::conditional_t<Dim == 2, double, std::array<double, 4>>;       ///< angle [rad], or quaternion w x y z
+	using Shear       = std::conditional_t<Dim == 2, double, Eigen::Matrix<double, 3, 1>>; ///< shear force [N], see PackedContacts
+	using CellDist    = std::array<std::int8_t, Dim>;
+};
+
+/// Contacts that carry history, arrays of equal length. In two dimensions the shear force is the scalar s along
+/// t = z x n, n from grain `first` to grain `second`: the force on `second` is F_n n + s t. In three dimensions it is the vector
+/// that acts on `second`. Compression is positive in F_n.
+template <int Dim> struct PackedContacts {
+	std::vector<std::uint16_t>                       first, second; ///< grain indices, first < second
+	std::vector<typename PackedTypes<Dim>::CellDist> cellDist;      ///< c of branch x_2 + H c - x_1
+	std::vector<typename PackedTypes<Dim>::Shear>    shear;         ///< [N]
+	std::vector<Eigen::Matrix<double, 3, 1>>         normal;        ///< n of the last step; spheres only, empty for discs
+
+	/// Bond data, all empty in a sample that carries no bond.
+	std::vector<typename PackedTypes<Dim>::Shear> iceShear;       ///< the part of `shear` carried by ice [N]
+	std::vector<double>                           iceReference;   ///< u_ice: overlap at which the ice spring is free [m]
+	std::vector<double>                           grainReference; ///< u_grain: the same of the cemented grain spring [m]
+	std::vector<std::uint8_t>                     bond;           ///< a BondState, plus iceSpringUncut for a broken bond that still pushes
+
+	static constexpr std::uint8_t iceSpringUncut = 4;
+	std::size_t                   size() const { return first.size(); }
+};
+
+/// Shrinkage of ice-rich grains on thawing (eq. (8), "mechanical" radius): r(S) = r_0 (1 - thawStrainScale (1 - ratio(S)/ratio(1))).
+/// Scale 0 is the bookkeeping rule. Shrinkage is not undone by refreezing.
+struct PackedThawStrain {
+	double porosity        = 0.18; ///< n_0 of eq. (8), of the sample [-]
+	double thawStrainScale = 0;    ///< 0 (bookkeeping) to 1 (all of eq. (8))
+};
+
+/// Whole state of a periodic sample: what is kept between updates, saved and loaded. Plain data.
+template <int Dim> struct PackedState {
+	using Vector = typename PackedTypes<Dim>::Vector;
+	using Matrix = typename PackedTypes<Dim>::Matrix;
+
+	std::shared_ptr<const PackedGrains>                 grains;
+	std::vector<Vector>                                 position;        ///< unwrapped [m]
+	std::vector<Vector>                                 velocity;        ///< contains velGrad * position, as in YADE [m/s]
+	std::vector<typename PackedTypes<Dim>::Spin>        angularVelocity; ///< [rad/s]
+	std::vector<typename PackedTypes<Dim>::Orientation> orientation;
+	PackedContacts<Dim>                                 contacts;
+
+	Matrix hSize          = Matrix::Identity(); ///< cell vectors in columns [m]
+	Matrix prevHSize      = Matrix::Identity(); ///< the same one step ago
+	Matrix velGrad        = Matrix::Zero();     ///< L that moves the cell in the next step [1/s]
+	Matrix prevVelGrad    = Matrix::Zero();     ///< L that the integrator used last (zero in a fresh YADE integrator)
+	Matrix nextVelGrad    = Matrix::Zero();     ///< L that comes into force in the integrator of the next step
+	Matrix trsf           = Matrix::Identity(); ///< accumulated deformation gradient
+	Matrix stress         = Matrix::Zero();     ///< Love-Weber stress of the last step, tension positive, not symmetrised [Pa]
+	double dt             = 1.5e-5;             ///< [s], > 0
+	double damping        = 0.2;                ///< numerical damping of the integrator [-], 0 to 1
+	double thickness      = 0.1;                ///< out-of-plane size of the cell, discs only [m], > 0
+	double friction       = 0.5;                ///< tangent of the contact friction angle [-], >= 0
+	double stiffnessRatio = 0.8;                ///< k_s/k_n [-], >= 0
+	double density        = 2650;               ///< of the grains, for the inertial number only [kg/m^3]
+
+	IceBondModel     ice;               ///< ice.grainYoung is the contact modulus of the grains, with or without bonds
+	double           iceSaturation = 0; ///< S_i [-]
+	PackedThawStrain thawStrain;
+	double           radiusFactor = 1;  ///< r/r_0 of every grain at present [-]
+	std::uint64_t    step         = 0;
+
+	std::uint64_t bondsFormed = 0, bondsBrokenInTension = 0, bondsBrokenInShear = 0, bondsMelted = 0; ///< since preparation
+
+	std::size_t size() const { return position.size(); }
+	bool        bonded() const { return !contacts.bond.empty(); }
+	/// Area of discs [m^2] or volume of spheres' cell [m^3] times thickness (1 for spheres): the V of the stress.
+	double volume() const;
+
+	/// Bytes held by this state alone, its grains' constants excluded (they are shared).
+	std::size_t parkedBytes() const;
+	/// Everything, grains' constants included; fromBytes(toBytes()) is bit-equal. Throws std::runtime_error on foreign or damaged bytes.
+	std::string        toBytes() const;
+	static PackedState fromBytes(const std::string& bytes);
+
+	/// Throws std::invalid_argument naming the attribute, its value and a remedy.
+	void check() const;
+};
+
+/// Measures of a sample, all computed from its state.
+template <int Dim> struct PackedStatistics {
+	std::size_t                       contacts = 0, bondsIntact = 0, bondsBroken = 0; ///< broken: contacts in state BROKEN at present
+	double                            coordinationNumber = 0;                         ///< 2 contacts/grains [-]
+	double                            porosity           = 0;                         ///< 1 - grain area/cell area [-]
+	double                            kineticEnergy      = 0;                         ///< of velocity fluctuations and rotation [J]
+	double                            unbalancedForce    = 0;                         ///< mean |net force on a grain|/mean |contact force| [-]
+	double                            meanOverlapRatio   = 0;                         ///< mean overlap/(r_1 + r_2) of touching pairs [-]
+	double                            maxOverlapRatio    = 0;                         ///< largest overlap/min radius [-]
+	typename PackedTypes<Dim>::Matrix fabric             = PackedTypes<Dim>::Matrix::Zero(); ///< mean n (x) n [-]
+};
+
+/// Elastic upper bound of the tangent, theory: C_ijkl = 1/V sum (k_n n_i l_j n_k l_l + k_s t_i l_j t_k l_l) [Pa], index ((i Dim+j) Dim+k) Dim+l.
+template <int Dim> using PackedTangent = std::array<double, Dim * Dim * Dim * Dim>;
+
+} // namespace talik
