@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Talik: thawing and freezing ground at two scales, a plugin for the YADE that is running.
+
+``import talik`` in a YADE script or console loads the plugin and registers its classes (``MpmEngine``, ``IceBondMat``, …),
+which are then available everywhere as YADE's own are. The scene is left alone.
+"""
+import sys as _sys
+
+if 'yade.wrapper' not in _sys.modules:
+	raise ImportError('talik is a plugin of YADE: import it in a script or console started by the command "yade".')
+
+from contextlib import contextmanager as _contextmanager
+
+from . import _talik
+
+
+def _publishClasses():
+	"""YADE's own way: constructors of all classes are builtins."""
+	import builtins
+	from yade import wrapper
+	for name in _talik.registerClasses():
+		constructor = getattr(wrapper, name)
+		globals()[name] = constructor
+		setattr(builtins, name, constructor)
+
+
+def _renewDispatchers():
+	"""Dispatch matrices made before the import have no room for the new classes; setting the functors again makes them anew."""
+	from yade import O
+	for engine in O.engines:
+		for name in ('geomDispatcher', 'physDispatcher', 'lawDispatcher', 'boundDispatcher'):
+			dispatcher = getattr(engine, name, None)
+			if dispatcher is not None:
+				dispatcher.functors = dispatcher.functors
+
+
+def _renewView():
+	"""The 3-D view looks for drawing functors when it is made; let it look again."""
+	qt = _sys.modules.get('yade.qt')
+	if qt is not None and hasattr(qt, 'Renderer'):
+		_talik.renewRenderer(qt.Renderer())
+
+
+_publishClasses()
+_renewDispatchers()
+_renewView()
+
+
+@_contextmanager
+def scratchScene():
+	"""A fresh current scene for the block; the former one comes back afterwards, untouched.
+
+	>>> with talik.scratchScene():
+	...     O.bodies.append(sphere((0, 0, 0), 1))
+	"""
+	former = _talik.exchangeScene(_talik.emptyScene())
+	try:
+		yield
+	finally:
+		_talik.exchangeScene(former)

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Periodic two-dimensional packings of discs in YADE's current scene: making them, bringing them to a stress, measuring them.
+
+A disc is a YADE sphere in one layer with z and the rotations about x and y blocked; its mass is that of a disc of the cell's
+thickness, rho pi r^2 t_z, its moment of inertia m r^2/2. Every function works on the scene that is current in `O`; `talik.rve`
+calls them inside a scene of its own. Stresses are in Pa, tension positive.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from yade import Matrix3, O, Vector3, utils, wrapper
+from yade import log as yadeLog
+from yade import pack
+
+cloudDensity = 0.42  # area fraction of the first cloud; random placement of discs comes to an end near 0.54
+stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain
+inertialLimit = 1e-3  # largest inertial number while a stress is servoed (careful value of the DEM literature)
+chunkSteps = 200  # DEM steps between two looks at the convergence
+
+
+class PackingError(RuntimeError):
+	"""A packing cannot be made or brought to the wanted state."""
+
+
+@dataclass(frozen=True)
+class Grains:
+	"""What a packing is made of. Lengths in m, young in Pa, density in kg/m3."""
+
+	number: int
+	radiusMin: float
+	radiusMax: float
+	thickness: float
+	young: float
+	stiffnessRatio: float
+	density: float
+	damping: float
+	ice: bool
+	iceBond: tuple  # (name, value) pairs for IceBondMat
+
+	@property
+	def radiusMean(self):
+		return 0.5 * (self.radiusMin + self.radiusMax)
+
+	@property
+	def timeStep(self):
+		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z."""
+		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * self.thickness / self.young)
+
+	def material(self, friction):
+		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
+		if self.ice:
+			return wrapper.IceBondMat(**common, **dict(self.iceBond))
+		return wrapper.FrictMat(**common)
+
+	def interactionLoop(self):
+		if self.ice:
+			ip2, law = wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(), wrapper.Law2_ScGeom_IceBondPhys_IceBond()
+		else:
+			ip2, law = wrapper.Ip2_FrictMat_FrictMat_FrictPhys(), wrapper.Law2_ScGeom_FrictPhys_CundallStrack()
+		return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [ip2], [law])
+
+	def engines(self, *controllers):
+		return [
+			wrapper.ForceResetter(),
+			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),
+			self.interactionLoop(),
+			*controllers,
+			wrapper.NewtonIntegrator(damping=self.damping),
+		]
+
+
+def iceBondAvailable():
+	"""True when the ice-bond classes of Talik are registered in the running YADE."""
+	return all(
+		hasattr(wrapper, name) for name in ("IceBondMat", "Ip2_IceBondMat_IceBondMat_IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond")
+	)
+
+
+# --- running -------------------------------------------------------------------------------------------------------------
+
+
+def advance(steps):
+	"""Runs the current scene; polls finely because O.run(n, True) itself sleeps 40 ms between two looks."""
+	O.run(steps, False)
+	while O.running:
+		time.sleep(2e-4)
+
+
+# --- measuring -----------------------------------------------------------------------------------------------------------
+
+
+def inPlaneCell():
+	h = O.cell.hSize
+	return np.array([[h[0, 0], h[0, 1]], [h[1, 0], h[1, 1]]])
+
+
+def porosity():
+	"""Two-dimensional porosity of the current scene: 1 - area of discs / area of the cell."""
+	discs = math.pi * sum(body.shape.radius ** 2 for body in O.bodies)
+	return 1 - discs / abs(np.linalg.det(inPlaneCell()))
+
+
+def stress():
+	"""Love-Weber stress (xx, yy, xy) of the current scene [Pa], tension positive, symmetrised."""
+	s = utils.getStress()
+	return np.array([s[0, 0], s[1, 1], 0.5 * (s[0, 1] + s[1, 0])])
+
+
+def contactNormals():
+	"""Unit normals of all contacts that exist, array (n, 2)."""
+	normals = [i.geom.normal for i in O.interactions if i.isReal]
+	return np.array([(n[0], n[1]) for n in normals]).reshape(-1, 2)
+
+
+def fabricTensor(normals):
+	"""Contact fabric F = mean of n (x) n, array (2, 2); the zero matrix without contacts."""
+	normals = np.asarray(normals, dtype=float).reshape(-1, 2)
+	return normals.T @ normals / max(len(normals), 1)
+
+
+def fabricAnisotropy(fabric):
+	"""F1 - F2, difference of the principal values of a fabric tensor: 0 isotropic, 1 all contacts parallel."""
+	return float(math.hypot(fabric[0, 0] - fabric[1, 1], 2 * fabric[0, 1]))
+
+
+# --- making --------------------------------------------------------------------------------------------------------------
+
+
+def fillCloud(grains, friction, seed):
+	"""Grains without contacts, placed at random in a square periodic cell, and engines to move them."""
+	meanSquare = (grains.radiusMin ** 2 + grains.radiusMin * grains.radiusMax + grains.radiusMax ** 2) / 3
+	side = math.sqrt(grains.number * math.pi * meanSquare / cloudDensity)
+	O.periodic = True
+	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, grains.thickness)
+	O.materials.append(grains.material(friction))
+	for centre, radius in _cloud(grains, side, seed):
+		O.bodies.append(_disc(centre, radius, grains))
+	O.engines = grains.engines()
+	O.dt = grains.timeStep
+
+
+def _cloud(grains, side, seed):
+	z = 0.5 * grains.thickness
+	spheres = pack.SpherePack()
+	fuzz = (grains.radiusMax - grains.radiusMin) / (grains.radiusMax + grains.radiusMin)
+	yadeLog.setLevel("SpherePack", 1)  # it warns that the cloud is flat, which is what we want
+	try:
+		placed = spheres.makeCloud((0, 0, z), (side, side, z), rMean=grains.radiusMean, rRelFuzz=fuzz, num=grains.number, periodic=True, seed=seed)
+	finally:
+		yadeLog.unsetLevel("SpherePack")
+	if placed != grains.number:
+		raise PackingError(f"only {placed} of {grains.number} grains could be placed at random; use another seed than {seed}")
+	return list(spheres)
+
+
+def _disc(centre, radius, grains):
+	body = utils.sphere(centre, radius, material="grain")
+	body.state.mass = grains.density * math.pi * radius ** 2 * grains.thickness
+	body.state.inertia = 0.5 * body.state.mass * radius ** 2 * Vector3(1, 1, 1)
+	body.state.blockedDOFs = "zXY"
+	return body
+
+
+def compact(grains, pressure, maxSteps=400_000):
+	"""Isotropic compression of a cloud to `pressure` [Pa, > 0] with YADE's PeriTriaxController."""
+	triax = wrapper.PeriTriaxController(
+		goal=(-pressure, -pressure, 0),
+		stressMask=3,
+		dynCell=True,
+		maxStrainRate=(0.5, 0.5, 0),
+		relStressTol=2e-3,
+		maxUnbalanced=1e-3,
+	)
+	O.engines = grains.engines(triax)
+	goal = np.array([-pressure, -pressure])
+	for _ in range(0, maxSteps, chunkSteps):
+		advance(chunkSteps)
+		if np.abs(stress()[:2] - goal).max() < 5e-3 * pressure and utils.unbalancedForce() < 2e-3:
+			break
+	else:
+		raise PackingError(f"no equilibrium at {pressure:g} Pa within {maxSteps} steps; use another seed or more grains")
+	O.engines = grains.engines()
+	stopCell()
+
+
+def setFriction(friction):
+	"""Sets the friction coefficient of the material and of every contact that exists."""
+	for material in O.materials:
+		material.frictionAngle = math.atan(friction)
+	for interaction in O.interactions:
+		if interaction.isReal:
+			interaction.phys.tangensOfFrictionAngle = friction
+
+
+def stopCell():
+	"""No motion of the cell; the present shape becomes the reference."""
+	O.cell.velGrad = Matrix3.Zero
+	O.cell.trsf = Matrix3.Identity
+
+
+def strainLimit(grains, pressure):
+	"""Largest strain of one DEM step [-] that keeps the motion quasi-static at `pressure` [Pa]."""
+	pressure = max(pressure, 1e3)
+	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean))
+
+
+def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000):
+	"""Brings the current scene to the in-plane stress `goal` = (xx, yy, xy) [Pa] by straining the cell, and to rest there.
+
+	Integral control of all three in-plane components: rate = (goal - stress)/(M T), M the stiffness E r/t_z of the packing and
+	T some hundred steps, limited so that the motion stays quasi-static. `tolerance` is in units of the mean pressure."""
+	goal = np.asarray(goal, dtype=float)
+	pressure = max(-0.5 * (goal[0] + goal[1]), 1.0)
+	gain = 1 / (grains.young * grains.radiusMean / grains.thickness * 150)
+	limit = strainLimit(grains, pressure)
+	done = 0
+	while done < maxSteps:
+		error = goal - stress()
+		if np.abs(error).max() < 0.5 * tolerance * pressure and utils.unbalancedForce() < 1e-3:
+			done += _rest(2000)
+			if np.abs(goal - stress()).max() < tolerance * pressure:
+				stopCell()
+				return
+			continue
+		rate = np.clip(error * gain, -limit, limit) / O.dt
+		O.cell.velGrad = Matrix3(rate[0], rate[2], 0, rate[2], rate[1], 0, 0, 0, 0)
+		advance(20)
+		done += 20
+	raise PackingError(f"stress (xx, yy, xy) = {tuple(goal)} Pa not reached within {maxSteps} steps; is it within the strength of the sample?")
+
+
+def _rest(steps):
+	O.cell.velGrad = Matrix3.Zero
+	advance(steps)
+	return steps

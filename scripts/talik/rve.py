@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Samples: periodic packings of grains that stand behind the material points of a slope.
+
+	sample = talik.rve.prepare(grains=400, pressure=100e3)       # the paper's sample, at 100 kPa isotropic
+	band = talik.rve.servo(sample, stressX=-15e3, stressY=-30e3) # the same sample at another stress
+	other = talik.rve.load("somebody.yade.gz")                   # any periodic YADE scene of spheres
+
+A sample is a file, an ordinary saved YADE scene, with what was measured in it. Prepared samples are kept in a cache
+($XDG_CACHE_HOME/talik/samples, usually ~/.cache) under a key made of everything that they depend on.
+The scene that is current in `O` is left alone. Stresses are in Pa, tension positive; pressures are compression positive.
+"""
+
+import dataclasses
+import gzip
+import hashlib
+import json
+import math
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from yade import O
+
+import talik
+from talik import packing
+from talik.packing import Grains, PackingError
+
+recipeVersion = 1  # part of the cache key: raise it whenever the recipe gives other samples
+porosityTolerance = 0.005
+fabricTolerance = 0.05
+shearTolerance = 0.01  # of the mean pressure
+seedsToTry = 40
+frictionsToTry = 6
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample:
+	"""A saved periodic scene and what was measured in it."""
+
+	path: str  # the YADE scene file
+	parameters: dict  # everything it was made from
+	grains: int
+	thickness: float  # t_z, out-of-plane size of the cell [m]
+	size: tuple  # in-plane lengths of the cell vectors [m]
+	porosity: float  # two-dimensional
+	stress: tuple  # (xx, yy, xy) [Pa], tension positive
+	fabric: float  # F1 - F2 of the contact normals
+	coordinationNumber: float  # 2 contacts per grain
+	contacts: int
+
+	@property
+	def pressure(self):
+		"""Mean in-plane pressure [Pa], compression positive."""
+		return -0.5 * (self.stress[0] + self.stress[1])
+
+	def __str__(self):
+		xx, yy, xy = (s / 1e3 for s in self.stress)
+		return (
+			f"{self.grains} grains, {self.size[0]:.4f} x {self.size[1]:.4f} x {self.thickness:g} m, porosity {self.porosity:.4f}, "
+			f"stress xx {xx:.3f} yy {yy:.3f} xy {xy:.4f} kPa, F1-F2 {self.fabric:.4f}, "
+			f"coordination number {self.coordinationNumber:.3f}"
+		)
+
+
+def prepare(
+	grains=400,
+	radius=(3e-3, 7e-3),
+	pressure=100e3,
+	porosity=0.18,
+	thickness=0.1,
+	seed=1,
+	young=0.6e9,
+	stiffnessRatio=0.8,
+	friction=0.5,
+	density=2650.0,
+	damping=0.2,
+	ice=None,
+	cache=True,
+	**iceBond,
+):
+	"""The sample of Yu & Zhao sect. 3.1: discs compacted to an isotropic pressure, in equilibrium, without ice.
+
+	grains          number of discs, 20 or more
+	radius          (smallest, largest) [m], distributed uniformly
+	pressure        [Pa], > 0, compression positive
+	porosity        two-dimensional, met to 0.005 by the friction used during compaction (about 0.2 for 0.18)
+	thickness       t_z, out-of-plane size of cell and discs [m], larger than two largest radii; stiffness and strength go with 1/t_z
+	seed            of the random positions; the next seeds are tried where fabric or porosity miss their tolerance
+	young           contact modulus E_c0 without ice [Pa]
+	stiffnessRatio  k_s/k_n (YADE's "poisson")
+	friction        coefficient of the finished sample
+	density         of the grains [kg/m3]
+	damping         of YADE's NewtonIntegrator, saved with the sample
+	ice             True: materials and laws that can carry ice bonds (ice saturation 0); False: YADE's FrictMat.
+	                Default: True where Talik's classes are loaded
+	cache           True: the user's cache; a folder; False: make it anew
+	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9
+
+	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure."""
+	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond)
+	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
+	_require("porosity", porosity, 0.10 <= porosity <= 0.23, "a two-dimensional porosity between 0.10 and 0.23 (dense and loose limits of discs)")
+	_require("friction", friction, friction >= 0, "a friction coefficient, at least 0")
+	_require("seed", seed, isinstance(seed, int) and seed >= 0, "a whole number, at least 0")
+	parameters = dict(
+		kind="prepare", recipe=recipeVersion, **dataclasses.asdict(material), pressure=pressure, porosity=porosity, friction=friction, seed=seed
+	)
+	return _cached(parameters, cache, lambda: _compacted(material, pressure, porosity, friction, seed))
+
+
+def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True):
+	"""The same sample brought to another stress [Pa, tension positive, so both are negative], drained and ice-free.
+
+	For the depth bands of a slope: servo to the geostatic stress first, freeze afterwards. `tolerance` is in units of the mean
+	pressure. Works for samples that were made by prepare or servo."""
+	material = _grainsOf(sample)
+	for name, value in (("stressX", stressX), ("stressY", stressY)):
+		_require(name, value, value < 0, "compressive, that is negative: grains without ice carry no tension")
+	goal = (float(stressX), float(stressY), float(stressXY))
+	parameters = dict(kind="servo", recipe=recipeVersion, **dataclasses.asdict(material), goal=goal, tolerance=tolerance, parent=_digest(sample.path))
+
+	def make():
+		openFile(sample.path)
+		packing.servoStress(material, goal, tolerance)
+		return {}
+
+	return _cached(parameters, cache, make)
+
+
+def load(path):
+	"""A sample from any saved YADE scene with a periodic cell and spheres only, also one made by somebody else's script."""
+	path = os.path.abspath(os.fspath(path))
+	with talik.scratchScene():
+		openFile(path)
+		_checkScene(path)
+		return _measured(path, dict(kind="load", path=path))
+
+
+def openFile(path):
+	"""Loads a saved scene into the current scene of `O`; one exception that says what is wrong with the file."""
+	if not os.path.isfile(path):
+		raise FileNotFoundError(f"sample file '{path}' does not exist; give the path of a scene saved by O.save")
+	try:
+		O.load(path)
+	except Exception as error:
+		raise ValueError(
+			f"'{path}' is not a YADE scene that can be read ({error}); it must be saved by O.save of this YADE, and be complete"
+		) from None
+
+
+# --- making --------------------------------------------------------------------------------------------------------------
+
+
+def _compacted(material, pressure, porosity, friction, seed):
+	"""Leaves a sample that meets every tolerance in the current scene; returns what was needed to get it."""
+	closest = math.inf
+	for trial in range(seed, seed + seedsToTry):
+		compactionFriction, reached = _calibrated(material, pressure, porosity, trial)
+		closest = min(closest, abs(reached - porosity))
+		if compactionFriction is None or not _isotropic():
+			continue
+		packing.setFriction(friction)
+		packing.servoStress(material, (-pressure, -pressure, 0.0))
+		if _isotropic() and abs(packing.porosity() - porosity) < porosityTolerance:
+			return dict(seedUsed=trial, compactionFriction=compactionFriction)
+	raise PackingError(
+		f"no sample of {material.number} grains with porosity {porosity:g} and isotropic fabric in {seedsToTry} trials "
+		f"(closest porosity off by {closest:.4f}); use more grains or another porosity"
+	)
+
+
+def _calibrated(material, pressure, porosity, seed):
+	"""Bisects the compaction friction until the porosity is met: (friction or None, porosity reached)."""
+	low, high, friction = 0.0, 0.6, 0.2
+	for _ in range(frictionsToTry):
+		O.resetThisScene()
+		packing.fillCloud(material, friction, seed)
+		packing.compact(material, pressure)
+		reached = packing.porosity()
+		if abs(reached - porosity) < 0.8 * porosityTolerance:  # relaxation still moves it a little
+			return friction, reached
+		low, high = (friction, high) if reached < porosity else (low, friction)
+		friction = 0.5 * (low + high)
+	return None, reached
+
+
+def _isotropic():
+	normals = packing.contactNormals()
+	return packing.fabricAnisotropy(packing.fabricTensor(normals)) < fabricTolerance
+
+
+# --- keeping -------------------------------------------------------------------------------------------------------------
+
+
+def _cached(parameters, cache, make):
+	folder = _cacheFolder(cache)
+	key = hashlib.sha256(json.dumps(parameters, sort_keys=True).encode()).hexdigest()[:20]
+	scene, sheet = folder / f"{key}.yade.gz", folder / f"{key}.json"
+	if cache is not False and scene.is_file() and sheet.is_file():
+		try:
+			return _fromSheet(sheet, scene)
+		except (ValueError, TypeError, KeyError):
+			pass  # a damaged sheet: the sample is made again and replaces it
+	with talik.scratchScene():
+		extra = make()
+		sample = _measured(str(scene), {**parameters, **extra})
+		_writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
+	_writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t").encode())
+	return sample
+
+
+def _cacheFolder(cache):
+	if cache is True:
+		base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+		folder = Path(base) / "talik" / "samples"
+	elif cache is False:
+		return Path(tempfile.mkdtemp(prefix="talik-sample-"))
+	else:
+		folder = Path(cache)
+	try:
+		folder.mkdir(parents=True, exist_ok=True)
+		with tempfile.TemporaryFile(dir=folder):
+			return folder
+	except OSError as error:
+		raise RuntimeError(f"cache: cannot write into '{folder}' ({error.strerror}); give a folder of yours as cache=, or set XDG_CACHE_HOME") from None
+
+
+def _fromSheet(sheet, scene):
+	values = json.loads(sheet.read_text())
+	values.update(path=str(scene), size=tuple(values["size"]), stress=tuple(values["stress"]))
+	return Sample(**values)
+
+
+def _writeWhole(path, data):
+	"""A reader sees the old file or the complete new one, never a part."""
+	handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+	try:
+		with os.fdopen(handle, "wb") as file:
+			file.write(data)
+		os.replace(name, path)
+	except BaseException:
+		os.unlink(name)
+		raise
+
+
+def _digest(path):
+	try:
+		return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:20]
+	except OSError as error:
+		raise FileNotFoundError(f"sample file '{path}' cannot be read ({error.strerror}); prepare the sample again") from None
+
+
+# --- measuring and checking ----------------------------------------------------------------------------------------------
+
+
+def _measured(path, parameters):
+	normals = packing.contactNormals()
+	cell, h = packing.inPlaneCell(), O.cell.hSize
+	number = len(O.bodies)
+	return Sample(
+		path=path,
+		parameters=parameters,
+		grains=number,
+		thickness=float(h[2, 2]),
+		size=tuple(float(length) for length in np.linalg.norm(cell, axis=0)),
+		porosity=float(packing.porosity()),
+		stress=tuple(float(component) for component in packing.stress()),
+		fabric=packing.fabricAnisotropy(packing.fabricTensor(normals)),
+		coordinationNumber=2 * len(normals) / number,
+		contacts=len(normals),
+	)
+
+
+def _checkScene(path):
+	if not O.periodic:
+		raise ValueError(f"'{path}' has no periodic cell; a sample needs O.periodic=True")
+	if len(O.bodies) == 0:
+		raise ValueError(f"'{path}' has no bodies; a sample needs grains")
+	others = {type(body.shape).__name__ for body in O.bodies if body is not None} - {"Sphere"}
+	if others:
+		raise ValueError(f"'{path}' has bodies of shape {', '.join(sorted(others))}; a sample may have spheres only")
+	h = O.cell.hSize
+	if max(abs(h[0, 2]), abs(h[1, 2]), abs(h[2, 0]), abs(h[2, 1])) > 1e-12 * abs(h[2, 2]):
+		raise ValueError(f"'{path}': the cell is inclined in z (hSize = {h}); for plane strain its third vector must be (0, 0, thickness)")
+
+
+def _require(name, value, condition, remedy):
+	if not condition:
+		raise ValueError(f"{name} is {value!r}; it must be {remedy}")
+
+
+def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond):
+	_require("grains", number, isinstance(number, int) and number >= 20, "a whole number, at least 20")
+	try:
+		smallest, largest = (float(r) for r in radius)
+	except (TypeError, ValueError):
+		raise ValueError(f"radius is {radius!r}; it must be a pair (smallest, largest) in m") from None
+	_require("radius", radius, 0 < smallest <= largest < math.inf, "a pair (smallest, largest) in m with 0 < smallest <= largest")
+	_require("thickness", thickness, 2 * largest < thickness < math.inf, f"in m and more than two of the largest radii ({2 * largest:g} m)")
+	for name, value in (("young", young), ("stiffnessRatio", stiffnessRatio), ("density", density)):
+		_require(name, value, 0 < value < math.inf, "greater than 0 and finite")
+	_require("damping", damping, 0 < damping < 1, "between 0 and 1")
+	available = packing.iceBondAvailable()
+	_require("ice", ice, not ice or available, "False: the ice-bond classes of Talik are not loaded")
+	withIce = available if ice is None else bool(ice)
+	_require("ice", ice, withIce or not iceBond, f"True when attributes of IceBondMat are given ({', '.join(iceBond)})")
+	return Grains(
+		number=number,
+		radiusMin=smallest,
+		radiusMax=largest,
+		thickness=float(thickness),
+		young=float(young),
+		stiffnessRatio=float(stiffnessRatio),
+		density=float(density),
+		damping=float(damping),
+		ice=withIce,
+		iceBond=tuple(sorted(iceBond.items())),
+	)
+
+
+def _grainsOf(sample):
+	names = [field.name for field in dataclasses.fields(Grains)]
+	if not all(name in sample.parameters for name in names):
+		raise ValueError(f"sample '{sample.path}' was not made by talik.rve.prepare; bring it to its stress in the script that made it")
+	values = {name: sample.parameters[name] for name in names}
+	return Grains(**{**values, "iceBond": tuple(tuple(pair) for pair in values["iceBond"])})
