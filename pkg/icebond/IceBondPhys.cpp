@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/IceBondMat.hpp>
+#include <pkg/icebond/IceBondPhys.hpp>
+
+namespace yade {
+YADE_PLUGIN((IceBondPhys)(Ip2_IceBondMat_IceBondMat_IceBondPhys));
+
+talik::IceBond<Vector3r> IceBondPhys::bond() const
+{
+	talik::IceBond<Vector3r> b;
+	b.state    = static_cast<talik::BondState>(bondState);
+	b.iceCut   = iceCut;
+	b.uGrain   = uGrain;
+	b.uIce     = uIce;
+	b.iceShear = iceShear;
+	return b;
+}
+
+void IceBondPhys::setBond(const talik::IceBond<Vector3r>& b)
+{
+	bondState = static_cast<int>(b.state);
+	iceCut    = b.iceCut;
+	uGrain    = b.uGrain;
+	uIce      = b.uIce;
+	iceShear  = b.iceShear;
+}
+
+void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& interaction)
+{
+	if (interaction->phys) return;
+	const auto& a    = static_cast<const IceBondMat&>(*m1);
+	const auto& b    = static_cast<const IceBondMat&>(*m2);
+	const auto& geom = static_cast<const GenericSpheresContact&>(*interaction->geom);
+	// a flat body has no radius of its own: the sphere's counts for both
+	const Real r1 = geom.refR1 > 0 ? geom.refR1 : geom.refR2;
+	const Real r2 = geom.refR2 > 0 ? geom.refR2 : geom.refR1;
+	const Real k1 = a.young * r1, k2 = b.young * r2;
+
+	shared_ptr<IceBondPhys> phys(new IceBondPhys);
+	phys->grainStiffness         = k1 + k2 > 0 ? 2 * k1 * k2 / (k1 + k2) : 0;
+	phys->stiffnessRatio         = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
+	phys->tangensOfFrictionAngle = std::tan(std::min(a.frictionAngle, b.frictionAngle));
+	phys->kn                     = phys->grainStiffness;
+	phys->ks                     = phys->stiffnessRatio * phys->kn;
+	phys->iceSaturation          = std::min(a.iceSaturation, b.iceSaturation);
+	phys->bondArea               = std::min(a.bondAreaFactor, b.bondAreaFactor) * std::pow(std::min(r1, r2), 2);
+	phys->gapLimit               = std::min(a.bondRange, b.bondRange) * std::min(r1, r2);
+	phys->bondNow                = bondNewContacts;
+	interaction->phys            = phys;
+}
+
+} // namespace yade

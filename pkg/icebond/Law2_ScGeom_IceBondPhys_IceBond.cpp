@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/icebond/Law2_ScGeom_IceBondPhys_IceBond.hpp>
+#include <stdexcept>
+
+namespace yade {
+YADE_PLUGIN((Law2_ScGeom_IceBondPhys_IceBond));
+
+using talik::BondState;
+using talik::ContactStiffness;
+using talik::IceBondModel;
+using talik::StiffnessRule;
+
+void Law2_ScGeom_IceBondPhys_IceBond::postLoad(Law2_ScGeom_IceBondPhys_IceBond&)
+{
+	if (stiffnessRule == "parallel") rule = StiffnessRule::parallel;
+	else if (stiffnessRule == "forceContinuous") rule = StiffnessRule::forceContinuous;
+	else if (stiffnessRule == "secant") rule = StiffnessRule::secant;
+	else
+		throw std::invalid_argument(
+		        "Law2_ScGeom_IceBondPhys_IceBond.stiffnessRule is '" + stiffnessRule + "': choose parallel, forceContinuous or secant.");
+}
+
+/// Of two different grains the one with less ice, and the weaker one, decides.
+IceBondModel Law2_ScGeom_IceBondPhys_IceBond::weakerModel(const Interaction* interaction, double& iceSaturation) const
+{
+	const auto& a     = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id1]->material);
+	const auto& b     = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id2]->material);
+	iceSaturation     = std::min(a.iceSaturation, b.iceSaturation);
+	IceBondModel both = a.model();
+	if (&a != &b) {
+		const IceBondModel other = b.model();
+		both.iceYoung            = both.grainYoung * std::min(both.iceYoung / both.grainYoung, other.iceYoung / other.grainYoung);
+		both.tensileStrength0    = std::min(both.tensileStrength0, other.tensileStrength0);
+		both.tensileStrengthI    = std::min(both.tensileStrengthI, other.tensileStrengthI);
+		both.shearStrength0      = std::min(both.shearStrength0, other.shearStrength0);
+		both.shearStrengthI      = std::min(both.shearStrengthI, other.shearStrengthI);
+	}
+	both.cohesionDisablesFriction = cohesionDisablesFriction;
+	both.rule                     = rule;
+	return both;
+}
+
+ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, double iceSaturation) const
+{
+	return { c.phys.grainStiffness, c.phys.stiffnessRatio, c.model.iceStiffnessRatio(iceSaturation) };
+}
+
+void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturation)
+{
+	const double before = c.phys.iceSaturation;
+	const bool   bondable
+	        = c.bond.state == BondState::NONE || (healBroken && c.bond.state == BondState::BROKEN);
+	if (c.model.melted(iceSaturation)) c.bond.melt(c.phys.shearForce, rule);
+	else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
+		c.bond.form(c.un, rule);
+	c.phys.bondNow = false;
+}
+
+void Law2_ScGeom_IceBondPhys_IceBond::takeUpIceSaturation(Contact& c, double iceSaturation)
+{
+	const double before = c.phys.iceSaturation;
+	if (iceSaturation == before && !c.phys.bondNow) return;
+	formOrMelt(c, iceSaturation);
+	c.bond.changeStiffness(stiffness(c, before), stiffness(c, iceSaturation), c.un, c.phys.shearForce, rule);
+	c.phys.iceSaturation = iceSaturation;
+}
+
+void Law2_ScGeom_IceBondPhys_IceBond::integrateShear(Contact& c, const ContactStiffness& k)
+{
+	c.geom.rotate(c.phys.shearForce);
+	c.phys.ks = c.bond.shearStiffness(k, rule);
+	c.phys.shearForce -= c.phys.ks * c.geom.shearIncrement();
+	if (rule == StiffnessRule::parallel && c.bond.hasIceSpring()) {
+		c.geom.rotate(c.bond.iceShear);
+		c.bond.iceShear -= k.shearRatio * k.ice() * c.geom.shearIncrement();
+	}
+}
+
+void Law2_ScGeom_IceBondPhys_IceBond::countBroken()
+{
+#pragma omp atomic
+	brokenBonds++;
+}
+
+/// Tension, then shear, then friction; returns the normal force that remains [N].
+double Law2_ScGeom_IceBondPhys_IceBond::limitForces(Contact& c, const ContactStiffness& k, double normalForce)
+{
+	const double friction = c.phys.tangensOfFrictionAngle;
+	if (c.bond.state == BondState::BONDED) {
+		const double area = c.phys.bondArea;
+		if (normalForce < -c.model.tensileStrength(c.phys.iceSaturation) * area) {
+			c.bond.breakInTension(c.phys.shearForce);
+			countBroken();
+			return 0;
+		}
+		const double frictional = c.model.cohesionDisablesFriction ? 0 : friction * std::max(normalForce, 0.);
+		const double limit      = c.model.shearStrength(c.phys.iceSaturation) * area + frictional;
+		if (c.phys.shearForce.squaredNorm() <= limit * limit) return normalForce;
+		normalForce = c.bond.breakInShear(k, c.un, rule);
+		countBroken();
+	}
+	const double maxShear = friction * normalForce;
+	if (c.phys.shearForce.squaredNorm() > maxShear * maxShear) {
+		const double ratio = maxShear / c.phys.shearForce.norm();
+		c.phys.shearForce *= ratio;
+		c.bond.iceShear *= ratio;
+	}
+	return normalForce;
+}
+
+void Law2_ScGeom_IceBondPhys_IceBond::applyForces(const Contact& c, const Interaction* interaction) const
+{
+	const Body::id_t id1 = interaction->getId1(), id2 = interaction->getId2();
+	const Vector3r   force = -c.phys.normalForce - c.phys.shearForce;
+	scene->forces.addForce(id1, force);
+	scene->forces.addForce(id2, -force);
+	if (scene->isPeriodic || sphericalBodies) {
+		const double halfOverlap = 0.5 * c.geom.penetrationDepth;
+		const Vector3r moment    = c.geom.normal.cross(force);
+		scene->forces.addTorque(id1, (c.geom.radius1 - halfOverlap) * moment);
+		scene->forces.addTorque(id2, (c.geom.radius2 - halfOverlap) * moment);
+	} else {
+		scene->forces.addTorque(id1, (c.geom.contactPoint - (*scene->bodies)[id1]->state->pos).cross(force));
+		scene->forces.addTorque(id2, -(c.geom.contactPoint - (*scene->bodies)[id2]->state->pos).cross(force));
+	}
+}
+
+bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys>& ip, Interaction* interaction)
+{
+	const auto& geom = static_cast<const ScGeom&>(*ig);
+	auto&       phys = static_cast<IceBondPhys&>(*ip);
+	double      iceSaturation;
+	Contact     c { geom, phys, weakerModel(interaction, iceSaturation), phys.bond(), geom.penetrationDepth - phys.uRef };
+
+	takeUpIceSaturation(c, iceSaturation);
+	if (c.un < 0 && c.bond.state != BondState::BONDED) return false;
+
+	const ContactStiffness k           = stiffness(c, iceSaturation);
+	double                 normalForce = c.bond.normalForce(k, c.un, rule);
+	integrateShear(c, k);
+	normalForce      = limitForces(c, k, normalForce);
+	phys.kn          = rule == StiffnessRule::parallel && !c.bond.hasIceSpring() ? k.grain : k.total();
+	phys.normalForce = normalForce * geom.normal;
+	phys.setBond(c.bond);
+	if (c.un < 0 && c.bond.state != BondState::BONDED) return false;
+	applyForces(c, interaction);
+	return true;
+}
+
+} // namespace yade

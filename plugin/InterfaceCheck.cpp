@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "InterfaceCheck.hpp"
+
+#include <core/Cell.hpp>
+#include <core/Dispatching.hpp>
+#include <core/GlobalEngine.hpp>
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+#include <pkg/common/ElastMat.hpp>
+#include <pkg/common/GLDrawFunctors.hpp>
+#include <pkg/common/NormShearPhys.hpp>
+#include <pkg/common/Sphere.hpp>
+#include <pkg/dem/FrictPhys.hpp>
+#include <pkg/dem/ScGeom.hpp>
+
+#include <cstdlib>
+#include <cstring>
+#include <cxxabi.h>
+#include <dlfcn.h>
+#include <functional>
+#include <malloc.h>
+#include <sstream>
+
+namespace py = boost::python;
+
+namespace talik {
+namespace {
+
+	/// One fact that the compiled code relies on; returns what is wrong with it, or nothing.
+	struct Expectation {
+		std::string                  subject; ///< "Class.member", as the sentence names it
+		std::function<std::string()> violation;
+	};
+
+	long overriddenOffset(const std::string& subject, long expected)
+	{
+		const char* text = std::getenv("TALIK_EXPECT_OFFSET");
+		if (!text) return expected;
+		const std::string setting(text);
+		const auto        equals = setting.find('=');
+		return setting.substr(0, equals) == subject ? std::atol(setting.c_str() + equals + 1) : expected;
+	}
+
+	/// The C++ callable inside a Boost.Python function: PyObject header, then the owning pointer of the implementation.
+	const py::objects::py_function_impl_base* implementation(const py::object& function)
+	{
+		return *reinterpret_cast<py::objects::py_function_impl_base* const*>(reinterpret_cast<const char*>(function.ptr()) + sizeof(PyObject));
+	}
+
+	/// Written-out name of a type: mangled names abbreviate repeated parts and cannot be searched.
+	std::string typeName(const std::type_info& type)
+	{
+		int         status = 0;
+		char*       text   = abi::__cxa_demangle(type.name(), nullptr, nullptr, &status);
+		std::string name   = text ? text : type.name();
+		std::free(text);
+		return name;
+	}
+
+	template <class Class, class T> std::string getterViolation(const char* className, const char* attribute, T Class::*member)
+	{
+		py::object cls    = py::import("yade.wrapper").attr(className);
+		py::object getter = py::object(cls.attr("__dict__"))[attribute].attr("fget");
+		const auto* impl  = implementation(getter);
+		if (typeName(typeid(*impl)).find(typeName(typeid(py::detail::member<T, Class>))) == std::string::npos)
+			return "is not of type " + typeName(typeid(T));
+		long actual, expected;
+		std::memcpy(&actual, reinterpret_cast<const char*>(impl) + sizeof(void*), sizeof actual);
+		std::memcpy(&expected, &member, sizeof expected);
+		expected = overriddenOffset(std::string(className) + "." + attribute, expected);
+		if (actual == expected) return "";
+		return "lies at byte " + std::to_string(actual) + " instead of " + std::to_string(expected);
+	}
+
+	std::string sizeViolation(const char* className, std::size_t expected)
+	{
+		expected = overriddenOffset(std::string(className) + ".size", expected);
+		const std::string name   = "CreatePureCustom" + std::string(className);
+		const auto        create = reinterpret_cast<void* (*)()>(dlsym(RTLD_DEFAULT, ("_ZN4yade" + std::to_string(name.size()) + name + "Ev").c_str()));
+		if (!create) return "cannot be found";
+		void* object = create();
+		const std::size_t usable = malloc_usable_size(object);
+		// the object is given up: its type is what is being questioned, so it must not be destroyed
+		if (expected <= usable && usable < expected + 16) return "";
+		return "occupies about " + std::to_string(usable) + " bytes instead of " + std::to_string(expected);
+	}
+
+	/// Position of a virtual function, counted from the address point of its table (Itanium C++ ABI).
+	template <class Method> long slotOf(Method method)
+	{
+		long word;
+		std::memcpy(&word, &method, sizeof word);
+		return (word - 1) / long(sizeof(void*));
+	}
+
+	std::string slotViolation(const std::string& tableSymbol, const std::string& functionSymbol, long slot)
+	{
+		void* const* table    = static_cast<void* const*>(dlsym(RTLD_DEFAULT, tableSymbol.c_str()));
+		void*        function = dlsym(RTLD_DEFAULT, functionSymbol.c_str());
+		if (!table || !function) return "is not exported";
+		if (table[2 + slot] == function) return "";
+		return "is not entry " + std::to_string(slot) + " of the virtual table";
+	}
+
+#define MEMBER(Class, attribute)                                                                                               \
+	{                                                                                                                      \
+		#Class "." #attribute, [] { return getterViolation(#Class, #attribute, &yade::Class::attribute); }             \
+	}
+#define SIZE(Class)                                                                                                            \
+	{                                                                                                                      \
+		#Class ".size", [] { return sizeViolation(#Class, sizeof(yade::Class)); }                                      \
+	}
+#define VIRTUAL(Class, lengthAndName, method, signature)                                                                       \
+	{                                                                                                                      \
+		#Class "." #method "()", [] {                                                                                  \
+			return slotViolation("_ZTVN4yade" lengthAndName "E", "_ZN" signature, slotOf(&yade::Class::method));   \
+		}                                                                                                              \
+	}
+
+	/// What the compiled code touches. ("K" in a signature: const member function.)
+	std::vector<Expectation> expectations()
+	{
+		using namespace yade;
+		return {
+			SIZE(Engine),        SIZE(GlobalEngine), SIZE(Functor),  SIZE(IPhysFunctor), SIZE(LawFunctor), SIZE(GlIPhysFunctor),
+			SIZE(State),         SIZE(Body),         SIZE(Material), SIZE(FrictMat),     SIZE(Shape),      SIZE(Sphere),
+			SIZE(Interaction),   SIZE(NormPhys),     SIZE(FrictPhys), SIZE(ScGeom),      SIZE(Cell),       SIZE(Scene),
+			SIZE(BodyContainer), SIZE(InteractionContainer),
+			MEMBER(Engine, dead), MEMBER(Engine, ompThreads), MEMBER(Engine, label), MEMBER(Functor, label),
+			MEMBER(Material, density), MEMBER(Material, label), MEMBER(ElastMat, young), MEMBER(ElastMat, poisson), MEMBER(FrictMat, frictionAngle),
+			MEMBER(State, vel), MEMBER(State, mass), MEMBER(State, angVel), MEMBER(State, inertia), MEMBER(State, refPos),
+			MEMBER(State, isDamped), MEMBER(State, densityScaling),
+			MEMBER(Body, id), MEMBER(Body, material), MEMBER(Body, state), MEMBER(Body, shape), MEMBER(Body, bound), MEMBER(Body, clumpId),
+			MEMBER(Sphere, radius), MEMBER(Shape, color), MEMBER(Interaction, id1), MEMBER(Interaction, id2),
+			MEMBER(Interaction, geom), MEMBER(Interaction, phys), MEMBER(Interaction, cellDist), MEMBER(Interaction, iterMadeReal),
+			MEMBER(GenericSpheresContact, normal), MEMBER(GenericSpheresContact, contactPoint),
+			MEMBER(ScGeom, penetrationDepth), MEMBER(ScGeom, shearInc),
+			MEMBER(NormPhys, kn), MEMBER(NormPhys, normalForce), MEMBER(NormShearPhys, ks), MEMBER(NormShearPhys, shearForce),
+			MEMBER(FrictPhys, tangensOfFrictionAngle),
+			MEMBER(Cell, refHSize), MEMBER(Cell, prevHSize), MEMBER(Cell, nextVelGrad), MEMBER(Cell, prevVelGrad), MEMBER(Cell, homoDeform),
+			MEMBER(Scene, dt), MEMBER(Scene, iter), MEMBER(Scene, time), MEMBER(Scene, isPeriodic), MEMBER(Scene, stopAtIter),
+			MEMBER(Scene, trackEnergy), MEMBER(Scene, selectedBody), MEMBER(Scene, tags),
+			VIRTUAL(Engine, "6Engine", isActivated, "4yade6Engine11isActivatedEv"),
+			VIRTUAL(Engine, "6Engine", action, "4yade6Engine6actionEv"),
+			VIRTUAL(Serializable, "12Serializable", pyRegisterClass, "4yade12Serializable15pyRegisterClassEN5boost6python3api6objectE"),
+			VIRTUAL(Serializable, "12Serializable", callPostLoad, "4yade12Serializable12callPostLoadEv"),
+			VIRTUAL(Material, "8Material", newAssocState, "K4yade8Material13newAssocStateEv"),
+			VIRTUAL(FrictMat, "8FrictMat", getClassIndex, "K4yade8FrictMat13getClassIndexEv"),
+			VIRTUAL(FrictMat, "8FrictMat", getBaseClassIndex, "K4yade8FrictMat17getBaseClassIndexEi"),
+			VIRTUAL(FrictPhys, "9FrictPhys", getClassIndex, "K4yade9FrictPhys13getClassIndexEv"),
+			VIRTUAL(FrictPhys, "9FrictPhys", getBaseClassIndex, "K4yade9FrictPhys17getBaseClassIndexEi"),
+			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", renders, "K4yade14GlIPhysFunctor7rendersB5cxx11Ev"),
+			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", initgl, "4yade14GlIPhysFunctor6initglEv"),
+		};
+	}
+
+	std::string yadeVersion() { return py::extract<std::string>(py::str(py::import("yade.config").attr("version"))); }
+
+} // namespace
+
+std::string interfaceMismatch()
+{
+	for (const auto& expectation : expectations()) {
+		const std::string violation = expectation.violation();
+		if (violation.empty()) continue;
+		return "This YADE (" + yadeVersion() + ") differs from 2023.02a, for which Talik was built: " + expectation.subject + " " + violation
+		        + ". Install Debian 12's package yade 2023.02a, or rebuild Talik for this YADE.";
+	}
+	return "";
+}
+
+} // namespace talik

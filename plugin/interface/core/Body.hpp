@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/Bound.hpp>
+#include <core/Material.hpp>
+#include <core/Shape.hpp>
+#include <core/State.hpp>
+
+namespace yade {
+class Interaction;
+class Scene;
+
+class Body : public Serializable {
+public:
+	using id_t        = int;
+	using MapId2IntrT = std::map<id_t, shared_ptr<Interaction>>;
+
+	id_t                 id;
+	mask_t               groupMask;
+	int                  flags;
+	int                  subdomain;
+	shared_ptr<Material> material;
+	shared_ptr<State>    state;
+	shared_ptr<Shape>    shape;
+	shared_ptr<Bound>    bound;
+	MapId2IntrT          intrs;
+	id_t                 clumpId;
+	long                 iterBorn;
+	Real                 timeBorn;
+
+	Body();
+	virtual ~Body();
+	string                getBaseClassName(unsigned int = 0) const override;
+	int                   getBaseClassNumber() const override;
+	string                getClassName() const override;
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
+	::boost::python::dict pyDict() const override;
+	void                  callPostLoad() override;
+	void                  pyRegisterClass(::boost::python::object) override;
+	virtual void          userForcedDisplacementRedrawHook();
+
+	static const shared_ptr<Body>& byId(id_t, Scene*);
+	const id_t&                    getId() const { return id; }
+};
+} // namespace yade

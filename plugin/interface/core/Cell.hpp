@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/serialization/Serializable.hpp>
+
+namespace yade {
+/// Periodic cell; its base vectors are the columns of hSize.
+class Cell : public Serializable {
+	Matrix3r _invTrsf, _trsfInc, _vGradTimesPrevH;
+	Vector3r _size, _cos, _refSize;
+	bool     _hasShear;
+	Matrix3r _shearTrsf, _unshearTrsf;
+	double   _glShearTrsfMatrix[16];
+
+public:
+	Matrix3r trsf, refHSize, hSize, prevHSize, velGrad, nextVelGrad, prevVelGrad;
+	int      homoDeform;
+	bool     velGradChanged;
+	bool     flipFlippable;
+
+	Cell();
+	virtual ~Cell();
+	string                getBaseClassName(unsigned int = 0) const override;
+	int                   getBaseClassNumber() const override;
+	string                getClassName() const override;
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
+	::boost::python::dict pyDict() const override;
+	void                  callPostLoad() override;
+	void                  pyRegisterClass(::boost::python::object) override;
+
+	void     integrateAndUpdate(Real dt);
+	Matrix3r getTrsf() const;
+	void     setTrsf(const Matrix3r&);
+	Matrix3r getHSize() const;
+	void     setHSize(const Matrix3r&);
+	Matrix3r getVelGrad() const;
+	void     setVelGrad(const Matrix3r&);
+	Real     getVolume() const;
+
+private:
+	friend struct CellLayout;
+};
+} // namespace yade

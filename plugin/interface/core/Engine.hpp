@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/serialization/Serializable.hpp>
+#include <core/Omega.hpp>
+#include <core/Timing.hpp>
+
+namespace yade {
+class Scene;
+
+class Engine : public Serializable {
+public:
+	Scene*                   scene;
+	TimingInfo               timingInfo;
+	shared_ptr<TimingDeltas> timingDeltas;
+	bool                     dead;
+	int                      ompThreads;
+	string                   label;
+
+	Engine();
+	virtual ~Engine();
+	string                getBaseClassName(unsigned int = 0) const override;
+	int                   getBaseClassNumber() const override;
+	string                getClassName() const override;
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
+	::boost::python::dict pyDict() const override;
+	void                  callPostLoad() override;
+	void                  pyRegisterClass(::boost::python::object) override;
+	virtual bool          isActivated();
+	virtual void          action();
+};
+} // namespace yade
+TALIK_STOCK_HELD(Engine)

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/multimethods/Indexable.hpp>
+#include <lib/serialization/Serializable.hpp>
+#include <core/State.hpp>
+
+namespace yade {
+class Scene;
+
+class Material : public Serializable, public Indexable {
+public:
+	int    id = -1;
+	string label;
+	Real   density = 1000;
+
+	Material() { }
+	virtual ~Material();
+	string                getBaseClassName(unsigned int = 0) const override;
+	int                   getBaseClassNumber() const override;
+	string                getClassName() const override;
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
+	::boost::python::dict pyDict() const override;
+	void                  callPostLoad() override;
+	void                  pyRegisterClass(::boost::python::object) override;
+	virtual shared_ptr<State> newAssocState() const;
+	virtual bool              stateTypeOk(State*) const;
+	TALIK_STOCK_INDEX_COUNTER()
+};
+} // namespace yade
+

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// Entry of the Python module talik._talik: checks the running YADE, registers our classes into it, hands out what needs C++.
+#include "InterfaceCheck.hpp"
+
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+#include <boost/python/numpy.hpp>
+
+namespace py = boost::python;
+using namespace yade;
+
+namespace talik {
+
+
+namespace {
+
+	[[noreturn]] void raise(PyObject* type, const std::string& message)
+	{
+		PyErr_SetString(type, message.c_str());
+		py::throw_error_already_set();
+		throw std::logic_error(message);
+	}
+
+	/// Names announced by our sources that YADE's class database does not hold yet.
+	std::list<std::string> unregisteredClasses()
+	{
+		std::list<std::string> names;
+		const auto&            known = Omega::instance().getDynlibsDescriptor();
+		for (const auto& name : ClassFactory::instance().pluginClasses)
+			if (!known.count(name)) names.push_back(name);
+		return names;
+	}
+
+	/// loadPlugins registers every announced class: without the exchange all of stock YADE would be registered twice.
+	void registerIntoRunningYade(std::list<std::string> ours)
+	{
+		auto& announced = ClassFactory::instance().pluginClasses;
+		auto  all       = announced;
+		announced.swap(ours);
+		Omega::instance().loadPlugins({});
+		announced.swap(all);
+	}
+
+	py::list registerClasses()
+	{
+		const std::string mismatch = interfaceMismatch();
+		if (!mismatch.empty()) raise(PyExc_ImportError, mismatch);
+		const auto ours = unregisteredClasses();
+		if (!ours.empty()) registerIntoRunningYade(ours);
+		py::list result;
+		for (const auto& name : ours)
+			result.append(name);
+		return result;
+	}
+
+	void refuseWhileRunning(const char* what)
+	{
+		if (Omega::instance().isRunning()) raise(PyExc_RuntimeError, std::string(what) + " needs a paused simulation: call O.pause() first.");
+	}
+
+	/// Makes another Scene the current one of O and returns the former; the 3-D view follows.
+	shared_ptr<Scene> exchangeScene(const shared_ptr<Scene>& scene)
+	{
+		refuseWhileRunning("Changing the current scene");
+		if (!scene) raise(PyExc_ValueError, "exchangeScene: the scene is None; give a Scene.");
+		Omega& omega = Omega::instance();
+		std::lock_guard<std::mutex> undrawn(omega.renderMutex);
+		const shared_ptr<Scene>     former = omega.getScene();
+		omega.setScene(scene);
+		return former;
+	}
+
+	shared_ptr<Scene> emptyScene()
+	{
+		shared_ptr<Scene> scene(new Scene);
+		scene->fillDefaultTags();
+		return scene;
+	}
+
+} // namespace
+} // namespace talik
+
+BOOST_PYTHON_MODULE(_talik)
+{
+	using namespace talik;
+	py::numpy::initialize();
+	py::def("registerClasses", registerClasses,
+	        "Check that the running YADE is the one this module was built for, register our classes into it and return the names of "
+	        "all of them. ImportError when YADE differs.");
+	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
+	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
+	py::def("currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");
+}
