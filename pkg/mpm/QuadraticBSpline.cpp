@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/ShapeFunctions.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+namespace {
+
+	/// N = 3/4 - xi^2 for |xi| <= 1/2, (3/2 - |xi|)^2/2 up to 3/2, xi = (x - x_I)/h.
+	template <int D> class QuadraticBSpline final : public ShapeFunction<D> {
+	public:
+		std::string name() const override { return "quadraticBSpline"; }
+
+		void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& w) const override
+		{
+			w.first = first;
+			w.count = count;
+			for (int k = 0; k < count; ++k)
+				w.base[k] = 0;
+			for (int a = 0; a < D; ++a)
+				along(grid, a, position[a] + first, count, w);
+		}
+
+	private:
+		static void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w)
+		{
+			const double lower = grid.lower()[axis], inverse = grid.inverseSpacing();
+			const int    stride = grid.nodeStride(axis);
+			for (int k = 0; k < count; ++k) {
+				const double s    = (x[k] - lower) * inverse + 0.5; // half a cell behind the node coordinate: never negative inside the box
+				const int    node = static_cast<int>(s);
+				const double f    = s - node; // 0 .. 1 from the middle between the first two nodes
+				w.base[k] += node * stride;
+				w.value[axis][0][k] = 0.5 * (1.0 - f) * (1.0 - f);
+				w.value[axis][1][k] = 0.5 + f * (1.0 - f);
+				w.value[axis][2][k] = 0.5 * f * f;
+				w.slope[axis][0][k] = (f - 1.0) * inverse;
+				w.slope[axis][1][k] = (1.0 - 2.0 * f) * inverse;
+				w.slope[axis][2][k] = f * inverse;
+			}
+		}
+	};
+
+} // namespace
+
+template <int D> std::unique_ptr<ShapeFunction<D>> makeQuadraticBSpline() { return std::make_unique<QuadraticBSpline<D>>(); }
+
+template std::unique_ptr<ShapeFunction<2>> makeQuadraticBSpline<2>();
+template std::unique_ptr<ShapeFunction<3>> makeQuadraticBSpline<3>();
+
+} // namespace talik
