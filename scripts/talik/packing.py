@@ -18,7 +18,11 @@ from yade import pack
 cloudDensity = 0.42  # area fraction of the first cloud; random placement of discs comes to an end near 0.54
 stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain
 inertialLimit = 1e-3  # largest inertial number while a stress is servoed (careful value of the DEM literature)
-chunkSteps = 200  # DEM steps between two looks at the convergence
+chunkSteps = 200  # DEM steps between two looks at the convergence of the compaction
+servoChunk = 20  # DEM steps between two corrections of the strain rate
+servoSteps = 50  # steps in which the proportional part alone would remove an error
+servoIntegralSteps = 300  # reset time of the integral part
+restSteps = 2000  # steps with a cell at rest before the stress counts as reached
 
 
 class PackingError(RuntimeError):
@@ -84,9 +88,12 @@ def iceBondAvailable():
 
 def advance(steps):
 	"""Runs the current scene; polls finely because O.run(n, True) itself sleeps 40 ms between two looks."""
+	goal = O.iter + steps
 	O.run(steps, False)
 	while O.running:
 		time.sleep(2e-4)
+	if O.iter < goal:
+		raise PackingError(f"YADE stopped at step {O.iter} of {goal}; its message is above")
 
 
 # --- measuring -----------------------------------------------------------------------------------------------------------
@@ -207,32 +214,45 @@ def strainLimit(grains, pressure):
 	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean))
 
 
-def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000):
+def strainSince(cell):
+	"""Largest strain component between an earlier in-plane cell matrix and the present one [-]."""
+	gradient = inPlaneCell() @ np.linalg.inv(cell) - np.eye(2)
+	return float(np.abs(0.5 * (gradient + gradient.T)).max())
+
+
+def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
 	"""Brings the current scene to the in-plane stress `goal` = (xx, yy, xy) [Pa] by straining the cell, and to rest there.
 
-	Integral control of all three in-plane components: rate = (goal - stress)/(M T), M the stiffness E r/t_z of the packing and
-	T some hundred steps, limited so that the motion stays quasi-static. `tolerance` is in units of the mean pressure."""
+	Proportional-integral control of all three in-plane components: the strain of one step is (error + integral)/(50 M) with M the
+	stiffness E r/t_z of the packing, limited so that the motion stays quasi-static. The integral part is needed near yield, where
+	a proportional control creeps. `tolerance` is in units of the mean pressure. A stress beyond the strength of the packing is
+	refused when the strain passes `maxStrain`."""
 	goal = np.asarray(goal, dtype=float)
 	pressure = max(-0.5 * (goal[0] + goal[1]), 1.0)
-	gain = 1 / (grains.young * grains.radiusMean / grains.thickness * 150)
+	gain = grains.thickness / (servoSteps * grains.young * grains.radiusMean)
 	limit = strainLimit(grains, pressure)
-	done = 0
-	while done < maxSteps:
+	integral = np.zeros(3)
+	start, cell = O.iter, inPlaneCell()
+	while O.iter - start < maxSteps and strainSince(cell) < maxStrain:
 		error = goal - stress()
 		if np.abs(error).max() < 0.5 * tolerance * pressure and utils.unbalancedForce() < 1e-3:
-			done += _rest(2000)
+			_rest()
 			if np.abs(goal - stress()).max() < tolerance * pressure:
 				stopCell()
 				return
-			continue
-		rate = np.clip(error * gain, -limit, limit) / O.dt
+			integral[:] = 0
+		integral = np.clip(integral + gain * error * servoChunk / servoIntegralSteps, -limit, limit)
+		rate = np.clip(gain * error + integral, -limit, limit) / O.dt
 		O.cell.velGrad = Matrix3(rate[0], rate[2], 0, rate[2], rate[1], 0, 0, 0, 0)
-		advance(20)
-		done += 20
-	raise PackingError(f"stress (xx, yy, xy) = {tuple(goal)} Pa not reached within {maxSteps} steps; is it within the strength of the sample?")
+		advance(servoChunk)
+	reached = ", ".join(f"{s:.4g}" for s in stress())
+	raise PackingError(
+		f"stress (xx, yy, xy) = ({', '.join(f'{g:g}' for g in goal)}) Pa is not reached: at strain {strainSince(cell):.3f}, "
+		f"after {O.iter - start} steps, it is ({reached}); "
+		"it must lie within the strength of grains without ice (friction angle near 20 degrees)"
+	)
 
 
-def _rest(steps):
+def _rest():
 	O.cell.velGrad = Matrix3.Zero
-	advance(steps)
-	return steps
+	advance(restSteps)
