@@ -58,17 +58,10 @@ struct PackedThawStrain {
 	double thawStrainScale = 0;    ///< 0 (bookkeeping) to 1 (all of eq. (8))
 };
 
-/// Whole state of a periodic sample: what is kept between updates, saved and loaded. Plain data.
-template <int Dim> struct PackedState {
+/// Parameters and cell of a sample: its state without the arrays of grains and contacts.
+template <int Dim> struct PackedParameters {
 	using Vector = typename PackedTypes<Dim>::Vector;
 	using Matrix = typename PackedTypes<Dim>::Matrix;
-
-	std::shared_ptr<const PackedGrains>                 grains;
-	std::vector<Vector>                                 position;        ///< unwrapped [m]
-	std::vector<Vector>                                 velocity;        ///< contains velGrad * position, as in YADE [m/s]
-	std::vector<typename PackedTypes<Dim>::Spin>        angularVelocity; ///< [rad/s]
-	std::vector<typename PackedTypes<Dim>::Orientation> orientation;
-	PackedContacts<Dim>                                 contacts;
 
 	Matrix hSize          = Matrix::Identity(); ///< cell vectors in columns [m]
 	Matrix prevHSize      = Matrix::Identity(); ///< the same one step ago
@@ -82,7 +75,7 @@ template <int Dim> struct PackedState {
 	double thickness      = 0.1;                ///< out-of-plane size of the cell, discs only [m], > 0
 	double friction       = 0.5;                ///< tangent of the contact friction angle [-], >= 0
 	double stiffnessRatio = 0.8;                ///< k_s/k_n [-], >= 0
-	double density        = 2650;               ///< of the grains, for the inertial number only [kg/m^3]
+	double density        = 2650;               ///< of the grains, for the inertial number only [kg/m^3], > 0
 
 	IceBondModel     ice;               ///< ice.grainYoung is the contact modulus of the grains, with or without bonds
 	double           iceSaturation = 0; ///< S_i [-]
@@ -92,10 +85,26 @@ template <int Dim> struct PackedState {
 
 	std::uint64_t bondsFormed = 0, bondsBrokenInTension = 0, bondsBrokenInShear = 0, bondsMelted = 0; ///< since preparation
 
+	/// V of the stress: cell area times thickness for discs, cell volume for spheres [m^3].
+	double volume() const;
+	/// Throws std::invalid_argument naming the attribute, its value and a remedy.
+	void checkParameters() const;
+};
+
+/// Whole state of a periodic sample: what is kept between updates, saved and loaded. Plain data.
+template <int Dim> struct PackedState : PackedParameters<Dim> {
+	using Vector = typename PackedTypes<Dim>::Vector;
+	using Matrix = typename PackedTypes<Dim>::Matrix;
+
+	std::shared_ptr<const PackedGrains>                 grains;
+	std::vector<Vector>                                 position;        ///< unwrapped [m]
+	std::vector<Vector>                                 velocity;        ///< contains velGrad * position, as in YADE [m/s]
+	std::vector<typename PackedTypes<Dim>::Spin>        angularVelocity; ///< [rad/s]
+	std::vector<typename PackedTypes<Dim>::Orientation> orientation;
+	PackedContacts<Dim>                                 contacts;
+
 	std::size_t size() const { return position.size(); }
 	bool        bonded() const { return !contacts.bond.empty(); }
-	/// Area of discs [m^2] or volume of spheres' cell [m^3] times thickness (1 for spheres): the V of the stress.
-	double volume() const;
 
 	/// Bytes held by this state alone, its grains' constants excluded (they are shared).
 	std::size_t parkedBytes() const;

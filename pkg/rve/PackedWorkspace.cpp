@@ -1,0 +1,1211 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <pkg/rve/PackedWorkspace.hpp>
+
+namespace talik {
+
+namespace {
+
+	/// Skin of the neighbour lists over the mean radius: rebuilds against pairs carried along in vain.
+	constexpr double skinOverRadius = 0.08;
+	/// Bond area that marks a broken bond with cut spring: far too small to bear a force, different from zero.
+	constexpr double watched = -1e-300;
+
+	constexpr std::uint8_t bondNone = std::uint8_t(BondState::NONE), bondBonded = std::uint8_t(BondState::BONDED), bondBroken = std::uint8_t(BondState::BROKEN);
+
+	template <int Dim> void copyMatrix(const Eigen::Matrix<double, Dim, Dim>& from, double* to)
+	{
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				to[i * Dim + j] = from(i, j);
+	}
+
+	template <int Dim> void copyMatrix(const double* from, Eigen::Matrix<double, Dim, Dim>& to)
+	{
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				to(i, j) = from[i * Dim + j];
+	}
+
+	template <int Dim> void multiply(const double* a, const double* b, double* c)
+	{
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j) {
+				double sum = 0;
+				for (int k = 0; k < Dim; ++k)
+					sum += a[i * Dim + k] * b[k * Dim + j];
+				c[i * Dim + j] = sum;
+			}
+	}
+
+	template <int Dim> double frobenius(const double* a)
+	{
+		double square = 0;
+		for (int k = 0; k < Dim * Dim; ++k)
+			square += a[k] * a[k];
+		return std::sqrt(square);
+	}
+
+	/// Largest rate of shortening of any length, bounded from above.
+	template <int Dim> double strainRate(const double* a)
+	{
+		double square = 0;
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j) {
+				const double s = 0.5 * (a[i * Dim + j] + a[j * Dim + i]);
+				square += s * s;
+			}
+		return std::sqrt(square);
+	}
+
+	bool avx2Usable()
+	{
+#if defined(__x86_64__) && defined(__GNUC__)
+		return avx2KernelBuilt() && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+		return false;
+#endif
+	}
+
+	template <int Dim> PackedKernel<Dim> chooseKernel(bool bonded, bool portable)
+	{
+		if constexpr (Dim == 2)
+			if (!portable && avx2Usable()) return avx2Kernel(bonded);
+		(void)portable;
+		return portableKernel<Dim>(bonded);
+	}
+
+	template <class T> const double* shearData(const T& shear)
+	{
+		if constexpr (std::is_same<T, double>::value) return &shear;
+		else return shear.data();
+	}
+	template <class T> double* shearData(T& shear)
+	{
+		if constexpr (std::is_same<T, double>::value) return &shear;
+		else return shear.data();
+	}
+
+} // namespace
+
+template <int Dim> PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly) : portable(portableOnly)
+{
+	std::memset(&view, 0, sizeof(view));
+	view.owner     = this;
+	view.bondEvent = &PackedWorkspace::onBondEvent;
+	selectKernel();
+}
+
+// ---------------------------------------------------------------------------------------------- in and out
+
+template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state)
+{
+	static_cast<PackedParameters<Dim>&>(base) = state;
+	grains     = state.grains;
+	grainCount = state.size();
+	rowCount   = (grainCount + 3) / 4 * 4;
+	uncut.clear();
+	newlyUncut.clear();
+	copyMatrix<Dim>(base.hSize, view.hSize);
+	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
+	copyMatrix<Dim>(base.trsf, view.trsf);
+	copyMatrix<Dim>(base.velGrad, view.velGrad);
+	copyMatrix<Dim>(base.prevVelGrad, view.prevVelGrad);
+	copyMatrix<Dim>(base.nextVelGrad, view.nextVelGrad);
+	view.dt             = base.dt;
+	view.damping        = base.damping;
+	view.friction       = base.friction;
+	view.stiffnessRatio = base.stiffnessRatio;
+	iceRatio            = base.ice.iceStiffnessRatio(base.iceSaturation);
+	setStrengths();
+	loadGrains(state);
+	carriesBonds = std::any_of(state.contacts.bond.begin(), state.contacts.bond.end(), [](std::uint8_t b) { return b != bondNone; });
+	selectKernel();
+	loadContacts(state);
+	listsValid = false;
+	rebuildLists();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>& state)
+{
+	using Layout           = PackedLayout<Dim>;
+	const std::size_t rows = rowCount + 4; // two of the last four are partners of idle lanes, far from each other
+	const Quad        zero { { 0, 0, 0, 0 } };
+	motion.assign(rows * Layout::motion / 4, zero);
+	spin.assign((rows * Layout::spin + 3) / 4, zero);
+	force.assign(rows * Layout::force / 4, zero);
+	angular.assign((rows * Layout::angular + 3) / 4, zero);
+	orientation.assign((rows * Layout::orientation + 3) / 4, zero);
+	minusInverseMass.assign(rows / 4, zero);
+	inverseInertia.assign(rows / 4, zero);
+	radius.assign(rows / 4, zero);
+	reference.assign(rows, zero);
+	bind();
+	double* m = motion.data()->value;
+	double* w = angular.data()->value;
+	double* q = orientation.data()->value;
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		for (int d = 0; d < Dim; ++d) {
+			m[g * Layout::motion + d]       = state.position[g][d];
+			m[g * Layout::motion + Dim + d] = state.velocity[g][d];
+		}
+		if constexpr (Dim == 2) {
+			w[g] = state.angularVelocity[g];
+			q[g] = state.orientation[g];
+		} else {
+			for (int d = 0; d < 3; ++d)
+				w[3 * g + d] = state.angularVelocity[g][d];
+			for (int d = 0; d < 4; ++d)
+				q[4 * g + d] = state.orientation[g][d];
+		}
+		minusInverseMass.data()->value[g] = -1 / grains->mass[g];
+		inverseInertia.data()->value[g]   = 1 / grains->inertia[g];
+	}
+	m[(rowCount + 1) * Layout::motion] = 1e6;
+	scaleRadii();
+}
+
+/// Radii follow the thaw strain; peripheral velocities follow the radii.
+template <int Dim> void PackedWorkspace<Dim>::scaleRadii()
+{
+	double *r = radius.data()->value, *s = spin.data()->value;
+	largestRadius  = 0;
+	averageRadius  = 0;
+	smallestRadius = grains->radius[0] * base.radiusFactor;
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		r[g] = grains->radius[g] * base.radiusFactor;
+		if constexpr (Dim == 2) {
+			s[g] = view.angular[g] * r[g];
+		} else {
+			for (int d = 0; d < 3; ++d)
+				s[4 * g + d] = view.angular[3 * g + d];
+			s[4 * g + 3] = r[g];
+		}
+		largestRadius  = std::max(largestRadius, r[g]);
+		smallestRadius = std::min(smallestRadius, r[g]);
+		averageRadius += r[g];
+	}
+	averageRadius /= double(grainCount);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::bind()
+{
+	const auto pairsOf = [](Lanes& lanes, bool crosses) {
+		PackedPairs<Dim> pairs;
+		pairs.block   = lanes.block.data();
+		pairs.normals = lanes.normals.data();
+		pairs.ice     = lanes.ice.data();
+		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
+		pairs.blocks  = lanes.block.size();
+		return pairs;
+	};
+	view.motion           = motion.data()->value;
+	view.spin             = spin.data()->value;
+	view.force            = force.data()->value;
+	view.angular          = angular.data()->value;
+	view.orientation      = orientation.data()->value;
+	view.minusInverseMass = minusInverseMass.data()->value;
+	view.inverseInertia   = inverseInertia.data()->value;
+	view.radius           = radius.data()->value;
+	view.grains           = rowCount;
+	view.inner            = pairsOf(innerLanes, false);
+	view.periodic         = pairsOf(periodicLanes, true);
+	view.shiftMotion      = shiftMotion.empty() ? nullptr : shiftMotion.data()->value;
+	view.shiftForce       = shiftForce.empty() ? nullptr : shiftForce.data()->value;
+	view.shiftCell        = shiftCell.data();
+	view.shifts           = shiftCell.size() / Dim;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t pairs, bool crosses, bool bonded)
+{
+	const std::size_t blocks = (pairs + 3) / 4;
+	keys.resize(pairs);
+	block.resize(blocks);
+	normals.resize(Dim == 3 ? blocks : 0);
+	shift.resize(crosses ? 4 * blocks : 0);
+	ice.resize(bonded ? blocks : 0);
+	memory.resize(bonded ? pairs : 0);
+}
+
+/// History goes where a rebuild expects it: into the lanes of the "previous" list.
+template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim>& state)
+{
+	const PackedContacts<Dim>& c = state.contacts;
+	std::vector<std::pair<std::uint64_t, std::size_t>> order[2];
+	for (std::size_t k = 0; k < c.size(); ++k) {
+		const PairKey<Dim> pair { c.first[k], c.second[k], c.cellDist[k] };
+		order[pair.crossesCell()].emplace_back(pair.encode(), k);
+	}
+	for (const bool crosses : { false, true }) {
+		auto& sorted = order[crosses];
+		if (!std::is_sorted(sorted.begin(), sorted.end())) std::sort(sorted.begin(), sorted.end());
+		Lanes& lanes = lanesOf(crosses);
+		lanes.resize(sorted.size(), crosses, carriesBonds);
+		for (std::size_t lane = 0; lane < sorted.size(); ++lane) {
+			const std::size_t k = sorted[lane].second, b = lane / 4, l = lane % 4;
+			lanes.keys[lane] = sorted[lane].first;
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				lanes.block[b].shear[d][l] = shearData(c.shear[k])[d];
+			if constexpr (Dim == 3)
+				for (int d = 0; d < 3; ++d)
+					lanes.normals[b].n[d][l] = c.normal[k][d];
+			if (!carriesBonds) continue;
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				lanes.ice[b].iceShear[d][l] = shearData(c.iceShear[k])[d];
+			lanes.memory[lane] = { c.iceReference[k], c.grainReference[k], c.bond[k] };
+		}
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state) const
+{
+	using Layout = PackedLayout<Dim>;
+	static_cast<PackedParameters<Dim>&>(state) = parameters();
+	state.grains = grains;
+	state.position.resize(grainCount);
+	state.velocity.resize(grainCount);
+	state.angularVelocity.resize(grainCount);
+	state.orientation.resize(grainCount);
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		for (int d = 0; d < Dim; ++d) {
+			state.position[g][d] = view.motion[g * Layout::motion + d];
+			state.velocity[g][d] = view.motion[g * Layout::motion + Dim + d];
+		}
+		if constexpr (Dim == 2) {
+			state.angularVelocity[g] = view.angular[g];
+			state.orientation[g]     = view.orientation[g];
+		} else {
+			for (int d = 0; d < 3; ++d)
+				state.angularVelocity[g][d] = view.angular[3 * g + d];
+			for (int d = 0; d < 4; ++d)
+				state.orientation[g][d] = view.orientation[4 * g + d];
+		}
+	}
+	storeContacts(state.contacts);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>& c) const
+{
+	std::size_t count = 0;
+	const auto  keeps = [&](const Lanes& lanes, std::size_t lane) {
+        for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+            if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
+        if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
+        return geometry(lanes, lane).overlap >= 0;
+	};
+	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane)
+			count += keeps(*lanes, lane);
+	const auto fit = [count](auto& array, bool wanted) {
+		const std::size_t size = wanted ? count : 0;
+		if (array.capacity() != size) std::remove_reference_t<decltype(array)>().swap(array);
+		array.resize(size);
+	};
+	fit(c.first, true);
+	fit(c.second, true);
+	fit(c.cellDist, true);
+	fit(c.shear, true);
+	fit(c.normal, Dim == 3);
+	fit(c.iceShear, carriesBonds);
+	fit(c.iceReference, carriesBonds);
+	fit(c.grainReference, carriesBonds);
+	fit(c.bond, carriesBonds);
+	std::size_t k = 0;
+	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane) {
+			if (!keeps(*lanes, lane)) continue;
+			const PairKey<Dim> pair = PairKey<Dim>::decode(lanes->keys[lane]);
+			const std::size_t  b = lane / 4, l = lane % 4;
+			c.first[k]    = std::uint16_t(pair.first);
+			c.second[k]   = std::uint16_t(pair.second);
+			c.cellDist[k] = pair.cellDist;
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				shearData(c.shear[k])[d] = lanes->block[b].shear[d][l];
+			if constexpr (Dim == 3)
+				for (int d = 0; d < 3; ++d)
+					c.normal[k][d] = lanes->normals[b].n[d][l];
+			if (carriesBonds) {
+				for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+					shearData(c.iceShear[k])[d] = lanes->ice[b].iceShear[d][l];
+				const BondMemory& memory = lanes->memory[lane];
+				c.iceReference[k]        = memory.iceReference;
+				c.grainReference[k]      = memory.grainReference;
+				c.bond[k]                = memory.bond;
+			}
+			++k;
+		}
+	if (uncut.empty()) return;
+	// their shear lives outside the lanes
+	for (k = 0; k < count; ++k) {
+		if (!(c.bond[k] & PackedContacts<Dim>::iceSpringUncut)) continue;
+		const std::uint64_t key = PairKey<Dim> { c.first[k], c.second[k], c.cellDist[k] }.encode();
+		const auto found = std::lower_bound(uncut.begin(), uncut.end(), key, [](const Uncut& u, std::uint64_t value) { return u.key < value; });
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+			shearData(c.shear[k])[d]    = found->shear[d];
+			shearData(c.iceShear[k])[d] = found->iceShear[d];
+		}
+		if constexpr (Dim == 3)
+			for (int d = 0; d < 3; ++d)
+				c.normal[k][d] = found->normal[d];
+	}
+}
+
+template <int Dim> const PackedParameters<Dim>& PackedWorkspace<Dim>::parameters() const
+{
+	copyMatrix<Dim>(view.hSize, base.hSize);
+	copyMatrix<Dim>(view.prevHSize, base.prevHSize);
+	copyMatrix<Dim>(view.trsf, base.trsf);
+	copyMatrix<Dim>(view.velGrad, base.velGrad);
+	copyMatrix<Dim>(view.prevVelGrad, base.prevVelGrad);
+	copyMatrix<Dim>(view.nextVelGrad, base.nextVelGrad);
+	return base;
+}
+
+template <int Dim> typename PackedWorkspace<Dim>::Matrix PackedWorkspace<Dim>::hSize() const
+{
+	Matrix h;
+	copyMatrix<Dim>(view.hSize, h);
+	return h;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setNextVelGrad(const Matrix& velGrad) { copyMatrix<Dim>(velGrad, view.nextVelGrad); }
+
+template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
+{
+	base.friction = view.friction = tangent;
+	setStrengths();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setStrengths()
+{
+	view.tensileStrength = base.ice.tensileStrength(base.iceSaturation);
+	view.shearStrength   = base.ice.shearStrength(base.iceSaturation);
+	view.bondFriction    = base.ice.cohesionDisablesFriction ? 0 : view.friction;
+	view.iceShare        = iceRatio / (1 + iceRatio);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = chooseKernel<Dim>(carriesBonds, portable); }
+
+// ---------------------------------------------------------------------------------------------- neighbour lists
+
+/// The cell as the next evaluation of forces will see it.
+template <int Dim> void PackedWorkspace<Dim>::predictedCell(double* h) const
+{
+	multiply<Dim>(view.velGrad, view.hSize, h);
+	for (int k = 0; k < Dim * Dim; ++k)
+		h[k] = view.hSize[k] + view.dt * h[k];
+}
+
+// A pair outside the list was farther apart than r_1 + r_2 + skin. Since then the cell has shortened no length by more than the
+// factor 1 - stretch, and no grain has left the affine motion by more than `travel`; both are bounds, so no contact is ever missed and
+// results cannot depend on when the list was built.
+template <int Dim> bool PackedWorkspace<Dim>::listsExhausted() const
+{
+	return !(2 * travel + (2 * largestRadius + skin) * stretch * 1.01 < skin);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::accumulateTravel()
+{
+	const double dt = view.dt;
+	travel += dt * (frobenius<Dim>(view.velGrad) * travel + std::sqrt(view.maxFluctuationSquare)) * (1 + 1e-12);
+	stretch += dt * strainRate<Dim>(view.velGrad);
+}
+
+/// Largest deviation from the affine motion since the lists were built, exactly.
+template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
+{
+	Matrix now, before;
+	double h[Dim * Dim];
+	predictedCell(h);
+	copyMatrix<Dim>(h, now);
+	copyMatrix<Dim>(referenceCell, before);
+	const Matrix  deformation = now * before.inverse();
+	double        largest     = 0;
+	const double* x0          = reference.data()->value;
+	// positions are ahead of the cell by one step of the velocity gradient
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		double square = 0;
+		for (int d = 0; d < Dim; ++d) {
+			double u = view.motion[g * PackedLayout<Dim>::motion + d];
+			for (int e = 0; e < Dim; ++e)
+				u -= deformation(d, e) * x0[4 * g + e];
+			square += u * u;
+		}
+		largest = std::max(largest, square);
+	}
+	return std::sqrt(largest);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::refreshLists()
+{
+	if (listsValid && !listsExhausted()) return;
+	if (listsValid) {
+		const double measured = measuredTravel();
+		if (measured < travel && 2 * measured + (2 * largestRadius + skin) * stretch * 1.01 < 0.7 * skin) {
+			travel = measured * (1 + 1e-9);
+			return;
+		}
+	}
+	rebuildLists();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::rebuildLists()
+{
+	checkHealth();
+	returnUncut();
+	predictedCell(referenceCell);
+	const double needed = base.ice.bondRange * largestRadius;
+	skin = std::max(skinOverRadius * averageRadius, carriesBonds || base.ice.formsBonds(0, base.iceSaturation) ? 1.01 * needed : 0.);
+	std::swap(innerLanes, oldInner);
+	std::swap(periodicLanes, oldPeriodic);
+	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, referenceCell, skin, innerLanes.keys, periodicLanes.keys);
+	shiftCell.clear();
+	for (const bool crosses : { false, true }) {
+		Lanes& lanes = lanesOf(crosses);
+		const Lanes& old = crosses ? oldPeriodic : oldInner;
+		sortPairKeys(lanes.keys, sortBuffer, sortCounts);
+		if (carriesBonds) {
+			const std::size_t found = lanes.keys.size();
+			keepDistantBonds(old, lanes.keys, lanes.keys);
+			if (lanes.keys.size() > found) sortPairKeys(lanes.keys, sortBuffer, sortCounts);
+		}
+		fillLanes(lanes, old, crosses);
+	}
+	const std::size_t shifts = shiftCell.size() / Dim;
+	shiftMotion.resize(shifts * PackedLayout<Dim>::motion / 4);
+	shiftForce.resize(shifts * PackedLayout<Dim>::force / 4);
+	bind();
+	updateShiftRows();
+	for (std::size_t g = 0; g < grainCount; ++g)
+		for (int d = 0; d < Dim; ++d)
+			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
+	travel = stretch = 0;
+	listsValid       = true;
+	collectUncut();
+}
+
+/// A bond may open wider than the skin while it stretches: it stays in the list whatever the distance.
+template <int Dim>
+void PackedWorkspace<Dim>::keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const
+{
+	std::size_t       at    = 0;
+	const std::size_t found = keys.size();
+	for (std::size_t lane = 0; lane < old.memory.size(); ++lane) {
+		while (at < found && keys[at] < old.keys[lane])
+			++at;
+		const bool listed = at < found && keys[at] == old.keys[lane];
+		const bool holds  = old.memory[lane].bond == bondBonded || (old.memory[lane].bond & PackedContacts<Dim>::iceSpringUncut);
+		if (!listed && holds) kept.push_back(old.keys[lane]);
+	}
+}
+
+template <int Dim> unsigned PackedWorkspace<Dim>::shiftIndex(const std::array<std::int8_t, Dim>& c)
+{
+	const std::size_t count = shiftCell.size() / Dim;
+	for (std::size_t k = 0; k < count; ++k)
+		if (std::equal(c.begin(), c.end(), shiftCell.begin() + k * Dim)) return unsigned(k);
+	shiftCell.insert(shiftCell.end(), c.begin(), c.end());
+	return unsigned(count);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lanes& old, bool crosses)
+{
+	const std::size_t pairs = lanes.keys.size();
+	lanes.resize(pairs, crosses, carriesBonds);
+	std::size_t at = 0;
+	for (std::size_t lane = 0; lane < 4 * lanes.block.size(); ++lane) {
+		const std::size_t   l     = lane % 4;
+		PackedBlock<Dim>&   block = lanes.block[lane / 4];
+		const bool          idle  = lane >= pairs;
+		const PairKey<Dim>  pair  = idle ? PairKey<Dim> { std::uint32_t(rowCount), std::uint32_t(rowCount + 1), {} } : PairKey<Dim>::decode(lanes.keys[lane]);
+		block.first[l]            = 4 * pair.first;
+		block.second[l]           = 4 * pair.second;
+		if (crosses) lanes.shift[lane] = idle ? 0 : 4 * shiftIndex(pair.cellDist);
+		while (!idle && at < old.keys.size() && old.keys[at] < lanes.keys[lane])
+			++at;
+		const bool known = !idle && at < old.keys.size() && old.keys[at] == lanes.keys[lane];
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+			block.shear[d][l] = known ? old.block[at / 4].shear[d][at % 4] : 0;
+		if constexpr (Dim == 3)
+			for (int d = 0; d < 3; ++d)
+				lanes.normals[lane / 4].n[d][l] = known ? old.normals[at / 4].n[d][at % 4] : 0;
+		if (carriesBonds) {
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				lanes.ice[lane / 4].iceShear[d][l] = known ? old.ice[at / 4].iceShear[d][at % 4] : 0;
+			if (!idle) lanes.memory[lane] = known ? old.memory[at] : BondMemory();
+		}
+		if (idle) {
+			block.sumRadius[l] = block.stiffness[l] = 0;
+			if (carriesBonds) lanes.ice[lane / 4].offset[l] = lanes.ice[lane / 4].bondArea[l] = 0;
+		} else {
+			dressLane(lanes, lane);
+		}
+	}
+}
+
+template <int Dim> double PackedWorkspace<Dim>::grainStiffness(std::uint32_t first, std::uint32_t second) const
+{
+	const double a = grains->radius[first], b = grains->radius[second];
+	return 2 * base.ice.grainYoung * a * b / (a + b);
+}
+
+template <int Dim> double PackedWorkspace<Dim>::bondArea(std::uint32_t first, std::uint32_t second) const
+{
+	return base.ice.bondArea(std::min(grains->radius[first], grains->radius[second]));
+}
+
+/// Radii, stiffness and bond of a pair into its lane.
+template <int Dim> void PackedWorkspace<Dim>::dressLane(Lanes& lanes, std::size_t lane)
+{
+	PackedBlock<Dim>&   block = lanes.block[lane / 4];
+	const std::size_t   l     = lane % 4;
+	const std::uint32_t first = block.first[l] / 4, second = block.second[l] / 4;
+	const double        k     = grainStiffness(first, second);
+	block.sumRadius[l]        = view.radius[first] + view.radius[second];
+	block.stiffness[l]        = k;
+	if (!carriesBonds) return;
+	PackedIceBlock<Dim>& ice    = lanes.ice[lane / 4];
+	const BondMemory&    memory = lanes.memory[lane];
+	ice.offset[l] = ice.bondArea[l] = 0;
+	if (memory.bond == bondBonded) {
+		block.stiffness[l] = k + k * iceRatio;
+		ice.offset[l]      = k * memory.grainReference + k * iceRatio * memory.iceReference;
+		ice.bondArea[l]    = bondArea(first, second);
+	} else if (memory.bond == bondBroken) {
+		ice.bondArea[l] = watched;
+	} else if (memory.bond & PackedContacts<Dim>::iceSpringUncut) {
+		block.stiffness[l] = 0;
+	}
+	if (memory.bond != bondBonded)
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+			ice.iceShear[d][l] = 0;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
+{
+	double speed[Dim * Dim];
+	multiply<Dim>(view.velGrad, view.prevHSize, speed);
+	for (std::size_t k = 0; k < view.shifts; ++k) {
+		double* row = view.shiftMotion + k * PackedLayout<Dim>::motion;
+		double* sum = view.shiftForce + k * PackedLayout<Dim>::force;
+		for (int d = 0; d < Dim; ++d) {
+			double x = 0, v = 0;
+			for (int e = 0; e < Dim; ++e) {
+				x += view.hSize[d * Dim + e] * view.shiftCell[k * Dim + e];
+				v += speed[d * Dim + e] * view.shiftCell[k * Dim + e];
+			}
+			row[d]       = x;
+			row[Dim + d] = v;
+		}
+		for (int d = 0; d < PackedLayout<Dim>::force; ++d)
+			sum[d] = 0;
+	}
+}
+
+// ---------------------------------------------------------------------------------------------- steps
+
+template <int Dim> void PackedWorkspace<Dim>::moveCell()
+{
+	double rate[Dim * Dim];
+	std::memcpy(view.prevHSize, view.hSize, sizeof(view.hSize));
+	multiply<Dim>(view.velGrad, view.prevHSize, rate);
+	for (int k = 0; k < Dim * Dim; ++k)
+		view.hSize[k] += view.dt * rate[k];
+	multiply<Dim>(view.velGrad, view.trsf, rate);
+	for (int k = 0; k < Dim * Dim; ++k)
+		view.trsf[k] += view.dt * rate[k];
+}
+
+template <int Dim> void PackedWorkspace<Dim>::step()
+{
+	moveCell();
+	updateShiftRows();
+	kernel.contacts(&view);
+	if (carriesBonds && !(uncut.empty() && newlyUncut.empty())) advanceUncut();
+	kernel.integrate(&view);
+	std::memcpy(view.velGrad, view.nextVelGrad, sizeof(view.velGrad));
+	std::memcpy(view.prevVelGrad, view.nextVelGrad, sizeof(view.velGrad));
+	accumulateTravel();
+	++base.step;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::run(long steps, long averaged)
+{
+	Matrix    sum   = Matrix::Zero();
+	const long first = steps - std::max(1l, std::min(averaged, steps));
+	for (long k = 0; k < steps; ++k) {
+		if (listsExhausted()) refreshLists();
+		view.sampleStress = k >= first;
+		step();
+		if (view.sampleStress) {
+			Matrix stress;
+			finishStress(stress);
+			sum += stress;
+		}
+	}
+	if (steps > 0) base.stress = sum / double(steps - first);
+	checkHealth();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
+{
+	copyMatrix<Dim>(view.virial, stress);
+	for (std::size_t k = 0; k < view.shifts; ++k)
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::force + i] * view.shiftMotion[k * PackedLayout<Dim>::motion + j];
+	stress /= parameters().volume();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
+{
+	double sum = 0;
+	for (std::size_t g = 0; g < grainCount * PackedLayout<Dim>::motion; ++g)
+		sum += view.motion[g] * 0;
+	if (!(sum == 0)) throw PackedBlowUp("a grain's position or velocity is not finite");
+	if (!listsValid) return;
+	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane) {
+			const std::size_t         b = lane / 4, l = lane % 4;
+			const PackedPairRows<Dim> rows = pairRows(view, lanes == &innerLanes ? view.inner : view.periodic, lane);
+			double                    branch[Dim];
+			const double              square  = pairBranch(view, rows, branch);
+			const double              allowed = lanes->block[b].sumRadius[l] - smallestRadius;
+			if (square >= allowed * allowed) continue;
+			const double smaller = std::min(view.radius[rows.first / 4], view.radius[rows.second / 4]);
+			if (lanes->block[b].sumRadius[l] - std::sqrt(square) > smaller)
+				throw PackedBlowUp("the overlap of grains " + std::to_string(rows.first / 4) + " and " + std::to_string(rows.second / 4) + " exceeds a radius");
+		}
+}
+
+// ---------------------------------------------------------------------------------------------- bonds
+
+template <int Dim> void PackedWorkspace<Dim>::onBondEvent(void* owner, PackedBondEvent<Dim>* event)
+{
+	static_cast<PackedWorkspace*>(owner)->failBond(*event);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& event)
+{
+	constexpr int       parts  = PackedLayout<Dim>::shear;
+	Lanes&              lanes  = lanesOf(event.periodic != 0);
+	BondMemory&         memory = lanes.memory[event.lane];
+	const std::size_t   b = event.lane / 4, l = event.lane % 4;
+	const std::uint32_t first = lanes.block[b].first[l] / 4, second = lanes.block[b].second[l] / 4;
+	const auto          clear = [](double* shear) {
+        for (int d = 0; d < parts; ++d)
+            shear[d] = 0;
+	};
+	if (memory.bond != bondBonded) { // a broken bond, its spring cut, that opened: forgotten
+		if (event.overlap < 0) memory = BondMemory();
+		event.normalForce = 0;
+		clear(event.shear);
+		clear(event.iceShear);
+		dressLane(lanes, event.lane);
+		return;
+	}
+	const double grain = grainStiffness(first, second), ice = grain * iceRatio;
+	if (event.normalForce < -view.tensileStrength * bondArea(first, second)) {
+		++base.bondsBrokenInTension;
+		memory            = BondMemory();
+		memory.bond       = event.overlap > 0 ? bondBroken : bondNone;
+		event.normalForce = 0;
+		clear(event.shear);
+		clear(event.iceShear);
+		dressLane(lanes, event.lane);
+		return;
+	}
+	++base.bondsBrokenInShear;
+	const double icePush   = ice * std::max(event.overlap - memory.iceReference, 0.);
+	const double grainPush = grain * std::max(event.overlap, 0.);
+	event.normalForce      = icePush + grainPush;
+	const double norm = shearNorm<Dim>(event.shear), limit = view.friction * event.normalForce;
+	const double factor = norm > limit ? limit / norm : 1;
+	for (int d = 0; d < parts; ++d) {
+		event.shear[d] *= factor;
+		event.iceShear[d] *= factor;
+	}
+	memory.grainReference = 0;
+	if (icePush > 0) {
+		memory.bond = bondBroken | PackedContacts<Dim>::iceSpringUncut;
+		Uncut contact {};
+		contact.key      = lanes.keys[event.lane];
+		contact.periodic = event.periodic != 0;
+		contact.lane     = event.lane;
+		for (int d = 0; d < parts; ++d) {
+			contact.shear[d]    = event.shear[d];
+			contact.iceShear[d] = event.iceShear[d];
+		}
+		const Geometry now = geometry(lanes, event.lane);
+		for (int d = 0; d < Dim; ++d)
+			contact.normal[d] = now.n[d];
+		newlyUncut.push_back(contact);
+	} else {
+		memory      = BondMemory();
+		memory.bond = bondBroken;
+	}
+	clear(event.iceShear);
+	dressLane(lanes, event.lane);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::insertUncut(const Uncut& contact)
+{
+	const auto place = std::lower_bound(uncut.begin(), uncut.end(), contact, [](const Uncut& a, const Uncut& b) { return a.key < b.key; });
+	uncut.insert(place, contact);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::advanceUncut()
+{
+	std::size_t kept = 0;
+	for (std::size_t k = 0; k < uncut.size(); ++k) {
+		Uncut contact = uncut[k];
+		if (advanceUncut(contact)) uncut[kept++] = contact;
+	}
+	uncut.resize(kept);
+	for (const Uncut& contact : newlyUncut)
+		insertUncut(contact);
+	newlyUncut.clear();
+}
+
+/// One step of a broken bond that still pushes. False when it turned into a plain contact or opened.
+template <int Dim> bool PackedWorkspace<Dim>::advanceUncut(Uncut& contact)
+{
+	constexpr int  parts  = PackedLayout<Dim>::shear;
+	Lanes&         lanes  = lanesOf(contact.periodic);
+	BondMemory&    memory = lanes.memory[contact.lane];
+	const Geometry now    = geometry(lanes, contact.lane);
+	if (now.overlap < 0) {
+		for (int d = 0; d < parts; ++d)
+			contact.shear[d] = 0;
+		retire(contact, bondNone);
+		return false;
+	}
+	const bool   pushes = now.overlap > memory.iceReference;
+	const double grain  = grainStiffness(now.rows.first / 4, now.rows.second / 4), ice = pushes ? grain * iceRatio : 0.;
+	double       slip[parts];
+	slipVelocity(view, now.rows, now.n, now.sumRadius / now.distance, slip);
+	if constexpr (Dim == 3) {
+		rotateShear(view, now.rows, contact.normal, now.n, contact.shear);
+		rotateShear(view, now.rows, contact.normal, now.n, contact.iceShear);
+		for (int d = 0; d < 3; ++d)
+			contact.normal[d] = now.n[d];
+	}
+	const double increment   = view.stiffnessRatio * view.dt;
+	const double normalForce = grain * now.overlap + ice * (pushes ? now.overlap - memory.iceReference : 0.);
+	for (int d = 0; d < parts; ++d) {
+		contact.shear[d] -= increment * (grain + ice) * slip[d];
+		contact.iceShear[d] -= increment * ice * slip[d];
+	}
+	const double norm = shearNorm<Dim>(contact.shear), limit = view.friction * normalForce;
+	if (norm > limit)
+		for (int d = 0; d < parts; ++d) {
+			contact.shear[d] *= limit / norm;
+			contact.iceShear[d] *= limit / norm;
+		}
+	addPairForce(view, now.rows, now.n, now.overlap, normalForce, contact.shear);
+	if (!pushes) retire(contact, bondBroken);
+	return pushes;
+}
+
+/// Back into its lane, as a plain contact.
+template <int Dim> void PackedWorkspace<Dim>::retire(const Uncut& contact, std::uint8_t bond)
+{
+	Lanes&            lanes = lanesOf(contact.periodic);
+	const std::size_t b = contact.lane / 4, l = contact.lane % 4;
+	lanes.memory[contact.lane]      = BondMemory();
+	lanes.memory[contact.lane].bond = bond;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		lanes.block[b].shear[d][l] = contact.shear[d];
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			lanes.normals[b].n[d][l] = contact.normal[d];
+	dressLane(lanes, contact.lane);
+}
+
+/// Puts their shear back into the lanes, from where lists and stores take it.
+template <int Dim> void PackedWorkspace<Dim>::returnUncut()
+{
+	for (const Uncut& contact : uncut) {
+		Lanes&            lanes = lanesOf(contact.periodic);
+		const std::size_t b = contact.lane / 4, l = contact.lane % 4;
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+			lanes.block[b].shear[d][l]  = contact.shear[d];
+			lanes.ice[b].iceShear[d][l] = contact.iceShear[d];
+		}
+		if constexpr (Dim == 3)
+			for (int d = 0; d < 3; ++d)
+				lanes.normals[b].n[d][l] = contact.normal[d];
+	}
+	uncut.clear();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::collectUncut()
+{
+	uncut.clear();
+	if (!carriesBonds) return;
+	for (const bool crosses : { false, true }) {
+		Lanes& lanes = lanesOf(crosses);
+		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {
+			if (!(lanes.memory[lane].bond & PackedContacts<Dim>::iceSpringUncut)) continue;
+			const std::size_t b = lane / 4, l = lane % 4;
+			Uncut             contact {};
+			contact.key      = lanes.keys[lane];
+			contact.periodic = crosses;
+			contact.lane     = lane;
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+				contact.shear[d]    = lanes.block[b].shear[d][l];
+				contact.iceShear[d] = lanes.ice[b].iceShear[d][l];
+				lanes.block[b].shear[d][l] = lanes.ice[b].iceShear[d][l] = 0;
+			}
+			if constexpr (Dim == 3)
+				for (int d = 0; d < 3; ++d)
+					contact.normal[d] = lanes.normals[b].n[d][l];
+			insertUncut(contact);
+		}
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
+{
+	if (carry == carriesBonds) return;
+	carriesBonds = carry;
+	for (const bool crosses : { false, true }) {
+		Lanes& lanes = lanesOf(crosses);
+		lanes.ice.assign(carry ? lanes.block.size() : 0, PackedIceBlock<Dim>());
+		lanes.memory.assign(carry ? lanes.keys.size() : 0, BondMemory());
+	}
+	bind();
+	selectKernel();
+}
+
+/// Stiffness of bonds follows the ice; shear and reference overlaps of one contact under the stiffness rule in force.
+template <int Dim>
+void PackedWorkspace<Dim>::rescaleBond(Lanes& lanes, std::size_t lane, double oldRatio, double newRatio, double* shear, double* iceShear)
+{
+	BondMemory&  memory  = lanes.memory[lane];
+	const double overlap = geometry(lanes, lane).overlap;
+	const auto   scale   = [](double* values, double factor) {
+        for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+            values[d] *= factor;
+	};
+	switch (base.ice.rule) {
+		case StiffnessRule::parallel:
+			if (newRatio >= oldRatio) {
+				if (newRatio > 0) memory.iceReference = overlap - oldRatio / newRatio * (overlap - memory.iceReference);
+			} else {
+				const double kept = newRatio / oldRatio;
+				for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+					shear[d] -= iceShear[d] * (1 - kept);
+					iceShear[d] *= kept;
+				}
+			}
+			break;
+		case StiffnessRule::forceContinuous: {
+			const double kept = (1 + oldRatio) / (1 + newRatio);
+			if (memory.bond == bondBonded)
+				memory.iceReference = memory.grainReference = overlap - kept * (overlap - memory.iceReference);
+			else if (newRatio > 0)
+				memory.iceReference = overlap - oldRatio / newRatio * (overlap - memory.iceReference);
+			break;
+		}
+		case StiffnessRule::secant:
+			scale(shear, (1 + newRatio) / (1 + oldRatio));
+			scale(iceShear, (1 + newRatio) / (1 + oldRatio));
+			break;
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::rescaleBonds(double oldRatio, double newRatio)
+{
+	for (const bool crosses : { false, true }) {
+		Lanes& lanes = lanesOf(crosses);
+		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {
+			const std::uint8_t bond = lanes.memory[lane].bond;
+			if (bond != bondBonded && !(bond & PackedContacts<Dim>::iceSpringUncut)) continue;
+			const std::size_t b = lane / 4, l = lane % 4;
+			double            shear[PackedLayout<Dim>::shear], iceShear[PackedLayout<Dim>::shear];
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+				shear[d]    = lanes.block[b].shear[d][l];
+				iceShear[d] = lanes.ice[b].iceShear[d][l];
+			}
+			rescaleBond(lanes, lane, oldRatio, newRatio, shear, iceShear);
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+				lanes.block[b].shear[d][l]  = shear[d];
+				lanes.ice[b].iceShear[d][l] = iceShear[d];
+			}
+		}
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::removeBonds()
+{
+	for (Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (BondMemory& memory : lanes->memory) {
+			base.bondsMelted += memory.bond == bondBonded;
+			memory = BondMemory();
+		}
+	carryBonds(false);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::shrinkGrains()
+{
+	if (base.thawStrain.thawStrainScale == 0) return;
+	const double full   = equivalentRadiusRatio(base.thawStrain.porosity, 0, 1, Dim);
+	const double ratio  = equivalentRadiusRatio(base.thawStrain.porosity, 0, base.iceSaturation, Dim);
+	const double factor = 1 - base.thawStrain.thawStrainScale * (1 - ratio / full);
+	if (factor >= base.radiusFactor) return;
+	base.radiusFactor = factor;
+	scaleRadii();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation)
+{
+	if (!(saturation >= 0 && saturation <= 1))
+		throw std::invalid_argument("packed sample: ice saturation " + std::to_string(saturation) + " must lie in 0..1");
+	if (saturation == base.iceSaturation) return;
+	const double newRatio = base.ice.iceStiffnessRatio(saturation);
+	const bool   melted = base.ice.melted(saturation), births = !melted && base.ice.formsBonds(base.iceSaturation, saturation);
+	returnUncut();
+	if (carriesBonds) rescaleBonds(iceRatio, melted ? 0. : newRatio);
+	if (melted && carriesBonds) removeBonds();
+	base.iceSaturation = saturation;
+	iceRatio           = newRatio;
+	setStrengths();
+	shrinkGrains();
+	for (Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane)
+			dressLane(*lanes, lane);
+	collectUncut();
+	if (births) bondAll();
+}
+
+template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
+{
+	if (base.ice.melted(base.iceSaturation)) return 0;
+	std::size_t formed = 0;
+	carryBonds(true);
+	rebuildLists();
+	for (const bool crosses : { false, true }) {
+		Lanes& lanes = lanesOf(crosses);
+		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {
+			BondMemory& memory = lanes.memory[lane];
+			if (memory.bond != bondNone) continue;
+			const Geometry now     = geometry(lanes, lane);
+			const double   smaller = std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]);
+			if (now.overlap < -base.ice.bondRange * smaller) continue;
+			memory.bond           = bondBonded;
+			memory.iceReference   = now.overlap;
+			memory.grainReference = std::min(now.overlap, 0.);
+			if (base.ice.rule == StiffnessRule::secant) memory.iceReference = memory.grainReference = 0;
+			if (base.ice.rule == StiffnessRule::forceContinuous)
+				memory.iceReference = memory.grainReference = now.overlap - std::max(now.overlap, 0.) / (1 + iceRatio);
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				lanes.ice[lane / 4].iceShear[d][lane % 4] = 0;
+			if constexpr (Dim == 3)
+				if (now.overlap < 0)
+					for (int d = 0; d < 3; ++d)
+						lanes.normals[lane / 4].n[d][lane % 4] = now.n[d];
+			dressLane(lanes, lane);
+			++formed;
+		}
+	}
+	base.bondsFormed += formed;
+	if (uncut.empty() && formed == 0)
+		carryBonds(std::any_of(innerLanes.memory.begin(), innerLanes.memory.end(), [](const BondMemory& m) { return m.bond != bondNone; })
+		           || std::any_of(periodicLanes.memory.begin(), periodicLanes.memory.end(), [](const BondMemory& m) { return m.bond != bondNone; }));
+	return formed;
+}
+
+// ---------------------------------------------------------------------------------------------- flip
+
+namespace {
+
+	/// Integer combinations that shorten the cell vectors: columns of the result are combinations of those of hSize.
+	template <int Dim> Eigen::Matrix<int, Dim, Dim> reduction(Eigen::Matrix<double, Dim, Dim> h, double skew)
+	{
+		Eigen::Matrix<int, Dim, Dim> combination = Eigen::Matrix<int, Dim, Dim>::Identity();
+		for (bool changed = true; changed;) {
+			changed = false;
+			for (int a = 0; a < Dim; ++a)
+				for (int b = 0; b < Dim; ++b) {
+					if (a == b) continue;
+					const double ratio = h.col(a).dot(h.col(b)) / h.col(a).squaredNorm();
+					const int    turns = int(std::lround(ratio));
+					if (std::fabs(ratio) <= skew + 1e-9 || turns == 0) continue;
+					h.col(b) -= turns * h.col(a);
+					combination.col(b) -= turns * combination.col(a);
+					changed = true;
+				}
+		}
+		return combination;
+	}
+
+	/// Inverse of an integer matrix of determinant +-1, exact by rounding.
+	template <int Dim> Eigen::Matrix<int, Dim, Dim> integerInverse(const Eigen::Matrix<int, Dim, Dim>& m)
+	{
+		const Eigen::Matrix<double, Dim, Dim> inverse = m.template cast<double>().inverse();
+		Eigen::Matrix<int, Dim, Dim>          rounded;
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				rounded(i, j) = int(std::lround(inverse(i, j)));
+		return rounded;
+	}
+
+} // namespace
+
+// Grains are wrapped into the new cell at the same time, so that cell distances stay small in endless shear.
+template <int Dim> bool PackedWorkspace<Dim>::flip(double skew)
+{
+	const Matrix                       before      = hSize();
+	const Eigen::Matrix<int, Dim, Dim> combination = reduction<Dim>(before, std::max(skew, 0.5));
+	if (combination == Eigen::Matrix<int, Dim, Dim>::Identity()) return false;
+	PackedState<Dim> state;
+	store(state);
+	state.hSize                                = before * combination.template cast<double>();
+	state.prevHSize                            = state.prevHSize * combination.template cast<double>();
+	const Eigen::Matrix<int, Dim, Dim> unwind  = integerInverse<Dim>(combination);
+	const Matrix                       inverse = state.hSize.inverse();
+	std::vector<Eigen::Matrix<int, Dim, 1>> image(grainCount);
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		const Vector reduced = inverse * state.position[g];
+		Vector       cells;
+		for (int d = 0; d < Dim; ++d) {
+			cells[d]    = std::floor(reduced[d]);
+			image[g][d] = int(cells[d]);
+		}
+		const Vector shift = state.hSize * cells;
+		state.position[g] -= shift;
+		state.velocity[g] -= state.prevVelGrad * shift;
+	}
+	PackedContacts<Dim>& c = state.contacts;
+	for (std::size_t k = 0; k < c.size(); ++k) {
+		Eigen::Matrix<int, Dim, 1> cells;
+		for (int d = 0; d < Dim; ++d)
+			cells[d] = c.cellDist[k][d];
+		cells = (unwind * cells + image[c.second[k]] - image[c.first[k]]).eval();
+		for (int d = 0; d < Dim; ++d)
+			c.cellDist[k][d] = std::int8_t(cells[d]);
+	}
+	load(state);
+	return true;
+}
+
+// ---------------------------------------------------------------------------------------------- measures
+
+template <int Dim> typename PackedWorkspace<Dim>::Geometry PackedWorkspace<Dim>::geometry(const Lanes& lanes, std::size_t lane) const
+{
+	Geometry result;
+	result.rows      = pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane);
+	result.sumRadius = lanes.block[lane / 4].sumRadius[lane % 4];
+	result.distance  = std::sqrt(pairBranch(view, result.rows, result.n));
+	result.overlap   = result.sumRadius - result.distance;
+	for (int d = 0; d < Dim; ++d)
+		result.n[d] /= result.distance;
+	return result;
+}
+
+/// Calls visitor(geometry, normal stiffness, normal force, shear, bond) for every contact that bears or could bear a force.
+template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContacts(Visitor&& visit) const
+{
+	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane) {
+			const Geometry     now  = geometry(*lanes, lane);
+			const std::uint8_t bond = carriesBonds ? lanes->memory[lane].bond : bondNone;
+			if (now.overlap < 0 && bond != bondBonded) continue;
+			const double  grain     = grainStiffness(now.rows.first / 4, now.rows.second / 4);
+			double        stiffness = grain, normalForce = grain * now.overlap;
+			double        shear[PackedLayout<Dim>::shear];
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				shear[d] = lanes->block[lane / 4].shear[d][lane % 4];
+			if (bond == bondBonded) {
+				stiffness   = grain * (1 + iceRatio);
+				normalForce = lanes->block[lane / 4].stiffness[lane % 4] * now.overlap - lanes->ice[lane / 4].offset[lane % 4];
+			} else if (bond & PackedContacts<Dim>::iceSpringUncut) {
+				const double push = std::max(0., now.overlap - lanes->memory[lane].iceReference);
+				if (push > 0) stiffness = grain * (1 + iceRatio);
+				normalForce += grain * iceRatio * push;
+				const auto found = std::lower_bound(uncut.begin(), uncut.end(), lanes->keys[lane], [](const Uncut& u, std::uint64_t key) { return u.key < key; });
+				for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+					shear[d] = found->shear[d];
+			}
+			visit(now, stiffness, normalForce, shear, bond);
+		}
+}
+
+template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() const
+{
+	PackedStatistics<Dim> result;
+	std::vector<Vector>   net(grainCount, Vector::Zero());
+	double                forces = 0, overlaps = 0;
+	forContacts([&](const Geometry& now, double, double normalForce, const double* shear, std::uint8_t bond) {
+		double       force[Dim];
+		const double norm = shearNorm<Dim>(shear);
+		pairForce<Dim>(now.n, normalForce, shear, force);
+		for (int d = 0; d < Dim; ++d) {
+			net[now.rows.first / 4][d] -= force[d];
+			net[now.rows.second / 4][d] += force[d];
+			for (int e = 0; e < Dim; ++e)
+				result.fabric(d, e) += now.n[d] * now.n[e];
+		}
+		forces += std::sqrt(normalForce * normalForce + norm * norm);
+		++result.contacts;
+		result.bondsIntact += bond == bondBonded;
+		result.bondsBroken += (bond & bondBroken) != 0;
+		if (now.overlap <= 0) return;
+		overlaps += now.overlap / now.sumRadius;
+		result.maxOverlapRatio
+		        = std::max(result.maxOverlapRatio, now.overlap / std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]));
+	});
+	double solid = 0, imbalance = 0;
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		const double* x = view.motion + g * PackedLayout<Dim>::motion;
+		const double  r = view.radius[g];
+		double        square = 0, spinSquare = 0;
+		for (int d = 0; d < Dim; ++d) {
+			double v = x[Dim + d];
+			for (int e = 0; e < Dim; ++e)
+				v -= view.prevVelGrad[d * Dim + e] * x[e];
+			square += v * v;
+		}
+		for (int d = 0; d < PackedLayout<Dim>::angular; ++d) {
+			const double w = view.angular[g * PackedLayout<Dim>::angular + d];
+			spinSquare += w * w;
+		}
+		result.kineticEnergy += 0.5 * (grains->mass[g] * square + grains->inertia[g] * spinSquare);
+		solid += Dim == 2 ? M_PI * r * r * base.thickness : 4. / 3. * M_PI * r * r * r;
+		imbalance += net[g].norm();
+	}
+	result.porosity           = 1 - solid / parameters().volume();
+	result.coordinationNumber = 2. * double(result.contacts) / double(grainCount);
+	if (result.contacts > 0) {
+		result.fabric /= double(result.contacts);
+		result.meanOverlapRatio = overlaps / double(result.contacts);
+	}
+	if (forces > 0) result.unbalancedForce = (imbalance / double(grainCount)) / (forces / double(result.contacts));
+	return result;
+}
+
+template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
+{
+	PackedTangent<Dim> result {};
+	const double       volume = parameters().volume();
+	forContacts([&](const Geometry& now, double stiffness, double, const double*, std::uint8_t) {
+		const double factor = now.distance * now.distance * stiffness / volume;
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				for (int k = 0; k < Dim; ++k)
+					for (int l = 0; l < Dim; ++l) {
+						const double nn = now.n[i] * now.n[k], tt = (i == k ? 1. : 0.) - nn;
+						result[((i * Dim + j) * Dim + k) * Dim + l] += factor * (nn + base.stiffnessRatio * tt) * now.n[j] * now.n[l];
+					}
+	});
+	return result;
+}
+
+template class PackedWorkspace<2>;
+template class PackedWorkspace<3>;
+
+} // namespace talik
