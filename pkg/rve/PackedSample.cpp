@@ -127,6 +127,7 @@ namespace {
 			result.flipped = options.flipSkew > 0 && workspace.flip(options.flipSkew);
 			result.stress  = symmetric<Matrix>(workspace.stress());
 			result.steps   = long(workspace.parameters().step - start);
+			if (options.tangent) result.tangent = workspace.tangent();
 			return result;
 		}
 

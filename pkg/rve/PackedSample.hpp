@@ -22,6 +22,7 @@ struct PackedUpdateOptions {
 	double unbalancedLimit     = 0.01; ///< [-]
 	double flipSkew            = 0.5;  ///< the cell is flipped when a skew passes this; <= 0: never
 	double averageOver         = 0;    ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
+	bool   tangent             = false; ///< also return the elastic tangent of the contact network
 };
 
 /// What an update did.
@@ -31,6 +32,7 @@ template <int Dim> struct PackedUpdateResult {
 	bool                              flipped = false;
 	bool                              blewUp  = false; ///< the state is the last good one, the stress is that state's
 	std::string                       reason;          ///< why it blew up, empty otherwise
+	PackedTangent<Dim>                tangent {};      ///< if asked for, see PackedSample::tangent
 };
 
 /// Drives the cell until the sample carries given stresses.

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/GroundBoundaries.hpp>
+
+namespace yade {
+YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)(SurfaceTemperature)(
+        HeatFlux)(SurfaceLoad));
+
+talik::Region<2> GroundBoundary::where() const
+{
+	using Region = talik::Region<2>;
+	const talik::Vec<2> from { lower[0], lower[1] }, to { upper[0], upper[1] };
+	if (region == "surface") return Region::freeSurface().within(from, to);
+	if (region == "box") return Region::nodeBox(from, to);
+	if (region == "left" || region == "right" || region == "bottom" || region == "top") return Region::side(region).within(from, to);
+	throw std::invalid_argument(getClassName() + ".region is '" + region + "': choose left, right, bottom, top, surface or box.");
+}
+
+talik::TimeTable GroundBoundary::overTime(Real constant) const
+{
+	if (times.empty() && values.empty()) return talik::TimeTable(constant);
+	talik::TimeTable table(times, values);
+	table.validate(getClassName() + ".times/values");
+	return table;
+}
+
+GroundBoundary::Pointer GroundBoundary::build() const
+{
+	throw std::invalid_argument("GroundBoundary says nothing by itself: use RollerBoundary, FixedBoundary, SurfaceTemperature, …");
+}
+GroundBoundary::Pointer RollerBoundary::build() const { return std::make_shared<talik::RollerBoundary<2>>(where()); }
+GroundBoundary::Pointer FixedBoundary::build() const { return std::make_shared<talik::FixedBoundary<2>>(where()); }
+GroundBoundary::Pointer ImpermeableBoundary::build() const { return std::make_shared<talik::ImpermeableBoundary<2>>(where()); }
+GroundBoundary::Pointer DrainedBoundary::build() const { return std::make_shared<talik::DrainedBoundary<2>>(where(), overTime(pressure), recharge); }
+GroundBoundary::Pointer InsulatedBoundary::build() const { return std::make_shared<talik::InsulatedBoundary<2>>(where()); }
+GroundBoundary::Pointer WallTemperature::build() const { return std::make_shared<talik::WallTemperature<2>>(where(), overTime(temperature)); }
+GroundBoundary::Pointer SurfaceTemperature::build() const
+{
+	return std::make_shared<talik::SurfaceTemperature<2>>(where(), overTime(temperature), heatTransferCoefficient);
+}
+GroundBoundary::Pointer HeatFlux::build() const { return std::make_shared<talik::HeatFlux<2>>(where(), overTime(flux)); }
+GroundBoundary::Pointer SurfaceLoad::build() const
+{
+	std::vector<talik::TimeTable> constant;
+	if (!traction.isZero()) constant = { talik::TimeTable(traction[0]), talik::TimeTable(traction[1]) };
+	return std::make_shared<talik::Traction<2>>(where(), overTime(pressure), constant);
+}
+
+} // namespace yade

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/serialization/Serializable.hpp>
+#include <pkg/mpm/Boundaries.hpp>
+
+namespace yade {
+
+/// Condition on a part of the ground's surface; derived classes say which.
+class GroundBoundary : public Serializable {
+public:
+	using Pointer = std::shared_ptr<talik::Boundary<2>>;
+	virtual ~GroundBoundary() {};
+	virtual Pointer build() const;
+
+protected:
+	talik::Region<2> where() const;
+	/// The table of times and values if there is one, else the constant.
+	talik::TimeTable overTime(Real constant) const;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries.",
+		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface; box: all nodes inside lower..upper."))
+		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region [m]."))
+		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region [m]."))
+		((vector<Real>,times,,,"Instants of a value that changes in time [s], increasing; linear in between, constant outside. Empty: the value is constant."))
+		((vector<Real>,values,,,"Values at these instants, in the unit of the attribute that they replace."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(GroundBoundary);
+
+class RollerBoundary : public GroundBoundary {
+public:
+	virtual ~RollerBoundary() {};
+	Pointer build() const override;
+	YADE_CLASS_BASE_DOC(RollerBoundary, GroundBoundary, "Neither grains nor water move across this side; they may slide along it. Example: RollerBoundary(region='left').");
+};
+REGISTER_SERIALIZABLE(RollerBoundary);
+
+class FixedBoundary : public GroundBoundary {
+public:
+	virtual ~FixedBoundary() {};
+	Pointer build() const override;
+	YADE_CLASS_BASE_DOC(FixedBoundary, GroundBoundary, "Grains and water are at rest on this side. Example: FixedBoundary(region='bottom').");
+};
+REGISTER_SERIALIZABLE(FixedBoundary);
+
+class ImpermeableBoundary : public GroundBoundary {
+public:
+	virtual ~ImpermeableBoundary() {};
+	Pointer build() const override;
+	YADE_CLASS_BASE_DOC(ImpermeableBoundary, GroundBoundary, "Water does not cross this side, whose grains are free to move.");
+};
+REGISTER_SERIALIZABLE(ImpermeableBoundary);
+
+class DrainedBoundary : public GroundBoundary {
+public:
+	virtual ~DrainedBoundary() {};
+	Pointer build() const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example: DrainedBoundary(region='surface').",
+		((Real,pressure,0,,"Water pressure outside [Pa], compression positive; times and values may replace it."))
+		((bool,recharge,true,,"Water may also come in."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(DrainedBoundary);
+
+class InsulatedBoundary : public GroundBoundary {
+public:
+	virtual ~InsulatedBoundary() {};
+	Pointer build() const override;
+	YADE_CLASS_BASE_DOC(InsulatedBoundary, GroundBoundary, "No heat crosses: what happens anyway where no thermal boundary acts; refused where another one heats the same side.");
+};
+REGISTER_SERIALIZABLE(InsulatedBoundary);
+
+class WallTemperature : public GroundBoundary {
+public:
+	virtual ~WallTemperature() {};
+	Pointer build() const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box. Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10).",
+		((Real,temperature,0,,"[degC]; times and values may replace it."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(WallTemperature);
+
+class SurfaceTemperature : public GroundBoundary {
+public:
+	virtual ~SurfaceTemperature() {};
+	Pointer build() const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface or of the air above it. Example: SurfaceTemperature(region='surface',times=[0,1],values=[-5,10]).",
+		((Real,temperature,0,,"[degC]; times and values may replace it."))
+		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, scaled by the thermal time scale; infinite: the surface itself has the temperature."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(SurfaceTemperature);
+
+class HeatFlux : public GroundBoundary {
+public:
+	virtual ~HeatFlux() {};
+	Pointer build() const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(HeatFlux,GroundBoundary,"Heat into the ground per unit area of its surface. Example: HeatFlux(region='surface',flux=50).",
+		((Real,flux,0,,"Into the ground [W/m^2], scaled by the thermal time scale; times and values may replace it."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(HeatFlux);
+
+class SurfaceLoad : public GroundBoundary {
+public:
+	virtual ~SurfaceLoad() {};
+	Pointer build() const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(SurfaceLoad,GroundBoundary,"Pressure or traction on the ground's surface. Example: SurfaceLoad(region='surface',pressure=10e3).",
+		((Real,pressure,0,,"Pushes onto the surface [Pa]; times and values may replace it."))
+		((Vector2r,traction,Vector2r::Zero(),,"Force per area beside the pressure [Pa], constant."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(SurfaceLoad);
+
+} // namespace yade

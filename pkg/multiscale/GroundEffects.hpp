@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/serialization/Serializable.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+
+namespace yade {
+
+/// Phases of the ground, Yu & Zhao section 3.
+class GroundMaterial : public Serializable {
+public:
+	virtual ~GroundMaterial() {};
+	talik::MixtureProperties build() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. Example: GroundMaterial(conductivityMean='geometric').",
+		((Real,solidDensity,2650,,"Intrinsic density of the soil grains [kg/m^3], > 0."))
+		((Real,iceDensity,910,,"Intrinsic density of ice [kg/m^3], > 0."))
+		((Real,liquidDensity,1000,,"Intrinsic density of liquid water [kg/m^3], > 0."))
+		((Real,solidSpecificHeat,800,,"[J/(kg K)], > 0."))
+		((Real,iceSpecificHeat,2060,,"[J/(kg K)], > 0."))
+		((Real,liquidSpecificHeat,4200,,"[J/(kg K)], > 0."))
+		((Real,solidConductivity,1.0,,"Thermal conductivity [W/(m K)], > 0."))
+		((Real,iceConductivity,2.2,,"Thermal conductivity [W/(m K)], > 0."))
+		((Real,liquidConductivity,0.6,,"Thermal conductivity [W/(m K)], > 0."))
+		((Real,solidExpansivity,2.4e-5,,"Volumetric thermal expansivity [1/K]."))
+		((Real,iceExpansivity,1.6e-4,,"Volumetric thermal expansivity [1/K]."))
+		((Real,liquidExpansivity,2.1e-4,,"Volumetric thermal expansivity [1/K]."))
+		((Real,latentHeat,334e3,,"Latent heat of fusion at 0 degC [J/kg], > 0 (the paper gives none)."))
+		((string,conductivityMean,"arithmetic",,"How conductivities of the phases combine: arithmetic, geometric or harmonic."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(GroundMaterial);
+
+/// Effect: heat conduction with enthalpy on the points, Yu & Zhao eq. (4).
+class HeatTransfer : public Serializable {
+public:
+	virtual ~HeatTransfer() {};
+	talik::HeatSettings build() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it there is no temperature. Example: MpmEngine(heat=HeatTransfer(thermalTimeScale=8.64e5),...).",
+		((Real,thermalTimeScale,1,,"f_T [-], > 0: conduction, surface coefficients, heat fluxes and sources are multiplied by it, so that heat's time is f_T times the scene's."))
+		((Real,source,0,,"Heat produced per volume [W/m^3]."))
+		((Real,smoothingTime,std::numeric_limits<Real>::infinity(),,"Time constant of the conservative smoothing of point temperatures [s]; infinite: none."))
+		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
+		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more heat)."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(HeatTransfer);
+
+/// Effect: pore water freezes, liquid saturation follows temperature.
+class FreezingCurve : public Serializable {
+public:
+	virtual ~FreezingCurve() {};
+	talik::FreezingCurvePtr build() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs HeatTransfer. Example: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05).",
+		((string,curve,"gauss",,"gauss, exponential, power, vanGenuchten, linear or sharp."))
+		((Real,freezingTemperature,0,,"T_f: at and above it all water is liquid [degC]."))
+		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1."))
+		((Real,width,NaN,,"Width of the freezing range [K], > 0: W of gauss and exponential, T_f - T_m of linear, D of power; NaN: the curve's default."))
+		((Real,exponent,NaN,,"a of power, lambda of vanGenuchten [-]; NaN: the curve's default."))
+		((Real,airEntryPressure,NaN,,"P_0 of vanGenuchten [Pa]; NaN: the curve's default."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(FreezingCurve);
+
+/// Effect: pore water moves and carries pressure, Yu & Zhao eqs (2), (3).
+class PoreWater : public Serializable {
+public:
+	virtual ~PoreWater() {};
+	talik::WaterSettings build(Real residualSaturation) const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
+		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0."))
+		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
+		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
+		((Real,impedance,6,,"Omega of impedance [-], >= 0."))
+		((Real,relativeConductivityFloor,1e-6,,"Smallest relative conductivity [-], in (0,1]."))
+		((Real,hydraulicTimeScale,1,,"f_H multiplies the conductivity [-], > 0."))
+		((Real,bulkModulus,2.2e7,,"Numerical bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; less lets larger steps and lowers Skempton's B, see MpmEngine.skemptonB."))
+		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times bulkModulus."))
+		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
+		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
+		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
+		((Real,flip,0.9,,"FLIP fraction of the liquid velocity, 0 (PIC) to 1."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(PoreWater);
+
+} // namespace yade

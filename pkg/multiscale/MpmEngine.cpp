@@ -1,0 +1,413 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/multiscale/MpmEngine.hpp>
+
+#include <boost/python/numpy.hpp>
+#include <omp.h>
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+namespace yade {
+YADE_PLUGIN((MpmEngine));
+
+namespace {
+	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy.
+	constexpr int numbersPerPoint = 12;
+
+	const char archiveMagic[] = "talik ground 1";
+
+	np::ndarray asArray(const py::object& values) { return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO); }
+
+	/// Fills one column per component of the point table from a scalar, a row of components, or an array with a row per point.
+	void fillColumns(vector<Real>& table, int points, int first, int components, const string& name, const py::object& values)
+	{
+		const np::ndarray array = asArray(values);
+		const Real*       data  = reinterpret_cast<const Real*>(array.get_data());
+		long              size  = 1;
+		for (int d = 0; d < array.get_nd(); d++)
+			size *= array.shape(d);
+		const bool uniform = size == components && (components > 1 || array.get_nd() == 0 || points == 1);
+		if (!uniform && size != long(points) * components)
+			throw std::invalid_argument(
+			        "MpmEngine.addPoints: " + name + " has " + std::to_string(size) + " numbers for " + std::to_string(points) + " points: give "
+			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + ".");
+		for (int p = 0; p < points; p++)
+			for (int c = 0; c < components; c++)
+				table[p * numbersPerPoint + first + c] = data[uniform ? c : p * components + c];
+	}
+
+	struct Column {
+		const char*   name;
+		int           first, components;
+		vector<Real>  byDefault;
+	};
+	const vector<Column>& optionalColumns()
+	{
+		static const vector<Column> columns {
+			{ "volume", 2, 1, { NaN } },  { "porosity", 3, 1, { 0.4 } }, { "temperature", 4, 1, { 0 } },  { "pressure", 5, 1, { 0 } },
+			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 3, { NaN, NaN, NaN } }, { "velocity", 10, 2, { 0, 0 } },
+		};
+		return columns;
+	}
+
+	talik::PointInput<2> pointFrom(const Real* row)
+	{
+		talik::PointInput<2> point;
+		point.position    = { row[0], row[1] };
+		point.volume      = row[2];
+		point.porosity    = row[3];
+		point.temperature = row[4];
+		point.pressure    = row[5];
+		point.skeleton    = int(row[6]);
+		point.stress      = { row[7], row[8], 0.5 * (row[7] + row[8]), row[9] };
+		point.velocity    = { row[10], row[11] };
+		return point;
+	}
+} // namespace
+
+// ---- points ----------------------------------------------------------------------------------------------------------------
+
+py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
+{
+	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure", "skeleton", "stress", "velocity" };
+	MpmEngine&               self    = py::extract<MpmEngine&>(args[0]);
+	for (int i = 1; i < py::len(args) && i <= 8; i++)
+		keywords[names[i - 1]] = args[i];
+	self.addPoints(keywords);
+	return py::object();
+}
+
+void MpmEngine::addPoints(py::dict arrays)
+{
+	if (ground) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
+	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) [m].");
+	const np::ndarray position = asArray(arrays["position"]);
+	if (position.get_nd() != 2 || position.shape(1) != 2) throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2).");
+	const int    points = position.shape(0);
+	vector<Real> rows(points * numbersPerPoint, 0);
+	fillColumns(rows, points, 0, 2, "position", arrays["position"]);
+	py::list unknown = arrays.keys();
+	unknown.remove("position");
+	for (const auto& column : optionalColumns()) {
+		if (arrays.has_key(column.name)) {
+			fillColumns(rows, points, column.first, column.components, column.name, arrays[column.name]);
+			unknown.remove(column.name);
+			continue;
+		}
+		for (int p = 0; p < points; p++)
+			std::copy(column.byDefault.begin(), column.byDefault.end(), &rows[p * numbersPerPoint + column.first]);
+	}
+	if (py::len(unknown) > 0) throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + string(py::extract<string>(unknown[0])) + "'.");
+	pointInput.insert(pointInput.end(), rows.begin(), rows.end());
+}
+
+int MpmEngine::pointCount() const { return int(pointInput.size()) / numbersPerPoint; }
+
+void MpmEngine::addPointsToGround()
+{
+	const auto laws = activeSkeletons();
+	for (int id = 0; id < pointCount(); id++) {
+		talik::PointInput<2> point = pointFrom(&pointInput[id * numbersPerPoint]);
+		if (std::isnan(point.stress[0])) {
+			point.stress.fill(0);
+			if (point.skeleton >= 0 && point.skeleton < int(laws.size())) laws[point.skeleton]->initialStress(id, point.position, point.stress);
+		}
+		ground->addPoint(point);
+	}
+}
+
+// ---- settings --------------------------------------------------------------------------------------------------------------
+
+vector<shared_ptr<SkeletonLaw>> MpmEngine::activeSkeletons() const
+{
+	if (!skeletons.empty()) return skeletons;
+	if (skeleton) return { skeleton };
+	return {};
+}
+
+void MpmEngine::checkPresence() const
+{
+	if (pointCount() == 0)
+		throw std::invalid_argument("MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
+	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
+	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
+	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
+	if (water && !motion) throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
+	if (motion && activeSkeletons().empty())
+		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
+	for (const auto& law : activeSkeletons())
+		if (!law) throw std::invalid_argument("MpmEngine.skeletons holds None: give skeleton laws only.");
+	for (const auto& boundary : boundaries)
+		if (!boundary) throw std::invalid_argument("MpmEngine.boundaries holds None: give boundaries only.");
+	if (limitInterval < 1) throw std::invalid_argument("MpmEngine.limitInterval is " + std::to_string(limitInterval) + ": give 1 or more steps.");
+}
+
+talik::GroundSettings<2> MpmEngine::buildSettings() const
+{
+	talik::GroundSettings<2> s;
+	s.gridSpacing = gridSpacing;
+	for (int axis = 0; axis < 2; axis++) {
+		Real low = std::numeric_limits<Real>::infinity(), high = -low;
+		for (int id = 0; id < pointCount(); id++) {
+			const Real x = pointInput[id * numbersPerPoint + axis], half = 0.5 * std::sqrt(pointInput[id * numbersPerPoint + 2]);
+			low  = std::min(low, x - half);
+			high = std::max(high, x + half);
+		}
+		s.lower[axis] = std::isnan(lower[axis]) ? gridSpacing * std::floor(low / gridSpacing + 1e-6) : lower[axis];
+		const Real cells = (high - s.lower[axis]) / gridSpacing;
+		s.upper[axis]    = std::isnan(upper[axis]) ? s.lower[axis] + gridSpacing * std::ceil(cells - 1e-6) : upper[axis];
+	}
+	s.shapeFunction = shapeFunction;
+	s.mixture       = material->build();
+	if (motion) {
+		talik::MotionSettings<2> m;
+		m.gravity       = { gravity[0], gravity[1] };
+		m.flipFraction  = flip;
+		m.localDamping  = damping;
+		m.cellAveraging = cellAveraging;
+		s.motion        = m;
+	}
+	if (heat) s.heat = heat->build();
+	if (freezing) s.freezing = freezing->build();
+	if (water) s.water = water->build(freezing ? freezing->residualSaturation : 0);
+	s.energyLedger = energyLedger;
+	s.poreFill     = poreFill;
+	for (const auto& boundary : boundaries)
+		s.boundaries.push_back(boundary->build());
+	if (motion)
+		for (const auto& law : activeSkeletons())
+			s.skeletons.push_back(law->build(pointCount()));
+	s.waveFraction   = waveFraction;
+	s.heatFraction   = heatFraction;
+	s.motionFraction = motionFraction;
+	return s;
+}
+
+void MpmEngine::initialise()
+{
+	if (ground) return;
+	checkPresence();
+	ground = std::make_shared<talik::Ground<2>>(buildSettings());
+	try {
+		addPointsToGround();
+		ground->initialise();
+		restoreSavedState();
+	} catch (...) {
+		ground.reset();
+		throw;
+	}
+	stepsUntilLimit = 0;
+}
+
+talik::Ground<2>& MpmEngine::runningGround()
+{
+	initialise();
+	return *ground;
+}
+
+// ---- the step --------------------------------------------------------------------------------------------------------------
+
+void MpmEngine::followAttributes()
+{
+	auto& s = ground->settings();
+	if (s.motion) {
+		s.motion->gravity      = { gravity[0], gravity[1] };
+		s.motion->localDamping = damping;
+		s.motion->flipFraction = flip;
+	}
+	s.waveFraction   = waveFraction;
+	s.heatFraction   = heatFraction;
+	s.motionFraction = motionFraction;
+}
+
+int MpmEngine::subSteps(double dt)
+{
+	if (stepsUntilLimit-- <= 0) {
+		stableStep      = ground->stableTimeStep().step;
+		stepsUntilLimit = limitInterval - 1;
+	}
+	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("O.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	const double steps = std::ceil(dt / stableStep * (1 - 1e-12));
+	if (!(steps < 1e6))
+		throw std::runtime_error(
+		        "MpmEngine: O.dt = " + boost::lexical_cast<string>(dt) + " s exceeds the stable time step " + boost::lexical_cast<string>(stableStep)
+		        + " s a million times: lower O.dt or set automaticTimeStep=True.");
+	return std::max(1, int(steps));
+}
+
+void MpmEngine::action()
+{
+	initialise();
+	followAttributes();
+	if (automaticTimeStep && stepsUntilLimit <= 0) {
+		scene->dt       = ground->stableTimeStep().step;
+		stableStep      = scene->dt;
+		stepsUntilLimit = limitInterval;
+	}
+	const int    count = subSteps(scene->dt);
+	const double dt    = scene->dt / count;
+	for (int i = 0; i < count; i++)
+		advance(dt);
+}
+
+/// One cycle of Yu & Zhao, section 2.3. The paper's steps 2 and 3 close the cycle here, with the velocities just solved.
+void MpmEngine::advance(double dt)
+{
+	ground->beginStep(dt);
+	ground->mapToGrid();               // step 1: points to grid
+	ground->updateTemperature();       // step 4, heat
+	ground->solveMomentum();           // step 4, nodal forces, implicit drag, boundaries
+	ground->mapToPoints();             // step 5: grid to points
+	ground->updateStrainAndPressure(); // step 2: strain, pore pressure, saturations
+	ground->updateEffectiveStress();   // step 3: displacement gradient and ice saturation down, effective stress back
+}
+
+// ---- what Python sees ------------------------------------------------------------------------------------------------------
+
+double MpmEngine::stableTimeStep()
+{
+	runningGround();
+	followAttributes();
+	return ground->stableTimeStep().step;
+}
+
+py::dict MpmEngine::timeStepLimits()
+{
+	const auto stable = runningGround().stableTimeStep();
+	py::dict   result;
+	for (const auto& limit : stable.limits)
+		result[limit.name] = limit.step;
+	result["governing"] = stable.governing;
+	return result;
+}
+
+py::list MpmEngine::fieldNames()
+{
+	py::list names;
+	for (const auto& info : runningGround().fields())
+		if (info.place == "points") names.append(info.name);
+	return names;
+}
+
+py::list MpmEngine::fields()
+{
+	py::list result;
+	for (const auto& info : runningGround().fields()) {
+		py::dict entry;
+		entry["name"]       = info.name;
+		entry["owner"]      = info.owner;
+		entry["unit"]       = info.unit;
+		entry["place"]      = info.place;
+		entry["components"] = info.components;
+		entry["bytes"]      = info.bytes;
+		result.append(entry);
+	}
+	return result;
+}
+
+py::object MpmEngine::field(const string& name)
+{
+	auto&     g     = runningGround();
+	int       parts = 1;
+	const int n     = g.points().count();
+	for (const auto& info : g.fields())
+		if (info.place == "points" && info.name == name) parts = info.components;
+	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
+	Real*       data   = reinterpret_cast<Real*>(result.get_data());
+	vector<Real> component(n);
+	for (int c = 0; c < parts; c++) {
+		g.copyById(name, c, component.data());
+		for (int i = 0; i < n; i++)
+			data[i * parts + c] = component[i];
+	}
+	return result;
+}
+
+py::dict MpmEngine::balance()
+{
+	const auto b = runningGround().balance();
+	py::dict   d;
+	d["time"]               = b.time;
+	d["solidMass"]          = b.solidMass;
+	d["waterMass"]          = b.waterMass;
+	d["iceMass"]            = b.iceMass;
+	d["waterOut"]           = b.waterOut;
+	d["momentum"]           = py::make_tuple(b.momentum[0], b.momentum[1]);
+	d["impulse"]            = py::make_tuple(b.impulse[0], b.impulse[1]);
+	d["enthalpy"]           = b.enthalpy;
+	d["heatIn"]             = b.heatIn;
+	d["enthalpyOut"]        = b.enthalpyOut;
+	d["kineticEnergy"]      = b.kineticEnergy;
+	d["gravityEnergy"]      = b.gravityEnergy;
+	d["skeletonWork"]       = b.skeletonWork;
+	d["porePressureWork"]   = b.porePressureWork;
+	d["dragDissipation"]    = b.dragDissipation;
+	d["dampingDissipation"] = b.dampingDissipation;
+	d["loadWork"]           = b.loadWork;
+	return d;
+}
+
+double MpmEngine::groundTime() const { return ground ? ground->time() : 0; }
+
+double MpmEngine::skemptonB()
+{
+	auto& g = runningGround();
+	if (!water) throw std::runtime_error("MpmEngine.skemptonB: the scene has no water.");
+	const auto& s       = g.settings();
+	Real        modulus = std::numeric_limits<Real>::infinity();
+	vector<Real> byPlace(g.points().count());
+	for (int k = 0; k < int(s.skeletons.size()); k++) {
+		const auto batch = g.skeletonBatch(k);
+		s.skeletons[k]->tangentModulus(batch, byPlace.data());
+		for (int i = 0; i < batch.count; i++)
+			modulus = std::min(modulus, byPlace[batch.place[i]]);
+	}
+	const talik::PoreState thawed { pointInput[3], 1, 0, 0 };
+	return talik::skemptonB(s.water->state.coefficients(s.mixture, thawed), modulus);
+}
+
+void MpmEngine::setTemperature(py::object values)
+{
+	auto&             g     = runningGround();
+	const np::ndarray array = asArray(values);
+	const int         n     = g.points().count();
+	const bool        same  = array.get_nd() == 0;
+	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
+	const Real*  data = reinterpret_cast<const Real*>(array.get_data());
+	vector<Real> pressure(n, 0);
+	if (water) g.copyById("pressure", 0, pressure.data());
+	for (int id = 0; id < n; id++)
+		g.setThermalState(id, data[same ? 0 : id], pressure[id]);
+}
+
+// ---- archives --------------------------------------------------------------------------------------------------------------
+
+void MpmEngine::preSave(MpmEngine&)
+{
+	if (!ground) return;
+	talik::ByteWriter writer;
+	writer.block(archiveMagic);
+	for (const auto& array : ground->state())
+		writer.block(array.data, array.bytes);
+	for (const auto& law : activeSkeletons())
+		writer.block(law->savedState());
+	saved = talik::toBase64(writer.bytes());
+}
+
+void MpmEngine::restoreSavedState()
+{
+	if (saved.empty()) return;
+	const string      bytes = talik::fromBase64(saved);
+	talik::ByteReader reader(bytes);
+	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik.");
+	for (const auto& array : ground->state())
+		reader.block(array.data, array.bytes);
+	ground->stateRestored();
+	for (const auto& law : activeSkeletons())
+		law->restoreState(reader.block());
+	saved.clear();
+}
+
+} // namespace yade

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/GlobalEngine.hpp>
+#include <memory>
+#include <pkg/mpm/Ground.hpp>
+#include <pkg/multiscale/GroundBoundaries.hpp>
+#include <pkg/multiscale/GroundEffects.hpp>
+#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/SkeletonLaws.hpp>
+
+namespace yade {
+
+/// Material point method for saturated, freezing ground in plane strain, as an engine of the main scene. The ground itself
+/// (talik::Ground) knows no YADE; this class gives it YADE's attributes, time step, archives and NumPy views.
+class MpmEngine : public GlobalEngine {
+public:
+	virtual ~MpmEngine() {};
+	void action() override;
+
+	/// position (n,2) [m]; the rest scalars or arrays of n.
+	void addPoints(::boost::python::dict arrays);
+	/// Checks every setting and sets the initial state; done by the first step otherwise.
+	void   initialise();
+	bool   isInitialised() const { return bool(ground); }
+	double stableTimeStep();
+
+	::boost::python::dict   timeStepLimits();
+	::boost::python::list   fieldNames();
+	::boost::python::list   fields();
+	::boost::python::object field(const string& name);
+	::boost::python::dict   balance();
+	::boost::python::object grid();
+	int                     pointCount() const;
+	double                  groundTime() const;
+	double                  skemptonB();
+	void                    setTemperature(::boost::python::object values);
+
+	void preSave(MpmEngine&);
+
+	/// The running ground; throws if there is none yet.
+	talik::Ground<2>& runningGround();
+	/// Skeletons in use: those listed, or the single one.
+	vector<shared_ptr<SkeletonLaw>> activeSkeletons() const;
+
+private:
+	talik::GroundSettings<2> buildSettings() const;
+	void                     checkPresence() const;
+	void                     addPointsToGround();
+	void                     restoreSavedState();
+	void                     followAttributes();
+	int                      subSteps(double dt);
+	void                     advance(double dt);
+
+	std::shared_ptr<talik::Ground<2>> ground;
+	long                              stepsUntilLimit = 0;
+	double                            stableStep      = 0;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine,GlobalEngine,"Thawing and freezing ground: a material point method whose effects are objects that the scene has or has not (heat, freezing, water, motion), with a skeleton law behind every material point, Yu & Zhao section 2.3. All quantities per metre of thickness, SI units, degrees Celsius; stress positive in tension, pressure positive in compression. Example: mpm=MpmEngine(gridSpacing=0.2,lower=(0,0),upper=(10,5),gravity=(0,-9.81),skeleton=ElasticSkeleton()); talik.geometry.fill(mpm,[(0,0),(10,0),(10,1),(0,1)]); O.engines=[mpm]; O.run(100).",
+		((Real,gridSpacing,NaN,,"Spacing h of the square grid [m], > 0."))
+		((Vector2r,lower,Vector2r(NaN,NaN),,"Lower left corner of the grid's box [m]; its sides are where boundaries act. NaN: around the points."))
+		((Vector2r,upper,Vector2r(NaN,NaN),,"Upper right corner of the grid's box [m], a whole number of spacings away. NaN: around the points."))
+		((bool,motion,true,,"Effect: the ground moves. False: it is rigid, and only heat limits the time step."))
+		((Vector2r,gravity,Vector2r::Zero(),,"Body force per mass [m/s^2]."))
+		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed while running."))
+		((Real,flip,0.97,,"FLIP fraction of the solid velocity [-], 0 (PIC) to 1."))
+		((bool,cellAveraging,true,,"Cell means of div v and, transposed, of the mean stress: without them nearly incompressible ground locks."))
+		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid."))
+		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
+		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
+		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
+		((shared_ptr<PoreWater>,water,,,"Effect: pore water flows and carries pressure; needs motion. None: pore water, if any, moves with the grains and carries no pressure."))
+		((shared_ptr<SkeletonLaw>,skeleton,,,"Skeleton law of all points, unless skeletons lists several."))
+		((vector<shared_ptr<SkeletonLaw>>,skeletons,,,"Skeleton laws; addPoints(skeleton=i) says which a point has."))
+		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
+		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
+		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit."))
+		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]."))
+		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
+		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
+		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
+		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
+		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))
+		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
+		,/*ctor*/ ,
+		/*py*/
+		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0), velocity=(0,0)): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], stress (n,3) xx yy xy [Pa], velocity (n,2) [m/s]; all but position may be scalars. ValueError names what is wrong.")
+		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value and remedy.")
+		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
+		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")
+		.def("fieldNames",&MpmEngine::fieldNames,"Names of the fields that exist on the points, for field().")
+		.def("fields",&MpmEngine::fields,"Every field on points and nodes: a list of dictionaries with name, owner (effect), unit, place, components, bytes.")
+		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' ids.")
+		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
+		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
+		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
+		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
+		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
+		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
+	);
+	// clang-format on
+	static ::boost::python::object pyAddPoints(::boost::python::tuple args, ::boost::python::dict keywords);
+};
+REGISTER_SERIALIZABLE(MpmEngine);
+
+} // namespace yade

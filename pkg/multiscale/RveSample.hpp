@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/GlobalEngine.hpp>
+#include <pkg/rve/PackedSample.hpp>
+#include <pkg/rve/ScenePacking.hpp>
+
+namespace yade {
+
+/// The packed form of a sample: all of its grains, contacts and bonds in contiguous arrays inside one YADE engine, advanced by
+/// a fused step. As the only engine of a Scene it is that scene; open() makes the ordinary YADE scene of it.
+class RveSample : public GlobalEngine {
+public:
+	virtual ~RveSample() {};
+	void action() override;
+
+	/// Takes the packed form of a scene; ValueError says why one cannot be packed.
+	static shared_ptr<RveSample> fromScene(const shared_ptr<Scene>&);
+	shared_ptr<Scene>            open() const;
+	/// Takes over what was done to an opened scene.
+	void repack(const shared_ptr<Scene>&);
+
+	::boost::python::dict  apply(const Matrix3r& displacementGradient, Real iceSaturation);
+	void                   freeze(Real iceSaturation);
+	bool                   servo(Real stressX, Real stressY);
+	::boost::python::tuple stress() const;
+	::boost::python::dict  statistics() const;
+	::boost::python::dict  arrays() const;
+	shared_ptr<RveSample>  copy() const;
+	Real                   iceSaturation() const { return packed().iceSaturation; }
+	Real                   timeStep() const { return packed().dt; }
+	void                   setTimeStep(Real);
+	Matrix3r               deformation() const;
+
+	const talik::PackedState<2>& packed() const;
+	void                         setPacked(talik::PackedState<2>);
+	/// The YADE scene that this sample opens into, without its present state; empty if it never had one.
+	const string& templateScene() const { return sceneBytes; }
+	void          setTemplateScene(const string& bytes) { sceneBytes = bytes; }
+
+	void preSave(RveSample&);
+	void postLoad(RveSample&);
+
+private:
+	std::shared_ptr<talik::PackedState<2>> state;
+	string                                 sceneBytes;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs with optional ice bonds: the form that stands behind the material points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE scene back. Stress in Pa, tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
+		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
+		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
+		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
+		((string,saved,"",Attr::hidden,"State in an archive."))
+		((string,savedScene,"",Attr::hidden,"Scene that the sample opens into, in an archive."))
+		,/*ctor*/ ,
+		/*py*/
+		.def("fromScene",&RveSample::fromScene,(::boost::python::arg("scene")),"Packed form of a YADE scene (O._sceneObj). ValueError tells why a scene cannot be packed.").staticmethod("fromScene")
+		.def("open",&RveSample::open,"A new ordinary YADE scene in the sample's state: bodies, interactions, bonds, engines. See talik.inspect.")
+		.def("repack",&RveSample::repack,(::boost::python::arg("scene")),"Take over the state of an opened scene.")
+		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) F_old (3x3, in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress (xx,yy,xy), steps, flipped, blewUp, reason.")
+		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation: bonds and ice springs form stress-free.")
+		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY")),"Bring the sample to principal stresses [Pa], both negative; True when they were reached.")
+		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, bondsMelted, coordinationNumber, porosity, fabric (xx,yy,xy), unbalancedForce, kineticEnergy.")
+		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays: position (n,2), radius (n,), contact (m,2) grain indices, cellDist (m,2), bond (m,) 0 frictional 1 intact 2 broken, shear (m,), hSize (2,2).")
+		.def("copy",&RveSample::copy,"An independent copy.")
+		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa], tension positive, of the last step.")
+		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
+		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
+		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient.")
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(RveSample);
+
+} // namespace yade

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <pkg/multiscale/RveSample.hpp>
+#include <pkg/multiscale/SampleSkeleton.hpp>
+#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/SkeletonLaws.hpp>
+
+namespace yade {
+
+/// Skeleton law of Yu & Zhao: one periodic sample of grains behind every material point.
+class RveSkeleton : public SkeletonLaw {
+public:
+	virtual ~RveSkeleton() {};
+	Pointer build(int pointCount) override;
+	string  savedState() const override;
+	void    restoreState(const string&) override;
+
+	/// The sample of a point as it is now, ready to be opened: a copy.
+	shared_ptr<RveSample>   sample(int id) const;
+	void                    replaceSample(int id, const shared_ptr<RveSample>&);
+	::boost::python::object values(const string& name) const;
+	::boost::python::dict   counters() const;
+	::boost::python::dict   blownUp() const;
+
+private:
+	talik::SampleSkeleton&                  running() const;
+	std::shared_ptr<talik::SampleSkeleton>  model;
+	talik::SampleScheduling                 scheduling() const;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSkeleton,SkeletonLaw,"A periodic sample of grains with ice bonds behind every material point: the displacement gradient and the ice saturation go down, effective stress comes back, history is kept. Samples that were never asked share one state. Example: RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=100))]).",
+		((vector<shared_ptr<RveSample>>,samples,,,"Prepared samples, ice-free; the first step freezes them to the ice saturation of their points, free of stress."))
+		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: the first one for all. See talik.rve.depthBands."))
+		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the reference)."))
+		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change."))
+		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
+		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]; 0: fixed tolerance."))
+		((Real,maxInertialNumber,5e-3,,"I_max of the samples: 1e-3 careful, 5e-3 production [-]."))
+		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
+		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
+		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
+		((string,onBlowUp,"stop",,"When a sample blows up: stop (exception naming the point) or isolate (the point keeps its last stress; see blownUp). The last good state is kept in both cases."))
+		,/*ctor*/ ,
+		/*py*/
+		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample.")
+		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point.")
+		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact, bondsBroken (mechanically, since preparation), bondsMelted, contacts, coordinationNumber, porosity, fabric (n,3).")
+		.add_property("counters",&RveSkeleton::counters,"Dictionary: points, calls, steps (DEM), seconds, distinctStates, bytes.")
+		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(RveSkeleton);
+
+} // namespace yade

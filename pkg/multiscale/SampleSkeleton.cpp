@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/multiscale/SampleSkeleton.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <omp.h>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace talik {
+namespace {
+	using Matrix = PackedTypes<2>::Matrix;
+
+	constexpr double stressFloor      = 1e3;  ///< sigma_ref of the relative error [Pa]
+	constexpr double failingRatio     = 0.3;  ///< below it a point deforms plastically: no prediction, a tighter tolerance
+	constexpr double failingTightness = 0.25;
+	constexpr double toleranceRange   = 10.;  ///< the steered tolerance stays within this factor of the given one
+
+	Matrix stressAt(const SkeletonBatch<2>& batch, int place)
+	{
+		Matrix s;
+		s << batch.stress[0][place], batch.stress[3][place], batch.stress[3][place], batch.stress[1][place];
+		return s;
+	}
+
+	/// Out of plane the discs do not touch; the mean of the in-plane stresses stands there for display and invariants.
+	void storeStress(const SkeletonBatch<2>& batch, int place, const Matrix& s)
+	{
+		batch.stress[0][place] = s(0, 0);
+		batch.stress[1][place] = s(1, 1);
+		batch.stress[2][place] = 0.5 * (s(0, 0) + s(1, 1));
+		batch.stress[3][place] = 0.5 * (s(0, 1) + s(1, 0));
+	}
+
+	/// Rotation of the polar decomposition of 1 + H.
+	Matrix rotationOf(const Matrix& h)
+	{
+		const double angle = std::atan2(h(1, 0) - h(0, 1), 2 + h(0, 0) + h(1, 1));
+		Matrix       r;
+		r << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+		return r;
+	}
+
+	/// Rows xx, yy, xy; columns e_xx, e_yy, e_xy (tensor strain).
+	std::array<double, 9> compact(const PackedTangent<2>& c)
+	{
+		const auto at = [&](int i, int j, int k, int l) { return c[((i * 2 + j) * 2 + k) * 2 + l]; };
+		const auto sym = [&](int k, int l) { return 0.5 * (at(0, 1, k, l) + at(1, 0, k, l)); };
+		return { at(0, 0, 0, 0), at(0, 0, 1, 1), at(0, 0, 0, 1) + at(0, 0, 1, 0), at(1, 1, 0, 0), at(1, 1, 1, 1),
+			 at(1, 1, 0, 1) + at(1, 1, 1, 0), sym(0, 0), sym(1, 1), sym(0, 1) + sym(1, 0) };
+	}
+
+	Matrix elasticChange(const std::array<double, 9>& c, const Matrix& h)
+	{
+		const double exx = h(0, 0), eyy = h(1, 1), exy = 0.5 * (h(0, 1) + h(1, 0));
+		const double xx = c[0] * exx + c[1] * eyy + c[2] * exy, yy = c[3] * exx + c[4] * eyy + c[5] * exy, xy = c[6] * exx + c[7] * eyy + c[8] * exy;
+		Matrix       s;
+		s << xx, xy, xy, yy;
+		return s;
+	}
+} // namespace
+
+/// The model's own fields of the points, as arrays by place.
+struct SampleSkeleton::Arrays {
+	std::array<double*, 4> gradient, last;
+	std::array<double*, 9> tangent;
+	double *               saturation, *ratio, *tolerance;
+
+	Matrix accumulated(int p) const
+	{
+		Matrix h;
+		h << gradient[0][p], gradient[1][p], gradient[2][p], gradient[3][p];
+		return h;
+	}
+	void setAccumulated(int p, const Matrix& h) const
+	{
+		for (int c = 0; c < 4; c++)
+			gradient[c][p] = h(c / 2, c % 2);
+	}
+	Matrix lastStress(int p) const
+	{
+		Matrix s;
+		s << last[0][p], last[1][p], last[2][p], last[3][p];
+		return s;
+	}
+	void setLastStress(int p, const Matrix& s) const
+	{
+		for (int c = 0; c < 4; c++)
+			last[c][p] = s(c / 2, c % 2);
+	}
+	std::array<double, 9> tangentAt(int p) const
+	{
+		std::array<double, 9> c;
+		for (int i = 0; i < 9; i++)
+			c[i] = tangent[i][p];
+		return c;
+	}
+	/// Stress that the last call and the tangent predict for the accumulated motion.
+	Matrix predicted(int p) const
+	{
+		const Matrix h = accumulated(p), r = rotationOf(h);
+		const Matrix turned = r * lastStress(p) * r.transpose();
+		return ratio[p] < failingRatio ? turned : Matrix(turned + ratio[p] * elasticChange(tangentAt(p), h));
+	}
+};
+
+SampleSkeleton::SampleSkeleton(std::vector<StatePointer> p, std::vector<int> of, const SampleScheduling& s)
+        : prototypes(std::move(p))
+        , prototypeOf(std::move(of))
+        , schedule(s)
+{
+	if (prototypes.empty()) throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
+	for (std::size_t id = 0; id < prototypeOf.size(); id++)
+		if (prototypeOf[id] >= int(prototypes.size()))
+			throw std::invalid_argument(
+			        "RveSkeleton.sampleOf[" + std::to_string(id) + "] is " + std::to_string(prototypeOf[id]) + ": there are "
+			        + std::to_string(prototypes.size()) + " samples, counted from 0.");
+	sampleOf.assign(prototypeOf.size(), -1);
+}
+
+void SampleSkeleton::declareFields(PointFields& f, const std::string& prefix)
+{
+	fields          = &f;
+	gradientField   = f.declare(prefix + "accumulatedGradient", name(), "-", 4);
+	stressField     = f.declare(prefix + "sampleStress", name(), "Pa", 4);
+	saturationField = f.declare(prefix + "sampleIceSaturation", name(), "-", 1);
+	toleranceField  = f.declare(prefix + "strainTolerance", name(), "-", 1);
+	ratioField      = f.declare(prefix + "tangentRatio", name(), "-", 1);
+	tangentField    = f.declare(prefix + "tangent", name(), "Pa", 9);
+}
+
+SampleSkeleton::Arrays SampleSkeleton::arrays() const
+{
+	Arrays a;
+	for (int c = 0; c < 4; c++) {
+		a.gradient[c] = fields->component(gradientField, c);
+		a.last[c]     = fields->component(stressField, c);
+	}
+	for (int c = 0; c < 9; c++)
+		a.tangent[c] = fields->component(tangentField, c);
+	a.saturation = fields->component(saturationField);
+	a.ratio      = fields->component(ratioField);
+	a.tolerance  = fields->component(toleranceField);
+	return a;
+}
+
+/// A prototype frozen at rest to the ice saturation of the ground: one state for all points that start with it.
+SampleSkeleton::StatePointer SampleSkeleton::frozenPrototype(int prototype, double iceSaturation)
+{
+	if (prototypes[prototype]->iceSaturation == iceSaturation) return prototypes[prototype];
+	auto& entry = frozen[{ prototype, iceSaturation }];
+	if (!entry) {
+		PackedSample<2> sample(*prototypes[prototype]);
+		const auto      result = sample.apply(Matrix::Zero(), iceSaturation, schedule.update);
+		if (result.blewUp) throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
+		entry = std::make_shared<PackedState<2>>(sample.state());
+	}
+	return entry;
+}
+
+void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
+{
+	const Arrays a = arrays();
+	pool.clear();
+	std::unordered_map<const PackedState<2>*, std::array<double, 9>> tangents;
+	// by id: the numbering of samples must not depend on how points are sorted in memory
+	std::map<int, int> placeOf;
+	for (int k = 0; k < batch.count; k++)
+		placeOf[batch.id[batch.place[k]]] = batch.place[k];
+	for (const auto& [id, place] : placeOf) {
+		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
+			throw std::invalid_argument("RveSkeleton.sampleOf says nothing of point " + std::to_string(id) + ": give one number per point, or none at all.");
+		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : prototypes[prototypeOf[id]]->iceSaturation;
+		const auto   state         = frozenPrototype(prototypeOf[id], iceSaturation);
+		sampleOf[id]               = int(pool.add(state));
+		auto known                 = tangents.find(state.get());
+		if (known == tangents.end()) known = tangents.emplace(state.get(), compact(PackedSample<2>(*state).tangent())).first;
+		for (int c = 0; c < 9; c++)
+			a.tangent[c][place] = known->second[c];
+		a.setAccumulated(place, Matrix::Zero());
+		a.saturation[place] = iceSaturation;
+		a.ratio[place]      = 1;
+		a.tolerance[place]  = schedule.strainTolerance;
+		const Matrix stress = 0.5 * (state->stress + state->stress.transpose());
+		a.setLastStress(place, stress);
+		storeStress(batch, place, stress);
+	}
+	count.points = placeOf.size();
+}
+
+bool SampleSkeleton::isDue(const Arrays& a, int place, double iceSaturation) const
+{
+	const Matrix h    = a.accumulated(place);
+	const double most = h.cwiseAbs().maxCoeff();
+	if (schedule.strainTolerance <= 0 ? most > 0 : most > a.tolerance[place]) return true;
+	const double change = std::fabs(iceSaturation - a.saturation[place]);
+	if (change == 0) return false;
+	// ice that vanishes or appears altogether makes or breaks bonds: never wait for it
+	return change > schedule.saturationTolerance || iceSaturation == 0 || a.saturation[place] == 0;
+}
+
+void SampleSkeleton::predict(const SkeletonBatch<2>& batch, int place, const Arrays& a) const
+{
+	if (schedule.prediction) storeStress(batch, place, a.predicted(place));
+}
+
+void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
+{
+	const Arrays a = arrays();
+	flagScratch.assign(batch.count, 0);
+#pragma omp parallel for schedule(static)
+	for (int k = 0; k < batch.count; k++) {
+		const int place = batch.place[k];
+		Matrix    step;
+		step << batch.gradient[0][place], batch.gradient[1][place], batch.gradient[2][place], batch.gradient[3][place];
+		const Matrix h = a.accumulated(place);
+		a.setAccumulated(place, h + step * (Matrix::Identity() + h));
+		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
+		if (isDue(a, place, iceSaturation)) flagScratch[k] = 1;
+		else predict(batch, place, a);
+	}
+	dueScratch.clear();
+	for (int k = 0; k < batch.count; k++)
+		if (flagScratch[k]) dueScratch.push_back(batch.place[k]);
+	if (!dueScratch.empty()) ask(batch, dueScratch, a);
+}
+
+void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a)
+{
+	const auto start = std::chrono::steady_clock::now();
+	std::vector<PackedRequest<2>> requests;
+	for (const int place : due)
+		requests.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place), batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
+	PackedUpdateOptions options = schedule.update;
+	options.tangent             = schedule.prediction;
+	const auto results          = pool.update(requests, options, schedule.threads);
+	for (std::size_t r = 0; r < due.size(); r++) {
+		const int place = due[r], id = batch.id[place];
+		count.steps += std::uint64_t(results[r].steps);
+		if (results[r].blewUp) {
+			failures[id] = results[r].reason;
+			if (schedule.stopOnBlowUp)
+				throw std::runtime_error("The sample of point " + std::to_string(id) + " blew up: " + results[r].reason + " Its last good state is kept.");
+		}
+		const Matrix predicted = a.predicted(place), before = a.lastStress(place), after = results[r].stress;
+		if (schedule.prediction && !results[r].blewUp) {
+			const Matrix h = a.accumulated(place), turn = rotationOf(h);
+			const double elastic = elasticChange(a.tangentAt(place), h).norm(), actual = (after - turn * before * turn.transpose()).norm();
+			a.ratio[place] = elastic > 0 ? std::min(1., actual / elastic) : 1.;
+			const auto c   = compact(results[r].tangent);
+			for (int i = 0; i < 9; i++)
+				a.tangent[i][place] = c[i];
+			if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
+				const double error  = (after - predicted).norm() / (after.norm() + stressFloor);
+				const double factor = error > 0 ? std::sqrt(schedule.stressTolerance / error) : 2.;
+				const double tight  = a.ratio[place] < failingRatio ? failingTightness : 1.;
+				a.tolerance[place]  = std::min(
+                                        toleranceRange * schedule.strainTolerance * tight,
+                                        std::max(schedule.strainTolerance / toleranceRange, a.tolerance[place] * std::min(2., std::max(0.3, factor))));
+			}
+		}
+		a.setLastStress(place, after);
+		a.setAccumulated(place, Matrix::Zero());
+		a.saturation[place] = requests[r].iceSaturation;
+		storeStress(batch, place, after);
+	}
+	count.calls += due.size();
+	count.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void SampleSkeleton::tangentModulus(const SkeletonBatch<2>& batch, double* modulus) const
+{
+	// stiffness of grains and ice in contact, k_n/t_z: holds also for samples that have lost their contacts for a moment
+	for (int k = 0; k < batch.count; k++) {
+		const int    place = batch.place[k];
+		const auto&  proto = *prototypes[prototypeOf[batch.id[place]]];
+		const double s     = batch.iceSaturation ? batch.iceSaturation[place] : proto.iceSaturation;
+		double       mean  = 0;
+		for (const double r : proto.grains->radius)
+			mean += r;
+		mean /= double(proto.size());
+		modulus[place] = 1.1 * proto.ice.young(s) * mean / proto.thickness;
+	}
+}
+
+SampleSkeleton::StatePointer SampleSkeleton::state(int id) const
+{
+	if (!has(id)) throw std::invalid_argument("point " + std::to_string(id) + " has no sample");
+	return pool.state(std::size_t(sampleOf[id]));
+}
+
+void SampleSkeleton::setState(int id, StatePointer state)
+{
+	if (!has(id)) throw std::invalid_argument("point " + std::to_string(id) + " has no sample");
+	pool.setState(std::size_t(sampleOf[id]), std::move(state));
+}
+
+std::string SampleSkeleton::save() const
+{
+	ByteWriter                                            writer;
+	std::unordered_map<const PackedState<2>*, std::size_t> number;
+	std::vector<StatePointer>                             distinct;
+	std::vector<std::uint64_t>                            which;
+	for (std::size_t s = 0; s < pool.size(); s++) {
+		const auto state = pool.state(s);
+		const auto added = number.emplace(state.get(), distinct.size());
+		if (added.second) distinct.push_back(state);
+		which.push_back(added.first->second);
+	}
+	writer.number(distinct.size());
+	for (const auto& state : distinct)
+		writer.block(state->toBytes());
+	writer.number(which.size());
+	for (const auto w : which)
+		writer.number(w);
+	writer.number(sampleOf.size());
+	for (const int s : sampleOf)
+		writer.number(std::uint64_t(s + 1));
+	writer.number(count.calls);
+	writer.number(count.steps);
+	return writer.bytes();
+}
+
+void SampleSkeleton::restore(const std::string& bytes)
+{
+	ByteReader                reader(bytes);
+	std::vector<StatePointer> distinct(reader.number());
+	for (auto& state : distinct)
+		state = std::make_shared<PackedState<2>>(PackedState<2>::fromBytes(reader.block()));
+	pool.clear();
+	for (std::uint64_t left = reader.number(); left > 0; left--)
+		pool.add(distinct.at(reader.number()));
+	sampleOf.assign(reader.number(), -1);
+	for (int& s : sampleOf)
+		s = int(reader.number()) - 1;
+	count.calls = reader.number();
+	count.steps = reader.number();
+}
+
+} // namespace talik

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <pkg/mpm/SkeletonModel.hpp>
+#include <pkg/rve/PackedSamplePool.hpp>
+
+#include <map>
+
+namespace talik {
+
+/// When a sample is asked and how, theory of the multiscale coupling: increments accumulate until one of the tolerances is passed.
+struct SampleScheduling {
+	double              strainTolerance     = 2e-5; ///< largest accumulated component of the displacement gradient [-]; 0: ask in every step
+	double              saturationTolerance = 0.01; ///< largest accumulated change of ice saturation [-]; 0: ask in every step
+	bool                prediction          = true; ///< a tangent stands in between two calls; false: the last stress is held
+	double              stressTolerance     = 0.05; ///< relative error of the prediction that the strain tolerance of a point is steered to; 0: fixed tolerance
+	bool                stopOnBlowUp        = true; ///< false: a point whose sample blew up keeps its last stress
+	int                 threads             = 0;    ///< 0: OpenMP's default
+	PackedUpdateOptions update;
+};
+
+/// Sums over all samples since the start.
+struct SampleCounters {
+	std::uint64_t calls = 0, steps = 0, points = 0;
+	double        seconds = 0; ///< wall time inside the samples [s]
+};
+
+/// Effective stress from one periodic sample behind each material point, Yu & Zhao section 2.3, step 3. Samples keep their
+/// history; those never asked share one state.
+class SampleSkeleton final : public SkeletonModel<2> {
+public:
+	using StatePointer = std::shared_ptr<const PackedState<2>>;
+
+	/// prototypes: prepared samples; prototypeOf[id]: which one a point takes, -1 for points of another skeleton.
+	SampleSkeleton(std::vector<StatePointer> prototypes, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
+
+	std::string name() const override { return "RveSkeleton"; }
+	void        declareFields(PointFields&, const std::string& prefix) override;
+	void        initialise(const SkeletonBatch<2>&) override;
+	void        updateStress(const SkeletonBatch<2>&) override;
+	void        tangentModulus(const SkeletonBatch<2>&, double* modulus) const override;
+
+	SampleScheduling&     scheduling() { return schedule; }
+	const SampleCounters& counters() const { return count; }
+
+	bool         has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
+	StatePointer state(int id) const;
+	void         setState(int id, StatePointer);
+	int          prototype(int id) const { return prototypeOf.at(id); }
+	const SamplePool<2>& samples() const { return pool; }
+	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
+
+	std::string save() const;
+	void        restore(const std::string& bytes);
+
+private:
+	struct Arrays;
+	Arrays arrays() const;
+	bool   isDue(const Arrays&, int place, double iceSaturation) const;
+	void   ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
+	void   predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
+	StatePointer frozenPrototype(int prototype, double iceSaturation);
+
+	std::vector<StatePointer> prototypes;
+	std::vector<int>          prototypeOf, sampleOf;
+	SampleScheduling          schedule;
+	SamplePool<2>             pool;
+	SampleCounters            count;
+	PointFields*              fields = nullptr;
+	PointFields::Handle       gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
+	std::map<std::pair<int, double>, StatePointer> frozen;
+	std::map<int, std::string>                     failures;
+	std::vector<int>                               dueScratch;
+	std::vector<char>                              flagScratch;
+};
+
+} // namespace talik

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/SkeletonLaws.hpp>
+
+namespace yade {
+YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton));
+
+SkeletonLaw::Pointer SkeletonLaw::build(int)
+{
+	throw std::invalid_argument("SkeletonLaw says nothing by itself: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
+}
+
+SkeletonLaw::Pointer ElasticSkeleton::build(int)
+{
+	auto model          = std::make_shared<talik::ElasticSkeleton<2>>();
+	model->youngModulus = young;
+	model->poissonRatio = poisson;
+	model->validate();
+	return model;
+}
+
+SkeletonLaw::Pointer MohrCoulombSkeleton::build(int)
+{
+	auto model                   = std::make_shared<talik::MohrCoulombSkeleton<2>>();
+	model->youngModulus          = young;
+	model->youngModulusFrozen    = youngFrozen;
+	model->poissonRatio          = poisson;
+	model->cohesion              = cohesion;
+	model->cohesionFrozen        = cohesionFrozen;
+	model->frictionAngle         = frictionAngle;
+	model->dilationAngle         = dilationAngle;
+	model->tensileStrength       = tensileStrength;
+	model->tensileStrengthFrozen = tensileStrengthFrozen;
+	model->iceExponent           = exponent;
+	model->validate();
+	return model;
+}
+
+} // namespace yade

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/serialization/Serializable.hpp>
+#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+
+namespace yade {
+
+/// What turns strain and ice saturation of a material point into effective stress.
+class SkeletonLaw : public Serializable {
+public:
+	using Pointer = std::shared_ptr<talik::SkeletonModel<2>>;
+	virtual ~SkeletonLaw() {};
+	/// The model of one run; pointCount is the number of all points of the ground, whose ids count from 0.
+	virtual Pointer build(int pointCount);
+	/// What the model keeps beside the fields of the points, as bytes, and back.
+	virtual string savedState() const { return ""; }
+	virtual void   restoreState(const string&) { }
+	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
+	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
+	YADE_CLASS_BASE_DOC(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons.");
+};
+REGISTER_SERIALIZABLE(SkeletonLaw);
+
+class ElasticSkeleton : public SkeletonLaw {
+public:
+	virtual ~ElasticSkeleton() {};
+	Pointer build(int) override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: MpmEngine(skeleton=ElasticSkeleton(young=10e6,poisson=0.3),...).",
+		((Real,young,10e6,,"Young's modulus E [Pa], > 0."))
+		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(ElasticSkeleton);
+
+class MohrCoulombSkeleton : public SkeletonLaw {
+public:
+	virtual ~MohrCoulombSkeleton() {};
+	Pointer build(int) override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice saturation through phi(S_i) = 1-(1-S_i^m)^m. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
+		((Real,young,10e6,,"Thawed Young's modulus [Pa], > 0."))
+		((Real,youngFrozen,100e6,,"Young's modulus at full ice saturation [Pa], >= young."))
+		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
+		((Real,cohesion,1e3,,"Thawed cohesion [Pa], >= 0."))
+		((Real,cohesionFrozen,500e3,,"Cohesion at full ice saturation [Pa], >= 0."))
+		((Real,frictionAngle,30,,"[deg], 0 to below 90."))
+		((Real,dilationAngle,0,,"[deg], 0 to frictionAngle."))
+		((Real,tensileStrength,0,,"Thawed tensile strength [Pa], >= 0."))
+		((Real,tensileStrengthFrozen,200e3,,"Tensile strength at full ice saturation [Pa], >= 0."))
+		((Real,exponent,2,,"m of phi [-], >= 1."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(MohrCoulombSkeleton);
+
+} // namespace yade

@@ -1,0 +1,425 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/common/ElastMat.hpp>
+#include <pkg/common/Sphere.hpp>
+#include <pkg/dem/FrictPhys.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/IceBondMat.hpp>
+#include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/rve/ScenePacking.hpp>
+
+#include <omp.h>
+#include <sstream>
+
+namespace py = boost::python;
+using namespace yade;
+
+namespace talik {
+namespace {
+
+	class HoldGil {
+		PyGILState_STATE state = PyGILState_Ensure();
+
+	public:
+		~HoldGil() { PyGILState_Release(state); }
+	};
+
+	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+
+	/// Bodies that were not erased, ascending by id.
+	std::vector<Body*> presentBodies(const Scene& scene)
+	{
+		std::vector<Body*> present;
+		for (std::size_t id = 0; id < scene.bodies->size(); id++)
+			if ((*scene.bodies)[id]) present.push_back((*scene.bodies)[id].get());
+		return present;
+	}
+
+	py::object engineNamed(const Scene& scene, const char* name)
+	{
+		for (const auto& engine : scene.engines)
+			if (engine->getClassName() == name) return py::object(engine);
+		return py::object();
+	}
+
+	/// Class name of the only functor of a dispatcher of the InteractionLoop, empty if there are none or several.
+	std::string onlyFunctor(const py::object& loop, const char* dispatcher)
+	{
+		const py::object functors = loop.attr(dispatcher).attr("functors");
+		if (py::len(functors) != 1) return "";
+		return py::extract<std::string>(functors[0].attr("__class__").attr("__name__"));
+	}
+
+	py::object lawOf(const Scene& scene) { return engineNamed(scene, "InteractionLoop").attr("lawDispatcher").attr("functors")[0]; }
+
+	bool isIceBondScene(const Scene& scene)
+	{
+		const auto bodies = presentBodies(scene);
+		return !bodies.empty() && boost::dynamic_pointer_cast<IceBondMat>(bodies.front()->material);
+	}
+
+	std::string reasonOfBodies(const Scene& scene)
+	{
+		const Material* material = nullptr;
+		const auto      bodies   = presentBodies(scene);
+		for (const Body* body : bodies) {
+			const std::string who = "body " + std::to_string(body->id);
+			if (!boost::dynamic_pointer_cast<Sphere>(body->shape)) return who + " is not a sphere";
+			if (body->clumpId >= 0) return who + " belongs to a clump";
+			if ((body->state->blockedDOFs & discDofs) != discDofs) return who + " is free to move out of the plane (block z and the rotations X, Y)";
+			if (body->state->blockedDOFs != discDofs) return who + " is held in the plane";
+			if (!boost::dynamic_pointer_cast<FrictMat>(body->material)) return who + " has no frictional material";
+			if (material && material != body->material.get()) return "its grains have several materials";
+			material = body->material.get();
+		}
+		return bodies.empty() ? "it has no bodies" : "";
+	}
+
+	std::string reasonOfEngines(const Scene& scene)
+	{
+		const py::object loop = engineNamed(scene, "InteractionLoop");
+		if (loop.is_none()) return "it has no InteractionLoop";
+		if (engineNamed(scene, "NewtonIntegrator").is_none()) return "it has no NewtonIntegrator";
+		if (onlyFunctor(loop, "geomDispatcher") != "Ig2_Sphere_Sphere_ScGeom") return "its contact geometry is not Ig2_Sphere_Sphere_ScGeom alone";
+		const std::string law = onlyFunctor(loop, "lawDispatcher");
+		if (law != "Law2_ScGeom_FrictPhys_CundallStrack" && law != "Law2_ScGeom_IceBondPhys_IceBond")
+			return "its contact law is " + (law.empty() ? "not a single one" : law);
+		return "";
+	}
+
+	/// Unit tangent t = z x n of a contact.
+	Vector3r tangentOf(const Vector3r& n) { return { -n[1], n[0], 0 }; }
+
+	Vector3r branch(const PackedState<2>& state, std::size_t c)
+	{
+		const auto& k    = state.contacts;
+		const auto  cell = Eigen::Vector2d(k.cellDist[c][0], k.cellDist[c][1]);
+		const Eigen::Vector2d d = state.position[k.second[c]] + state.hSize * cell - state.position[k.first[c]];
+		return { d[0], d[1], 0 };
+	}
+
+	Vector3r vectorOf(double scalarShear, const Vector3r& normal) { return scalarShear * tangentOf(normal); }
+
+	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
+
+	using Matrix2 = PackedTypes<2>::Matrix;
+
+	Matrix2 inPlane(const Matrix3r& m) { return m.topLeftCorner<2, 2>(); }
+
+	void setInPlane(Matrix3r& target, const Matrix2& m) { target.topLeftCorner<2, 2>() = m; }
+
+	/// Where the opened contacts of a former state are found again.
+	class FormerContacts {
+		const PackedState<2>*                               former;
+		std::map<std::array<int, 4>, std::size_t>           place;
+
+	public:
+		FormerContacts(const PackedState<2>* state)
+		        : former(state)
+		{
+			if (!state) return;
+			const auto& k = state->contacts;
+			for (std::size_t c = 0; c < k.size(); c++)
+				place[{ k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] }] = c;
+		}
+		/// The scalar that opened into this very vector, or the vector's component along t.
+		double scalar(const std::array<int, 4>& key, const Vector3r& vector, const Vector3r& normal, bool ofIce) const
+		{
+			const auto found = place.find(key);
+			if (found != place.end()) {
+				const auto&  k = former->contacts;
+				const double s = ofIce ? (k.iceShear.empty() ? 0 : k.iceShear[found->second]) : k.shear[found->second];
+				if (vectorOf(s, normal) == vector) return s;
+			}
+			return vector.dot(tangentOf(normal));
+		}
+	};
+
+	void packGrains(const Scene& scene, const PackedState<2>* former, PackedState<2>& state, std::map<int, int>& indexOf)
+	{
+		auto grains = std::make_shared<PackedGrains>();
+		for (const Body* body : presentBodies(scene)) {
+			const State&      motion = *body->state;
+			const std::size_t index  = grains->size();
+			indexOf[body->id]        = int(index);
+			grains->id.push_back(body->id);
+			grains->radius.push_back(static_cast<const Sphere&>(*body->shape).radius);
+			grains->mass.push_back(motion.mass);
+			grains->inertia.push_back(motion.inertia[2]);
+			state.position.push_back(motion.se3.position.head<2>());
+			state.velocity.push_back(motion.vel.head<2>());
+			state.angularVelocity.push_back(motion.angVel[2]);
+			const Quaternionr& q     = motion.se3.orientation;
+			double             angle = 2 * std::atan2(q.z(), q.w());
+			if (former && index < former->size() && orientationOf(former->orientation[index]).coeffs() == q.coeffs()) angle = former->orientation[index];
+			state.orientation.push_back(angle);
+		}
+		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass && former->grains->inertia == grains->inertia) {
+			bool same = true;
+			for (std::size_t i = 0; i < grains->size(); i++)
+				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];
+			if (same) {
+				state.grains       = former->grains;
+				state.radiusFactor = former->radiusFactor;
+				return;
+			}
+		}
+		state.grains = grains;
+	}
+
+	void packCell(const Scene& scene, PackedState<2>& state)
+	{
+		const Cell& cell    = *scene.cell;
+		state.hSize         = inPlane(cell.hSize);
+		state.prevHSize     = inPlane(cell.prevHSize);
+		state.velGrad       = inPlane(cell.velGrad);
+		state.nextVelGrad   = inPlane(cell.velGradChanged ? cell.nextVelGrad : cell.velGrad);
+		state.trsf          = inPlane(cell.trsf);
+		state.thickness     = std::abs(cell.hSize(2, 2));
+	}
+
+	void packParameters(const Scene& scene, PackedState<2>& state)
+	{
+		const py::object newton = engineNamed(scene, "NewtonIntegrator");
+		state.dt                = scene.dt;
+		state.step              = std::uint64_t(scene.iter);
+		state.damping           = py::extract<double>(newton.attr("damping"));
+		state.prevVelGrad       = inPlane(py::extract<Matrix3r>(newton.attr("prevVelGrad"))());
+		const auto& material    = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
+		state.friction          = std::tan(material.frictionAngle);
+		state.stiffnessRatio    = material.poisson;
+		state.density           = material.density;
+		if (isIceBondScene(scene)) {
+			const auto& ice     = static_cast<const IceBondMat&>(material);
+			const auto  law     = lawOf(scene);
+			state.ice           = ice.model();
+			state.iceSaturation = ice.iceSaturation;
+			const std::string rule             = py::extract<std::string>(law.attr("stiffnessRule"));
+			state.ice.rule                     = rule == "parallel" ? StiffnessRule::parallel
+			                                                        : rule == "secant" ? StiffnessRule::secant : StiffnessRule::forceContinuous;
+			state.ice.cohesionDisablesFriction = py::extract<bool>(law.attr("cohesionDisablesFriction"));
+		}
+		state.ice.grainYoung = material.young;
+	}
+
+	std::uint8_t packedBondState(const IceBondPhys& phys)
+	{
+		const bool spring = BondState(phys.bondState) == BondState::BROKEN && !phys.iceCut;
+		return std::uint8_t(phys.bondState) | (spring ? PackedContacts<2>::iceSpringUncut : 0);
+	}
+
+	void packContacts(const Scene& scene, const PackedState<2>* former, const std::map<int, int>& indexOf, PackedState<2>& state)
+	{
+		const FormerContacts known(former);
+		const bool           ice = isIceBondScene(scene);
+		bool                 anyIce = false;
+		struct Entry {
+			std::array<int, 4> key;
+			const Interaction* interaction;
+		};
+		std::vector<Entry> entries;
+		for (const auto& interaction : *scene.interactions) {
+			if (!interaction->isReal()) continue;
+			int  a = indexOf.at(interaction->id1), b = indexOf.at(interaction->id2);
+			int  sign = 1;
+			if (a > b) {
+				std::swap(a, b);
+				sign = -1;
+			}
+			entries.push_back({ { a, b, sign * interaction->cellDist[0], sign * interaction->cellDist[1] }, interaction.get() });
+		}
+		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return l.key < r.key; });
+		auto& k = state.contacts;
+		for (const auto& entry : entries) {
+			const auto& geom = static_cast<const ScGeom&>(*entry.interaction->geom);
+			const auto& phys = static_cast<const FrictPhys&>(*entry.interaction->phys);
+			k.first.push_back(std::uint16_t(entry.key[0]));
+			k.second.push_back(std::uint16_t(entry.key[1]));
+			k.cellDist.push_back({ std::int8_t(entry.key[2]), std::int8_t(entry.key[3]) });
+			k.shear.push_back(known.scalar(entry.key, phys.shearForce, geom.normal, false));
+			if (!ice) continue;
+			const auto& bond = static_cast<const IceBondPhys&>(phys);
+			k.iceShear.push_back(known.scalar(entry.key, bond.iceShear, geom.normal, true));
+			k.iceReference.push_back(bond.uIce);
+			k.grainReference.push_back(bond.uGrain);
+			k.bond.push_back(packedBondState(bond));
+			anyIce = anyIce || bond.bondState != 0;
+		}
+		if (ice && !anyIce && !(former && former->bonded())) {
+			k.iceShear.clear();
+			k.iceReference.clear();
+			k.grainReference.clear();
+			k.bond.clear();
+		}
+	}
+
+	shared_ptr<IPhys> openedPhys(const PackedState<2>& s, std::size_t c, bool ice, double r1, double r2, const Vector3r& n, double un)
+	{
+		const auto&  k     = s.contacts;
+		const double grain = 2 * r1 * r2 / (r1 + r2) * s.ice.grainYoung;
+		if (!ice) {
+			shared_ptr<FrictPhys> phys(new FrictPhys);
+			phys->kn                     = grain;
+			phys->ks                     = s.stiffnessRatio * grain;
+			phys->tangensOfFrictionAngle = s.friction;
+			phys->shearForce             = vectorOf(k.shear[c], n);
+			phys->normalForce            = grain * std::max(un, 0.) * n;
+			return phys;
+		}
+		shared_ptr<IceBondPhys> phys(new IceBondPhys);
+		phys->grainStiffness         = grain;
+		phys->stiffnessRatio         = s.stiffnessRatio;
+		phys->tangensOfFrictionAngle = s.friction;
+		phys->iceSaturation          = s.iceSaturation;
+		phys->bondArea               = s.ice.bondArea(std::min(r1, r2));
+		phys->gapLimit               = s.ice.bondRange * std::min(r1, r2);
+		phys->shearForce             = vectorOf(k.shear[c], n);
+		if (s.bonded()) {
+			phys->bondState = k.bond[c] & 3;
+			phys->iceCut    = BondState(phys->bondState) == BondState::BROKEN && !(k.bond[c] & PackedContacts<2>::iceSpringUncut);
+			phys->uIce      = k.iceReference[c];
+			phys->uGrain    = k.grainReference[c];
+			phys->iceShear  = vectorOf(k.iceShear[c], n);
+		}
+		const ContactStiffness stiffness { grain, s.stiffnessRatio, s.ice.iceStiffnessRatio(s.iceSaturation) };
+		auto                   bond = phys->bond();
+		phys->normalForce           = bond.normalForce(stiffness, un, s.ice.rule) * n;
+		phys->kn                    = s.ice.rule == StiffnessRule::parallel && !bond.hasIceSpring() ? grain : stiffness.total();
+		phys->ks                    = bond.shearStiffness(stiffness, s.ice.rule);
+		return phys;
+	}
+
+	void openContacts(Scene& scene, const PackedState<2>& s)
+	{
+		const bool  ice = isIceBondScene(scene);
+		const auto& k   = s.contacts;
+		scene.interactions->clear();
+		for (std::size_t c = 0; c < k.size(); c++) {
+			const double   r1 = s.grains->radius[k.first[c]], r2 = s.grains->radius[k.second[c]];
+			const Vector3r d      = branch(s, c);
+			const double   length = d.norm();
+			shared_ptr<ScGeom> geom(new ScGeom);
+			geom->normal           = d / length;
+			geom->refR1            = r1 * s.radiusFactor;
+			geom->refR2            = r2 * s.radiusFactor;
+			geom->penetrationDepth = geom->refR1 + geom->refR2 - length;
+			const Vector3r x1      = (*scene.bodies)[s.grains->id[k.first[c]]]->state->se3.position;
+			geom->contactPoint     = x1 + (geom->refR1 - 0.5 * geom->penetrationDepth) * geom->normal;
+			shared_ptr<Interaction> interaction(new Interaction(s.grains->id[k.first[c]], s.grains->id[k.second[c]]));
+			interaction->cellDist     = Vector3i(k.cellDist[c][0], k.cellDist[c][1], 0);
+			interaction->geom         = geom;
+			interaction->phys         = openedPhys(s, c, ice, r1, r2, geom->normal, geom->penetrationDepth);
+			interaction->iterMadeReal = scene.iter;
+			scene.interactions->insert(interaction);
+		}
+		// the collider has to find the pairs that do not touch anew
+		scene.interactions->dirty = true;
+	}
+
+	void openCell(Scene& scene, const PackedState<2>& s)
+	{
+		Cell& cell = *scene.cell;
+		setInPlane(cell.hSize, s.hSize);
+		setInPlane(cell.trsf, s.trsf);
+		cell.velGrad.setZero();
+		setInPlane(cell.velGrad, s.velGrad);
+		cell.callPostLoad();
+		setInPlane(cell.prevHSize, s.prevHSize);
+		cell.nextVelGrad.setZero();
+		setInPlane(cell.nextVelGrad, s.nextVelGrad);
+		cell.velGradChanged = s.nextVelGrad != s.velGrad;
+		cell.prevVelGrad.setZero();
+		setInPlane(cell.prevVelGrad, s.prevVelGrad);
+		Matrix3r used = Matrix3r::Zero();
+		setInPlane(used, s.prevVelGrad);
+		py::object newton         = engineNamed(scene, "NewtonIntegrator");
+		newton.attr("prevVelGrad") = used;
+	}
+} // namespace
+
+std::string reasonAgainstPacking(const Scene& scene)
+{
+	HoldGil gil;
+	if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
+	const Matrix3r& h = scene.cell->hSize;
+	if (h(0, 2) != 0 || h(1, 2) != 0 || h(2, 0) != 0 || h(2, 1) != 0) return "its cell is skewed out of the plane";
+	const std::string ofBodies = reasonOfBodies(scene);
+	return ofBodies.empty() ? reasonOfEngines(scene) : ofBodies;
+}
+
+PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
+{
+	HoldGil           gil;
+	const std::string reason = reasonAgainstPacking(scene);
+	if (!reason.empty()) throw std::invalid_argument("The scene cannot be packed: " + reason + ".");
+	PackedState<2>     state;
+	std::map<int, int> indexOf;
+	packGrains(scene, former, state, indexOf);
+	packCell(scene, state);
+	packParameters(scene, state);
+	packContacts(scene, former, indexOf, state);
+	if (former) {
+		state.thawStrain           = former->thawStrain;
+		state.stress               = former->stress;
+		state.bondsFormed          = former->bondsFormed;
+		state.bondsBrokenInTension = former->bondsBrokenInTension;
+		state.bondsBrokenInShear   = former->bondsBrokenInShear;
+		state.bondsMelted          = former->bondsMelted;
+	}
+	return state;
+}
+
+void openInto(Scene& scene, const PackedState<2>& s)
+{
+	HoldGil gil;
+	for (std::size_t i = 0; i < s.size(); i++) {
+		const int id = s.grains->id[i];
+		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id]) throw std::invalid_argument("The sample cannot be opened: its scene lost body " + std::to_string(id) + ".");
+		const auto& body   = (*scene.bodies)[id];
+		State&      motion = *body->state;
+		motion.se3.position.head<2>() = s.position[i];
+		motion.se3.orientation        = orientationOf(s.orientation[i]);
+		motion.vel                    = Vector3r(s.velocity[i][0], s.velocity[i][1], 0);
+		motion.angVel                 = Vector3r(0, 0, s.angularVelocity[i]);
+		static_cast<Sphere&>(*body->shape).radius = s.grains->radius[i] * s.radiusFactor;
+	}
+	scene.dt   = s.dt;
+	scene.iter = long(s.step);
+	if (isIceBondScene(scene))
+		for (Body* body : presentBodies(scene))
+			static_cast<IceBondMat&>(*body->material).iceSaturation = s.iceSaturation;
+	openCell(scene, s);
+	openContacts(scene, s);
+}
+
+std::string sceneToBytes(const shared_ptr<Scene>& scene)
+{
+	std::ostringstream stream;
+	{
+		boost::archive::binary_oarchive archive(stream);
+		shared_ptr<Scene>               held = scene;
+		archive << boost::serialization::make_nvp("scene", held);
+	}
+	return stream.str();
+}
+
+shared_ptr<Scene> sceneFromBytes(const std::string& bytes)
+{
+	// per-thread storage inside a Scene is sized when it is made: samples are stepped by one thread each
+	const int threads = omp_get_max_threads();
+	omp_set_num_threads(1);
+	shared_ptr<Scene> scene;
+	try {
+		std::istringstream              stream(bytes);
+		boost::archive::binary_iarchive archive(stream);
+		archive >> boost::serialization::make_nvp("scene", scene);
+	} catch (...) {
+		omp_set_num_threads(threads);
+		throw;
+	}
+	omp_set_num_threads(threads);
+	return scene;
+}
+
+shared_ptr<Scene> copyScene(const shared_ptr<Scene>& scene) { return sceneFromBytes(sceneToBytes(scene)); }
+
+} // namespace talik
