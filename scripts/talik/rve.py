@@ -24,6 +24,7 @@ from yade import O
 
 import talik
 from talik import packing
+from talik.files import writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
 recipeVersion = 1  # part of the cache key: raise it whenever the recipe gives other samples
@@ -205,8 +206,8 @@ def _cached(parameters, cache, make):
 	with talik.scratchScene():
 		extra = make()
 		sample = _measured(str(scene), {**parameters, **extra})
-		_writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
-	_writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t").encode())
+		writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
+	writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t").encode())
 	return sample
 
 
@@ -218,30 +219,13 @@ def _cacheFolder(cache):
 		return Path(tempfile.mkdtemp(prefix="talik-sample-"))
 	else:
 		folder = Path(cache)
-	try:
-		folder.mkdir(parents=True, exist_ok=True)
-		with tempfile.TemporaryFile(dir=folder):
-			return folder
-	except OSError as error:
-		raise RuntimeError(f"cache: cannot write into '{folder}' ({error.strerror}); give a folder of yours as cache=, or set XDG_CACHE_HOME") from None
+	return writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
 
 
 def _fromSheet(sheet, scene):
 	values = json.loads(sheet.read_text())
 	values.update(path=str(scene), size=tuple(values["size"]), stress=tuple(values["stress"]))
 	return Sample(**values)
-
-
-def _writeWhole(path, data):
-	"""A reader sees the old file or the complete new one, never a part."""
-	handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
-	try:
-		with os.fdopen(handle, "wb") as file:
-			file.write(data)
-		os.replace(name, path)
-	except BaseException:
-		os.unlink(name)
-		raise
 
 
 def _digest(path):

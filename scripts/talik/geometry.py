@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Filling of outlines with material points.
+
+	talik.geometry.fill(mpm, [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)], pointsPerCell=4, temperature=-5)
+
+Points sit on a regular lattice inside the cells of the grid. Where the outline cuts a lattice square, the point gets the area and
+the centroid of the part inside, so area and first moment of the outline are kept to round-off. Two-dimensional, lengths in m,
+volumes per metre of thickness (m2).
+"""
+
+import math
+
+import numpy as np
+from matplotlib.path import Path
+
+smallestPart = 0.2  # parts smaller than this fraction of a lattice square join the nearest point
+
+
+def rectangle(x0, y0, x1, y1):
+	"""Corners of an axis-aligned rectangle, counter-clockwise."""
+	return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+
+
+def fill(mpm, polygon, pointsPerCell=4, origin=(0.0, 0.0), **attributes):
+	"""Adds points that fill `polygon` to an MpmEngine; returns what mpm.addPoints returns.
+
+	Attributes (temperature, porosity, ...) are numbers, arrays of one value per point, or functions f(x, y) of arrays."""
+	positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, origin)
+	values = {name: value(positions[:, 0], positions[:, 1]) if callable(value) else value for name, value in attributes.items()}
+	return mpm.addPoints(position=positions, volume=volumes, **values)
+
+
+def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
+	"""Positions (n, 2) [m] and volumes (n,) [m2] of points that fill a polygon.
+
+	polygon        corners (m, 2), m >= 3, either orientation, not self-intersecting
+	gridSpacing    cell size [m], > 0
+	pointsPerCell  a square number: 1, 4, 9, 16
+	origin         of the grid [m]"""
+	corners = checkedPolygon(polygon)
+	side = _latticeSide(gridSpacing, pointsPerCell)
+	centres = _latticeCentres(corners, side, np.asarray(origin, dtype=float))
+	cut = _touchedByOutline(corners, centres, side)
+	whole = centres[~cut & Path(corners).contains_points(centres)]
+	partCentres, partAreas = _parts(corners, centres[cut], side)
+	positions = np.vstack([whole, partCentres])
+	volumes = np.concatenate([np.full(len(whole), side * side), partAreas])
+	positions, volumes = _joinSmallParts(positions, volumes, smallestPart * side * side)
+	order = np.lexsort((positions[:, 0], positions[:, 1]))
+	return positions[order], volumes[order]
+
+
+def polygonArea(corners):
+	"""Area and centroid of a polygon: (area >= 0, (x, y))."""
+	corners = np.asarray(corners, dtype=float)
+	base = corners[0]
+	x, y = (corners - base).T
+	xNext, yNext = np.roll(x, -1), np.roll(y, -1)
+	cross = x * yNext - xNext * y
+	twice = cross.sum()
+	if twice == 0:
+		return 0.0, corners.mean(axis=0)
+	centroid = np.array([((x + xNext) * cross).sum(), ((y + yNext) * cross).sum()]) / (3 * twice)
+	return 0.5 * abs(twice), base + centroid
+
+
+def checkedPolygon(polygon):
+	"""The corners as array (n, 2); ValueError with what is wrong otherwise."""
+	try:
+		corners = np.array([tuple(float(c) for c in corner) for corner in polygon])
+	except (TypeError, ValueError):
+		raise ValueError(f"polygon is {polygon!r}; it must be a list of corners (x, y) in m") from None
+	if corners.ndim != 2 or corners.shape[0] < 3 or corners.shape[1] != 2:
+		raise ValueError(f"polygon has shape {corners.shape}; it must have at least three corners (x, y)")
+	if not np.isfinite(corners).all():
+		raise ValueError("polygon has a corner that is not finite; all coordinates must be numbers in m")
+	if polygonArea(corners)[0] < 1e-12 * np.ptp(corners, axis=0).max() ** 2:
+		raise ValueError("polygon has no area; its corners lie on one line")
+	crossing = _selfIntersection(corners)
+	if crossing:
+		raise ValueError(f"polygon crosses itself: its sides {crossing[0]} and {crossing[1]} intersect; give the corners in order around it")
+	return corners
+
+
+def _latticeSide(gridSpacing, pointsPerCell):
+	if not (np.isscalar(gridSpacing) and 0 < gridSpacing < math.inf):
+		raise ValueError(f"gridSpacing is {gridSpacing!r}; it must be a length in m, greater than 0")
+	perSide = math.isqrt(pointsPerCell) if isinstance(pointsPerCell, int) and pointsPerCell > 0 else 0
+	if perSide == 0 or perSide ** 2 != pointsPerCell:
+		raise ValueError(f"pointsPerCell is {pointsPerCell!r}; it must be a square number: 1, 4, 9 or 16")
+	return gridSpacing / perSide
+
+
+def _latticeCentres(corners, side, origin):
+	low = np.floor((corners.min(axis=0) - origin) / side).astype(int)
+	high = np.ceil((corners.max(axis=0) - origin) / side).astype(int)
+	x, y = (origin[k] + (np.arange(low[k], high[k]) + 0.5) * side for k in (0, 1))
+	return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def _touchedByOutline(corners, centres, side):
+	"""Lattice squares that a side of the polygon touches (separating axes: x, y and the normal of the side)."""
+	touched = np.zeros(len(centres), dtype=bool)
+	half = 0.5 * side * (1 + 1e-9)
+	for start, end in zip(corners, np.roll(corners, -1, axis=0)):
+		middle, extent = 0.5 * (start + end), 0.5 * np.abs(end - start)
+		normal = np.array([start[1] - end[1], end[0] - start[0]])
+		offset = centres - middle
+		inBox = (np.abs(offset) <= extent + half).all(axis=1)
+		touched |= inBox & (np.abs(offset @ normal) <= half * np.abs(normal).sum())
+	return touched
+
+
+def _parts(corners, centres, side):
+	"""Centroid and area of the parts of lattice squares inside the polygon; empty ones left out."""
+	found = [polygonArea(part) for part in (_clip(corners, centre, side) for centre in centres) if len(part) >= 3]
+	found = [(area, centroid) for area, centroid in found if area > 1e-9 * side * side]
+	return np.array([c for _, c in found]).reshape(-1, 2), np.array([a for a, _ in found])
+
+
+def _clip(corners, centre, side):
+	"""Sutherland-Hodgman: the polygon cut to one lattice square."""
+	part = [tuple(corner) for corner in corners]
+	for axis in (0, 1):
+		for sign in (1, -1):
+			part = _cutHalfPlane(part, axis, sign, sign * centre[axis] + 0.5 * side)
+	return part
+
+
+def _cutHalfPlane(part, axis, sign, limit):
+	"""The part of a polygon where sign * coordinate <= limit."""
+	kept = []
+	for a, b in zip(part, part[1:] + part[:1]):
+		da, db = limit - sign * a[axis], limit - sign * b[axis]
+		if da >= 0:
+			kept.append(a)
+		if (da > 0 > db) or (da < 0 < db):
+			share = da / (da - db)
+			kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+	return kept
+
+
+def _joinSmallParts(positions, volumes, smallest):
+	"""Adds small parts to the nearest larger point: total volume and first moment stay."""
+	small = volumes < smallest
+	if small.all() or not small.any():
+		return positions, volumes
+	kept, keptVolumes = positions[~small].copy(), volumes[~small].copy()
+	nearest = np.argmin(((positions[small][:, None, :] - positions[~small][None, :, :]) ** 2).sum(axis=2), axis=1)
+	for target, position, volume in zip(nearest, positions[small], volumes[small]):
+		total = keptVolumes[target] + volume
+		kept[target] = (keptVolumes[target] * kept[target] + volume * position) / total
+		keptVolumes[target] = total
+	return kept, keptVolumes
+
+
+def _selfIntersection(corners):
+	count = len(corners)
+	sides = [(corners[i], corners[(i + 1) % count]) for i in range(count)]
+	for i in range(count):
+		for j in range(i + 2, count):
+			if (j + 1) % count != i and _crosses(*sides[i], *sides[j]):
+				return i, j
+	return None
+
+
+def _crosses(a, b, c, d):
+	def side(p, q, r):
+		return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+	return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0

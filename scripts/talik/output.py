@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Files that a run leaves behind: a ParaView series of all point fields, frames for pictures, a summary.
+
+	series = talik.output.ParaViewSeries(mpm, "output/slope")
+	frames = talik.output.Frames(mpm, times=[2.5, 5, 10, 15])
+	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
+	talik.output.writeSummary("output/slope/summary.json", points=mpm.numberOfPoints, ...)
+
+An engine is anything with fieldNames() and field(name) -> array (n,), (n, 2) or (n, 3); "position" (n, 2) must be among them.
+Three components are those of a symmetric in-plane tensor, xx, yy, xy.
+"""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_VERTEX, vtkCellArray, vtkUnstructuredGrid
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+from talik.files import writableFolder, writeWhole
+
+tensorComponents = ("xx", "yy", "xy")
+_callbacks = []
+
+
+def call(place):
+	"""Called by the engines that runner() made."""
+	_callbacks[place]()
+
+
+def runner(function, **period):
+	"""A YADE PyRunner that calls a Python function; period: iterPeriod, virtPeriod or realPeriod."""
+	from yade.wrapper import PyRunner
+
+	_callbacks.append(function)
+	return PyRunner(command=f"import talik.output; talik.output.call({len(_callbacks) - 1})", **period)
+
+
+def allFields(mpm):
+	"""{name: array} of every field that the engine has."""
+	return {name: np.array(mpm.field(name)) for name in mpm.fieldNames()}
+
+
+# --- ParaView --------------------------------------------------------------------------------------------------------------
+
+
+class ParaViewSeries:
+	"""Files <name>_<number>.vtu and <name>.pvd in `folder`; open the .pvd in ParaView. Times are those of `clock`, default O.time."""
+
+	def __init__(self, mpm, folder, name="points", clock=None):
+		self.mpm, self.name = mpm, name
+		self.folder = writableFolder(folder)
+		self.clock = clock or _sceneTime
+		self.entries = []
+
+	def write(self):
+		"""Adds the present state; returns the path of the new .vtu file."""
+		file = f"{self.name}_{len(self.entries):05d}.vtu"
+		fields = allFields(self.mpm)
+		writePoints(self.folder / file, fields.pop("position"), fields)
+		self.entries.append((self.clock(), file))
+		writeCollection(self.folder / f"{self.name}.pvd", self.entries)
+		return str(self.folder / file)
+
+
+def writePoints(path, position, fields):
+	"""One .vtu file of points (n, 2) or (n, 3) with fields {name: array}."""
+	position = np.asarray(position, dtype=float)
+	cells = np.arange(len(position)).reshape(-1, 1)
+	_writeGrid(path, position, cells, VTK_VERTEX, pointFields=fields, cellFields={})
+
+
+def writeSegments(path, start, end, fields):
+	"""One .vtu file of line segments, for contacts: start and end (n, 2) or (n, 3), fields one value per segment."""
+	points = np.vstack([np.asarray(start, dtype=float), np.asarray(end, dtype=float)])
+	count = len(points) // 2
+	_writeGrid(path, points, np.column_stack([np.arange(count), np.arange(count) + count]), VTK_LINE, pointFields={}, cellFields=fields)
+
+
+def writeCollection(path, entries):
+	"""A .pvd file of (time, file) pairs."""
+	lines = [f'\t\t<DataSet timestep="{time:.17g}" part="0" file="{file}"/>' for time, file in entries]
+	text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n\t<Collection>\n'
+	writeWhole(path, text + "\n".join(lines) + "\n\t</Collection>\n</VTKFile>\n")
+
+
+def _writeGrid(path, points, cells, cellType, pointFields, cellFields):
+	grid = vtkUnstructuredGrid()
+	grid.SetPoints(_vtkPoints(points))
+	grid.SetCells(cellType, _vtkCells(cells))
+	for fields, data, count in ((pointFields, grid.GetPointData(), len(points)), (cellFields, grid.GetCellData(), len(cells))):
+		for name, values in fields.items():
+			data.AddArray(_vtkArray(name, values, count))
+	writer = vtkXMLUnstructuredGridWriter()
+	writer.SetFileName(str(path))
+	writer.SetInputData(grid)
+	if writer.Write() != 1:
+		raise OSError(f"'{path}' could not be written; is the folder yours and the disk not full?")
+
+
+def _vtkPoints(position):
+	points = vtkPoints()
+	points.SetData(numpy_to_vtk(_padded(position), deep=True))
+	return points
+
+
+def _vtkCells(cells):
+	array = vtkCellArray()
+	offsets = np.arange(0, cells.size + 1, cells.shape[1], dtype=np.int64)
+	array.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(cells.ravel().astype(np.int64), deep=True))
+	return array
+
+
+def _vtkArray(name, values, count):
+	values = np.asarray(values)
+	if values.ndim not in (1, 2) or len(values) != count:
+		raise ValueError(f"field '{name}' has shape {values.shape}; it must have {count} rows")
+	if values.dtype == bool:
+		values = values.astype(np.uint8)
+	if values.ndim == 2 and values.shape[1] == 2:
+		values = _padded(values)
+	array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+	array.SetName(name)
+	if values.ndim == 2 and any(word in name.lower() for word in ("stress", "strain")):
+		for component, label in enumerate(tensorComponents):
+			array.SetComponentName(component, label)
+	return array
+
+
+def _padded(vectors):
+	"""ParaView's vectors have three components."""
+	vectors = np.asarray(vectors, dtype=float)
+	if vectors.shape[1] == 3:
+		return np.ascontiguousarray(vectors)
+	return np.column_stack([vectors, np.zeros(len(vectors))])
+
+
+# --- frames for pictures ---------------------------------------------------------------------------------------------------
+
+
+class Frames:
+	"""Keeps all fields at given simulated times, for talik.plots; `frames` is a list of {"time": t, field: array}."""
+
+	def __init__(self, mpm, times, clock=None):
+		self.mpm, self.clock = mpm, clock or _sceneTime
+		self.times = sorted(float(t) for t in times)
+		self.frames = []
+
+	def take(self):
+		"""Keeps a frame when the next of the times is reached."""
+		if len(self.frames) < len(self.times) and self.clock() >= self.times[len(self.frames)] * (1 - 1e-12):
+			self.frames.append({"time": self.clock(), **allFields(self.mpm)})
+
+	def runner(self, iterPeriod=1):
+		return runner(self.take, iterPeriod=iterPeriod)
+
+	def save(self, path):
+		"""All frames in one compressed NumPy file; loadFrames(path) reads it back."""
+		arrays = {f"{index}/{name}": value for index, frame in enumerate(self.frames) for name, value in frame.items()}
+		np.savez_compressed(path, **arrays)
+
+
+def loadFrames(path):
+	"""The list of frames that Frames.save wrote."""
+	frames = {}
+	with np.load(path) as file:
+		for key in file.files:
+			index, name = key.split("/", 1)
+			frames.setdefault(int(index), {})[name] = file[key] if file[key].ndim else file[key].item()
+	return [frames[index] for index in sorted(frames)]
+
+
+# --- summary ---------------------------------------------------------------------------------------------------------------
+
+
+def writeSummary(path, **values):
+	"""A JSON file of named results; NumPy values are converted, numbers that are not finite become null."""
+	writableFolder(Path(path).parent)
+	writeWhole(path, json.dumps(_plain(values), indent="\t", allow_nan=False) + "\n")
+
+
+def _plain(value):
+	if isinstance(value, dict):
+		return {str(key): _plain(item) for key, item in value.items()}
+	if isinstance(value, (list, tuple, np.ndarray)):
+		return [_plain(item) for item in value]
+	if isinstance(value, (bool, np.bool_)):
+		return bool(value)
+	if isinstance(value, (int, np.integer)):
+		return int(value)
+	if isinstance(value, (float, np.floating)):
+		return float(value) if math.isfinite(value) else None
+	return value if value is None else str(value)
+
+
+def _sceneTime():
+	from yade import O
+
+	return O.time

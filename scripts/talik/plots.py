@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pictures of slopes and samples. Every function draws into Matplotlib axes that the caller gives (and may compose), takes plain
+arrays, and needs no display; figure() makes a figure that can be saved without one.
+
+Slope:   slopeField, thawFront, slopeHistory (rows = times, columns = fields)
+Sample:  forceChains, normalRose, stressPath, bondHistory
+"""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.tri import Triangulation
+
+from talik.files import writableFolder
+
+# state of a contact, as the ice-bond law counts it
+contactNone, contactBonded, contactBroken = 0, 1, 2
+
+# what is known about the usual fields: label, colour map, limits (None: from the data)
+slopeFields = {
+	"iceSaturation": ("ice saturation $S_i$ [-]", "Blues", (0.0, 1.0)),
+	"deviatoricStrain": (r"deviatoric strain $\varepsilon_d$ [-]", "inferno_r", (0.0, None)),
+	"displacement": ("displacement $|u|$ [m]", "viridis", (0.0, None)),
+	"temperature": ("temperature [°C]", "coolwarm", (None, None)),
+	"pressure": ("pore pressure [Pa]", "PuOr_r", (None, None)),
+}
+
+
+def figure(width, height):
+	"""A figure of width x height inches that needs no display; add axes with fig.subplots(...)."""
+	return Figure(figsize=(width, height), layout="constrained")
+
+
+def save(fig, path, dpi=150):
+	"""Writes a picture, making its folder if need be."""
+	path = Path(path)
+	writableFolder(path.parent)
+	fig.savefig(path, dpi=dpi)
+	return str(path)
+
+
+# --- slope -----------------------------------------------------------------------------------------------------------------
+
+
+def slopeField(axes, position, values, volume, label=None, colourMap="viridis", limits=(None, None)):
+	"""Material points as squares of their own volume, coloured by `values` (vectors by their length).
+
+	position (n, 2) [m], values (n,) or (n, 2), volume (n,) [m2]. Returns the collection, for a colour bar."""
+	position, values = np.asarray(position, dtype=float), magnitude(values)
+	half = 0.5 * np.sqrt(np.asarray(volume, dtype=float)) * 1.06  # a little overlap leaves no gaps between rows
+	corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
+	squares = position[:, None, :] + half[:, None, None] * corners
+	low, high = (value if limit is None else limit for limit, value in zip(limits, finiteRange(values)))
+	collection = PolyCollection(squares, array=values, cmap=colourMap, norm=Normalize(low, max(high, low + 1e-12)), edgecolor="none")
+	axes.add_collection(collection)
+	metricAxes(axes, position)
+	if label:
+		axes.figure.colorbar(collection, ax=axes, label=label, shrink=0.8)
+	return collection
+
+
+def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
+	"""The line where the ice saturation is `level`; nothing where there is no front. Returns the contour set or None."""
+	position, iceSaturation = np.asarray(position, dtype=float), np.asarray(iceSaturation, dtype=float)
+	if len(position) < 3 or not iceSaturation.min() < level < iceSaturation.max():
+		return None
+	mesh = Triangulation(position[:, 0], position[:, 1])
+	mesh.set_mask(_longestSides(mesh) > 2.5 * np.sqrt(np.median(volume)))
+	return axes.tricontour(mesh, iceSaturation, levels=[level], **{"colors": "crimson", "linewidths": 1.2, **style})
+
+
+def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), thermalTimeScale=1.0, watched=None):
+	"""A figure with one row per time and one column per field, like Fig. 6 of Yu & Zhao.
+
+	frames            list of {"time": t [s], "position": (n, 2), "volume": (n,), "iceSaturation": (n,), field: array, ...}
+	thermalTimeScale  f_T, for the thaw days in the row labels
+	watched           {letter: (x, y)} marked points
+	All rows of a column share one colour scale; the crimson line is the thaw front S_i = 0.5."""
+	if not frames:
+		raise ValueError("frames is empty; give at least one frame of talik.output.Frames")
+	fields = [name for name in fields if name in frames[0]]
+	everything = np.vstack([frame["position"] for frame in frames])
+	extent = np.ptp(everything, axis=0)
+	fig = figure(4.2 * len(fields), 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 1.2)
+	grid = fig.subplots(len(frames), len(fields), squeeze=False, sharex=True, sharey=True)
+	for column, name in enumerate(fields):
+		label, colourMap, limits = slopeFields.get(name, (name, "viridis", (None, None)))
+		limits = _sharedLimits([frame[name] for frame in frames], limits)
+		for row, frame in enumerate(frames):
+			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, watched)
+		fig.colorbar(drawn, ax=grid[:, column], label=label, location="bottom", shrink=0.85, aspect=30)
+	for row, frame in enumerate(frames):
+		grid[row, 0].set_ylabel(f"{timeLabel(frame['time'], thermalTimeScale)}\ny [m]")
+	for axes in grid[-1]:
+		axes.set_xlabel("x [m]")
+	metricAxes(grid[0, 0], everything)
+	return fig
+
+
+def timeLabel(time, thermalTimeScale=1.0):
+	"""Simulated time and, where heat runs faster than motion, the thaw days that it stands for."""
+	days = "" if thermalTimeScale == 1 else f" ({time * thermalTimeScale / 86400:.3g} thaw days)"
+	return f"t = {time:.3g} s{days}"
+
+
+def metricAxes(axes, position):
+	"""Equal scales and limits around the points."""
+	position = np.asarray(position, dtype=float)
+	low, high = position.min(axis=0), position.max(axis=0)
+	margin = 0.03 * max((high - low).max(), 1e-12)
+	axes.set_aspect("equal")
+	axes.set_xlim(low[0] - margin, high[0] + margin)
+	axes.set_ylim(low[1] - margin, high[1] + margin)
+
+
+def magnitude(values):
+	"""Vectors by their length, numbers as they are."""
+	values = np.asarray(values, dtype=float)
+	return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+
+
+def finiteRange(values):
+	"""Smallest and largest finite value; (0, 1) when there is none."""
+	finite = np.asarray(values)[np.isfinite(values)]
+	return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+
+
+def _slopePanel(axes, frame, name, colourMap, limits, watched):
+	drawn = slopeField(axes, frame["position"], frame[name], frame["volume"], colourMap=colourMap, limits=limits)
+	if "iceSaturation" in frame:
+		thawFront(axes, frame["position"], frame["iceSaturation"], frame["volume"])
+	for letter, (x, y) in (watched or {}).items():
+		axes.plot(x, y, "o", markersize=4, markerfacecolor="white", markeredgecolor="black")
+		axes.annotate(letter, (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold")
+	return drawn
+
+
+def _sharedLimits(columns, limits):
+	low, high = finiteRange(np.concatenate([magnitude(values) for values in columns]))
+	low, high = (value if limit is None else limit for limit, value in zip(limits, (low, high)))
+	return low, max(high, low + 1e-12)
+
+
+def _longestSides(mesh):
+	corners = np.column_stack([mesh.x, mesh.y])[mesh.triangles]
+	return np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+
+
+# --- sample ----------------------------------------------------------------------------------------------------------------
+
+
+def forceChains(axes, start, end, force, state, centre=None, radius=None, widest=6.0, legend=True):
+	"""Contacts as lines between the grains, width by force: intact bonds red, broken or frictional contacts black.
+
+	start, end  (n, 2) [m] ends of the branch vectors; force (n,) [N], its size is drawn; state (n,) 0 frictional, 1 bonded, 2 broken
+	centre      (m, 2) and radius (m,) [m] of the grains, drawn pale behind
+	widest      width in points of the largest force; contacts without force keep a hair line"""
+	start, end = np.asarray(start, dtype=float).reshape(-1, 2), np.asarray(end, dtype=float).reshape(-1, 2)
+	force, state = np.abs(np.asarray(force, dtype=float)), np.asarray(state, dtype=int)
+	_grains(axes, centre, radius)
+	width = 0.3 + widest * force / (force.max() if force.size and force.max() > 0 else 1.0)
+	segments = np.stack([start, end], axis=1)
+	bonded = state == contactBonded
+	for chosen, colour, layer in ((~bonded, "black", 2), (bonded, "red", 3)):
+		axes.add_collection(LineCollection(segments[chosen], linewidths=width[chosen], colors=colour, capstyle="round", zorder=layer))
+	shown = [points for points in (start, end, centre) if points is not None and len(points)]
+	if shown:
+		metricAxes(axes, np.vstack(shown))
+	axes.set_xlabel("x [m]")
+	axes.set_ylabel("y [m]")
+	if legend:
+		_forceLegend(axes, force, bonded)
+
+
+def normalRose(axes, normals, bins=36, colour="steelblue"):
+	"""Rose diagram of contact normals in polar axes, each contact counted in both directions; the line is the second-order
+	fit of the contact fabric, 1 + a cos 2(theta - theta0), with anisotropy F1 - F2 = a/2 in the title."""
+	normals = np.asarray(normals, dtype=float).reshape(-1, 2)
+	angles = np.arctan2(normals[:, 1], normals[:, 0])
+	both = np.concatenate([angles, angles + np.pi]) % (2 * np.pi)
+	counts, edges = np.histogram(both, bins=bins, range=(0, 2 * np.pi))
+	density = counts / max(counts.sum(), 1) * bins  # 1 everywhere when isotropic
+	axes.bar(edges[:-1], density, width=2 * np.pi / bins, align="edge", color=colour, edgecolor="white", linewidth=0.5)
+	if not len(normals):
+		axes.set_title("no contacts")
+		return
+	second = np.exp(2j * angles).mean()
+	theta = np.linspace(0, 2 * np.pi, 181)
+	axes.plot(theta, 1 + 2 * abs(second) * np.cos(2 * theta - np.angle(second)), color="black", linewidth=1)
+	axes.set_title(f"{len(normals)} contacts, $F_1-F_2$ = {abs(second):.3f}", fontsize=10)
+
+
+def stressPath(axes, stress, label=None, **style):
+	"""Path in the plane of mean pressure s' = -(xx + yy)/2 and shear t = radius of Mohr's circle; stress (n, 3) [Pa], xx, yy, xy,
+	tension positive. The ring marks the beginning. Drawn in kPa."""
+	stress = np.asarray(stress, dtype=float).reshape(-1, 3)
+	mean = -0.5 * (stress[:, 0] + stress[:, 1]) / 1e3
+	shear = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2]) / 1e3
+	line, = axes.plot(mean, shear, label=label, **style)
+	axes.plot(mean[:1], shear[:1], "o", markerfacecolor="white", markeredgecolor=line.get_color())
+	axes.set_xlabel("mean pressure $s'$ [kPa]")
+	axes.set_ylabel("shear stress $t$ [kPa]")
+	return line
+
+
+def bondHistory(axes, strain, intact, broken, melted=None):
+	"""Numbers of intact, mechanically broken and melted bonds over the strain [-]."""
+	axes.plot(strain, intact, color="red", label="intact")
+	axes.plot(strain, broken, color="black", label="broken")
+	if melted is not None:
+		axes.plot(strain, melted, color="steelblue", label="melted")
+	axes.set_xlabel("strain [-]")
+	axes.set_ylabel("bonds")
+	axes.set_ylim(bottom=0)
+	axes.legend(frameon=False)
+
+
+def _grains(axes, centre, radius):
+	if centre is None or radius is None:
+		return
+	diameter = 2 * np.asarray(radius, dtype=float)
+	axes.add_collection(
+		EllipseCollection(
+			diameter, diameter, np.zeros_like(diameter), units="xy", offsets=np.asarray(centre, dtype=float), offset_transform=axes.transData,
+			facecolors="0.93", edgecolors="0.75", linewidths=0.4, zorder=1,
+		)
+	)
+
+
+def _forceLegend(axes, force, bonded):
+	largest = force.max() if force.size else 0.0
+	handles = [
+		Line2D([], [], color="red", linewidth=2, label=f"intact bonds ({bonded.sum()})"),
+		Line2D([], [], color="black", linewidth=2, label=f"broken or frictional ({(~bonded).sum()})"),
+	]
+	axes.legend(handles=handles, title=f"widest: {largest:.3g} N", loc="upper center", bbox_to_anchor=(0.5, -0.12), ncol=2, frameon=False, fontsize=8, title_fontsize=8)

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Progress of a long run: simulated time, thaw days, steps per second, expected end.
+
+	progress = talik.progress.Progress(endTime=15, thermalTimeScale=8.64e5)
+	O.engines = [mpm, progress.runner()]
+	O.run(); O.wait(); progress.close()
+
+On a terminal a tqdm bar; elsewhere (a log file) one line about every ten seconds.
+"""
+
+import sys
+import time
+from datetime import timedelta
+
+from tqdm import tqdm
+
+secondsPerDay = 86400.0
+_running = []  # bars that PyRunner commands refer to by their place here
+
+
+def update(place):
+	"""Called by the engines that Progress.runner made."""
+	_running[place].update()
+
+
+class Progress:
+	"""Follows a run towards `endTime` [s of simulated time] or `endStep`.
+
+	thermalTimeScale  f_T: thaw days = f_T t / 86400; 1 shows none
+	interval          [s of wall time] between two lines when the output is not a terminal
+	details           function returning {name: value} shown at the end of the line
+	clock, step       functions for simulated time [s] and step number; default those of O
+	stream            default sys.stderr"""
+
+	def __init__(self, endTime=None, endStep=None, thermalTimeScale=1.0, interval=10.0, details=None, clock=None, step=None, stream=None):
+		if (endTime is None) == (endStep is None):
+			raise ValueError(f"endTime is {endTime!r} and endStep is {endStep!r}; give one of the two")
+		end = endTime if endStep is None else endStep
+		if not end > 0:
+			raise ValueError(f"{'endTime' if endStep is None else 'endStep'} is {end!r}; it must be greater than 0")
+		self.clock, self.step = clock or _sceneTime, step or _sceneStep
+		self.goal = self.clock if endStep is None else self.step
+		self.end, self.thermalTimeScale, self.interval = float(end), thermalTimeScale, interval
+		self.details = details or dict
+		self.stream = stream or sys.stderr
+		self.wallStart = self.wallLast = time.monotonic()
+		self.goalStart, self.stepStart = self.goal(), self.step()
+		self.bar = self._bar() if self.stream.isatty() else None
+
+	def runner(self, realPeriod=0.5):
+		"""A YADE PyRunner that updates the progress every `realPeriod` seconds of wall time."""
+		from yade.wrapper import PyRunner
+
+		_running.append(self)
+		command = f"import talik.progress; talik.progress.update({len(_running) - 1})"
+		return PyRunner(command=command, realPeriod=realPeriod)
+
+	def update(self):
+		"""Shows the present state; cheap enough to be called often."""
+		if self.bar is not None:
+			self.bar.n = min(self.goal(), self.end)
+			self.bar.set_postfix_str(self._state(), refresh=False)
+			self.bar.refresh()
+		elif time.monotonic() - self.wallLast >= self.interval:
+			self.wallLast = time.monotonic()
+			self._line()
+
+	def close(self):
+		"""Shows the last state and leaves the line."""
+		if self.bar is not None:
+			self.update()
+			self.bar.close()
+			self.bar = None
+		else:
+			self._line()
+
+	def fraction(self):
+		"""Done part of the run, 0 ... 1."""
+		return min(max(self.goal() / self.end, 0.0), 1.0)
+
+	def stepsPerSecond(self):
+		return (self.step() - self.stepStart) / max(time.monotonic() - self.wallStart, 1e-9)
+
+	def secondsLeft(self):
+		"""Expected wall time to the end [s]; None before anything is known."""
+		done = self.goal() - self.goalStart
+		if done <= 0:
+			return None
+		return max(self.end - self.goal(), 0.0) * (time.monotonic() - self.wallStart) / done
+
+	def _bar(self):
+		form = "{percentage:3.0f}%|{bar}| {postfix} [{elapsed}<{remaining}]"
+		return tqdm(total=self.end, initial=self.goalStart, bar_format=form, file=self.stream, dynamic_ncols=True, miniters=0)
+
+	def _line(self):
+		left = self.secondsLeft()
+		expected = "" if left is None else f", end in {timedelta(seconds=round(left))}"
+		elapsed = timedelta(seconds=round(time.monotonic() - self.wallStart))
+		print(f"{100 * self.fraction():5.1f} %  {self._state()}, {elapsed} so far{expected}", file=self.stream, flush=True)
+
+	def _state(self):
+		parts = [f"t = {self.clock():.4g} s"]
+		if self.thermalTimeScale != 1:
+			parts.append(f"{self.clock() * self.thermalTimeScale / secondsPerDay:.1f} thaw days")
+		parts += [f"step {self.step()}", f"{self.stepsPerSecond():.1f} steps/s"]
+		parts += [f"{name} {value}" for name, value in self.details().items()]
+		return ", ".join(parts)
+
+
+def _sceneTime():
+	from yade import O
+
+	return O.time
+
+
+def _sceneStep():
+	from yade import O
+
+	return O.iter
