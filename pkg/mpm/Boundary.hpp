@@ -74,7 +74,8 @@ public:
 	void tieLiquid(int node, int axis) { flags_[node] |= bit(axis, 1); }
 	/// The liquid may cross: undoes tieLiquid of other boundaries along axis.
 	void releaseLiquid(int node, int axis) { flags_[node] |= bit(axis, 2); }
-	/// Ghost node behind a wall mirrors the node in front of it: v_ghost = sign v_inner, per component.
+	/// Ghost node behind a wall mirrors the node in front of it: v_ghost = sign v_inner, per component. The wall node lies in
+	/// the middle between the two.
 	void mirror(int ghost, int inner, const Vec<D>& sign);
 
 	bool solidFixed(int node, int axis) const { return flags_[node] & bit(axis, 0); }
@@ -83,6 +84,7 @@ public:
 	struct Mirror {
 		int    ghost, inner;
 		Vec<D> sign;
+		int    wall() const { return (ghost + inner) / 2; }
 	};
 	const std::vector<Mirror>& mirrors() const { return mirrors_; }
 	/// Nodes with any condition, ascending.

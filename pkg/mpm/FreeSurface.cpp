@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/FreeSurface.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+namespace {
+	// A cell filled to less than a quarter counts as empty.
+	constexpr double emptyFilling = 0.25;
+	// Smaller areas are the noise of the points' arrangement.
+	constexpr double smallestArea = 0.05;
+} // namespace
+
+template <int D> void FreeSurface<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* conductivity)
+{
+	volume_       = points.volume();
+	conductivity_ = conductivity;
+	nodes.allocate(grid.nodeCount());
+}
+
+template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid)
+{
+	boundaries_ = boundaries;
+	patches_.assign(boundaries.size(), {});
+	sideNodes_.assign(boundaries.size(), {});
+	std::size_t most = 0;
+	for (std::size_t b = 0; b < boundaries.size(); ++b) {
+		if (!boundaries[b]->usesSurface()) continue;
+		const Region<D>& region = boundaries[b]->region();
+		sideNodes_[b]           = wallNodes(grid, region);
+		patches_[b].nodes.reserve(region.kind == Region<D>::Kind::freeSurface ? grid.nodeCount() : 3 * sideNodes_[b].size());
+		if (region.kind == Region<D>::Kind::freeSurface) most = grid.nodeCount();
+	}
+	surface_.reserve(most);
+}
+
+template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+{
+	for (int k = 0; k < w.count; ++k) {
+		const double v     = volume_[w.first + k];
+		const double kappa = conductivity_ ? conductivity_[w.first + k] : 0.0;
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+			double* r = nodes[node];
+			for (int i = 0; i < D; ++i)
+				r[i] += v * g[i];
+			r[D] += s * v;
+			r[D + 1] += s * v * kappa;
+		});
+	}
+}
+
+template <int D> bool FreeSurface<D>::nearEmptyCell(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node) const
+{
+	// cells that a quadratic shape function of the node reaches into
+	const double       enough = emptyFilling * grid.cellVolume();
+	std::array<int, D> low, high, cell;
+	for (int a = 0; a < D; ++a) {
+		low[a]  = std::max(0, node[a] - 3);
+		high[a] = std::min(grid.cells(a) - 1, node[a]);
+	}
+	cell = low;
+	while (true) {
+		if (cells.cellVolume(grid.cellIndex(cell)) < enough) return true;
+		int a = 0;
+		while (a < D && ++cell[a] > high[a])
+			cell[a] = low[a], ++a;
+		if (a == D) return false;
+	}
+}
+
+template <int D>
+bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const
+{
+	const bool lower = node[axis] <= 2, upper = node[axis] >= grid.cells(axis);
+	if (!lower && !upper) return false;
+	const double       enough = emptyFilling * grid.cellVolume();
+	std::array<int, D> low, high, cell;
+	for (int a = 0; a < D; ++a) {
+		low[a]  = std::max(0, node[a] - 2);
+		high[a] = std::min(grid.cells(a) - 1, node[a] - 1);
+	}
+	for (int wall : { 0, grid.cells(axis) - 1 }) {
+		if (wall == 0 ? !lower : !upper) continue;
+		low[axis] = high[axis] = wall;
+		for (int a = 0; a < D; ++a)
+			high[a] = std::max(high[a], 0), low[a] = std::min(low[a], high[a]);
+		cell = low;
+		while (true) {
+			if (cells.cellVolume(grid.cellIndex(cell)) >= enough) return true;
+			int a = 0;
+			while (a < D && ++cell[a] > high[a])
+				cell[a] = low[a], ++a;
+			if (a == D) break;
+		}
+	}
+	return false;
+}
+
+template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, int boundary)
+{
+	// the surface of a wall spreads over the nodes behind, on and in front of it
+	const Side side   = boundaries_[boundary]->region().on;
+	const int  inward = side.upper ? -grid.nodeStride(side.axis) : grid.nodeStride(side.axis);
+	const auto sign   = side.upper ? 1.0 : -1.0;
+	for (int node : sideNodes_[boundary])
+		for (int layer : { -inward, 0, inward }) {
+			const double area = nodes[node + layer][side.axis];
+			if (area * sign <= 0.0) continue;
+			SurfaceNode<D> n { node + layer, {} };
+			n.area[side.axis] = area;
+			patches_[boundary].nodes.push_back(n);
+		}
+}
+
+template <int D> void FreeSurface<D>::collectBox(const Grid<D>& grid, int boundary)
+{
+	// no normal here: the size of the area only, a cell face per node and half of it at the ends of a line
+	const std::vector<int>& all = sideNodes_[boundary];
+	for (int node : all) {
+		double area = grid.faceArea();
+		for (int a = 0; a < D; ++a) {
+			const bool before = std::binary_search(all.begin(), all.end(), node - grid.nodeStride(a));
+			const bool after  = std::binary_search(all.begin(), all.end(), node + grid.nodeStride(a));
+			if (before != after) area *= 0.5;
+		}
+		SurfaceNode<D> n { node, {} };
+		n.area[0] = area;
+		patches_[boundary].nodes.push_back(n);
+	}
+}
+
+template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range)
+{
+	surface_.clear();
+	if (surface_.capacity() > 0) {
+		for (int index = range.firstNode; index < range.lastNode; ++index) {
+			const double* r = nodes[index];
+			if (r[D] <= 0.0) continue;
+			const std::array<int, D> node = grid.nodeOf(index);
+			if (!nearEmptyCell(grid, cells, node)) continue;
+			SurfaceNode<D> n { index, {} };
+			double         size = 0.0;
+			for (int a = 0; a < D; ++a) {
+				n.area[a] = atWall(grid, cells, node, a) ? 0.0 : r[a];
+				size += n.area[a] * n.area[a];
+			}
+			if (std::sqrt(size) > smallestArea * grid.faceArea()) surface_.push_back(n);
+		}
+	}
+
+	for (std::size_t b = 0; b < boundaries_.size(); ++b) {
+		if (!boundaries_[b]->usesSurface()) continue;
+		const Region<D>& region = boundaries_[b]->region();
+		patches_[b].nodes.clear();
+		if (region.kind == Region<D>::Kind::side) collectSide(grid, b);
+		else if (region.kind == Region<D>::Kind::nodeBox)
+			collectBox(grid, b);
+		else
+			for (const SurfaceNode<D>& n : surface_) {
+				const std::array<int, D> node = grid.nodeOf(n.node);
+				Vec<D>                   x;
+				for (int a = 0; a < D; ++a)
+					x[a] = grid.nodePosition(a, node[a]);
+				if (region.holds(x, 0.5 * grid.spacing())) patches_[b].nodes.push_back(n);
+			}
+	}
+}
+
+template class FreeSurface<2>;
+template class FreeSurface<3>;
+
+} // namespace talik

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/Boundary.hpp>
+#include <pkg/mpm/CellMeans.hpp>
+#include <pkg/mpm/NodeField.hpp>
+#include <pkg/mpm/ShapeFunctions.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Nodes of a boundary's region with their share of the surface in this step.
+template <int D> struct SurfacePatch {
+	std::vector<SurfaceNode<D>> nodes;
+};
+
+/// The surface of the ground as nodes see it: outward area vector A_I = sum V grad S, which is the integral of S_I n over the
+/// surface, at nodes near an empty cell.
+template <int D> class FreeSurface {
+public:
+	static constexpr int mapSize = D + 2; ///< area vector, volume, volume times conductivity
+
+	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* conductivity);
+	/// Ground that touches the grid's box rests against a wall there; the rest of its surface is free.
+	void setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid);
+
+	void map(const Grid<D>& grid, const WeightBlock<D>& w);
+	/// Lists the nodes of every boundary that uses the surface.
+	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
+
+	/// Patch of a boundary, by its index in the scene.
+	const SurfacePatch<D>& patch(int boundary) const { return patches_[boundary]; }
+	/// Mean conductivity around a node [W/(m K)].
+	double conductivity(int node) const { return nodes[node][D + 1] / nodes[node][D]; }
+
+	NodeField<mapSize> nodes;
+
+private:
+	/// True if the ground near a node rests against the box along axis: that part of its area belongs to the wall.
+	bool atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const;
+	bool nearEmptyCell(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node) const;
+	void collectSide(const Grid<D>& grid, int boundary);
+	void collectBox(const Grid<D>& grid, int boundary);
+
+	const double*                             volume_       = nullptr;
+	const double*                             conductivity_ = nullptr;
+	std::vector<std::shared_ptr<Boundary<D>>> boundaries_;
+	std::vector<SurfacePatch<D>>              patches_;
+	std::vector<std::vector<int>>             sideNodes_;
+	std::vector<SurfaceNode<D>>               surface_;
+};
+
+extern template class FreeSurface<2>;
+extern template class FreeSurface<3>;
+
+} // namespace talik

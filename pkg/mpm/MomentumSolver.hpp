@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/ActiveRange.hpp>
+#include <pkg/mpm/Boundary.hpp>
+#include <pkg/mpm/PoreWater.hpp>
+#include <pkg/mpm/SolidMotion.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Accelerations of one node and direction with the drag between the phases implicit:
+///   M_s a_s + M_l a_l = f_m,   (M_l + dt Q) a_l - dt Q a_s = f_l - Q (v_l - v_s)
+struct PhaseAccelerations {
+	double solid, liquid;
+};
+
+/// solidMass > 0, liquidMass >= 0 [kg], drag Q >= 0 [kg/s] (not both zero with liquidMass), forces [N] on mixture and liquid
+/// (without drag), velocities [m/s] at the start of the step.
+inline PhaseAccelerations solveDrag(
+        double solidMass, double liquidMass, double drag, double dt, double solidVelocity, double liquidVelocity, double mixtureForce, double liquidForce)
+{
+	// dividing by M_s first keeps the digits when drag is many orders larger than inertia
+	const double residual = liquidForce - drag * (liquidVelocity - solidVelocity);
+	const double dq       = dt * drag;
+	const double liquid   = (residual + dq * (mixtureForce / solidMass)) / (liquidMass + dq * (1.0 + liquidMass / solidMass));
+	return { (mixtureForce - liquidMass * liquid) / solidMass, liquid };
+}
+
+/// What solving the momentum balance adds to the accounts.
+template <int D> struct MomentumAccount {
+	Vec<D> impulse {};               ///< of gravity, loads, walls and damping [N s]
+	double dragDissipation    = 0.0; ///< [J]
+	double dampingDissipation = 0.0; ///< [J]
+	double loadWork           = 0.0; ///< [J]
+};
+
+/// Momentum balance of the nodes: gravity, surface loads, mechanical boundaries, damping and, with water, the implicit drag.
+template <int D> class MomentumSolver {
+public:
+	MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
+
+	void addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const;
+	/// traction of a boundary on its nodes; remembered for the account of work.
+	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
+	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water may be null. With account the works are summed.
+	void solve(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
+
+private:
+	struct Load {
+		int    node;
+		Vec<D> force;
+	};
+	struct WallRecord {
+		double solidMass, liquidMass;
+		Vec<D> momentumLeft, force;
+	};
+	void rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
+	void fold(SolidMotion<D>& motion, PoreWater<D>* water) const;
+	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
+	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
+	void constrainDry(SolidMotion<D>& motion) const;
+	void constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
+	void unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
+	void keepAccount(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
+
+	MotionConstraints<D>    constraints_;
+	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
+	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
+	std::vector<char>       isWall_;
+	std::vector<WallRecord> walls_;
+	std::vector<Load>       loads_;
+	std::vector<double>     partial_;
+	NodeField<D>            damping_; ///< force of local damping; allocated when damping is used
+};
+
+extern template class MomentumSolver<2>;
+extern template class MomentumSolver<3>;
+
+} // namespace talik

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/MaterialPoints.hpp>
+#include <pkg/mpm/ShapeFunctions.hpp>
+
+namespace talik {
+
+template <int D> class HeatTransfer;
+template <int D> class PoreWater;
+template <int D> class SolidMotion;
+
+/// What fills the ground: grains, water and ice as masses, and the state that follows from them, the volume and the enthalpy:
+/// porosity, temperature, ice saturation, pore pressure, heat capacity, conductivity and drag.
+template <int D> class PoreContent {
+public:
+	PoreContent(PointFields& fields, const GroundSettings<D>& settings);
+	void bind(MaterialPoints<D>& points, SolidMotion<D>* motion, HeatTransfer<D>* heat, PoreWater<D>* water);
+
+	/// Masses and enthalpy of a point of given porosity, temperature and pressure; its derived state follows from update().
+	void fill(int place, double porosity, double temperature, double pressure, double poreFill);
+
+	/// State of points first .. last after their volume, water mass and enthalpy changed. Returns the place of the first point in
+	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
+	int update(int first, int last) const;
+	/// Why a point is in an impossible state.
+	std::string complaint(int place) const;
+
+	const EnthalpyModel& enthalpyModel() const { return enthalpyModel_; }
+
+	double *solidMass, *waterMass, *porosity;
+	double* iceMass       = nullptr; ///< nullptr without freezing
+	double* iceSaturation = nullptr;
+
+private:
+	struct Block;
+	void findPoreVolume(Block& b) const;
+	void solveTemperature(Block& b) const;
+	void exchangePhaseMomentum(const Block& b) const;
+	void updatePressure(const Block& b) const;
+	void updatePressureRate(const Block& b) const;
+	void updateCoefficients(const Block& b) const;
+	int  firstImpossible(const Block& b) const;
+
+	const GroundSettings<D>* settings_;
+	EnthalpyModel            enthalpyModel_;
+	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
+	SolidMotion<D>*          motion_ = nullptr;
+	HeatTransfer<D>*         heat_   = nullptr;
+	PoreWater<D>*            water_  = nullptr;
+	double*                  volume_     = nullptr;
+	double*                  lastVolume_ = nullptr; ///< of the last update, in the rate form of pressure only
+	double*                  lastWater_  = nullptr;
+};
+
+extern template class PoreContent<2>;
+extern template class PoreContent<3>;
+
+} // namespace talik

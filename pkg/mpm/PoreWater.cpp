@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/PoreWater.hpp>
+
+#include <algorithm>
+
+namespace talik {
+
+template <int D>
+PoreWater<D>::PoreWater(PointFields& fields, const WaterSettings& water)
+        : settings(&water)
+{
+	velocity_       = fields.declare("liquidVelocity", "water", "m/s", D);
+	pressure_       = fields.declare("pressure", "water", "Pa", 1);
+	liquidFraction_ = fields.declare("liquidFraction", "water", "-", 1);
+	drag_           = fields.declare("drag", "water", "kg/s", 1);
+}
+
+template <int D>
+void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass)
+{
+	PointFields& f = points.fields();
+	for (int i = 0; i < D; ++i)
+		velocity[i] = f.component(velocity_, i);
+	pressure       = f.component(pressure_);
+	liquidFraction = f.component(liquidFraction_);
+	drag           = f.component(drag_);
+	volume_        = points.volume();
+	waterMass_     = waterMass;
+	iceMass_       = iceMass;
+	temperature_   = temperature;
+	nodes.allocate(grid.nodeCount());
+	nodal.allocate(grid.nodeCount());
+	force.allocate(grid.nodeCount());
+	solved.allocate(grid.nodeCount());
+	flux.allocate(grid.nodeCount());
+	start.allocate(grid.nodeCount());
+	exchange.allocate(grid.nodeCount());
+	none_.assign(blockSize, 0.0);
+}
+
+template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+{
+	const double* ice = iceMass_ ? iceMass_ + w.first : none_.data();
+	for (int k = 0; k < w.count; ++k) {
+		const int    p = w.first + k;
+		const double m = waterMass_[p] - ice[k];
+		Vec<D>       momentum;
+		for (int i = 0; i < D; ++i)
+			momentum[i] = m * velocity[i][p];
+		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * pressure[p], q = drag[p];
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			double* r = nodes[node];
+			r[massAt] += s * m;
+			for (int i = 0; i < D; ++i)
+				r[momentumAt + i] += s * momentum[i];
+			r[volumeAt] += s * v;
+			r[liquidVolumeAt] += s * vl;
+			r[pressureAt] += s * mp;
+			r[dragAt] += s * q;
+		});
+	}
+}
+
+template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double* r = nodes[i];
+			nodal[i][2]     = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
+			nodal[i][0]     = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
+			nodal[i][1]     = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
+			for (int a = 0; a < D; ++a)
+				force[i][a] = 0.0;
+			for (int a = 0; a < exchangeSize; ++a)
+				exchange[i][a] = 0.0;
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const WeightBlock<D>& w)
+{
+	for (int k = 0; k < w.count; ++k) {
+		Vec<D> slope {};
+		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
+			const double p = nodal[node][0];
+			for (int i = 0; i < D; ++i)
+				slope[i] += g[i] * p;
+		});
+		for (int i = 0; i < D; ++i)
+			slope[i] *= volume_[w.first + k];
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < D; ++i)
+				force[node][i] += s * slope[i];
+		});
+	}
+}
+
+template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range, const Vec<D>& gravity)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a)
+				force[i][a] = nodes[i][massAt] * gravity[a] - nodal[i][1] * force[i][a];
+	});
+}
+
+template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, double outside)
+{
+	for (const SurfaceNode<D>& n : patch.nodes)
+		for (int a = 0; a < D; ++a)
+			force[n.node][a] += nodal[n.node][1] * (nodal[n.node][0] - outside) * n.area[a];
+}
+
+template <int D>
+void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+{
+	const double* temperature = temperature_ ? temperature_ + w.first : none_.data();
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		Vec<D>    q {};
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < D; ++i)
+				q[i] += s * flux[node][i];
+		});
+		const double scale = dt * liquidDensity * volume_[p];
+		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature[k]) : 0.0;
+		Vec<D>       v;
+		for (int i = 0; i < D; ++i) {
+			q[i] *= scale;
+			v[i] = velocity[i][p];
+		}
+		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
+			double m = 0.0;
+			for (int i = 0; i < D; ++i)
+				m += g[i] * q[i];
+			double* r = exchange[node];
+			r[0] += m;
+			r[1] += heat * m;
+			for (int i = 0; i < D; ++i)
+				r[2 + i] += v[i] * m;
+		});
+	}
+}
+
+template <int D>
+void PoreWater<D>::drain(
+        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature)
+{
+	for (const SurfaceNode<D>& n : patch.nodes) {
+		if (nodal[n.node][2] == 0.0) continue;
+		double m = 0.0;
+		for (int a = 0; a < D; ++a)
+			m += flux[n.node][a] * n.area[a];
+		m *= dt * liquidDensity;
+		if (m < 0.0 && !recharges) continue;
+		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
+		double*      r    = exchange[n.node];
+		r[0] -= m;
+		r[1] -= heat;
+		waterOut += m;
+		enthalpyOut += heat;
+		for (int a = 0; a < D; ++a) {
+			const double momentum = m * start[n.node][a];
+			r[2 + a] -= momentum;
+			momentumOut[a] += momentum;
+		}
+	}
+}
+
+template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			for (int a = 0; a < exchangeSize; ++a)
+				exchange[i][a] *= nodal[i][2];
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy)
+{
+	const double  chi = settings->flipFraction;
+	const double* ice = iceMass_ ? iceMass_ + w.first : none_.data();
+	double        gained[blockSize];
+	for (int k = 0; k < w.count; ++k) {
+		const int p                  = w.first + k;
+		Vec<D>    change             = {};
+		double    got[exchangeSize] = {};
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < D; ++i)
+				change[i] += s * solved[node][i];
+			for (int i = 0; i < exchangeSize; ++i)
+				got[i] += s * exchange[node][i];
+		});
+		// momentum comes with the water: per liquid mass of the point all shares are the gathered ratios
+		const double diluted = 1.0 / (1.0 + got[0]);
+		for (int i = 0; i < D; ++i)
+			velocity[i][p] = (chi * velocity[i][p] + change[i] + got[2 + i]) * diluted;
+		const double liquid = waterMass[p] - ice[k];
+		waterMass[p] += liquid * got[0];
+		gained[k] = liquid * got[1];
+	}
+	if (!enthalpy) return;
+	for (int k = 0; k < w.count; ++k)
+		enthalpy[w.first + k] += gained[k];
+}
+
+template class PoreWater<2>;
+template class PoreWater<3>;
+
+} // namespace talik
