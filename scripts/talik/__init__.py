@@ -58,3 +58,11 @@ def scratchScene():
 		yield
 	finally:
 		_talik.exchangeScene(former)
+
+
+def __getattr__(name):
+	"""Submodules are loaded when they are first used: the import itself stays in milliseconds."""
+	if name in ('files', 'geometry', 'output', 'packing', 'plots', 'progress', 'rve', 'slope'):
+		import importlib
+		return importlib.import_module('talik.' + name)
+	raise AttributeError(f"module 'talik' has no attribute '{name}'")

@@ -21,11 +21,11 @@ def rectangle(x0, y0, x1, y1):
 	return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 
 
-def fill(mpm, polygon, pointsPerCell=4, origin=(0.0, 0.0), **attributes):
-	"""Adds points that fill `polygon` to an MpmEngine; returns what mpm.addPoints returns.
+def fill(mpm, polygon, pointsPerCell=4, **attributes):
+	"""Adds points that fill `polygon` to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
 
 	Attributes (temperature, porosity, ...) are numbers, arrays of one value per point, or functions f(x, y) of arrays."""
-	positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, origin)
+	positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, _gridOrigin(mpm))
 	values = {name: value(positions[:, 0], positions[:, 1]) if callable(value) else value for name, value in attributes.items()}
 	return mpm.addPoints(position=positions, volume=volumes, **values)
 
@@ -46,7 +46,8 @@ def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
 	positions = np.vstack([whole, partCentres])
 	volumes = np.concatenate([np.full(len(whole), side * side), partAreas])
 	positions, volumes = _joinSmallParts(positions, volumes, smallestPart * side * side)
-	order = np.lexsort((positions[:, 0], positions[:, 1]))
+	row, column = np.round(positions / side, 6)[:, ::-1].T  # round-off must not decide the order
+	order = np.lexsort((column, row))
 	return positions[order], volumes[order]
 
 
@@ -74,12 +75,17 @@ def checkedPolygon(polygon):
 		raise ValueError(f"polygon has shape {corners.shape}; it must have at least three corners (x, y)")
 	if not np.isfinite(corners).all():
 		raise ValueError("polygon has a corner that is not finite; all coordinates must be numbers in m")
-	if polygonArea(corners)[0] < 1e-12 * np.ptp(corners, axis=0).max() ** 2:
-		raise ValueError("polygon has no area; its corners lie on one line")
 	crossing = _selfIntersection(corners)
 	if crossing:
 		raise ValueError(f"polygon crosses itself: its sides {crossing[0]} and {crossing[1]} intersect; give the corners in order around it")
+	if polygonArea(corners)[0] < 1e-12 * np.ptp(corners, axis=0).max() ** 2:
+		raise ValueError("polygon has no area; its corners lie on one line")
 	return corners
+
+
+def _gridOrigin(mpm):
+	"""The engine's lower corner where it is set; a grid that is put around its points starts at a multiple of its spacing."""
+	return [corner if math.isfinite(corner) else 0.0 for corner in getattr(mpm, "lower", (0.0, 0.0))]
 
 
 def _latticeSide(gridSpacing, pointsPerCell):

@@ -13,6 +13,7 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.tri import Triangulation
 
 from talik.files import writableFolder
@@ -85,7 +86,7 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 	fields = [name for name in fields if name in frames[0]]
 	everything = np.vstack([frame["position"] for frame in frames])
 	extent = np.ptp(everything, axis=0)
-	fig = figure(4.2 * len(fields), 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 1.2)
+	fig = figure(4.2 * len(fields), 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 0.3 * len(frames) + 0.9)
 	grid = fig.subplots(len(frames), len(fields), squeeze=False, sharex=True, sharey=True)
 	for column, name in enumerate(fields):
 		label, colourMap, limits = slopeFields.get(name, (name, "viridis", (None, None)))
@@ -94,7 +95,8 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, watched)
 		fig.colorbar(drawn, ax=grid[:, column], label=label, location="bottom", shrink=0.85, aspect=30)
 	for row, frame in enumerate(frames):
-		grid[row, 0].set_ylabel(f"{timeLabel(frame['time'], thermalTimeScale)}\ny [m]")
+		grid[row, 0].set_title(timeLabel(frame["time"], thermalTimeScale), loc="left", fontsize=10)
+		grid[row, 0].set_ylabel("y [m]")
 	for axes in grid[-1]:
 		axes.set_xlabel("x [m]")
 	metricAxes(grid[0, 0], everything)
@@ -135,7 +137,7 @@ def _slopePanel(axes, frame, name, colourMap, limits, watched):
 		thawFront(axes, frame["position"], frame["iceSaturation"], frame["volume"])
 	for letter, (x, y) in (watched or {}).items():
 		axes.plot(x, y, "o", markersize=4, markerfacecolor="white", markeredgecolor="black")
-		axes.annotate(letter, (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold")
+		axes.annotate(letter, (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold", path_effects=[withStroke(linewidth=2, foreground="white")])
 	return drawn
 
 
@@ -185,6 +187,8 @@ def normalRose(axes, normals, bins=36, colour="steelblue"):
 	counts, edges = np.histogram(both, bins=bins, range=(0, 2 * np.pi))
 	density = counts / max(counts.sum(), 1) * bins  # 1 everywhere when isotropic
 	axes.bar(edges[:-1], density, width=2 * np.pi / bins, align="edge", color=colour, edgecolor="white", linewidth=0.5)
+	axes.set_rticks([0.5, 1.0, 1.5])
+	axes.tick_params(axis="y", labelsize=7)
 	if not len(normals):
 		axes.set_title("no contacts")
 		return

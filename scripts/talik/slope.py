@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Slopes with a sample behind every point: which sample a point starts with.
+
+A slope at rest carries a different stress at every depth. Its samples are therefore brought to the geostatic stress of a few depth
+bands while they are still frictional; they are frozen afterwards, by the first step, so that bonds and ice start free of stress.
+"""
+
+import math
+
+import numpy as np
+
+from yade import O, wrapper
+
+import talik
+from talik import rve
+
+stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain, with all ice present
+
+
+def pack(sample):
+	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object.
+
+	The time step is lowered to what the contacts need when they are stiffened by full ice saturation, and the work of the
+	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed."""
+	if isinstance(sample, wrapper.Scene):
+		return _stable(wrapper.RveSample.fromScene(sample), None)
+	path = getattr(sample, "path", sample)
+	with talik.scratchScene():
+		rve.openFile(str(path))
+		material = O.bodies[0].material
+		return _stable(wrapper.RveSample.fromScene(O._sceneObj), material)
+
+
+def _stable(packed, material):
+	iceYoung = getattr(material, "iceYoung", 0.0)
+	if iceYoung > 0:
+		packed.dt = packed.dt / math.sqrt(1 + iceYoung / material.young)
+	return packed
+
+
+def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3):
+	"""(sigma_h, sigma_v) [Pa, tension positive] at a depth [m] below the surface in drained ground at rest.
+
+	Above the depth where the vertical pressure reaches `smallest` [Pa] it is kept: a sample needs some confinement to be one."""
+	vertical = max(density * gravity * depth, smallest / lateralRatio)
+	return -lateralRatio * vertical, -vertical
+
+
+def surfaceHeight(polygon, x):
+	"""Height of the highest edge of a polygon above x [m]."""
+	corners = list(polygon)
+	heights = []
+	for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1]):
+		if min(x0, x1) <= x <= max(x0, x1):
+			heights.append(max(y0, y1) if x0 == x1 else y0 + (y1 - y0) * (x - x0) / (x1 - x0))
+	if not heights:
+		raise ValueError(f"surfaceHeight: x = {x:g} m lies beside the polygon")
+	return max(heights)
+
+
+def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRatio=0.7, gravity=9.81):
+	"""Samples of depth bands and the band of each point: (samples, sampleOf) for RveSkeleton.
+
+	position       (n,2) of the points [m]
+	polygon        outline of the ground, for the depth below its surface
+	sample         RveSample, frictional, that is brought to the stress in the middle of each band
+	density        of the ground [kg/m3]
+	bandThickness  [m]
+	lateralRatio   horizontal over vertical stress at rest [-]"""
+	depth = np.array([surfaceHeight(polygon, x) - y for x, y in position])
+	band = np.maximum(0, np.floor(depth / bandThickness)).astype(int)
+	samples = []
+	for b in range(band.max() + 1):
+		goal = geostaticStress((b + 0.5) * bandThickness, density, gravity, lateralRatio)
+		banded = sample.copy()
+		if not banded.servo(*goal):
+			raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {b}; choose a lateralRatio nearer to 1")
+		samples.append(banded)
+	return samples, [int(b) for b in band]

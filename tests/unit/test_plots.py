@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pictures from synthetic data: what is drawn is what was given. The pictures are left in the folder TALIK_PICTURES, if set."""
+
+import os
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from talik import geometry, plots
+
+slope = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
+
+
+@pytest.fixture
+def folder(tmp_path):
+	return os.environ.get("TALIK_PICTURES", str(tmp_path))
+
+
+def thawingSlope(time):
+	"""A front that goes in from the surface as 0.293 sqrt(t) and a slide above a circle."""
+	position, volume = geometry.fillPolygon(slope, 0.2, 4)
+	x, y = position.T
+	depth = np.minimum(4 - y, np.where(x > 6, 1 - y, (7 - x - y) / np.sqrt(2)))
+	front = 0.293 * np.sqrt(time)
+	ice = 1 / (1 + np.exp(-(depth - front) / 0.05))
+	band = np.exp(-(((np.hypot(x - 6.5, y - 5) - 3.9) / 0.15) ** 2)) * np.clip(time / 15, 0, 1)
+	slide = np.where((np.hypot(x - 6.5, y - 5) < 3.9)[:, None], 1.0, 0.05) * np.array([0.5, -0.4]) * time / 15
+	return dict(time=time, position=position + slide, volume=volume, iceSaturation=ice, deviatoricStrain=0.3 * band, displacement=slide)
+
+
+def randomPacking(count=120, seed=3):
+	random = np.random.default_rng(seed)
+	centre = random.uniform(0, 0.1, (count, 2))
+	radius = random.uniform(3e-3, 7e-3, count)
+	pairs = np.array([(i, j) for i in range(count) for j in range(i) if np.hypot(*(centre[i] - centre[j])) < radius[i] + radius[j]])
+	force = random.exponential(20, len(pairs))
+	state = random.integers(0, 3, len(pairs))
+	return centre, radius, centre[pairs[:, 0]], centre[pairs[:, 1]], force, state
+
+
+def test_slope_history_has_a_row_per_time_a_column_per_field_and_one_scale_per_column(folder):
+	frames = [thawingSlope(time) for time in (2.5, 5, 10, 15)]
+	fig = plots.slopeHistory(frames, thermalTimeScale=8.64e5, watched={"A": (3.0, 2.0), "B": (4.6, 2.2)})
+	path = plots.save(fig, os.path.join(folder, "slope-history.png"))
+	panels = [axes for axes in fig.axes if axes.get_label() != "<colorbar>"]
+	assert len(panels) == 4 * 3
+	assert [axes.get_title(loc="left") for axes in panels[::3]] == [f"t = {t:g} s ({10 * t:g} thaw days)" for t in (2.5, 5, 10, 15)]
+	for column in range(3):
+		limits = {axes.collections[0].get_clim() for axes in panels[column::3]}
+		assert len(limits) == 1
+	labels = [axes.get_xlabel() for axes in fig.axes if axes.get_label() == "<colorbar>"]
+	print("colour bars:", labels)
+	assert all("[" in label for label in labels)
+	assert imread(path).std() > 0.05
+
+
+def test_thaw_front_lies_at_half_ice_saturation():
+	frame = thawingSlope(10)
+	axes = plots.figure(4, 3).subplots()
+	contours = plots.thawFront(axes, frame["position"] - frame["displacement"], frame["iceSaturation"], frame["volume"])
+	line = np.vstack(contours.allsegs[0])
+	onBench = line[(line[:, 0] > 7) & (line[:, 0] < 9.8)]
+	depth = 1 - onBench[:, 1]
+	print(f"front on the bench {depth.mean():.4f} m deep, given {0.293 * np.sqrt(10):.4f} m, spread {np.ptp(depth):.4f} m")
+	assert len(onBench) > 5
+	assert np.abs(depth - 0.293 * np.sqrt(10)).max() < 0.02
+
+
+def test_thaw_front_is_absent_while_all_is_frozen():
+	frame = thawingSlope(1)
+	assert plots.thawFront(plots.figure(4, 3).subplots(), frame["position"], np.ones(len(frame["position"])), frame["volume"]) is None
+
+
+def test_force_chains_draw_intact_bonds_red_the_others_black_and_width_by_force(folder):
+	centre, radius, start, end, force, state = randomPacking()
+	fig = plots.figure(5, 5)
+	axes = fig.subplots()
+	plots.forceChains(axes, start, end, force, state, centre, radius, widest=6)
+	plots.save(fig, os.path.join(folder, "force-chains.png"))
+	lines = [c for c in axes.collections if hasattr(c, "get_segments")]
+	black, red = lines
+	assert len(red.get_segments()) == np.count_nonzero(state == plots.contactBonded)
+	assert len(black.get_segments()) == np.count_nonzero(state != plots.contactBonded)
+	widths = np.concatenate([black.get_linewidths(), red.get_linewidths()])
+	expected = 0.3 + 6 * np.concatenate([force[state != 1], force[state == 1]]) / force.max()
+	print(f"{len(red.get_segments())} red, {len(black.get_segments())} black, widths {widths.min():.2f} to {widths.max():.2f} points")
+	np.testing.assert_allclose(widths, expected)
+	assert tuple(red.get_colors()[0][:3]) == (1, 0, 0)
+
+
+def test_force_chains_survive_a_sample_without_contacts():
+	axes = plots.figure(4, 4).subplots()
+	plots.forceChains(axes, [], [], [], [], np.array([[0.0, 0.0], [0.1, 0.1]]), np.array([0.01, 0.01]))
+	assert len(axes.collections) == 3
+
+
+def test_normal_rose_shows_the_given_anisotropy(folder):
+	random = np.random.default_rng(0)
+	anisotropy, count = 0.2, 200_000
+	angles = random.uniform(0, np.pi, 4 * count)
+	angles = angles[random.uniform(0, 2, len(angles)) < 1 + 2 * anisotropy * np.cos(2 * (angles - np.pi / 3))]
+	fig = plots.figure(4, 4)
+	axes = fig.subplots(subplot_kw=dict(projection="polar"))
+	plots.normalRose(axes, np.column_stack([np.cos(angles), np.sin(angles)]))
+	plots.save(fig, os.path.join(folder, "normal-rose.png"))
+	heights = np.array([bar.get_height() for bar in axes.patches])
+	middle = (np.arange(36) + 0.5) * 2 * np.pi / 36
+	expected = 1 + 2 * anisotropy * np.cos(2 * (middle - np.pi / 3))
+	print(f"largest deviation from the given density {np.abs(heights - expected).max():.4f}; {axes.get_title()}")
+	assert np.abs(heights - expected).max() < 0.03
+	assert f"{anisotropy:.1f}" in axes.get_title()
+
+
+def test_stress_path_is_drawn_in_mean_pressure_and_mohr_radius_in_kilopascal(folder):
+	strain = np.linspace(0, 0.02, 50)
+	stress = np.column_stack([np.full(50, -100e3), -100e3 - 300e3 * np.tanh(strain / 0.004), 20e3 * strain / 0.02])
+	fig = plots.figure(8, 3.5)
+	left, right = fig.subplots(1, 2)
+	line = plots.stressPath(left, stress, label="S_i = 0.5")
+	plots.bondHistory(right, strain, 300 - 4000 * strain, 3000 * strain, 1000 * strain)
+	plots.save(fig, os.path.join(folder, "stress-path.png"))
+	np.testing.assert_allclose(line.get_xdata(), -0.5 * (stress[:, 0] + stress[:, 1]) / 1e3)
+	np.testing.assert_allclose(line.get_ydata()[-1], np.hypot(0.5 * (stress[-1, 0] - stress[-1, 1]), 20e3) / 1e3)
+	assert [text.get_text() for text in right.get_legend().get_texts()] == ["intact", "broken", "melted"]
+
+
+def test_a_folder_that_cannot_be_written_is_named():
+	with pytest.raises(RuntimeError, match="/proc/nowhere"):
+		plots.save(plots.figure(1, 1), "/proc/nowhere/picture.png")
