@@ -6,8 +6,7 @@
 	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
 	talik.output.writeSummary("output/slope/summary.json", points=mpm.numberOfPoints, ...)
 
-An engine is anything with fieldNames() and field(name) -> array (n,), (n, 2) or (n, 3); "position" (n, 2) must be among them.
-Three components are those of a symmetric in-plane tensor, xx, yy, xy.
+An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) must be among them.
 """
 
 import json
@@ -22,7 +21,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from talik.files import writableFolder, writeWhole
 
-tensorComponents = ("xx", "yy", "xy")
+tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy")}  # of stress and strain
 _callbacks = []
 
 
@@ -125,7 +124,7 @@ def _vtkArray(name, values, count):
 	array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
 	array.SetName(name)
 	if values.ndim == 2 and any(word in name.lower() for word in ("stress", "strain")):
-		for component, label in enumerate(tensorComponents):
+		for component, label in enumerate(tensorComponents.get(values.shape[1], ())):
 			array.SetComponentName(component, label)
 	return array
 
@@ -136,6 +135,27 @@ def _padded(vectors):
 	if vectors.shape[1] == 3:
 		return np.ascontiguousarray(vectors)
 	return np.column_stack([vectors, np.zeros(len(vectors))])
+
+
+class SampleSeries:
+	"""The scene that is current in O, a sample of grains: <name>_grains and <name>_contacts, each as .vtu files and one .pvd."""
+
+	def __init__(self, folder, name="sample", clock=None):
+		self.folder, self.name = writableFolder(folder), name
+		self.clock = clock or _sceneTime
+		self.entries = {"grains": [], "contacts": []}
+
+	def write(self):
+		from talik.packing import sampleArrays
+
+		sample, number = sampleArrays(), len(self.entries["grains"])
+		files = {part: f"{self.name}_{part}_{number:05d}.vtu" for part in self.entries}
+		writePoints(self.folder / files["grains"], sample["centre"], {"radius": sample["radius"]})
+		contactFields = {name: sample[name] for name in ("normalForce", "shearForce", "state")}
+		writeSegments(self.folder / files["contacts"], sample["start"], sample["end"], contactFields)
+		for part, file in files.items():
+			self.entries[part].append((self.clock(), file))
+			writeCollection(self.folder / f"{self.name}_{part}.pvd", self.entries[part])
 
 
 # --- frames for pictures ---------------------------------------------------------------------------------------------------

@@ -118,8 +118,7 @@ def stress():
 
 def contactNormals():
 	"""Unit normals of all contacts that exist, array (n, 2)."""
-	normals = [i.geom.normal for i in O.interactions if i.isReal]
-	return np.array([(n[0], n[1]) for n in normals]).reshape(-1, 2)
+	return _planar(i.geom.normal for i in O.interactions if i.isReal)
 
 
 def fabricTensor(normals):
@@ -131,6 +130,32 @@ def fabricTensor(normals):
 def fabricAnisotropy(fabric):
 	"""F1 - F2, difference of the principal values of a fabric tensor: 0 isotropic, 1 all contacts parallel."""
 	return float(math.hypot(fabric[0, 0] - fabric[1, 1], 2 * fabric[0, 1]))
+
+
+def sampleArrays():
+	"""The current scene as plain arrays, for pictures and files. With m grains and n contacts:
+
+	centre (m, 2) [m] inside the cell, radius (m,) [m]; start, end (n, 2) [m] ends of the branch vectors, start inside the cell;
+	normal (n, 2); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken."""
+	contacts = [i for i in O.interactions if i.isReal]
+	bodies, h = O.bodies, O.cell.hSize
+	first = [bodies[i.id1].state.pos for i in contacts]
+	branch = [bodies[i.id2].state.pos + h * Vector3(*i.cellDist) - position for i, position in zip(contacts, first)]
+	start = _planar(O.cell.wrap(position) for position in first)
+	return dict(
+		centre=_planar(O.cell.wrap(body.state.pos) for body in bodies),
+		radius=np.array([body.shape.radius for body in bodies]),
+		start=start,
+		end=start + _planar(branch),
+		normal=contactNormals(),
+		normalForce=np.array([i.phys.normalForce.dot(i.geom.normal) for i in contacts]),
+		shearForce=np.array([i.phys.shearForce.norm() for i in contacts]),
+		state=np.array([getattr(i.phys, "bondState", 0) for i in contacts], dtype=int),
+	)
+
+
+def _planar(vectors):
+	return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
 
 
 # --- making --------------------------------------------------------------------------------------------------------------

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Progress lines and bars."""
+
+import io
+import re
+import time
+
+import pytest
+
+from talik.progress import Progress
+
+
+class Run:
+	"""A run whose clock the test turns."""
+
+	def __init__(self):
+		self.time, self.step = 0.0, 0
+
+	def advance(self, time, step):
+		self.time, self.step = time, step
+
+
+class Terminal(io.StringIO):
+	def isatty(self):
+		return True
+
+
+def progressOf(run, stream, **settings):
+	return Progress(clock=lambda: run.time, step=lambda: run.step, stream=stream, **{"endTime": 15, **settings})
+
+
+def test_without_a_terminal_one_line_per_interval_shows_time_thaw_days_rate_and_end():
+	run, stream = Run(), io.StringIO()
+	progress = progressOf(run, stream, thermalTimeScale=8.64e5, interval=0.05, details=lambda: {"samples": 42})
+	progress.update()
+	assert stream.getvalue() == ""
+	time.sleep(0.06)
+	run.advance(5.0, 1000)
+	progress.update()
+	progress.update()
+	line = stream.getvalue()
+	print(line.strip())
+	assert line.count("\n") == 1
+	assert re.search(r"33\.3 %  t = 5 s, 50\.0 thaw days, step 1000, [\d.]+ steps/s, samples 42, .* so far, end in 0:00:0", line)
+
+
+def test_expected_end_is_the_time_so_far_scaled_by_what_is_left():
+	run = Run()
+	progress = progressOf(run, io.StringIO())
+	assert progress.secondsLeft() is None
+	time.sleep(0.1)
+	run.advance(3.0, 10)
+	left = progress.secondsLeft()
+	print(f"after 0.1 s and a fifth of the way: {left:.3f} s left, expected 0.4 s")
+	assert 0.38 < left < 0.6
+
+
+def test_a_terminal_gets_a_bar_that_ends_at_the_end():
+	run, stream = Run(), Terminal()
+	progress = progressOf(run, stream, endTime=None, endStep=200)
+	for step in (50, 200, 230):
+		run.advance(step * 0.01, step)
+		progress.update()
+	progress.close()
+	text = stream.getvalue()
+	assert " 25%|" in text and "100%|" in text and "step 230" in text
+
+
+@pytest.mark.parametrize("settings", [dict(endTime=None), dict(endTime=1, endStep=1), dict(endTime=-1)])
+def test_an_end_that_is_none_is_refused(settings):
+	with pytest.raises(ValueError, match="endTime"):
+		progressOf(Run(), io.StringIO(), **settings)
