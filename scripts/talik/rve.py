@@ -236,8 +236,8 @@ def _cached(parameters, cache, make):
 		extra = make()
 		sample = _measured(str(scene), {**parameters, **extra})
 		writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
-	writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t").encode())
-	return sample
+	writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t"))
+	return _fromSheet(sheet, scene)  # the same whether it was made or found
 
 
 def _cacheFolder(cache):

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Preparation of samples, measured again with stock YADE's own functions."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, Vector3, utils, wrapper
+
+import talik
+from talik import output, packing, plots, rve
+
+
+def measuredByYade(path):
+	"""Porosity, stress and fabric of a saved scene from YADE's own functions."""
+	O.load(path)
+	area = O.cell.volume / O.cell.hSize[2, 2]
+	solid = sum(math.pi * body.shape.radius ** 2 for body in O.bodies)
+	stress = utils.getStress()
+	fabric = utils.fabricTensor()[0]
+	inPlane = np.array([[fabric[0, 0], fabric[0, 1]], [fabric[1, 0], fabric[1, 1]]])
+	principal = np.linalg.eigvalsh(inPlane)
+	return 1 - solid / area, stress, principal[1] - principal[0]
+
+
+@pytest.mark.parametrize("kind", ["draftSample", "paperSample"])
+def test_prepared_sample_has_the_papers_porosity_isotropic_fabric_and_no_shear_stress(kind, request):
+	began = time.monotonic()
+	sample = request.getfixturevalue(kind)
+	wall = time.monotonic() - began
+	porosity, stress, anisotropy = measuredByYade(sample.path)
+	pressure = -0.5 * (stress[0, 0] + stress[1, 1])
+	shear = 0.5 * (stress[0, 1] + stress[1, 0])
+	print(
+		f"\n{sample.grains} grains (seed {sample.parameters['seedUsed']}, compaction friction {sample.parameters['compactionFriction']}): "
+		f"porosity {porosity:.4f} (0.18 +- 0.005), F1-F2 {anisotropy:.4f} (< 0.05), xx {stress[0, 0] / 1e3:.3f}, yy {stress[1, 1] / 1e3:.3f}, "
+		f"xy {shear / 1e3:.4f} kPa (|xy| < 1 %), coordination number {sample.coordinationNumber:.3f}; {wall:.1f} s"
+	)
+	assert abs(porosity - 0.18) < 0.005
+	assert anisotropy < 0.05
+	assert abs(shear) < 0.01 * pressure
+	assert abs(stress[0, 0] + 100e3) < 1e3 and abs(stress[1, 1] + 100e3) < 1e3
+	np.testing.assert_allclose(sample.stress, (stress[0, 0], stress[1, 1], shear), rtol=1e-9)
+	assert abs(sample.porosity - porosity) < 1e-12 and abs(sample.fabric - anisotropy) < 1e-9
+
+
+def test_grains_are_discs_in_a_layer_with_the_papers_radii(paperSample):
+	O.load(paperSample.path)
+	radii = np.array([body.shape.radius for body in O.bodies])
+	assert len(radii) == 400 and radii.min() >= 3e-3 and radii.max() <= 7e-3
+	print(f"\nradii {radii.min() * 1e3:.2f} to {radii.max() * 1e3:.2f} mm, mean {radii.mean() * 1e3:.2f} mm (uniform: 5.00 +- {4 / math.sqrt(12 * 400):.2f})")
+	assert abs(radii.mean() - 5e-3) < 3 * 4e-3 / math.sqrt(12 * 400)
+	for body in O.bodies:
+		mass = 2650 * math.pi * body.shape.radius ** 2 * 0.1
+		assert body.state.mass == pytest.approx(mass, rel=1e-12)
+		assert body.state.inertia[2] == pytest.approx(0.5 * mass * body.shape.radius ** 2, rel=1e-12)
+		assert set(body.state.blockedDOFs) == set("zXY")
+	assert O.cell.hSize[2, 2] == 0.1
+	friction = [i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal]
+	np.testing.assert_allclose([*friction, math.tan(O.materials[0].frictionAngle)], 0.5, rtol=1e-14)
+	stiffness = [(i.phys.ks / i.phys.kn, i.phys.kn / (2 * 0.6e9 * i.geom.refR1 * i.geom.refR2 / (i.geom.refR1 + i.geom.refR2))) for i in O.interactions if i.isReal]
+	np.testing.assert_allclose(stiffness, np.tile([0.8, 1.0], (len(stiffness), 1)), rtol=1e-12)
+
+
+def test_the_saved_scene_stays_in_equilibrium_under_yades_own_engines(draftSample):
+	O.load(draftSample.path)
+	O.run(5000, True)
+	change = packing.stress() - np.array(draftSample.stress)
+	print(f"\nstress changes by {np.abs(change).max():.3g} Pa of {draftSample.pressure:.6g} Pa in 5000 steps, unbalanced force {utils.unbalancedForce():.1e}")
+	assert np.abs(change).max() < 1e-3 * draftSample.pressure
+	assert utils.unbalancedForce() < 1e-3
+
+
+def test_the_users_scene_is_left_alone(sampleCache):
+	O.bodies.append(utils.sphere((0, 0, 0), 1))
+	O.engines = [wrapper.ForceResetter(), wrapper.NewtonIntegrator(gravity=(0, 0, -10))]
+	O.dt = 0.125
+	O.run(3, True)
+	before = (O.sceneToString(), O.iter, O.time, O.dt)
+	rve.prepare(grains=30, seed=77, porosity=0.19, cache=sampleCache)
+	assert (O.sceneToString(), O.iter, O.time, O.dt) == before
+	O.step()
+	assert O.iter == 4
+
+
+def test_a_prepared_sample_is_kept_and_found_again(sampleCache, draftSample):
+	began = time.monotonic()
+	again = rve.prepare(grains=100, cache=sampleCache)
+	wall = time.monotonic() - began
+	print(f"\nfound in {wall * 1e3:.1f} ms")
+	assert again == draftSample and wall < 0.2
+
+
+def test_a_damaged_cache_entry_is_made_anew(sampleCache):
+	first = rve.prepare(grains=30, porosity=0.19, cache=sampleCache)
+	sheet = first.path.replace(".yade.gz", ".json")
+	with open(sheet, "w") as file:
+		file.write('{"path": "cut off')
+	second = rve.prepare(grains=30, porosity=0.19, cache=sampleCache)
+	assert second.path == first.path and abs(second.porosity - 0.19) < 0.005
+
+
+@pytest.mark.parametrize("stressX, stressY", [(-10e3, -10e3), (-30e3, -45e3), (-1e3, -1.5e3)])
+def test_servo_reaches_the_stress_of_a_depth_band(draftSample, sampleCache, stressX, stressY):
+	band = rve.servo(draftSample, stressX, stressY, cache=sampleCache)
+	porosity, stress, _ = measuredByYade(band.path)
+	pressure = -0.5 * (stressX + stressY)
+	error = max(abs(stress[0, 0] - stressX), abs(stress[1, 1] - stressY), abs(stress[0, 1])) / pressure
+	print(f"\nwanted ({stressX / 1e3:g}, {stressY / 1e3:g}, 0) kPa: error {error:.1e} of the pressure, porosity {porosity:.4f}")
+	assert error < 2.5e-3
+
+
+def test_a_stress_beyond_the_strength_is_refused_with_what_was_reached(draftSample, sampleCache):
+	with pytest.raises(packing.PackingError, match="within the strength"):
+		rve.servo(draftSample, -10e3, -50e3, cache=sampleCache)
+
+
+def test_any_periodic_scene_of_spheres_serves(tmp_path):
+	O.periodic = True
+	O.cell.hSize = Matrix3(0.04, 0, 0, 0, 0.04, 0, 0, 0, 0.1)
+	places = (0.005, 0.015, 0.025, 0.035)
+	O.bodies.append([utils.sphere((x, y, 0.05), 5.01e-3) for x in places for y in places])
+	O.engines = packing.Grains(16, 5e-3, 5e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.2, False, ()).engines()
+	O.dt = 1e-6
+	O.step()
+	path = str(tmp_path / "theirs.yade.bz2")
+	O.save(path)
+	sample = rve.load(path)
+	print(f"\n{sample}")
+	assert sample.grains == 16 and sample.thickness == 0.1
+	assert sample.porosity == pytest.approx(1 - math.pi * 5.01e-3 ** 2 * 16 / 0.04 ** 2, abs=1e-12)
+	assert sample.coordinationNumber == 4
+
+
+def saved(path):
+	O.save(path)
+	return path
+
+
+def test_scenes_that_cannot_serve_are_refused_with_the_reason(tmp_path):
+	O.bodies.append(utils.sphere((0, 0, 0), 1))
+	with pytest.raises(ValueError, match="no periodic cell"):
+		rve.load(saved(str(tmp_path / "open.yade.gz")))
+	O.periodic = True
+	O.cell.setBox(10, 10, 10)
+	O.bodies.append(utils.box((5, 5, 5), (1, 1, 1)))
+	with pytest.raises(ValueError, match="shape Box"):
+		rve.load(saved(str(tmp_path / "box.yade.gz")))
+	O.reset()
+	O.periodic = True
+	with pytest.raises(ValueError, match="no bodies"):
+		rve.load(saved(str(tmp_path / "empty.yade.gz")))
+	with pytest.raises(FileNotFoundError, match="does not exist"):
+		rve.load(str(tmp_path / "missing.yade.gz"))
+	whole = (tmp_path / "empty.yade.gz").read_bytes()
+	(tmp_path / "cut.yade.gz").write_bytes(whole[: len(whole) // 2])
+	with pytest.raises(ValueError, match="is not a YADE scene that can be read"):
+		rve.load(str(tmp_path / "cut.yade.gz"))
+
+
+@pytest.mark.parametrize(
+	"wrong, name",
+	[
+		(dict(grains=3), "grains"),
+		(dict(grains=100.5), "grains"),
+		(dict(radius=(7e-3, 3e-3)), "radius"),
+		(dict(radius=5e-3), "radius"),
+		(dict(pressure=-1e5), "pressure"),
+		(dict(pressure=float("nan")), "pressure"),
+		(dict(porosity=0.4), "porosity"),
+		(dict(thickness=0.01), "thickness"),
+		(dict(young=0), "young"),
+		(dict(friction=-0.1), "friction"),
+		(dict(seed=-1), "seed"),
+		(dict(damping=1.5), "damping"),
+		(dict(ice=False, iceYoung=3e9), "ice"),
+	],
+)
+def test_a_wrong_parameter_is_named_before_anything_runs(wrong, name, sampleCache):
+	with pytest.raises(ValueError, match=f"^{name} is"):
+		rve.prepare(**wrong, cache=sampleCache)
+
+
+def test_an_unwritable_cache_is_named_with_a_remedy():
+	with pytest.raises(RuntimeError, match="XDG_CACHE_HOME"):
+		rve.prepare(grains=30, cache="/proc/nowhere")
+
+
+def test_without_ice_the_bond_law_prepares_the_same_sample_as_stock_yade(sampleCache):
+	stock = rve.prepare(grains=50, porosity=0.19, ice=False, cache=sampleCache)
+	bond = rve.prepare(grains=50, porosity=0.19, ice=True, cache=sampleCache)
+	print(f"\nstock    {stock}\nice bond {bond}")
+	O.load(bond.path)
+	assert type(O.materials[0]).__name__ == "IceBondMat" and O.materials[0].iceSaturation == 0
+	assert {type(i.phys).__name__ for i in O.interactions if i.isReal} == {"IceBondPhys"}
+	assert abs(stock.porosity - bond.porosity) < 0.01 and abs(stock.coordinationNumber - bond.coordinationNumber) < 0.5
+
+
+def test_sample_arrays_give_back_the_stress_and_serve_pictures_and_files(draftSample, tmp_path):
+	O.load(draftSample.path)
+	arrays = packing.sampleArrays()
+	branch = arrays["end"] - arrays["start"]
+	normalPart = -(arrays["normalForce"][:, None, None] * arrays["normal"][:, :, None] * branch[:, None, :]).sum(axis=0)
+	pressure = -0.5 * np.trace(normalPart) / O.cell.volume
+	yade = -0.5 * (utils.getStress()[0, 0] + utils.getStress()[1, 1])
+	print(f"\npressure from normal forces and branches {pressure:.6f} Pa, YADE's getStress {yade:.6f} Pa")
+	assert pressure == pytest.approx(yade, rel=1e-9)  # shear forces are normal to the branch and add nothing to the trace
+	fig = plots.figure(5, 5)
+	plots.forceChains(fig.subplots(), arrays["start"], arrays["end"], arrays["normalForce"], arrays["state"], arrays["centre"], arrays["radius"])
+	plots.save(fig, tmp_path / "chains.png")
+	series = output.SampleSeries(tmp_path)
+	series.write()
+	assert {p.name for p in tmp_path.iterdir()} >= {"sample_grains.pvd", "sample_contacts.pvd", "sample_grains_00000.vtu", "sample_contacts_00000.vtu"}
+
+
+def test_progress_and_output_run_as_engines(tmp_path, capsys):
+	from talik.progress import Progress
+
+	calls = []
+	progress = Progress(endStep=20, interval=0.0)
+	O.engines = [output.runner(lambda: calls.append(O.iter), iterPeriod=5), progress.runner(realPeriod=0.0)]
+	O.dt = 1e-3
+	O.run(20, True)
+	progress.close()
+	assert calls == [5, 10, 15]
+	assert "step 20" in capsys.readouterr().err
+
+
+def test_depth_bands_cover_every_point_with_packed_samples_at_their_stress(draftSample, sampleCache):
+	vertical = -np.linspace(0, 60e3, 31)
+	samples, sampleOf = rve.depthBands(draftSample, vertical, bands=3, cache=sampleCache)
+	assert len(sampleOf) == 31 and set(sampleOf) == {0, 1, 2} and len(samples) == 3
+	for index, sample in enumerate(samples):
+		mean = vertical[np.array(sampleOf) == index].mean()
+		xx, yy, xy = sample.stress
+		print(f"\nband {index}: points at {mean / 1e3:.2f} kPa, sample xx {xx / 1e3:.2f} yy {yy / 1e3:.2f} kPa")
+		assert abs(yy - mean) < 5e-3 * abs(mean) and abs(xx - 0.66 * mean) < 5e-3 * abs(mean)
