@@ -31,7 +31,6 @@ recipeVersion = 1  # part of the cache key: raise it whenever the recipe gives o
 porosityTolerance = 0.005
 fabricTolerance = 0.05
 shearTolerance = 0.01  # of the mean pressure
-lowestBandStress = 1e3  # Pa; below it grains are loose and the servo has nothing to hold on to
 seedsToTry = 40
 frictionsToTry = 6
 
@@ -137,34 +136,6 @@ def load(path):
 		openFile(path)
 		_checkScene(path)
 		return _measured(path, dict(kind="load", path=path))
-
-
-def pack(sample):
-	"""The packed form (RveSample) of a sample or of a scene file, for RveSkeleton.samples."""
-	with talik.scratchScene():
-		openFile(sample if isinstance(sample, (str, os.PathLike)) else sample.path)
-		return talik.RveSample.fromScene(O._sceneObj)
-
-
-def depthBands(sample, verticalStress, bands=4, lateralRatio=0.66, cache=True):
-	"""Packed samples at the geostatic stress of some depth bands, and which of them each material point takes.
-
-	sample          ice-free, from prepare
-	verticalStress  (n,) effective vertical stress of every point [Pa], tension positive, so negative
-	bands           number of bands of equal width in stress
-	lateralRatio    sigma_h/sigma_v; the default is 1 - sin(20 degrees), within the strength of the sample
-	Returns (samples, sampleOf) for RveSkeleton; a band stands at the mean stress of its points, at least 1 kPa."""
-	vertical = np.asarray(verticalStress, dtype=float)
-	_require("verticalStress", vertical.shape, vertical.ndim == 1 and len(vertical) > 0, "an array with one value per point")
-	_require("verticalStress", vertical.max(), vertical.max() <= 0, "compressive, that is negative, at every point")
-	_require("bands", bands, isinstance(bands, int) and bands >= 1, "a whole number, at least 1")
-	_require("lateralRatio", lateralRatio, 0 < lateralRatio < math.inf, "greater than 0")
-	edges = np.linspace(vertical.min(), vertical.max(), bands + 1)[1:-1]
-	band = np.digitize(vertical, edges)
-	used, sampleOf = np.unique(band, return_inverse=True)
-	goals = [min(vertical[band == b].mean(), -lowestBandStress) for b in used]
-	samples = [pack(servo(sample, lateralRatio * goal, goal, cache=cache)) for goal in goals]
-	return samples, [int(index) for index in sampleOf]
 
 
 def openFile(path):

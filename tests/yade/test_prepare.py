@@ -225,14 +225,3 @@ def test_progress_and_output_run_as_engines(tmp_path, capsys):
 	progress.close()
 	assert calls == [5, 10, 15]
 	assert "step 20" in capsys.readouterr().err
-
-
-def test_depth_bands_cover_every_point_with_packed_samples_at_their_stress(draftSample, sampleCache):
-	vertical = -np.linspace(0, 60e3, 31)
-	samples, sampleOf = rve.depthBands(draftSample, vertical, bands=3, cache=sampleCache)
-	assert len(sampleOf) == 31 and set(sampleOf) == {0, 1, 2} and len(samples) == 3
-	for index, sample in enumerate(samples):
-		mean = vertical[np.array(sampleOf) == index].mean()
-		xx, yy, xy = sample.stress
-		print(f"\nband {index}: points at {mean / 1e3:.2f} kPa, sample xx {xx / 1e3:.2f} yy {yy / 1e3:.2f} kPa")
-		assert abs(yy - mean) < 5e-3 * abs(mean) and abs(xx - 0.66 * mean) < 5e-3 * abs(mean)
