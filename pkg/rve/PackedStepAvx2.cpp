@@ -36,8 +36,19 @@ namespace {
 		return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) + 2 * std::size_t(offset));
 	}
 
+	/// Parameters of the contact law, four times each.
+	struct Constants {
+		Four friction, shearStep, tensile, cohesion, bondFriction, iceShare;
+	};
+
+	/// Force on the second grain, shear force and s u_n/2 of four pairs.
+	struct Response {
+		Four gx, gy, shear, moment;
+	};
+
+	/// Branch, relative velocity, w_1 r_1 + w_2 r_2 and distance of four pairs.
 	struct Gathered {
-		Four dx, dy, dvx, dvy, wr;
+		Four dx, dy, dvx, dvy, wr, distance, inverse;
 	};
 
 	template <bool Periodic> inline Gathered gather(const double* motion, const double* spin, const double* shiftMotion, const PackedBlock<2>& block, const std::uint32_t* shift)
@@ -53,14 +64,15 @@ namespace {
 		const __m128d second0 = _mm_loadh_pd(_mm_load_sd(singleAt(spin, block.second[0])), singleAt(spin, block.second[1]));
 		const __m128d second1 = _mm_loadh_pd(_mm_load_sd(singleAt(spin, block.second[2])), singleAt(spin, block.second[3]));
 		const Four    wr      = _mm256_set_m128d(_mm_add_pd(first1, second1), _mm_add_pd(first0, second0));
-		return { columns.a, columns.b, columns.c, columns.d, wr };
+		const Four    distance = _mm256_sqrt_pd(_mm256_fmadd_pd(columns.a, columns.a, _mm256_mul_pd(columns.b, columns.b)));
+		return { columns.a, columns.b, columns.c, columns.d, wr, distance, _mm256_div_pd(splat(1.), distance) };
 	}
 
 	/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; G changes sign for the second.
 	template <bool Periodic>
-	inline void scatter(double* force, double* shiftForce, const PackedBlock<2>& block, const std::uint32_t* shift, Four gx, Four gy, Four s, Four moment)
+	inline void scatter(double* force, double* shiftForce, const PackedBlock<2>& block, const std::uint32_t* shift, const Response& r)
 	{
-		const Columns rows  = transpose(gx, gy, s, moment);
+		const Columns rows   = transpose(r.gx, r.gy, r.shear, r.moment);
 		const Four    row[4] = { rows.a, rows.b, rows.c, rows.d };
 		const Four    turn   = _mm256_set_pd(0., 0., -0., -0.);
 		for (int l = 0; l < 4; ++l) {
@@ -99,54 +111,73 @@ namespace {
 		iceShear    = _mm256_load_pd(iceShears);
 	}
 
+	template <bool Bonded> inline Response respond(PackedStepView<2>& view, const PackedPairs<2>& pairs, std::size_t b, int periodic, const Constants& c, const Gathered& g)
+	{
+		const Four      zero = _mm256_setzero_pd(), half = splat(0.5), sign = signBit();
+		PackedBlock<2>& block      = pairs.block[b];
+		const Four      sum        = _mm256_load_pd(block.sumRadius), stiffness = _mm256_load_pd(block.stiffness);
+		const Four      overlap    = _mm256_sub_pd(sum, g.distance);
+		const Four      nx         = _mm256_mul_pd(g.dx, g.inverse), ny = _mm256_mul_pd(g.dy, g.inverse);
+		const Four      tangential = _mm256_fmsub_pd(g.dvy, nx, _mm256_mul_pd(g.dvx, ny));
+		const Four      slip       = _mm256_fmsub_pd(_mm256_mul_pd(sum, g.inverse), tangential, g.wr);
+		const Four      increment  = _mm256_mul_pd(_mm256_mul_pd(c.shearStep, stiffness), slip);
+		const Four      trial      = _mm256_sub_pd(_mm256_load_pd(block.shear[0]), increment);
+		Four            normalForce, shear;
+		if (Bonded) {
+			PackedIceBlock<2>& ice    = pairs.ice[b];
+			const Four         area   = _mm256_load_pd(ice.bondArea);
+			const Four         raw    = _mm256_sub_pd(_mm256_mul_pd(stiffness, overlap), _mm256_load_pd(ice.offset));
+			const Four         floor  = _mm256_mul_pd(c.tensile, area);
+			const Four         intact = _mm256_cmp_pd(area, zero, _CMP_GT_OQ);
+			normalForce               = _mm256_max_pd(raw, floor);
+			const Four rub            = _mm256_blendv_pd(c.friction, c.bondFriction, intact);
+			const Four cap            = _mm256_fmadd_pd(rub, _mm256_max_pd(raw, zero), _mm256_mul_pd(c.cohesion, area));
+			shear                     = _mm256_min_pd(_mm256_max_pd(trial, _mm256_xor_pd(cap, sign)), cap);
+			Four       iceShear = _mm256_sub_pd(_mm256_load_pd(ice.iceShear[0]), _mm256_and_pd(intact, _mm256_mul_pd(c.iceShare, increment)));
+			const Four pulled   = _mm256_and_pd(_mm256_cmp_pd(raw, floor, _CMP_LT_OQ), _mm256_cmp_pd(area, zero, _CMP_NEQ_OQ));
+			const Four sheared  = _mm256_and_pd(_mm256_cmp_pd(trial, shear, _CMP_NEQ_OQ), intact);
+			const int  lanes    = _mm256_movemask_pd(_mm256_or_pd(pulled, sheared));
+			if (__builtin_expect(lanes != 0, 0)) reportBonds(view, periodic, b, lanes, overlap, normalForce, raw, shear, trial, iceShear);
+			_mm256_store_pd(ice.iceShear[0], iceShear);
+		} else {
+			normalForce    = _mm256_max_pd(_mm256_mul_pd(stiffness, overlap), zero);
+			const Four cap = _mm256_mul_pd(c.friction, normalForce);
+			shear          = _mm256_min_pd(_mm256_max_pd(trial, _mm256_xor_pd(cap, sign)), cap);
+		}
+		_mm256_store_pd(block.shear[0], shear);
+		return { _mm256_fnmadd_pd(shear, ny, _mm256_mul_pd(normalForce, nx)), _mm256_fmadd_pd(shear, nx, _mm256_mul_pd(normalForce, ny)), shear,
+			     _mm256_mul_pd(_mm256_mul_pd(half, overlap), shear) };
+	}
+
+	// The next block is gathered, and its square root and quotient started, before the law and the sums of the present one: the long
+	// latencies then run under work that does not need them.
 	template <bool Bonded, bool Periodic> inline void contactLoop(PackedStepView<2>& view, const PackedPairs<2>& pairs)
 	{
-		const double*       motion = view.motion;
-		const double*       spin   = view.spin;
-		double*             force  = view.force;
-		const Four          one = splat(1.), zero = _mm256_setzero_pd(), half = splat(0.5), sign = signBit();
-		const Four          friction = splat(view.friction), shearStep = splat(view.stiffnessRatio * view.dt);
-		const Four          tensile = splat(-view.tensileStrength), cohesion = splat(view.shearStrength);
-		const Four          bondFriction = splat(view.bondFriction), iceShare = splat(view.iceShare);
-		for (std::size_t b = 0; b < pairs.blocks; ++b) {
-			PackedBlock<2>&      block = pairs.block[b];
-			const std::uint32_t* shift = Periodic ? pairs.shift + 4 * b : nullptr;
-			const Gathered       g     = gather<Periodic>(motion, spin, view.shiftMotion, block, shift);
-			const Four           d     = _mm256_sqrt_pd(_mm256_fmadd_pd(g.dx, g.dx, _mm256_mul_pd(g.dy, g.dy)));
-			const Four           inverse = _mm256_div_pd(one, d);
-			const Four           sum = _mm256_load_pd(block.sumRadius), stiffness = _mm256_load_pd(block.stiffness);
-			const Four           overlap = _mm256_sub_pd(sum, d);
-			const Four           nx = _mm256_mul_pd(g.dx, inverse), ny = _mm256_mul_pd(g.dy, inverse);
-			const Four           tangential = _mm256_fmsub_pd(g.dvy, nx, _mm256_mul_pd(g.dvx, ny));
-			const Four           slip       = _mm256_fmsub_pd(_mm256_mul_pd(sum, inverse), tangential, g.wr);
-			const Four           increment  = _mm256_mul_pd(_mm256_mul_pd(shearStep, stiffness), slip);
-			const Four           trial      = _mm256_sub_pd(_mm256_load_pd(block.shear[0]), increment);
-			Four                 normalForce, shear;
-			if (Bonded) {
-				PackedIceBlock<2>& ice    = pairs.ice[b];
-				const Four         area   = _mm256_load_pd(ice.bondArea);
-				const Four         raw    = _mm256_sub_pd(_mm256_mul_pd(stiffness, overlap), _mm256_load_pd(ice.offset));
-				const Four         floor  = _mm256_mul_pd(tensile, area);
-				const Four         intact = _mm256_cmp_pd(area, zero, _CMP_GT_OQ);
-				normalForce               = _mm256_max_pd(raw, floor);
-				const Four rub            = _mm256_blendv_pd(friction, bondFriction, intact);
-				const Four cap            = _mm256_fmadd_pd(rub, _mm256_max_pd(raw, zero), _mm256_mul_pd(cohesion, area));
-				shear                     = _mm256_min_pd(_mm256_max_pd(trial, _mm256_xor_pd(cap, sign)), cap);
-				Four iceShear = _mm256_sub_pd(_mm256_load_pd(ice.iceShear[0]), _mm256_and_pd(intact, _mm256_mul_pd(iceShare, increment)));
-				const Four pulled = _mm256_and_pd(_mm256_cmp_pd(raw, floor, _CMP_LT_OQ), _mm256_cmp_pd(area, zero, _CMP_NEQ_OQ));
-				const Four sheared = _mm256_and_pd(_mm256_cmp_pd(trial, shear, _CMP_NEQ_OQ), intact);
-				const int  lanes   = _mm256_movemask_pd(_mm256_or_pd(pulled, sheared));
-				if (__builtin_expect(lanes != 0, 0)) reportBonds(view, Periodic, b, lanes, overlap, normalForce, raw, shear, trial, iceShear);
-				_mm256_store_pd(ice.iceShear[0], iceShear);
-			} else {
-				normalForce    = _mm256_max_pd(_mm256_mul_pd(stiffness, overlap), zero);
-				const Four cap = _mm256_mul_pd(friction, normalForce);
-				shear          = _mm256_min_pd(_mm256_max_pd(trial, _mm256_xor_pd(cap, sign)), cap);
-			}
-			_mm256_store_pd(block.shear[0], shear);
-			const Four gx = _mm256_fnmadd_pd(shear, ny, _mm256_mul_pd(normalForce, nx));
-			const Four gy = _mm256_fmadd_pd(shear, nx, _mm256_mul_pd(normalForce, ny));
-			scatter<Periodic>(force, view.shiftForce, block, shift, gx, gy, shear, _mm256_mul_pd(_mm256_mul_pd(half, overlap), shear));
+		const Constants   c { splat(view.friction), splat(view.stiffnessRatio * view.dt), splat(-view.tensileStrength), splat(view.shearStrength),
+			                  splat(view.bondFriction), splat(view.iceShare) };
+		const std::size_t end = pairs.blocks;
+		if (end == 0) return;
+		const auto prepare = [&](std::size_t b) __attribute__((always_inline)) {
+			return gather<Periodic>(view.motion, view.spin, view.shiftMotion, pairs.block[b], Periodic ? pairs.shift + 4 * b : nullptr);
+		};
+		const auto finish = [&](std::size_t b, const Gathered& gathered) __attribute__((always_inline)) {
+			const Response r = respond<Bonded>(view, pairs, b, Periodic, c, gathered);
+			scatter<Periodic>(view.force, view.shiftForce, pairs.block[b], Periodic ? pairs.shift + 4 * b : nullptr, r);
+		};
+		Gathered    present = prepare(0);
+		std::size_t b       = 0;
+		for (; b + 2 < end; b += 2) {
+			const Gathered next = prepare(b + 1);
+			finish(b, present);
+			present = prepare(b + 2);
+			finish(b + 1, next);
+		}
+		if (b + 1 < end) {
+			const Gathered last = prepare(b + 1);
+			finish(b, present);
+			finish(b + 1, last);
+		} else {
+			finish(b, present);
 		}
 	}
 

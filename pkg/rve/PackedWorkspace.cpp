@@ -10,7 +10,7 @@ namespace talik {
 namespace {
 
 	/// Skin of the neighbour lists over the mean radius: rebuilds against pairs carried along in vain.
-	constexpr double skinOverRadius = 0.08;
+	constexpr double skinOverRadius = 0.04;
 	/// Bond area that marks a broken bond with cut spring: far too small to bear a force, different from zero.
 	constexpr double watched = -1e-300;
 
@@ -452,13 +452,13 @@ template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 	rebuildLists();
 }
 
-template <int Dim> void PackedWorkspace<Dim>::rebuildLists()
+/// leastSkin: gap up to which pairs are wanted in the list right now [m].
+template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 {
 	checkHealth();
 	returnUncut();
 	predictedCell(referenceCell);
-	const double needed = base.ice.bondRange * largestRadius;
-	skin = std::max(skinOverRadius * averageRadius, carriesBonds || base.ice.formsBonds(0, base.iceSaturation) ? 1.01 * needed : 0.);
+	skin = std::max(skinOverRadius * averageRadius, leastSkin);
 	std::swap(innerLanes, oldInner);
 	std::swap(periodicLanes, oldPeriodic);
 	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, referenceCell, skin, innerLanes.keys, periodicLanes.keys);
@@ -987,7 +987,7 @@ template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 	if (base.ice.melted(base.iceSaturation)) return 0;
 	std::size_t formed = 0;
 	carryBonds(true);
-	rebuildLists();
+	rebuildLists(1.01 * base.ice.bondRange * largestRadius);
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
 		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {

@@ -87,7 +87,7 @@ private:
 	void bind();
 
 	void     refreshLists();
-	void     rebuildLists();
+	void     rebuildLists(double leastSkin = 0);
 	void     keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const;
 	void     fillLanes(Lanes& lanes, const Lanes& old, bool periodic);
 	void     dressLane(Lanes& lanes, std::size_t lane);
