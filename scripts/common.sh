@@ -67,11 +67,11 @@ ensureYade() {
 	esac
 }
 
-# A build folder that belongs to another clone or a moved one cannot be used by cmake.
+# What cmake noted in the folder of another clone, or of one that was moved, is of no use.
 dropForeignBuild() {
 	local cache=$build/CMakeCache.txt
 	[ -f "$cache" ] || return 0
-	grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || rm -rf "$build"
+	grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || rm -rf "$cache" "$build/CMakeFiles" "$build/Makefile"
 }
 
 # ensureBuilt [target]: everything, or only one target of CMake.
