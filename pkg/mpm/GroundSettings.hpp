@@ -58,6 +58,7 @@ template <int D> struct GroundSettings {
 	FreezingCurvePtr                 freezing; ///< needs heat
 	std::optional<WaterSettings>     water;    ///< needs motion
 	bool                             energyLedger = false; ///< keep account of work and dissipation, see Balance
+	bool                             deformationRecord = false; ///< points remember their deformation gradient; needs motion
 
 	/// Fraction of the pores that holds water, in [0, 1]; NaN (default): 1 with heat or water, 0 in a dry scene. With water it must be 1.
 	double poreFill = std::numeric_limits<double>::quiet_NaN();

@@ -2,6 +2,7 @@
 #pragma once
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/Boundaries.hpp>
+#include <pkg/multiscale/SequenceConverter.hpp>
 
 namespace yade {
 
@@ -19,12 +20,13 @@ protected:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries.",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries.",
 		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface; box: all nodes inside lower..upper."))
 		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region [m]."))
 		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region [m]."))
 		((vector<Real>,times,,,"Instants of a value that changes in time [s], increasing; linear in between, constant outside. Empty: the value is constant."))
 		((vector<Real>,values,,,"Values at these instants, in the unit of the attribute that they replace."))
+		,talik::SequenceConverter<GroundBoundary>::registerOnce();
 	);
 	// clang-format on
 };

@@ -172,8 +172,9 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	if (heat) s.heat = heat->build();
 	if (freezing) s.freezing = freezing->build();
 	if (water) s.water = water->build(freezing ? freezing->residualSaturation : 0);
-	s.energyLedger = energyLedger;
-	s.poreFill     = poreFill;
+	s.energyLedger      = energyLedger;
+	s.deformationRecord = motion && deformationRecord;
+	s.poreFill          = poreFill;
 	for (const auto& boundary : boundaries)
 		s.boundaries.push_back(boundary->build());
 	if (motion)

@@ -79,6 +79,7 @@ public:
 		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
+		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
 		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))

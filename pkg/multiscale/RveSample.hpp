@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/GlobalEngine.hpp>
+#include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/rve/PackedSample.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 
@@ -52,7 +53,7 @@ public:
 		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
 		((string,saved,"",Attr::hidden,"State in an archive."))
 		((string,savedScene,"",Attr::hidden,"Scene that the sample opens into, in an archive."))
-		,/*ctor*/ ,
+		,/*ctor*/ talik::SequenceConverter<RveSample>::registerOnce(); ,
 		/*py*/
 		.def("fromScene",&RveSample::fromScene,(::boost::python::arg("scene")),"Packed form of a YADE scene (O._sceneObj). ValueError tells why a scene cannot be packed.").staticmethod("fromScene")
 		.def("open",&RveSample::open,"A new ordinary YADE scene in the sample's state: bodies, interactions, bonds, engines. See talik.inspect.")

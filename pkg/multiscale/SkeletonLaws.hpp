@@ -3,6 +3,7 @@
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/ElasticSkeleton.hpp>
 #include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/multiscale/SequenceConverter.hpp>
 
 namespace yade {
 
@@ -18,7 +19,7 @@ public:
 	virtual void   restoreState(const string&) { }
 	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
 	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
-	YADE_CLASS_BASE_DOC(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons.");
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons.", , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
 };
 REGISTER_SERIALIZABLE(SkeletonLaw);
 

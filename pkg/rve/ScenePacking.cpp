@@ -315,6 +315,21 @@ namespace {
 		scene.interactions->dirty = true;
 	}
 
+	/// Love-Weber stress of the scene as it stands, tension positive.
+	Matrix2 stressOf(const Scene& scene, double volume)
+	{
+		Matrix3r sum = Matrix3r::Zero();
+		for (const auto& interaction : *scene.interactions) {
+			if (!interaction->isReal()) continue;
+			const auto&    phys  = static_cast<const FrictPhys&>(*interaction->phys);
+			const Vector3r force = phys.normalForce + phys.shearForce;
+			const Vector3r x1    = (*scene.bodies)[interaction->id1]->state->se3.position;
+			const Vector3r x2    = (*scene.bodies)[interaction->id2]->state->se3.position;
+			sum += force * (x1 - x2 - scene.cell->hSize * interaction->cellDist.cast<Real>()).transpose();
+		}
+		return inPlane(sum) / volume;
+	}
+
 	void openCell(Scene& scene, const PackedState<2>& s)
 	{
 		Cell& cell = *scene.cell;
@@ -357,9 +372,9 @@ PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
 	packCell(scene, state);
 	packParameters(scene, state);
 	packContacts(scene, former, indexOf, state);
+	state.stress = stressOf(scene, state.volume());
 	if (former) {
 		state.thawStrain           = former->thawStrain;
-		state.stress               = former->stress;
 		state.bondsFormed          = former->bondsFormed;
 		state.bondsBrokenInTension = former->bondsBrokenInTension;
 		state.bondsBrokenInShear   = former->bondsBrokenInShear;
