@@ -577,9 +577,9 @@ template <int Dim> void PackedWorkspace<Dim>::dressLane(Lanes& lanes, std::size_
 	} else if (memory.bond == bondBroken) {
 		ice.bondArea[l] = watched;
 	} else if (memory.bond & PackedContacts<Dim>::iceSpringUncut) {
-		block.stiffness[l] = 0;
+		block.stiffness[l] = 0; // idle: advanced on its own
 	}
-	if (memory.bond != bondBonded)
+	if (memory.bond == bondNone || memory.bond == bondBroken)
 		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
 			ice.iceShear[d][l] = 0;
 }
