@@ -305,8 +305,15 @@ template <int Dim> void PackedSample<Dim>::setState(const PackedState<Dim>& stat
 
 template <int Dim> void PackedSample<Dim>::advance(const Matrix& velGrad, long steps)
 {
+	if (!velGrad.allFinite()) throw std::invalid_argument("packed sample: velGrad is not finite; give a velocity gradient in 1/s");
+	const Matrix before = workspace->parameters().nextVelGrad;
 	workspace->setNextVelGrad(velGrad);
-	advance(steps);
+	try {
+		advance(steps);
+	} catch (...) {
+		workspace->setNextVelGrad(before);
+		throw;
+	}
 }
 
 template <int Dim> void PackedSample<Dim>::advance(long steps)
