@@ -9,7 +9,8 @@ namespace talik {
 namespace {
 	// A cell filled to less than a quarter counts as empty.
 	constexpr double emptyFilling = 0.25;
-	// Smaller areas are the noise of the points' arrangement.
+	// Areas that are smaller against the volume that a node stands for are the noise of the points' arrangement. A node behind a
+	// wall stands for little volume, and its share of the surface is as small.
 	constexpr double smallestArea = 0.05;
 } // namespace
 
@@ -146,7 +147,7 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 				n.area[a] = atWall(grid, cells, node, a) ? 0.0 : r[a];
 				size += n.area[a] * n.area[a];
 			}
-			if (std::sqrt(size) > smallestArea * grid.faceArea()) surface_.push_back(n);
+			if (std::sqrt(size) * grid.spacing() > smallestArea * r[D]) surface_.push_back(n);
 		}
 	}
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/CellMeans.hpp>
+#include <pkg/mpm/DeformationRecord.hpp>
 #include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
@@ -48,6 +49,7 @@ template <int D> struct Ground<D>::Parts {
 
 	// effects; null if the scene does not have them
 	std::unique_ptr<SolidMotion<D>>    motion;
+	std::unique_ptr<DeformationRecord<D>> record;
 	std::unique_ptr<HeatTransfer<D>>   heat;
 	std::unique_ptr<PoreWater<D>>      water;
 	std::unique_ptr<PoreContent<D>>    content;
@@ -73,6 +75,7 @@ template <int D> struct Ground<D>::Parts {
 	double poreFill() const;
 	bool   hasContent() const { return settings.heat || settings.water; }
 	bool   averaging() const { return motion && motion->settings->cellAveraging; }
+	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------
 	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
@@ -245,6 +248,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
 	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion);
+	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
 	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat);
 	if (settings.water) water = std::make_unique<PoreWater<D>>(field, *settings.water);
@@ -285,6 +289,10 @@ template <int D> void Ground<D>::Parts::placePoints()
 	const int n = static_cast<int>(inputs.size());
 	points->allocate(n);
 	if (motion) motion->bind(*points, grid);
+	if (record) {
+		record->bind(*points);
+		record->start(n);
+	}
 	if (heat) heat->bind(*points, grid);
 	if (content) {
 		content->bind(*points, motion.get(), heat.get(), water.get());
@@ -296,6 +304,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
+	if (water && averaging()) water->allocateCells(grid.cellCount());
 	for (int id = 0; id < n; ++id)
 		fillPoint(id, inputs[id], poreFill());
 	sort();
@@ -376,6 +385,7 @@ template <int D> void Ground<D>::Parts::afterReordering()
 	// what lies outside the active range stays zero until the next sorting
 	clearNodes(0, grid.nodeCount());
 	if (cells) cells->clearAll();
+	if (water) water->clearCells(0, grid.cellCount());
 	if (motion) listSkeletons();
 }
 
@@ -398,9 +408,11 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	cells->clearVolumes(clock.range);
 	cells->clearSums(clock.range);
 	const bool average = averaging();
+	if (water) water->clearCells(clock.range.firstCell, clock.range.lastCell);
 	points->strips().scatter([&](int, int first, int last) {
 		cells->locate(grid, *points, first, last);
 		if (!average) return;
+		if (water) water->addPressure(*cells, first, last);
 		useMeanStress(first, last - first);
 		const double* volume = points->volume();
 		for (int p = first; p < last; ++p)
@@ -641,7 +653,7 @@ template <int D> void Ground<D>::mapToGrid()
 				g.useMeanStress(w.first, w.count);
 			g.motion->map(g.grid, w);
 		}
-		if (g.water) g.water->map(g.grid, w);
+		if (g.water) g.water->map(g.grid, w, g.averagingCells());
 		if (g.heat) g.heat->map(g.grid, w);
 		if (g.surface) g.surface->map(g.grid, w);
 	});
@@ -703,7 +715,8 @@ template <int D> void Ground<D>::mapToPoints()
 	const auto gather  = [&](int strip, int first, int last) {
                 g.overBlocks(first, last, [&](const WeightBlock<D>& w) {
                         if (g.heat) g.heat->gather(g.grid, w, g.clock.dt);
-                        if (g.water) g.water->gather(g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
+                        if (g.water)
+                                g.water->gather(g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells());
                         if (g.motion) g.motion->gather(g.grid, w, g.clock.dt);
                 });
                 if (!g.motion) return;
@@ -727,7 +740,9 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	Parts& g = *parts_;
 	if (g.motion && g.settings.energyLedger) g.keepStrainWork();
 	g.points->strips().gather([&](int strip, int first, int last) {
+		if (g.water && g.averaging()) g.water->receive(*g.cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
 		if (g.motion) g.averageStrain(first, last);
+		if (g.record) g.record->accumulate(first, last, g.motion->gradient);
 		if (!g.content) return;
 		const int failed = g.content->update(first, last);
 		if (failed < last) g.bad[strip] = failed;

@@ -38,8 +38,33 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	none_.assign(blockSize, 0.0);
 }
 
-template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+template <int D> void PoreWater<D>::allocateCells(int cells) { cells_.assign(static_cast<std::size_t>(cells) * cellSize, 0.0); }
+
+template <int D> void PoreWater<D>::clearCells(int first, int last)
 {
+	if (!cells_.empty()) std::fill(cellRecord(first), cellRecord(last), 0.0);
+}
+
+template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int first, int last)
+{
+	for (int p = first; p < last; ++p) {
+		double*      r = cellRecord(cells.cell(p));
+		const double m = liquidMass(p);
+		r[0] += m;
+		r[1] += m * pressure[p];
+	}
+}
+
+template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells)
+{
+	double driving[blockSize];
+	for (int k = 0; k < w.count; ++k)
+		driving[k] = pressure[w.first + k];
+	if (cells)
+		for (int k = 0; k < w.count; ++k) {
+			const double* r = cellRecord(cells->cell(w.first + k));
+			driving[k]      = r[1] / r[0];
+		}
 	const double* ice = iceMass_ ? iceMass_ + w.first : none_.data();
 	for (int k = 0; k < w.count; ++k) {
 		const int    p = w.first + k;
@@ -47,7 +72,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 		Vec<D>       momentum;
 		for (int i = 0; i < D; ++i)
 			momentum[i] = m * velocity[i][p];
-		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * pressure[p], q = drag[p];
+		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], q = drag[p];
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			double* r = nodes[node];
 			r[massAt] += s * m;
@@ -177,14 +202,24 @@ template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
 	});
 }
 
-template <int D> void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy)
+template <int D> void PoreWater<D>::take(int p, const double* share, double* waterMass, double* enthalpy)
 {
-	const double  chi = settings->flipFraction;
-	const double* ice = iceMass_ ? iceMass_ + w.first : none_.data();
-	double        gained[blockSize];
+	// momentum comes with the water
+	const double diluted = 1.0 / (1.0 + share[0]);
+	for (int i = 0; i < D; ++i)
+		velocity[i][p] = (velocity[i][p] + share[2 + i]) * diluted;
+	const double liquid = liquidMass(p);
+	waterMass[p] += liquid * share[0];
+	if (enthalpy) enthalpy[p] += liquid * share[1];
+}
+
+template <int D>
+void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells)
+{
+	const double chi = settings->flipFraction;
 	for (int k = 0; k < w.count; ++k) {
-		const int p                  = w.first + k;
-		Vec<D>    change             = {};
+		const int p                 = w.first + k;
+		Vec<D>    change            = {};
 		double    got[exchangeSize] = {};
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			for (int i = 0; i < D; ++i)
@@ -192,17 +227,27 @@ template <int D> void PoreWater<D>::gather(const Grid<D>& grid, const WeightBloc
 			for (int i = 0; i < exchangeSize; ++i)
 				got[i] += s * exchange[node][i];
 		});
-		// momentum comes with the water: per liquid mass of the point all shares are the gathered ratios
-		const double diluted = 1.0 / (1.0 + got[0]);
 		for (int i = 0; i < D; ++i)
-			velocity[i][p] = (chi * velocity[i][p] + change[i] + got[2 + i]) * diluted;
-		const double liquid = waterMass[p] - ice[k];
-		waterMass[p] += liquid * got[0];
-		gained[k] = liquid * got[1];
+			velocity[i][p] = chi * velocity[i][p] + change[i];
+		if (cells) {
+			double*      r      = cellRecord(cells->cell(p));
+			const double liquid = liquidMass(p);
+			for (int i = 0; i < exchangeSize; ++i)
+				r[2 + i] += liquid * got[i];
+		} else
+			take(p, got, waterMass, enthalpy);
 	}
-	if (!enthalpy) return;
-	for (int k = 0; k < w.count; ++k)
-		enthalpy[w.first + k] += gained[k];
+}
+
+template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
+{
+	for (int p = first; p < last; ++p) {
+		const double* r = cellRecord(cells.cell(p));
+		double        share[exchangeSize];
+		for (int i = 0; i < exchangeSize; ++i)
+			share[i] = r[2 + i] / r[0];
+		take(p, share, waterMass, enthalpy);
+	}
 }
 
 template class PoreWater<2>;

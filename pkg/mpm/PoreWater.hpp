@@ -2,10 +2,13 @@
 #pragma once
 
 #include <pkg/mpm/ActiveRange.hpp>
+#include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/NodeField.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
+
+#include <vector>
 
 namespace talik {
 
@@ -23,7 +26,16 @@ public:
 	PoreWater(PointFields& fields, const WaterSettings& settings);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass);
 
-	void map(const Grid<D>& grid, const WeightBlock<D>& w);
+	/// Cell means of pressure and exchange, weighted with the liquid mass: what seeps is then as uniform within a cell as the
+	/// strain is, or points of one cell would drift apart in pressure without any force to bring them back. The mean pressure
+	/// that drives the liquid is the transpose.
+	void allocateCells(int cells);
+	void clearCells(int first, int last);
+	/// Adds pressure of points first .. last to their cells; call within MaterialPoints::strips().scatter.
+	void addPressure(const CellMeans<D>& cells, int first, int last);
+
+	/// cells null: without cell means.
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells);
 	/// Nodal pressure and liquid fraction from the mapped sums.
 	void nodalPressure(const ActiveRange& range);
 	/// Adds sum V S grad p of a block to the nodes.
@@ -36,8 +48,10 @@ public:
 	/// What leaves through a drained surface.
 	void drain(const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
-	/// Velocity, water mass and (if enthalpy is not null) enthalpy of a block.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy);
+	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells);
+	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
+	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
 
 	const WaterSettings* settings;
 
@@ -56,6 +70,15 @@ public:
 	Vec<D> momentumOut {};
 
 private:
+	/// Record of a cell: liquid mass, mass times pressure, exchange.
+	static constexpr int cellSize = 2 + exchangeSize;
+	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
+
+	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
+	/// share: exchange per liquid mass of the point.
+	void take(int p, const double* share, double* waterMass, double* enthalpy);
+
+	std::vector<double> cells_;
 	PointFields::Handle velocity_, pressure_, liquidFraction_, drag_;
 	const double *      volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
 	std::vector<double> none_; ///< zeros, in place of the fields of absent effects
