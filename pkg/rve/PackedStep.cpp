@@ -127,11 +127,11 @@ namespace {
 		contactLoop<Dim, Bonded>(*view, view->periodic, 1);
 	}
 
-	/// YADE's numerical damping: acceleration is reduced where it feeds the velocity and raised where it brakes.
+	/// YADE's numerical damping: acceleration is reduced where it feeds the velocity and raised where it brakes. Its sign is as good as
+	/// random, so it is not branched upon.
 	inline double damped(double acceleration, double velocity, double damping, double halfStep)
 	{
-		const double power = acceleration * (velocity + halfStep * acceleration);
-		return acceleration * (1 - (power > 0 ? damping : (power < 0 ? -damping : 0)));
+		return acceleration * (1 - std::copysign(damping, acceleration * (velocity + halfStep * acceleration)));
 	}
 
 	template <int Dim> void turnGrain(PackedStepView<Dim>& view, std::size_t g, const double* spinJump, bool jump)
