@@ -103,6 +103,7 @@ struct TemperatureNode {
 	int node;
 	int ghost; ///< node behind the wall, or -1
 	int inner; ///< node in front of the wall, or -1
+	int axis;  ///< normal of the wall
 	int boundary; ///< index of the boundary that prescribes
 };
 

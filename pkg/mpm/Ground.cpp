@@ -165,7 +165,7 @@ template <int D> void Ground<D>::Parts::checkSettings() const
 		        "thermalTimeScale",
 		        s.heat->thermalTimeScale,
 		        "must be positive (1: real time)");
-		requireSetting(s.heat->smoothingTime > 0.0, "smoothingTime", s.heat->smoothingTime, "must be positive, in s; infinity: none");
+		requireSetting(!(s.heat->smoothingTime <= 0.0), "smoothingTime", s.heat->smoothingTime, "must be positive, in s; infinity: none, NaN: chosen");
 		requireSetting(std::isfinite(s.heat->source), "source", s.heat->source, "must be finite, in W/m^3");
 		if (s.heat->enthalpyForm == EnthalpyForm::capacityIntegral && s.motion)
 			throw std::invalid_argument(
@@ -315,6 +315,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		const int failed = content->update(0, n);
 		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->complaint(failed));
 	}
+	if (heat) heat->chooseSmoothing(grid, n);
 }
 
 template <int D> void Ground<D>::Parts::listSkeletons()
@@ -393,7 +394,7 @@ template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
 {
 	if (motion) motion->nodes.clear(first, last);
 	if (water) water->nodes.clear(first, last);
-	if (heat) heat->nodes.clear(first, last);
+	if (heat) heat->clear(first, last);
 	if (surface) surface->nodes.clear(first, last);
 }
 
@@ -665,7 +666,7 @@ template <int D> void Ground<D>::updateTemperature()
 	Parts& g = *parts_;
 	if (!g.heat) return;
 	const double time = g.clock.time + g.clock.dt;
-	g.heat->nodalTemperature(g.clock.range, g.settings.boundaries, time);
+	g.heat->nodalTemperature(g.grid, g.clock.range, g.settings.boundaries, time);
 	g.scatter([&](const WeightBlock<D>& w) { g.heat->conduct(g.grid, w, g.clock.dt); });
 	for (std::size_t b = 0; b < g.settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *g.settings.boundaries[b];
@@ -739,14 +740,21 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 {
 	Parts& g = *parts_;
 	if (g.motion && g.settings.energyLedger) g.keepStrainWork();
-	g.points->strips().gather([&](int strip, int first, int last) {
-		if (g.water && g.averaging()) g.water->receive(*g.cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
-		if (g.motion) g.averageStrain(first, last);
-		if (g.record) g.record->accumulate(first, last, g.motion->gradient);
-		if (!g.content) return;
-		const int failed = g.content->update(first, last);
-		if (failed < last) g.bad[strip] = failed;
-	});
+	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
+	const auto          update = [&](int strip, int first, int last) {
+                if (cells) g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
+                if (g.motion) g.averageStrain(first, last);
+                if (g.record) g.record->accumulate(first, last, g.motion->gradient);
+                if (!g.content) return;
+                const int failed = g.content->update(first, last, cells);
+                if (failed < last) g.bad[strip] = failed;
+	};
+	if (cells) {
+		g.points->strips().scatter(update);
+		if (g.settings.water->state.massCoefficient == MassCoefficient::exact)
+			g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
+	} else
+		g.points->strips().gather(update);
 	if (!g.content) return;
 	for (int& failed : g.bad) {
 		if (failed < 0) continue;
@@ -899,8 +907,9 @@ template <int D> std::vector<FieldInfo> Ground<D>::fields() const
 	}
 	if (g.heat) {
 		node("heatCapacitySum", "heat", "J/K, J", 2, g.heat->nodes.bytes());
-		node("nodalTemperature", "heat", "degC", 2, g.heat->mapped.bytes() + g.heat->nodal.bytes());
-		node("nodalHeat", "heat", "J, K", 2, g.heat->energy.bytes() + g.heat->rise.bytes());
+		node("nodalTemperature", "heat", "J/K, degC", 3, g.heat->capacity.bytes() + g.heat->mapped.bytes() + g.heat->nodal.bytes());
+		node("nodalHeat", "heat", "J, K", 3, g.heat->energy.bytes() + g.heat->noise.bytes() + g.heat->rise.bytes());
+		if (g.heat->moments.bytes() > 0) node("heatMoments", "heated walls", "J m/K", D, g.heat->moments.bytes());
 	}
 	if (g.water) {
 		node("liquidMassMomentumDrag", "water", "kg, kg m/s, m^D, J, kg/s", 5 + D, g.water->nodes.bytes());
@@ -954,7 +963,10 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 	std::vector<int>& first = g.points->strips().first;
 	list.push_back({ "strips", first.data(), first.size() * sizeof(int) });
 	list.push_back({ "clock", &g.clock, sizeof(g.clock) });
-	if (g.heat) list.push_back({ "heatIn", &g.heat->heatIn, sizeof(double) });
+	if (g.heat) {
+		list.push_back({ "heatIn", &g.heat->heatIn, sizeof(double) });
+		list.push_back({ "smoothingTime", &g.heat->smoothingTime, sizeof(double) });
+	}
 	if (g.water) {
 		list.push_back({ "waterOut", &g.water->waterOut, sizeof(double) });
 		list.push_back({ "enthalpyOut", &g.water->enthalpyOut, sizeof(double) });

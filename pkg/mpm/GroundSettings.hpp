@@ -29,7 +29,9 @@ template <int D> struct MotionSettings {
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
 	double        thermalTimeScale = 1.0; ///< f_T multiplies conduction, Robin coefficients, heat fluxes and sources [-], > 0
-	double        smoothingTime    = std::numeric_limits<double>::infinity(); ///< tau_T of the conservative smoothing of point temperatures [s]
+	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s]; what the grid resolves is
+	/// touched in fourth order of h only. NaN (default): one diffusion time of a cell, h^2 C/(kappa f_T); infinity: none.
+	double        smoothingTime    = std::numeric_limits<double>::quiet_NaN();
 	double        source           = 0.0; ///< Q, heat produced per volume [W/m^3]
 	EnthalpyForm  enthalpyForm     = EnthalpyForm::stateFunction;
 	LatentDensity latentDensity    = LatentDensity::ice;

@@ -24,29 +24,48 @@ template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Gri
 	heatCapacity   = f.component(heatCapacity_);
 	conductivity   = f.component(conductivity_);
 	volume         = points.volume();
+	for (int a = 0; a < D; ++a)
+		position_[a] = points.position(a);
 	nodes.allocate(grid.nodeCount());
-	mapped.allocate(grid.nodeCount());
-	nodal.allocate(grid.nodeCount());
-	energy.allocate(grid.nodeCount());
-	rise.allocate(grid.nodeCount());
+	for (NodeField<1>* field : { &capacity, &mapped, &nodal, &energy, &noise, &rise })
+		field->allocate(grid.nodeCount());
+}
+
+template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int points)
+{
+	smoothingTime = settings->smoothingTime;
+	if (!std::isnan(smoothingTime)) return;
+	double capacitySum = 0.0, conductance = 0.0;
+	for (int p = 0; p < points; ++p) {
+		capacitySum += heatCapacity[p];
+		conductance += volume[p] * conductivity[p];
+	}
+	smoothingTime = grid.spacing() * grid.spacing() * capacitySum / (settings->thermalTimeScale * conductance);
 }
 
 template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
 	prescribed_.clear();
-	std::vector<char> taken(grid.nodeCount(), 0);
+	isPrescribed_.assign(grid.nodeCount(), 0);
+	std::vector<char> touched(grid.nodeCount(), 0);
 	for (std::size_t b = 0; b < boundaries.size(); ++b) {
 		if (!boundaries[b]->prescribesTemperature()) continue;
 		const Region<D>& region = boundaries[b]->region();
 		const bool       wall   = region.kind == Region<D>::Kind::side;
 		const int        inward = region.on.upper ? -grid.nodeStride(region.on.axis) : grid.nodeStride(region.on.axis);
 		for (int node : wallNodes(grid, region)) {
-			if (taken[node]) continue;
-			taken[node] = 1;
-			prescribed_.push_back({ node, wall ? node - inward : -1, wall ? node + inward : -1, static_cast<int>(b) });
+			if (isPrescribed_[node]) continue;
+			isPrescribed_[node] = touched[node] = 1;
+			if (wall) touched[node - inward] = touched[node + inward] = 1;
+			walls_ = walls_ || wall;
+			prescribed_.push_back({ node, wall ? node - inward : -1, wall ? node + inward : -1, region.on.axis, static_cast<int>(b) });
 		}
 	}
+	for (int n = 0; n < grid.nodeCount(); ++n)
+		if (touched[n]) affected_.push_back(n);
 	wanted_.assign(prescribed_.size(), 0.0);
+	expected_.assign(prescribed_.size(), 0.0);
+	if (walls_) moments.allocate(grid.nodeCount());
 }
 
 template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
@@ -60,51 +79,109 @@ template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBloc
 			r[1] += s * ct;
 		});
 	}
+	if (walls_) mapMoments(grid, w);
 }
 
-template <int D>
-void HeatTransfer<D>::nodalTemperature(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time)
+template <int D> void HeatTransfer<D>::mapMoments(const Grid<D>& grid, const WeightBlock<D>& w)
 {
-	// Behind a wall temperature continues linearly, T_ghost = 2 T_wall - T_inner; the ghost's share goes to these two.
-	for (const TemperatureNode& n : prescribed_) {
-		if (n.ghost < 0) continue;
-		for (int i = 0; i < 2; ++i) {
-			nodes[n.node][i] += 2.0 * nodes[n.ghost][i];
-			nodes[n.inner][i] -= nodes[n.ghost][i];
-			nodes[n.ghost][i] = 0.0;
-		}
+	for (int k = 0; k < w.count; ++k) {
+		Vec<D> cx;
+		for (int a = 0; a < D; ++a)
+			cx[a] = heatCapacity[w.first + k] * position_[a][w.first + k];
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int a = 0; a < D; ++a)
+				moments[node][a] += s * cx[a];
+		});
 	}
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double* r = nodes[i];
-			const double  t = r[0] > 0.0 ? r[1] / r[0] : 0.0;
-			mapped[i][0]    = t;
-			nodal[i][0]     = t;
-			energy[i][0]    = 0.0;
-		}
-	});
+}
+
+template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid)
+{
+	// The ground continues behind the wall as its mirror image with temperature 2 T_wall - T: the node in front of the wall
+	// then averages over both, and the mean sits where the node is.
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
-		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time);
-		if (nodes[prescribed_[k].node][0] > 0.0) nodal[prescribed_[k].node][0] = wanted_[k];
+		const TemperatureNode& n = prescribed_[k];
+		if (n.ghost < 0) continue;
+		const double wall  = grid.nodePosition(n.axis, grid.nodeOf(n.node)[n.axis]);
+		double*      ghost = nodes[n.ghost];
+		double*      inner = nodes[n.inner];
+		for (int a = 0; a < D; ++a) {
+			double& moment = moments[n.ghost][a];
+			moments[n.inner][a] += a == n.axis ? 2.0 * wall * ghost[0] - moment : moment;
+			moment = 0.0;
+		}
+		inner[0] += ghost[0];
+		inner[1] += 2.0 * wanted_[k] * ghost[0] - ghost[1];
+		ghost[0] = ghost[1] = 0.0;
+	}
+}
+
+template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid)
+{
+	const double h = grid.spacing();
+	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+		const TemperatureNode& n = prescribed_[k];
+		expected_[k]             = wanted_[k];
+		if (!(nodes[n.node][0] > 0.0)) continue;
+		nodal[n.node][0] = wanted_[k];
+		if (n.ghost < 0 || isPrescribed_[n.inner] || !(nodes[n.inner][0] > 0.0)) continue;
+		// points lie in front of the wall, not on it: their mean is off the wall temperature by the gradient
+		const double wall     = grid.nodePosition(n.axis, grid.nodeOf(n.node)[n.axis]);
+		const double distance = std::abs(moments[n.inner][n.axis] / nodes[n.inner][0] - wall);
+		const double ahead    = std::abs(moments[n.node][n.axis] / nodes[n.node][0] - wall);
+		if (distance < 0.5 * h || ahead > h) continue;
+		const double gradient = (nodal[n.inner][0] - wanted_[k]) / distance;
+		expected_[k]          = wanted_[k] + gradient * ahead;
+		nodal[n.inner][0]     = wanted_[k] + gradient * h;
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
 		if (n->ghost >= 0) nodal[n->ghost][0] = 2.0 * nodal[n->node][0] - nodal[n->inner][0];
 }
 
+template <int D>
+void HeatTransfer<D>::nodalTemperature(
+        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double* r = nodes[i];
+			capacity[i][0]  = r[0];
+			mapped[i][0]    = r[0] > 0.0 ? r[1] / r[0] : 0.0;
+			nodal[i][0]     = mapped[i][0];
+			energy[i][0]    = 0.0;
+			noise[i][0]     = 0.0;
+		}
+	});
+	for (std::size_t k = 0; k < prescribed_.size(); ++k)
+		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time);
+	mirrorWalls(grid);
+	for (int i : affected_)
+		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
+	prescribe(grid);
+}
+
 template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
+{
+	std::isinf(smoothingTime) ? conductBlock<false>(grid, w, dt) : conductBlock<true>(grid, w, dt);
+}
+
+template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
 {
 	const double scaled = dt * settings->thermalTimeScale;
 	const double source = scaled * settings->source;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		Vec<D>    slope {};
-		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
+		double    ofGrid = 0.0;
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
 			const double t = nodal[node][0];
 			for (int i = 0; i < D; ++i)
 				slope[i] += g[i] * t;
+			if constexpr (Smooth) ofGrid += s * mapped[node][0];
 		});
 		const double conductance = -volume[p] * conductivity[p] * scaled;
 		const double produced    = volume[p] * source;
+		const double unseen      = heatCapacity[p] * (ofGrid - temperature[p]);
 		for (int i = 0; i < D; ++i)
 			slope[i] *= conductance;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
@@ -112,6 +189,7 @@ template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const Weight
 			for (int i = 0; i < D; ++i)
 				e += g[i] * slope[i];
 			energy[node][0] += e;
+			if constexpr (Smooth) noise[node][0] += s * unseen;
 		});
 	}
 }
@@ -139,38 +217,45 @@ void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& p
 
 template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, double dt)
 {
-	// Galerkin: the ghost's residual belongs to the two nodes that it depends on.
+	double conducted = 0.0;
+	for (int i : affected_)
+		conducted += energy[i][0];
 	for (const TemperatureNode& n : prescribed_) {
 		if (n.ghost < 0) continue;
-		energy[n.node][0] += 2.0 * energy[n.ghost][0];
 		energy[n.inner][0] -= energy[n.ghost][0];
 		energy[n.ghost][0] = 0.0;
 	}
-	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
-		const int    node     = prescribed_[k].node;
-		const double capacity = nodes[node][0];
-		if (capacity <= 0.0) continue;
-		const double supplied = capacity * (wanted_[k] - mapped[node][0]);
-		heatIn += supplied - energy[node][0];
-		energy[node][0] = supplied;
-	}
-	const double smoothing = -std::expm1(-dt / settings->smoothingTime);
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
-			rise[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] + smoothing * mapped[i][0] : 0.0;
+			rise[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0;
 	});
+	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+		const int node = prescribed_[k].node;
+		if (nodes[node][0] > 0.0) rise[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
+	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
 		if (n->ghost >= 0) rise[n->ghost][0] = 2.0 * rise[n->node][0] - rise[n->inner][0];
+	double received = 0.0;
+	for (int i : affected_)
+		received += capacity[i][0] * rise[i][0];
+	heatIn += received - conducted;
+
+	// T + chi (1 - A)(A - 1) T, A = to the grid and back: what the grid does not see decays, the sum of C T stays
+	const double chi = smoothing(dt);
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			if (capacity[i][0] > 0.0) rise[i][0] += chi * (mapped[i][0] - noise[i][0] / capacity[i][0]);
+	});
 }
 
 template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
 {
-	const double smoothing = -std::expm1(-dt / settings->smoothingTime);
+	const double chi = smoothing(dt);
 	for (int k = 0; k < w.count; ++k) {
 		const int p      = w.first + k;
 		double    gained = 0.0;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { gained += s * rise[node][0]; });
-		enthalpy[p] += heatCapacity[p] * (gained - smoothing * temperature[p]);
+		enthalpy[p] += heatCapacity[p] * (gained - chi * temperature[p]);
 	}
 }
 

@@ -7,6 +7,7 @@
 #include <pkg/mpm/NodeField.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 
+#include <cmath>
 #include <vector>
 
 namespace talik {
@@ -21,10 +22,19 @@ public:
 	/// Collects the nodes with prescribed temperature.
 	void constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 
+	/// Fixes the smoothing time from the state of the points, if the settings leave it open.
+	void chooseSmoothing(const Grid<D>& grid, int points);
+
+	/// Prepares nodes [first, last) for mapping.
+	void clear(int first, int last)
+	{
+		nodes.clear(first, last);
+		if (walls_) moments.clear(first, last);
+	}
 	/// Adds heat capacity and heat of a block to the nodes.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
-	void nodalTemperature(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time);
+	void nodalTemperature(const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time);
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
 	/// Heat of a surface patch, implicit in the temperature of each node.
@@ -38,19 +48,33 @@ public:
 	const HeatSettings* settings;
 	double *enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
 
-	NodeField<2> nodes;       ///< C, C T
-	NodeField<1> mapped;      ///< T_I from the points
-	NodeField<1> nodal;       ///< T_I with prescribed values
-	NodeField<1> energy;      ///< Delta E_I [J]
-	NodeField<1> rise;        ///< Delta E_I/C_I + chi_T T_I
+	NodeField<2> nodes;    ///< C, C T; near walls those of the ground and its mirror image
+	NodeField<1> capacity; ///< C of the ground alone
+	NodeField<1> mapped;   ///< T_I from the points
+	NodeField<1> nodal;    ///< T_I whose gradient conducts: prescribed at walls
+	NodeField<1> energy;   ///< Delta E_I [J]
+	NodeField<1> noise;    ///< sum S C (T of the grid at the point - T of the point)
+	NodeField<1> rise;     ///< what points receive: Delta E_I/C_I and smoothing
+	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
 
-	double heatIn = 0.0; ///< through boundaries and from sources since the start [J]
+	double heatIn        = 0.0; ///< through boundaries and from sources since the start [J]
+	double smoothingTime = 0.0; ///< in use [s]
 
 private:
+	template <bool Smooth> void conductBlock(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
+	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
+	void                        mirrorWalls(const Grid<D>& grid);
+	void                        prescribe(const Grid<D>& grid);
+	double                      smoothing(double dt) const { return -std::expm1(-dt / smoothingTime); }
+
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_;
 	std::vector<TemperatureNode> prescribed_;
-	std::vector<double>          wanted_;
-	std::vector<double>          partial_;
+	std::vector<char>            isPrescribed_;
+	std::vector<int>             affected_; ///< nodes whose heat the prescribed temperatures change
+	std::vector<double>          wanted_;   ///< temperature of each prescribed node
+	std::vector<double>          expected_; ///< mean temperature of the points around it that goes with this wall temperature
+	std::array<double*, D>       position_ {};
+	bool                         walls_ = false;
 };
 
 extern template class HeatTransfer<2>;

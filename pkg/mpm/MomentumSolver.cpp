@@ -27,13 +27,19 @@ template <int D> MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const st
 	}
 	loads_.reserve(loaded);
 	constraints_.close();
-	for (const auto& m : constraints_.mirrors()) {
-		bool held = true;
+	const auto held = [&](const auto& m) {
 		for (int a = 0; a < D; ++a)
-			held = held && (!constraints_.solidFixed(m.wall(), a) || constraints_.liquidTied(m.wall(), a));
-		foldLiquid_.push_back(held);
-		isWall_[m.ghost] = isWall_[m.inner] = 1;
-	}
+			if (constraints_.solidFixed(m.wall(), a) && !constraints_.liquidTied(m.wall(), a)) return false;
+		return true;
+	};
+	// at edges a ghost is folded twice: what is folded with its liquid must come first
+	for (const bool wanted : { true, false })
+		for (const auto& m : constraints_.mirrors())
+			if (held(m) == wanted) {
+				mirrors_.push_back(m);
+				foldLiquid_.push_back(wanted);
+				isWall_[m.ghost] = isWall_[m.inner] = 1;
+			}
 	for (int n : constraints_.constrainedNodes())
 		isWall_[n] = 1;
 	for (int n = 0; n < grid.nodeCount(); ++n)
@@ -92,12 +98,11 @@ template <int D> void MomentumSolver<D>::rememberWalls(const SolidMotion<D>& mot
 	}
 }
 
-template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<D>* water) const
+template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
 {
 	using W = PoreWater<D>;
-	for (std::size_t k = 0; k < constraints_.mirrors().size(); ++k) {
-		if (!foldLiquid_[k]) continue;
-		const auto& m     = constraints_.mirrors()[k];
+	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
+		const auto& m     = mirrors_[k];
 		double*     ghost = motion.nodes[m.ghost];
 		double*     inner = motion.nodes[m.inner];
 		inner[motion.massAt] += ghost[motion.massAt];
@@ -108,6 +113,10 @@ template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<
 				ghost[at] = 0.0;
 			}
 		if (!water) continue;
+		if (!foldLiquid_[k]) {
+			foldSolidOnly(m, motion, *water, dt);
+			continue;
+		}
 		double* ghostLiquid = water->nodes[m.ghost];
 		double* innerLiquid = water->nodes[m.inner];
 		for (int at : { W::massAt, W::dragAt }) {
@@ -121,6 +130,30 @@ template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<
 			water->force[m.ghost][a] = 0.0;
 		}
 	}
+}
+
+template <int D>
+void MomentumSolver<D>::foldSolidOnly(
+        const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
+{
+	// The ghost's liquid stays free. Eliminating its acceleration leaves inertia and force on the solid that it is mirrored to:
+	// a_l = (f_f + dt Q a_s)/(M_l + dt Q) enters M_s a_s + M_l a_l = f_m.
+	using W             = PoreWater<D>;
+	const double* ghost = water.nodes[m.ghost];
+	double*       inner = motion.nodes[m.inner];
+	const double  ml = ghost[W::massAt], q = ghost[W::dragAt], dq = dt * q;
+	if (!(ml > 0.0) || !(inner[motion.massAt] > 0.0)) return;
+	const double added = ml * dq / (ml + dq);
+	const double scale = 1.0 + added / inner[motion.massAt];
+	for (int a = 0; a < D; ++a) {
+		const double vs       = m.sign[a] * inner[motion.momentumAt + a] / inner[motion.massAt];
+		const double vl       = ghost[W::momentumAt + a] / ml;
+		const double residual = water.force[m.ghost][a] - q * (vl - vs);
+		inner[motion.forceAt + a] -= m.sign[a] * ml * residual / (ml + dq);
+	}
+	for (int a = 0; a < D; ++a)
+		inner[motion.momentumAt + a] *= scale;
+	inner[motion.massAt] += added;
 }
 
 template <int D> template <bool Damped> void MomentumSolver<D>::solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt)
@@ -244,8 +277,8 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(SolidMotion<D>& motio
 template <int D> void MomentumSolver<D>::unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
 {
 	using W = PoreWater<D>;
-	for (int k = static_cast<int>(constraints_.mirrors().size()) - 1; k >= 0; --k) {
-		const auto& m = constraints_.mirrors()[k];
+	for (int k = static_cast<int>(mirrors_.size()) - 1; k >= 0; --k) {
+		const auto& m = mirrors_[k];
 		for (int a = 0; a < D; ++a)
 			for (int at : { a, D + a })
 				motion.solved[m.ghost][at] = m.sign[a] * motion.solved[m.inner][at];
@@ -260,9 +293,10 @@ template <int D> void MomentumSolver<D>::unfold(SolidMotion<D>& motion, PoreWate
 			const double* rl = water->nodes[m.ghost];
 			if (!(rl[W::massAt] > 0.0)) continue;
 			const double chiLiquid = water->settings->flipFraction;
-			const double vl        = water->start[m.ghost][a];
+			const double vl        = rl[W::momentumAt + a] / rl[W::massAt];
 			const double vs1       = motion.solved[m.ghost][D + a];
 			const double change    = dt * (water->force[m.ghost][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dt * rl[W::dragAt]);
+			water->start[m.ghost][a]  = vl;
 			water->flux[m.ghost][a]   = vl + change;
 			water->solved[m.ghost][a] = chiLiquid * change + (1.0 - chiLiquid) * (vl + change);
 		}
@@ -327,7 +361,7 @@ void MomentumSolver<D>::solve(
 {
 	const bool damped = motion.settings->localDamping > 0.0;
 	rememberWalls(motion, water);
-	fold(motion, water);
+	fold(motion, water, dt);
 	if (water) {
 		damped ? solveTwoPhase<true>(range, motion, *water, dt) : solveTwoPhase<false>(range, motion, *water, dt);
 		constrainTwoPhase(motion, *water, dt);

@@ -57,7 +57,8 @@ private:
 		Vec<D> momentumLeft, force;
 	};
 	void rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void fold(SolidMotion<D>& motion, PoreWater<D>* water) const;
+	void fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
 	void constrainDry(SolidMotion<D>& motion) const;
@@ -68,6 +69,7 @@ private:
 	void keepAccount(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
 
 	MotionConstraints<D>    constraints_;
+	std::vector<typename MotionConstraints<D>::Mirror> mirrors_; ///< those whose liquid is held first
 	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
 	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
 	std::vector<char>       isWall_;

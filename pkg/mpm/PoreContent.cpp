@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/HeatTransfer.hpp>
 #include <pkg/mpm/PoreContent.hpp>
 #include <pkg/mpm/PoreWater.hpp>
@@ -149,6 +150,17 @@ template <int D> void PoreContent<D>::updatePressure(const Block& b) const
 	}
 }
 
+template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells) const
+{
+	const MixtureProperties& m     = settings_->mixture;
+	const PoreWaterState&    state = settings_->water->state;
+	for (int k = 0; k < b.count; ++k) {
+		const int      p = b.first + k;
+		const PoreFill f = state.fill(m, waterMass[p] - b.ice[k], b.ice[k], b.temperature[k]);
+		water_->addFill(cells.cell(p), f.volume - b.poreVolume[k], f.compliance);
+	}
+}
+
 template <int D> void PoreContent<D>::updatePressureRate(const Block& b) const
 {
 	const MixtureProperties& m     = settings_->mixture;
@@ -204,7 +216,7 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 	return b.first + b.count;
 }
 
-template <int D> int PoreContent<D>::update(int first, int last) const
+template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells) const
 {
 	const double reference = settings_->mixture.referenceTemperature;
 	for (int start = first; start < last; start += blockSize) {
@@ -227,7 +239,12 @@ template <int D> int PoreContent<D>::update(int first, int last) const
 			if (iceMass && water_) exchangePhaseMomentum(b);
 		}
 		updateCoefficients(b);
-		if (water_) lastVolume_ ? updatePressureRate(b) : updatePressure(b);
+		if (!water_) continue;
+		if (lastVolume_) updatePressureRate(b);
+		else if (cells)
+			collectPressure(b, *cells);
+		else
+			updatePressure(b);
 	}
 	return last;
 }

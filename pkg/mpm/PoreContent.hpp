@@ -7,6 +7,7 @@
 
 namespace talik {
 
+template <int D> class CellMeans;
 template <int D> class HeatTransfer;
 template <int D> class PoreWater;
 template <int D> class SolidMotion;
@@ -23,7 +24,9 @@ public:
 
 	/// State of points first .. last after their volume, water mass and enthalpy changed. Returns the place of the first point in
 	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
-	int update(int first, int last) const;
+	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
+	/// PoreWater::shareCellPressure (call within MaterialPoints::strips().scatter).
+	int update(int first, int last, const CellMeans<D>* cells = nullptr) const;
 	/// Why a point is in an impossible state.
 	std::string complaint(int place) const;
 
@@ -39,6 +42,7 @@ private:
 	void solveTemperature(Block& b) const;
 	void exchangePhaseMomentum(const Block& b) const;
 	void updatePressure(const Block& b) const;
+	void collectPressure(const Block& b, const CellMeans<D>& cells) const;
 	void updatePressureRate(const Block& b) const;
 	void updateCoefficients(const Block& b) const;
 	int  firstImpossible(const Block& b) const;

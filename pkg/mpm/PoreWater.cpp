@@ -250,6 +250,14 @@ template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first
 	}
 }
 
+template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells, int first, int last)
+{
+	for (int p = first; p < last; ++p) {
+		const double* r = cellRecord(cells.cell(p));
+		pressure[p]     = std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure);
+	}
+}
+
 template class PoreWater<2>;
 template class PoreWater<3>;
 

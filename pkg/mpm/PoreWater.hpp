@@ -53,6 +53,18 @@ public:
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
 	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
 
+	/// Adds to a cell the unstressed volume of a point's liquid and ice less its pore volume [m^D], and their compliance [m^D/Pa].
+	void addFill(int cell, double excess, double compliance)
+	{
+		double* r = cellRecord(cell);
+		r[excessAt] += excess;
+		r[complianceAt] += compliance;
+	}
+	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
+	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
+	/// stiffness of water, and cavitation would cut off only the low ones.
+	void shareCellPressure(const CellMeans<D>& cells, int first, int last);
+
 	const WaterSettings* settings;
 
 	std::array<double*, D> velocity; ///< of the liquid
@@ -70,8 +82,8 @@ public:
 	Vec<D> momentumOut {};
 
 private:
-	/// Record of a cell: liquid mass, mass times pressure, exchange.
-	static constexpr int cellSize = 2 + exchangeSize;
+	/// Record of a cell: liquid mass, mass times pressure, exchange, excess volume and compliance of the pore content.
+	static constexpr int cellSize = 4 + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize;
 	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
 	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }

@@ -17,6 +17,12 @@ struct PorePressure {
 	double gap;      ///< pore volume holding neither ice nor liquid at the cavitation pressure [m^3], >= 0
 };
 
+/// Unstressed volume of pore content and how it yields to pressure.
+struct PoreFill {
+	double volume;     ///< of liquid and ice [m^3]
+	double compliance; ///< [m^3/Pa]
+};
+
 /// Coefficients of K_p dp/dt + K_T dT/dt + K_S div v_s + K_l div v_l = 0 (div of the Darcy flux taken as n_l div(v_l - v_s)).
 struct PressureCoefficients {
 	double storage;     ///< K_p = n_l/K_w + n_i/K_i [1/Pa]
@@ -56,15 +62,21 @@ struct PoreWaterState {
 		return reference * (1.0 - m.ice.expansivity * (temperature - m.referenceTemperature));
 	}
 
-	/// Pressure of masses [kg] in the pore volume [m^3]; at least one mass must be positive.
-	PorePressure pressure(const MixtureProperties& m, double liquidMass, double iceMass, double poreVolume, double temperature) const
+	/// Volume and compliance of masses [kg].
+	PoreFill fill(const MixtureProperties& m, double liquidMass, double iceMass, double temperature) const
 	{
 		const double liquidVolume = liquidMass / m.densityAt(m.liquid, temperature);
 		const double iceVolume    = iceMass / poreIceDensity(m, temperature);
-		const double compliance   = liquidVolume / liquidBulkModulus + iceVolume / iceBulkModulus;
-		const double p            = (liquidVolume + iceVolume - poreVolume) / compliance;
+		return { liquidVolume + iceVolume, liquidVolume / liquidBulkModulus + iceVolume / iceBulkModulus };
+	}
+
+	/// Pressure of masses [kg] in the pore volume [m^3]; at least one mass must be positive.
+	PorePressure pressure(const MixtureProperties& m, double liquidMass, double iceMass, double poreVolume, double temperature) const
+	{
+		const PoreFill content = fill(m, liquidMass, iceMass, temperature);
+		const double   p       = (content.volume - poreVolume) / content.compliance;
 		if (p >= cavitationPressure) return { p, 0.0 };
-		return { cavitationPressure, (cavitationPressure - p) * compliance };
+		return { cavitationPressure, (cavitationPressure - p) * content.compliance };
 	}
 
 	/// Water mass (ice + liquid) [kg] that fills the pore volume [m^3] at the pressure [Pa]; the inverse of pressure().
