@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Conduction without phase change against Fourier series and error functions (Carslaw & Jaeger 1959).
+#include "References.hpp"
+#include "Report.hpp"
+#include "Scenes.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace talik;
+using namespace talik::validation;
+
+namespace {
+
+constexpr double length = 1.0, initial = 2.0, surface = 12.0;
+
+double diffusivity()
+{
+	const MixtureProperties m = withoutExpansion();
+	const auto              n = VolumeFractions::of(0.4, 1.0);
+	return m.conductivity(n) / m.heatCapacity(n);
+}
+
+GroundSettings<2> thawedColumn(int cells)
+{
+	auto s = columnSettings(length / cells, length);
+	s.heat.emplace();
+	return s;
+}
+
+enum class Slab { bothFaces, insulated, sealedHalves, halfSpace };
+
+double exact(Slab slab, double x, double t)
+{
+	const double a = diffusivity();
+	switch (slab) {
+		case Slab::bothFaces: return reference::slabBothFaces(x, t, length, a, initial, surface);
+		case Slab::insulated: return reference::slabInsulated(x, t, length, a, initial, surface);
+		case Slab::sealedHalves: return reference::sealedHalves(x, t, length, a, initial, surface);
+		case Slab::halfSpace: break;
+	}
+	return reference::halfSpace(x, t, a, initial, surface);
+}
+
+Ground<2> startedSlab(Slab slab, int cells)
+{
+	auto s = thawedColumn(cells);
+	if (slab != Slab::sealedHalves) addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), surface);
+	if (slab == Slab::bothFaces) addBoundary<WallTemperature<2>>(s, Region<2>::side("top"), surface);
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { length / cells, length }, [&](PointInput<2>& p) {
+		p.temperature = slab == Slab::sealedHalves && p.position[1] > 0.5 * length ? surface : initial;
+	});
+	ground.initialise();
+	return ground;
+}
+
+/// Temperatures of the grid cells from the base up: means over the points of a cell. Points of one cell may keep a difference
+/// that the grid does not see (here from the jump at the start); it neither conducts nor grows.
+std::vector<double> cellTemperatures(const Ground<2>& ground)
+{
+	const auto          t = valuesOf(ground, "temperature"), y = valuesOf(ground, "position", 1);
+	const double        h = ground.settings().gridSpacing;
+	std::vector<double> mean(std::lround(length / h), 0.0);
+	for (std::size_t p = 0; p < y.size(); ++p)
+		mean[static_cast<int>(y[p] / h)] += t[p] / (y.size() / mean.size());
+	return mean;
+}
+
+/// Root mean square difference of cell temperatures to the solution at Fourier number 0.1, over the jump of 10 K.
+double errorOf(Slab slab, int cells)
+{
+	Ground<2>    ground = startedSlab(slab, cells);
+	const double t      = 0.1 * length * length / diffusivity();
+	marchTo(ground, t);
+	const auto mean = cellTemperatures(ground);
+	double     sum  = 0.0;
+	for (int c = 0; c < cells; ++c)
+		sum += std::pow((mean[c] - exact(slab, (c + 0.5) * length / cells, t)) / (surface - initial), 2);
+	return std::sqrt(sum / cells);
+}
+
+void expectSecondOrder(Slab slab, const std::string& name)
+{
+	const double coarse = errorOf(slab, 10), medium = errorOf(slab, 20), fine = errorOf(slab, 40);
+	expectSmall("V01 " + name + ": rms error over 10 K, h = L/10", coarse, 2e-2);
+	expectSmall("V01 " + name + ": rms error over 10 K, h = L/20", medium, 1e-2);
+	expectSmall("V01 " + name + ": rms error over 10 K, h = L/40", fine, 5e-3);
+	expectAtLeast("V01 " + name + ": order of convergence, L/10 to L/40", 0.5 * std::log2(coarse / fine), 1.7);
+}
+
+} // namespace
+
+TEST(HeatConduction, SlabWithBothFacesHeatedConvergesInSecondOrder) { expectSecondOrder(Slab::bothFaces, "slab, both faces at 12 degC"); }
+
+TEST(HeatConduction, SlabWithInsulatedFaceConvergesInSecondOrder) { expectSecondOrder(Slab::insulated, "slab, one face insulated"); }
+
+TEST(HeatConduction, SealedHalvesConvergeInSecondOrder) { expectSecondOrder(Slab::sealedHalves, "sealed halves 2|12 degC"); }
+
+TEST(HeatConduction, TabulatedTemperaturesAtAQuarterAndHalfTheSlab)
+{
+	struct Row {
+		Slab        slab;
+		const char* name;
+		double      quarter, half;
+	};
+	// Fourier number 0.1; the half space is the slab before its far face matters, so it is compared at x = 0.25 only
+	for (const Row& row : { Row { Slab::bothFaces, "both faces", 8.64403, 7.25513 }, Row { Slab::insulated, "insulated", 7.76241, 4.64349 } }) {
+		Ground<2> ground = startedSlab(row.slab, 40);
+		marchTo(ground, 0.1 * length * length / diffusivity());
+		const auto   t = valuesOf(ground, "temperature"), y = valuesOf(ground, "position", 1);
+		const auto   at = [&](double x) {
+                        // mean of the two rows beside x: second-order accurate
+                        double sum = 0.0;
+                        int    n   = 0;
+                        for (std::size_t p = 0; p < y.size(); ++p)
+                                if (std::abs(y[p] - x) < 0.5 * length / 40) sum += t[p], ++n;
+                        return sum / n;
+		};
+		expectScaled(std::string("V01 ") + row.name + ": T(0.25 L), Fo = 0.1, h = L/40 [degC]", at(0.25), row.quarter, 10.0, 5e-3);
+		expectScaled(std::string("V01 ") + row.name + ": T(0.5 L), Fo = 0.1, h = L/40 [degC]", at(0.5), row.half, 10.0, 5e-3);
+	}
+}
+
+TEST(HeatConduction, HeatTakenUpThroughAWallIsThatOfTheHalfSpace)
+{
+	Ground<2>    ground = startedSlab(Slab::insulated, 40);
+	const double t      = 0.02 * length * length / diffusivity(); // the far face is still at rest
+	marchTo(ground, t);
+	const MixtureProperties m       = withoutExpansion();
+	const double            kappa   = m.conductivity(VolumeFractions::of(0.4, 1.0));
+	const double            perArea = 2.0 * kappa * (surface - initial) * std::sqrt(t / (reference::pi * diffusivity()));
+	expectRelative("V01 heat taken up by the half space, h = L/40 [J/m^2]", ground.balance().heatIn * 40.0, perArea, 1e-2);
+}
+
+TEST(HeatConduction, SealedGroundKeepsItsHeat)
+{
+	Ground<2>    ground = startedSlab(Slab::sealedHalves, 20);
+	const double before = ground.balance().enthalpy;
+	marchTo(ground, 0.5 * length * length / diffusivity());
+	expectSmall("V01 sealed slab: relative drift of heat, Fo = 0.5", ground.balance().enthalpy / before - 1.0, 1e-12);
+}
+
+TEST(HeatConduction, HeatOfAWallIsAccountedForToRoundOff)
+{
+	Ground<2>    ground = startedSlab(Slab::bothFaces, 20);
+	const double before = ground.balance().enthalpy;
+	marchTo(ground, 0.2 * length * length / diffusivity());
+	const auto after = ground.balance();
+	expectSmall("V01 heated slab: (gain - logged heat)/logged heat", (after.enthalpy - before - after.heatIn) / after.heatIn, 1e-12);
+}
+
+// Manufactured: with constant heat production Q between two cold walls, T = T_w + Q x (L - x)/(2 kappa) in the steady state
+TEST(HeatConduction, ConstantHeatProductionGivesTheParabola)
+{
+	const auto errorAt = [](int cells) {
+		auto         s       = thawedColumn(cells);
+		const double kappa   = s.mixture.conductivity(VolumeFractions::of(0.4, 1.0));
+		const double peak    = 10.0;
+		s.heat->source       = peak * 8.0 * kappa / (length * length);
+		for (const char* side : { "bottom", "top" })
+			addBoundary<WallTemperature<2>>(s, Region<2>::side(side), initial);
+		Ground<2> ground(s);
+		const auto parabola = [&](double x) { return initial + peak * 4.0 * x * (length - x) / (length * length); };
+		fillBox(ground, { 0.0, 0.0 }, { length / cells, length }, [&](PointInput<2>& p) { p.temperature = initial; });
+		ground.initialise();
+		marchTo(ground, 1.5 * length * length / diffusivity());
+		const auto mean  = cellTemperatures(ground);
+		double     worst = 0.0;
+		for (int c = 0; c < cells; ++c)
+			worst = std::max(worst, std::abs(mean[c] - parabola((c + 0.5) * length / cells)) / peak);
+		return worst;
+	};
+	const double coarse = errorAt(10), fine = errorAt(20);
+	expectSmall("manufactured: parabola under heat production, largest error, h = L/10", coarse, 2e-2);
+	expectSmall("manufactured: parabola under heat production, largest error, h = L/20", fine, 1e-2);
+	expectAtLeast("manufactured: order of convergence, L/10 to L/20", std::log2(coarse / fine), 1.6);
+}
