@@ -289,6 +289,10 @@ py::list MpmEngine::fieldNames()
 	py::list names;
 	for (const auto& info : runningGround().fields())
 		if (info.place == "points") names.append(info.name);
+	if (motion && deformationRecord) names.append("deviatoricStrain");
+	for (const auto& law : activeSkeletons())
+		for (const auto& measure : law->measures())
+			if (names.count(measure) == 0) names.append(measure);
 	return names;
 }
 
@@ -308,8 +312,36 @@ py::list MpmEngine::fields()
 	return result;
 }
 
+namespace {
+	/// Equivalent deviatoric part of the logarithmic strain in plane strain, sqrt(2/3 e:e), from F.
+	double deviatoricStrain(const Real* f)
+	{
+		Eigen::Matrix2d F;
+		F << f[0], f[1], f[2], f[3];
+		const Eigen::Matrix2d b    = F * F.transpose();
+		const double          mean = 0.5 * b.trace(), radius = std::sqrt(std::max(0., mean * mean - b.determinant()));
+		const double          e1 = 0.5 * std::log(mean + radius), e2 = 0.5 * std::log(std::max(mean - radius, 1e-300)), third = (e1 + e2) / 3;
+		return std::sqrt(2. / 3 * ((e1 - third) * (e1 - third) + (e2 - third) * (e2 - third) + third * third));
+	}
+}
+
+py::object MpmEngine::deviatoricStrains()
+{
+	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: deviatoricStrain needs motion and deformationRecord=True.");
+	np::ndarray f      = py::extract<np::ndarray>(field("deformationGradient"))();
+	const int   n      = f.shape(0);
+	np::ndarray result = np::zeros(py::make_tuple(n), np::dtype::get_builtin<double>());
+	for (int i = 0; i < n; i++)
+		reinterpret_cast<Real*>(result.get_data())[i] = deviatoricStrain(reinterpret_cast<const Real*>(f.get_data()) + 4 * i);
+	return result;
+}
+
 py::object MpmEngine::field(const string& name)
 {
+	if (name == "deviatoricStrain") return deviatoricStrains();
+	for (const auto& law : activeSkeletons())
+		for (const auto& measure : law->measures())
+			if (measure == name) return law->values(name);
 	auto&     g     = runningGround();
 	int       parts = 1;
 	const int n     = g.points().count();
@@ -381,6 +413,17 @@ void MpmEngine::setTemperature(py::object values)
 	if (water) g.copyById("pressure", 0, pressure.data());
 	for (int id = 0; id < n; id++)
 		g.setThermalState(id, data[same ? 0 : id], pressure[id]);
+}
+
+void MpmEngine::resetDisplacement()
+{
+	auto&     g = runningGround();
+	auto&     f = g.points().fields();
+	const int n = g.points().count();
+	for (int axis = 0; axis < 2; axis++)
+		if (Real* displacement = f.find("displacement", axis)) std::fill(displacement, displacement + n, 0.);
+	for (int c = 0; c < 4; c++)
+		if (Real* deformation = f.find("deformationGradient", c)) std::fill(deformation, deformation + n, c % 3 == 0 ? 1. : 0.);
 }
 
 // ---- archives --------------------------------------------------------------------------------------------------------------

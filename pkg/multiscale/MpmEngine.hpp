@@ -28,11 +28,13 @@ public:
 	::boost::python::list   fieldNames();
 	::boost::python::list   fields();
 	::boost::python::object field(const string& name);
+	::boost::python::object deviatoricStrains();
 	::boost::python::dict   balance();
 	::boost::python::object grid();
 	int                     pointCount() const;
 	double                  groundTime() const;
 	double                  skemptonB();
+	void                    resetDisplacement();
 	void                    setTemperature(::boost::python::object values);
 
 	void preSave(MpmEngine&);
@@ -92,10 +94,11 @@ public:
 		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")
 		.def("fieldNames",&MpmEngine::fieldNames,"Names of the fields that exist on the points, for field().")
 		.def("fields",&MpmEngine::fields,"Every field on points and nodes: a list of dictionaries with name, owner (effect), unit, place, components, bytes.")
-		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' ids.")
+		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' ids; stress has the components xx, yy, zz, xy. Beside the stored fields: deviatoricStrain, sqrt(2/3 e:e) of the logarithmic strain.")
 		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
+		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")

@@ -18,7 +18,8 @@ public:
 	/// The sample of a point as it is now, ready to be opened: a copy.
 	shared_ptr<RveSample>   sample(int id) const;
 	void                    replaceSample(int id, const shared_ptr<RveSample>&);
-	::boost::python::object values(const string& name) const;
+	::boost::python::object values(const string& name) const override;
+	vector<string>          measures() const override { return { "bondsIntact", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber" }; }
 	::boost::python::dict   counters() const;
 	::boost::python::dict   blownUp() const;
 

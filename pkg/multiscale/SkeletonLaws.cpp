@@ -10,6 +10,11 @@ SkeletonLaw::Pointer SkeletonLaw::build(int)
 	throw std::invalid_argument("SkeletonLaw says nothing by itself: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
 }
 
+::boost::python::object SkeletonLaw::values(const string& name) const
+{
+	throw std::invalid_argument(getClassName() + " has no measure '" + name + "'.");
+}
+
 SkeletonLaw::Pointer ElasticSkeleton::build(int)
 {
 	auto model          = std::make_shared<talik::ElasticSkeleton<2>>();

@@ -19,6 +19,10 @@ public:
 	virtual void   restoreState(const string&) { }
 	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
 	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
+	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
+	virtual vector<string> measures() const { return {}; }
+	/// One of them for all points of the ground, NaN where a point has another skeleton.
+	virtual ::boost::python::object values(const string& name) const;
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons.", , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
 };
 REGISTER_SERIALIZABLE(SkeletonLaw);

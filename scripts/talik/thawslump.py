@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The thaw slumps of Yu & Zhao, section 3.2: what both cases share.
+
+A frozen slope with a 45 degree face stands behind a bench. Every material point has a sample of grains with ice bonds; the samples
+of each depth band are brought to the geostatic stress first and frozen then. The slope comes to rest, then heat comes in, and the
+slope thaws, loses its bonds and fails. The examples say where the heat comes from and what they keep.
+"""
+
+import argparse
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from yade import O, wrapper
+
+import talik
+from talik import output, plots, rve, slope
+from talik.files import writableFolder
+from talik.progress import Progress
+
+# Geometry [m]: ours, the paper prints none. A 45 degree face, 3 m high, above a 1 m bench.
+outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
+
+
+seriesLength = 40  # states in the ParaView series
+
+
+def runUntil(instant, look=None, interval=0.2):
+	"""Runs O until its time reaches `instant` [s], calling `look` every `interval` seconds of wall time.
+
+	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene."""
+	if O.time >= instant:
+		return
+	O.stopAtTime = instant
+	O.run()
+	pause, nextLook = 0.002, time.monotonic() + interval
+	try:
+		while O.running:
+			time.sleep(pause)
+			pause = min(1.5 * pause, 0.05)
+			if look is not None and time.monotonic() > nextLook:
+				look()
+				nextLook = time.monotonic() + interval
+	except KeyboardInterrupt:
+		O.pause()
+		raise
+	O.wait()
+
+
+@dataclass
+class Preset:
+	"""Size of a job."""
+
+	gridSpacing: float  # [m]; the paper's is 0.2
+	grains: int  # in each sample; the paper's is 400
+	endTime: float  # of thaw [s], f_T seconds of heat each
+	strainTolerance: float = 2e-5
+	bandThickness: float = 0.5  # of samples at the same initial stress [m]
+	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
+
+
+presets = {
+	"test": Preset(gridSpacing=0.5, grains=60, endTime=0.6, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2),
+	"draft": Preset(gridSpacing=0.5, grains=100, endTime=10.0),
+	"standard": Preset(gridSpacing=0.25, grains=200, endTime=15.0),
+	"paper": Preset(gridSpacing=0.2, grains=400, endTime=15.0),
+}
+
+
+@dataclass
+class Ground:
+	"""Settings of the ground; (P) the paper's, (O) ours where it is silent."""
+
+	temperature: float = -5.0  # initial [degC] (P)
+	warm: float = 10.0  # [degC] (P)
+	porosity: float = 0.4  # (P)
+	conductivity: float = 1e-4  # k [m/s] (P)
+	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P)
+	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
+	freezingWidth: float = 0.5  # W of the gauss freezing curve [K] (O)
+	residualSaturation: float = 0.05  # S_r (O)
+	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
+	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
+	damping: float = 0.02  # local damping during failure (O)
+	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
+
+
+class ThawSlump:
+	"""One run of a slump: build, bring to rest, thaw, draw.
+
+	name        of the case, used in titles
+	boundaries  function (start) -> list of thermal boundaries that begin to warm at `start` [s]
+	preset      a name in presets or a Preset
+	folder      for the results"""
+
+	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True):
+		self.name, self.thermalBoundaries, self.thaws = name, boundaries, thaw
+		self.presetName = preset if isinstance(preset, str) else "own"
+		self.preset = presets[preset] if isinstance(preset, str) else preset
+		self.ground = ground or Ground()
+		self.folder = writableFolder(folder)
+		self.wallStart = time.monotonic()
+		self.mpm = self._build()
+
+	# ---- building
+
+	def _build(self):
+		p, g = self.preset, self.ground
+		sample = slope.pack(rve.prepare(grains=p.grains, ice=True))
+		positions, volumes = talik.geometry.fillPolygon(outline, p.gridSpacing, 4, (0.0, 0.0))
+		density = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)
+		samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
+		self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
+		height = 4 + 4 * p.gridSpacing
+		mpm = wrapper.MpmEngine(
+			gridSpacing=p.gridSpacing,
+			lower=(0, 0),
+			upper=(10, p.gridSpacing * round(height / p.gridSpacing)),
+			gravity=(0, -9.81),
+			damping=g.restDamping,
+			skeleton=self.skeleton,
+			heat=wrapper.HeatTransfer(thermalTimeScale=g.thermalTimeScale),
+			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
+			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive),
+		)
+		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature)
+		mpm.boundaries = [
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="right"),
+			wrapper.FixedBoundary(region="bottom"),
+			wrapper.DrainedBoundary(region="surface", recharge=False),
+		] + self.thermalBoundaries(p.restTime if self.thaws else 1e9)
+		return mpm
+
+	# ---- running
+
+	def run(self):
+		"""Rest, thaw, results. Returns the summary."""
+		mpm, p = self.mpm, self.preset
+		O.engines = [mpm]
+		runUntil(p.restTime)
+		self.restKineticEnergy = mpm.balance()["kineticEnergy"]
+		mpm.resetDisplacement()
+		mpm.damping = self.ground.damping
+		self.frames = output.Frames(mpm, self._frameTimes(), clock=self.thawTime)
+		series = output.ParaViewSeries(mpm, self.folder / "paraview", clock=self.thawTime)
+		progress = Progress(endTime=p.endTime, thermalTimeScale=self.ground.thermalTimeScale, clock=self.thawTime, details=self._details)
+		try:
+			for instant in np.linspace(0, p.endTime, seriesLength + 1):
+				runUntil(p.restTime + instant, progress.update)
+				series.write()
+				self.frames.take()
+		finally:
+			progress.close()
+			summary = self._results()
+		return summary
+
+	def thawTime(self):
+		"""Time since the start of the thaw [s]."""
+		return self.mpm.time - self.preset.restTime
+
+	def _frameTimes(self):
+		return [self.preset.endTime * part for part in (0, 0.25, 0.5, 0.75, 0.999)]
+
+	def _details(self):
+		counters = self.skeleton.counters
+		return {"sample calls": counters["calls"]}
+
+	# ---- results
+
+	def _results(self):
+		frames = self.frames.frames
+		if len(frames) > 1:
+			self.frames.save(self.folder / "frames.npz")
+			plots.save(plots.slopeHistory(frames[1:], thermalTimeScale=self.ground.thermalTimeScale), self.folder / "slope.png")
+		summary = self.summary()
+		output.writeSummary(self.folder / "summary.json", **summary)
+		return summary
+
+	def summary(self):
+		"""Named results of the run so far."""
+		mpm = self.mpm
+		counters = self.skeleton.counters
+		displacement = np.linalg.norm(mpm.field("displacement"), axis=1)
+		bonds = {name: int(np.nansum(mpm.field(name))) for name in ("bondsIntact", "bondsBroken", "bondsMelted")}
+		return {
+			"case": self.name,
+			"preset": self.presetName,
+			**{f"preset.{k}": v for k, v in asdict(self.preset).items()},
+			**{f"ground.{k}": v for k, v in asdict(self.ground).items()},
+			"wallTime [s]": time.monotonic() - self.wallStart,
+			"threads": O.numThreads if hasattr(O, "numThreads") else None,
+			"points": mpm.pointCount,
+			"steps": O.iter,
+			"time step [s]": O.dt,
+			"thaw time [s]": self.thawTime(),
+			"heat time [d]": self.thawTime() * self.ground.thermalTimeScale / 86400,
+			"sample calls": counters["calls"],
+			"sample DEM steps": counters["steps"],
+			"sample wall time [s]": counters["seconds"],
+			"sample memory [MB]": counters["bytes"] / 1e6,
+			"largest displacement [m]": displacement.max(),
+			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
+			**bonds,
+			"SkemptonB [-]": mpm.skemptonB(),
+			"kinetic energy after rest [J/m]": self.restKineticEnergy,
+			**{f"balance.{k}": v for k, v in mpm.balance().items()},
+		}
+
+
+def arguments(description, defaultFolder):
+	"""Command line of an example: --preset, --output."""
+	parser = argparse.ArgumentParser(description=description)
+	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
+	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
+	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
+	return parser.parse_args()
