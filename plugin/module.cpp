@@ -5,6 +5,7 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <boost/python/numpy.hpp>
+#include <omp.h>
 
 namespace py = boost::python;
 using namespace yade;
@@ -77,6 +78,31 @@ namespace {
 		return scene;
 	}
 
+	/// One OpenMP thread for the code in its scope.
+	struct SingleThread {
+		const int before = omp_get_max_threads();
+		SingleThread() { omp_set_num_threads(1); }
+		~SingleThread() { omp_set_num_threads(before); }
+	};
+
+	struct WithoutInterpreterLock {
+		PyThreadState* const state = PyEval_SaveThread();
+		~WithoutInterpreterLock() { PyEval_RestoreThread(state); }
+	};
+
+	/// Small scenes lose by YADE's threads, and by sleeping until O.run has ended; and one thread gives the same bits for every -j.
+	void runSerially(long steps)
+	{
+		refuseWhileRunning("runSerially");
+		if (steps < 0) raise(PyExc_ValueError, "runSerially: steps is " + std::to_string(steps) + "; it must be at least 0.");
+		const auto         scene = Omega::instance().getScene();
+		const SingleThread serial;
+		if (steps > 0) scene->moveToNextTimeStep(); // lets go of former engines, which Python may own
+		const WithoutInterpreterLock unlocked;
+		for (long step = 1; step < steps; step++)
+			scene->moveToNextTimeStep();
+	}
+
 } // namespace
 } // namespace talik
 
@@ -89,5 +115,6 @@ BOOST_PYTHON_MODULE(_talik)
 	        "all of them. ImportError when YADE differs.");
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
+	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
 	py::def("currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");
 }

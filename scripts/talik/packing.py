@@ -7,13 +7,14 @@ calls them inside a scene of its own. Stresses are in Pa, tension positive.
 """
 
 import math
-import time
 from dataclasses import dataclass
 
 import numpy as np
 from yade import Matrix3, O, Vector3, utils, wrapper
 from yade import log as yadeLog
 from yade import pack
+
+import talik
 
 cloudDensity = 0.42  # area fraction of the first cloud; random placement of discs comes to an end near 0.54
 stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain
@@ -87,13 +88,8 @@ def iceBondAvailable():
 
 
 def advance(steps):
-	"""Runs the current scene; polls finely because O.run(n, True) itself sleeps 40 ms between two looks."""
-	goal = O.iter + steps
-	O.run(steps, False)
-	while O.running:
-		time.sleep(2e-4)
-	if O.iter < goal:
-		raise PackingError(f"YADE stopped at step {O.iter} of {goal}; its message is above")
+	"""Advances the current scene; with one thread, so that a sample does not depend on how many yade was given."""
+	talik._talik.runSerially(steps)
 
 
 # --- measuring -----------------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ from talik import packing
 from talik.files import writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
-recipeVersion = 1  # part of the cache key: raise it whenever the recipe gives other samples
+recipeVersion = 2  # part of the cache key: raise it whenever the recipe gives other samples
 porosityTolerance = 0.005
 fabricTolerance = 0.05
 shearTolerance = 0.01  # of the mean pressure
@@ -75,7 +75,7 @@ def prepare(
 	stiffnessRatio=0.8,
 	friction=0.5,
 	density=2650.0,
-	damping=0.2,
+	damping=0.3,
 	ice=None,
 	cache=True,
 	**iceBond,

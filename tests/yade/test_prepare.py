@@ -2,13 +2,13 @@
 """Preparation of samples, measured again with stock YADE's own functions."""
 
 import math
+import subprocess
 import time
 
 import numpy as np
 import pytest
-from yade import Matrix3, O, Vector3, utils, wrapper
+from yade import Matrix3, O, utils, wrapper
 
-import talik
 from talik import output, packing, plots, rve
 
 
@@ -33,7 +33,7 @@ def test_prepared_sample_has_the_papers_porosity_isotropic_fabric_and_no_shear_s
 	pressure = -0.5 * (stress[0, 0] + stress[1, 1])
 	shear = 0.5 * (stress[0, 1] + stress[1, 0])
 	print(
-		f"\n{sample.grains} grains (seed {sample.parameters['seedUsed']}, compaction friction {sample.parameters['compactionFriction']}): "
+		f"\n{sample.grains} grains (seed {sample.parameters['seedUsed']}, compaction friction {sample.parameters['compactionFriction']:.4g}): "
 		f"porosity {porosity:.4f} (0.18 +- 0.005), F1-F2 {anisotropy:.4f} (< 0.05), xx {stress[0, 0] / 1e3:.3f}, yy {stress[1, 1] / 1e3:.3f}, "
 		f"xy {shear / 1e3:.4f} kPa (|xy| < 1 %), coordination number {sample.coordinationNumber:.3f}; {wall:.1f} s"
 	)
@@ -187,14 +187,26 @@ def test_an_unwritable_cache_is_named_with_a_remedy():
 		rve.prepare(grains=30, cache="/proc/nowhere")
 
 
-def test_without_ice_the_bond_law_prepares_the_same_sample_as_stock_yade(sampleCache):
-	stock = rve.prepare(grains=50, porosity=0.19, ice=False, cache=sampleCache)
-	bond = rve.prepare(grains=50, porosity=0.19, ice=True, cache=sampleCache)
-	print(f"\nstock    {stock}\nice bond {bond}")
-	O.load(bond.path)
-	assert type(O.materials[0]).__name__ == "IceBondMat" and O.materials[0].iceSaturation == 0
-	assert {type(i.phys).__name__ for i in O.interactions if i.isReal} == {"IceBondPhys"}
-	assert abs(stock.porosity - bond.porosity) < 0.01 and abs(stock.coordinationNumber - bond.coordinationNumber) < 0.5
+@pytest.mark.parametrize("ice, material, contact, law", [
+	(False, "FrictMat", "FrictPhys", "Law2_ScGeom_FrictPhys_CundallStrack"),
+	(True, "IceBondMat", "IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond"),
+])
+def test_the_saved_scene_holds_the_materials_and_laws_asked_for_without_ice(sampleCache, ice, material, contact, law):
+	sample = rve.prepare(grains=50, porosity=0.19, ice=ice, cache=sampleCache)
+	print(f"\nice={ice}: {sample}")
+	O.load(sample.path)
+	assert type(O.materials[0]).__name__ == material
+	assert {type(i.phys).__name__ for i in O.interactions if i.isReal} == {contact}
+	assert [type(functor).__name__ for functor in O.engines[2].lawDispatcher.functors] == [law]
+	assert abs(sample.porosity - 0.19) < 0.005 and getattr(O.materials[0], "iceSaturation", 0) == 0
+
+
+def test_attributes_of_the_ice_bond_reach_the_material(sampleCache):
+	sample = rve.prepare(grains=30, porosity=0.19, cache=sampleCache, iceYoung=2e9, iceTensileStrength=30e6)
+	O.load(sample.path)
+	assert O.materials[0].iceYoung == 2e9 and O.materials[0].iceTensileStrength == 30e6
+	with pytest.raises(AttributeError, match="iceYuong"):
+		rve.prepare(grains=30, porosity=0.19, cache=sampleCache, iceYuong=2e9)
 
 
 def test_sample_arrays_give_back_the_stress_and_serve_pictures_and_files(draftSample, tmp_path):
@@ -225,3 +237,37 @@ def test_progress_and_output_run_as_engines(tmp_path, capsys):
 	progress.close()
 	assert calls == [5, 10, 15]
 	assert "step 20" in capsys.readouterr().err
+
+
+def preparedBy(threads, cache):
+	"""Numbers of a sample made by another yade with so many threads."""
+	script = cache / "prepare.py"
+	script.write_text(
+		"import sys, json, talik\nfrom talik import rve\n"
+		"sample = rve.servo(rve.prepare(grains=40, porosity=0.19, cache=sys.argv[1]), -20e3, -25e3, cache=sys.argv[1])\n"
+		"print('MADE', json.dumps([sample.stress, sample.porosity, sample.fabric, sample.size]))\n"
+	)
+	run = subprocess.run(["yade", "-n", "-x", "-j", str(threads), str(script), str(cache)], capture_output=True, text=True, timeout=300)
+	return next(line for line in run.stdout.splitlines() if line.startswith("MADE"))
+
+
+def test_a_sample_is_the_same_to_the_last_bit_however_many_threads_yade_has(tmp_path):
+	caches = [tmp_path / "one", tmp_path / "three"]
+	for cache in caches:
+		cache.mkdir()
+	one, three = preparedBy(1, caches[0]), preparedBy(3, caches[1])
+	print(f"\n-j1 {one}\n-j3 {three}")
+	assert one == three
+
+
+def test_a_serial_run_follows_yades_own_run_to_the_last_bit(draftSample):
+	states = []
+	for advance in (packing.advance, lambda steps: O.run(steps, True)):
+		O.load(draftSample.path)
+		O.cell.velGrad = Matrix3(1e-2, 0, 0, 0, -1e-2, 0, 0, 0, 0)
+		advance(500)
+		states.append(np.array([body.state.pos for body in O.bodies]))
+		assert O.iter >= 500
+	difference = np.abs(states[0] - states[1]).max()
+	print(f"\nlargest difference of positions after 500 steps {difference}")
+	assert difference == 0
