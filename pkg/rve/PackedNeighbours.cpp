@@ -9,18 +9,6 @@ namespace talik {
 
 namespace {
 
-	// An odd factor makes the product a bijection of 64-bit integers; the second is the inverse of the first modulo 2^64.
-	constexpr std::uint64_t scramble = 0x9E3779B97F4A7C15ull;
-	constexpr std::uint64_t inverseOf(std::uint64_t a)
-	{
-		std::uint64_t x = a;
-		for (int k = 0; k < 6; ++k)
-			x *= 2 - a * x;
-		return x;
-	}
-	constexpr std::uint64_t unscramble = inverseOf(scramble);
-	static_assert(scramble * unscramble == 1ull, "modular inverse");
-
 	std::array<double, 4> invert(const double* h, std::integral_constant<int, 2>)
 	{
 		const double det = h[0] * h[3] - h[1] * h[2];
@@ -50,31 +38,17 @@ namespace {
 		return static_cast<std::int8_t>(c);
 	}
 
+	/// Shift of the cell vectors times the integers.
+	template <int Dim> std::array<double, Dim> shiftOf(const double* hSize, const std::array<int, Dim>& cells)
+	{
+		std::array<double, Dim> shift {};
+		for (int d = 0; d < Dim; ++d)
+			for (int e = 0; e < Dim; ++e)
+				shift[d] += hSize[d * Dim + e] * cells[e];
+		return shift;
+	}
+
 } // namespace
-
-template <int Dim> std::uint64_t PairKey<Dim>::encode() const
-{
-	std::uint64_t code = (std::uint64_t(first) << 48) | (std::uint64_t(second) << 32);
-	for (int d = 0; d < Dim; ++d)
-		code |= std::uint64_t(std::uint8_t(cellDist[d])) << (24 - 8 * d);
-	return code * scramble;
-}
-
-template <int Dim> PairKey<Dim> PairKey<Dim>::decode(std::uint64_t key)
-{
-	const std::uint64_t code = key * unscramble;
-	PairKey             pair;
-	pair.first  = std::uint32_t(code >> 48);
-	pair.second = std::uint32_t(code >> 32) & 0xffffu;
-	for (int d = 0; d < Dim; ++d)
-		pair.cellDist[d] = static_cast<std::int8_t>(std::uint8_t(code >> (24 - 8 * d)));
-	return pair;
-}
-
-template <int Dim> bool PairKey<Dim>::crossesCell() const
-{
-	return std::any_of(cellDist.begin(), cellDist.end(), [](std::int8_t c) { return c != 0; });
-}
 
 // Keys are as good as random in their leading bits: one pass into buckets leaves them almost sorted.
 void sortPairKeys(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& buffer, std::vector<std::uint32_t>& counts)
@@ -101,33 +75,33 @@ void sortPairKeys(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& 
 	keys.swap(buffer);
 }
 
-template <int Dim> void NeighbourSearch<Dim>::wrap(const double* positions, std::size_t stride, std::size_t grains, const double* hSize)
+template <int Dim>
+void NeighbourSearch<Dim>::wrap(const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize)
 {
 	inverse = invert(hSize, std::integral_constant<int, Dim>());
 	wrapped.resize(grains);
 	reduced.resize(grains);
-	image.resize(grains);
 	for (std::size_t g = 0; g < grains; ++g) {
 		const double* x = positions + g * stride;
+		Wrapped&      w = wrapped[g];
+		w.radius        = radii[g];
+		w.grain         = std::uint32_t(g);
 		for (int d = 0; d < Dim; ++d) {
 			double xi = 0;
 			for (int e = 0; e < Dim; ++e)
 				xi += inverse[d * Dim + e] * x[e];
 			if (!(std::fabs(xi) < 1e6)) throw std::runtime_error("packed sample: grain " + std::to_string(g) + " has flown out of reach of its cell");
-			const double cell = std::floor(xi);
-			image[g][d]       = int(cell);
-			reduced[g][d]     = xi - cell;
+			const int cell = int(xi) - (xi < 0);
+			w.image[d]     = cell;
+			reduced[g][d]  = xi - cell;
 		}
-		for (int d = 0; d < Dim; ++d) {
-			double shift = 0;
-			for (int e = 0; e < Dim; ++e)
-				shift += hSize[d * Dim + e] * image[g][e];
-			wrapped[g][d] = x[d] - shift;
-		}
+		const std::array<double, Dim> shift = shiftOf<Dim>(hSize, w.image);
+		for (int d = 0; d < Dim; ++d)
+			w.x[d] = x[d] - shift[d];
 	}
 }
 
-template <int Dim> typename NeighbourSearch<Dim>::Grid NeighbourSearch<Dim>::chooseGrid(const double*, double reach) const
+template <int Dim> typename NeighbourSearch<Dim>::Grid NeighbourSearch<Dim>::chooseGrid(double reach) const
 {
 	Grid grid { {}, true };
 	for (int d = 0; d < Dim; ++d) {
@@ -140,82 +114,79 @@ template <int Dim> typename NeighbourSearch<Dim>::Grid NeighbourSearch<Dim>::cho
 	return grid;
 }
 
-template <int Dim> void NeighbourSearch<Dim>::fillBins(const Grid& grid, std::size_t grains)
+/// Grains in the order of their bins.
+template <int Dim> void NeighbourSearch<Dim>::fillBins(const Grid& grid)
 {
-	std::size_t bins = 1;
+	const std::size_t grains = wrapped.size();
+	std::size_t       bins   = 1;
 	for (int d = 0; d < Dim; ++d)
 		bins *= std::size_t(grid.bins[d]);
-	binStart.assign(bins + 1, 0);
+	binStart.assign(bins + 2, 0);
 	binOf.resize(grains);
-	binGrains.resize(grains);
+	binned.resize(grains);
 	for (std::size_t g = 0; g < grains; ++g) {
 		int bin = 0;
 		for (int d = Dim - 1; d >= 0; --d)
-			bin = bin * grid.bins[d] + std::min(grid.bins[d] - 1, int(reduced[g][d] * grid.bins[d]));
+			bin = bin * grid.bins[d] + std::max(0, std::min(grid.bins[d] - 1, int(reduced[g][d] * grid.bins[d])));
 		binOf[g] = std::uint32_t(bin);
-		++binStart[bin + 1];
+		++binStart[std::size_t(bin) + 2];
 	}
-	for (std::size_t b = 1; b <= bins; ++b)
+	for (std::size_t b = 2; b < binStart.size(); ++b)
 		binStart[b] += binStart[b - 1];
-	for (std::size_t g = grains; g-- > 0;)
-		binGrains[--binStart[binOf[g] + 1]] = std::uint32_t(g);
-	// the loop above moved every start one entry down
-	for (std::size_t b = 0; b < bins; ++b)
-		binStart[b] = binStart[b + 1];
-	binStart[bins] = std::uint32_t(grains);
+	// entry bin + 1 runs from the start of its bin to its end, where the next bin starts
+	for (std::size_t g = 0; g < grains; ++g)
+		binned[binStart[binOf[g] + 1]++] = wrapped[g];
+}
+
+template <int Dim> void NeighbourSearch<Dim>::keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells)
+{
+	PairKey<Dim> pair { a.grain, b.grain, {} };
+	const int    sign = a.grain < b.grain ? 1 : -1;
+	if (sign < 0) std::swap(pair.first, pair.second);
+	for (int d = 0; d < Dim; ++d)
+		pair.cellDist[d] = cellDistance(sign * (cells[d] + a.image[d] - b.image[d]));
+	(pair.crossesCell() ? periodic : inner)->push_back(pair.encode());
 }
 
 template <int Dim>
-void NeighbourSearch<Dim>::testPair(
-        std::uint32_t a, std::uint32_t b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift, const double* radii, double skin)
+inline void NeighbourSearch<Dim>::testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift)
 {
 	double square = 0;
 	for (int d = 0; d < Dim; ++d) {
-		const double branch = wrapped[b][d] + shift[d] - wrapped[a][d];
+		const double branch = b.x[d] + shift[d] - a.x[d];
 		square += branch * branch;
 	}
-	const double limit = radii[a] + radii[b] + skin;
-	if (square > limit * limit) return;
-	PairKey<Dim> pair { a, b, {} };
-	const int    sign = a < b ? 1 : -1;
-	if (sign < 0) std::swap(pair.first, pair.second);
-	bool crosses = false;
-	for (int d = 0; d < Dim; ++d) {
-		const int c       = sign * (cells[d] + image[a][d] - image[b][d]);
-		pair.cellDist[d] = cellDistance(c);
-		crosses |= c != 0;
-	}
-	(crosses ? periodic : inner)->push_back(pair.encode());
+	const double limit = a.radius + b.radius + skin;
+	if (square <= limit * limit) keepPair(a, b, cells);
 }
 
-template <int Dim> void NeighbourSearch<Dim>::searchBins(const Grid& grid, const double* radii, const double* hSize, double skin)
+template <int Dim> void NeighbourSearch<Dim>::searchBins(const Grid& grid, const double* hSize)
 {
-	// half of the neighbouring bins, the bin itself first
-	std::vector<std::array<int, Dim>> stencil;
-	for (int code = (Dim == 2 ? 9 : 27) / 2; code < (Dim == 2 ? 9 : 27); ++code) {
-		std::array<int, Dim> offset;
-		for (int d = 0, rest = code; d < Dim; ++d, rest /= 3)
-			offset[d] = rest % 3 - 1;
-		stencil.push_back(offset);
-	}
+	constexpr int        directions = Dim == 2 ? 9 : 27;
 	std::array<int, Dim> at {};
-	for (std::size_t bin = 0; bin + 1 < binStart.size(); ++bin) {
-		for (std::size_t s = 0; s < stencil.size(); ++s) {
+	const std::size_t    bins = binStart.size() - 2;
+	for (std::size_t bin = 0; bin < bins; ++bin) {
+		const Wrapped *begin = binned.data() + binStart[bin], *end = binned.data() + binStart[bin + 1];
+		// half of the neighbouring bins, the bin itself first
+		for (int code = directions / 2; begin != end && code < directions; ++code) {
 			std::array<int, Dim>    cells {};
 			std::array<double, Dim> shift {};
-			int                     other = 0;
-			for (int d = Dim - 1; d >= 0; --d) {
-				int k = at[d] + stencil[s][d];
-				if (k < 0) { cells[d] = -1; k += grid.bins[d]; }
-				if (k >= grid.bins[d]) { cells[d] = 1; k -= grid.bins[d]; }
-				other = other * grid.bins[d] + k;
+			int                     place[Dim], other = 0;
+			bool                    crosses = false;
+			for (int d = 0, rest = code; d < Dim; ++d, rest /= 3) {
+				place[d] = at[d] + rest % 3 - 1;
+				if (place[d] < 0) cells[d] = -1;
+				if (place[d] >= grid.bins[d]) cells[d] = 1;
+				place[d] -= cells[d] * grid.bins[d];
+				crosses |= cells[d] != 0;
 			}
-			for (int d = 0; d < Dim; ++d)
-				for (int e = 0; e < Dim; ++e)
-					shift[d] += hSize[d * Dim + e] * cells[e];
-			for (std::uint32_t p = binStart[bin]; p < binStart[bin + 1]; ++p)
-				for (std::uint32_t q = s == 0 ? p + 1 : binStart[other]; q < binStart[other + 1]; ++q)
-					testPair(binGrains[p], binGrains[q], cells, shift, radii, skin);
+			for (int d = Dim - 1; d >= 0; --d)
+				other = other * grid.bins[d] + place[d];
+			if (crosses) shift = shiftOf<Dim>(hSize, cells);
+			const Wrapped *from = binned.data() + binStart[other], *to = binned.data() + binStart[other + 1];
+			for (const Wrapped* p = begin; p != end; ++p)
+				for (const Wrapped* q = code == directions / 2 ? p + 1 : from; q != to; ++q)
+					testPair(*p, *q, cells, shift);
 		}
 		for (int d = 0; d < Dim; ++d) {
 			if (++at[d] < grid.bins[d]) break;
@@ -225,7 +196,7 @@ template <int Dim> void NeighbourSearch<Dim>::searchBins(const Grid& grid, const
 }
 
 // For cells of a few grains: every pair in every image that can reach.
-template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* radii, std::size_t grains, const double* hSize, double skin, double reach)
+template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* hSize, double reach)
 {
 	std::array<int, Dim> range, cells;
 	for (int d = 0; d < Dim; ++d) {
@@ -236,13 +207,10 @@ template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* radii, std
 		cells[d] = -range[d];
 	}
 	for (;;) {
-		std::array<double, Dim> shift {};
-		for (int d = 0; d < Dim; ++d)
-			for (int e = 0; e < Dim; ++e)
-				shift[d] += hSize[d * Dim + e] * cells[e];
-		for (std::uint32_t a = 0; a < grains; ++a)
-			for (std::uint32_t b = a + 1; b < grains; ++b)
-				testPair(a, b, cells, shift, radii, skin);
+		const std::array<double, Dim> shift = shiftOf<Dim>(hSize, cells);
+		for (std::size_t a = 0; a < wrapped.size(); ++a)
+			for (std::size_t b = a + 1; b < wrapped.size(); ++b)
+				testPair(wrapped[a], wrapped[b], cells, shift);
 		int d = 0;
 		for (; d < Dim; ++d) {
 			if (++cells[d] <= range[d]) break;
@@ -254,29 +222,25 @@ template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* radii, std
 
 template <int Dim>
 void NeighbourSearch<Dim>::build(
-        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, double skin,
+        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, double wantedSkin,
         std::vector<std::uint64_t>& innerKeys, std::vector<std::uint64_t>& periodicKeys)
 {
 	inner    = &innerKeys;
 	periodic = &periodicKeys;
+	skin     = wantedSkin;
 	inner->clear();
 	periodic->clear();
-	wrap(positions, stride, grains, hSize);
-	double largest = 0;
-	for (std::size_t g = 0; g < grains; ++g)
-		largest = std::max(largest, radii[g]);
-	const double reach = 2 * largest + skin;
-	const Grid   grid  = chooseGrid(hSize, reach);
+	wrap(positions, stride, radii, grains, hSize);
+	const double reach = 2 * *std::max_element(radii, radii + grains) + skin;
+	const Grid   grid  = chooseGrid(reach);
 	if (grid.usable) {
-		fillBins(grid, grains);
-		searchBins(grid, radii, hSize, skin);
+		fillBins(grid);
+		searchBins(grid, hSize);
 	} else {
-		searchAll(radii, grains, hSize, skin, reach);
+		searchAll(hSize, reach);
 	}
 }
 
-template struct PairKey<2>;
-template struct PairKey<3>;
 template class NeighbourSearch<2>;
 template class NeighbourSearch<3>;
 

@@ -12,9 +12,32 @@ template <int Dim> struct PairKey {
 	std::uint32_t                first, second; ///< first < second
 	std::array<std::int8_t, Dim> cellDist;
 
-	std::uint64_t  encode() const;
-	static PairKey decode(std::uint64_t key);
-	bool           crossesCell() const;
+	// An odd factor makes the product a bijection of 64-bit integers; the second is the inverse of the first modulo 2^64.
+	static constexpr std::uint64_t scramble = 0x9E3779B97F4A7C15ull, unscramble = 0xF1DE83E19937733Dull;
+	static_assert(scramble * unscramble == 1ull, "modular inverse");
+
+	std::uint64_t encode() const
+	{
+		std::uint64_t code = (std::uint64_t(first) << 48) | (std::uint64_t(second) << 32);
+		for (int d = 0; d < Dim; ++d)
+			code |= std::uint64_t(std::uint8_t(cellDist[d])) << (24 - 8 * d);
+		return code * scramble;
+	}
+	static PairKey decode(std::uint64_t key)
+	{
+		const std::uint64_t code = key * unscramble;
+		PairKey             pair { std::uint32_t(code >> 48), std::uint32_t(code >> 32) & 0xffffu, {} };
+		for (int d = 0; d < Dim; ++d)
+			pair.cellDist[d] = static_cast<std::int8_t>(std::uint8_t(code >> (24 - 8 * d)));
+		return pair;
+	}
+	bool crossesCell() const
+	{
+		int any = 0;
+		for (int d = 0; d < Dim; ++d)
+			any |= cellDist[d];
+		return any != 0;
+	}
 };
 
 /// Periodic search for all pairs closer than r_1 + r_2 + skin. Keeps its buffers.
@@ -30,18 +53,27 @@ private:
 		std::array<int, Dim> bins;
 		bool                 usable;
 	};
-	void wrap(const double* positions, std::size_t stride, std::size_t grains, const double* hSize);
-	Grid chooseGrid(const double* hSize, double reach) const;
-	void fillBins(const Grid& grid, std::size_t grains);
-	void searchBins(const Grid& grid, const double* radii, const double* hSize, double skin);
-	void searchAll(const double* radii, std::size_t grains, const double* hSize, double skin, double reach);
-	void testPair(std::uint32_t a, std::uint32_t b, const std::array<int, Dim>& image, const std::array<double, Dim>& shift, const double* radii, double skin);
+	/// A grain wrapped into the cell.
+	struct Wrapped {
+		std::array<double, Dim> x;
+		double                  radius;
+		std::array<int, Dim>    image;
+		std::uint32_t           grain;
+	};
+	void wrap(const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize);
+	Grid chooseGrid(double reach) const;
+	void fillBins(const Grid& grid);
+	void searchBins(const Grid& grid, const double* hSize);
+	void searchAll(const double* hSize, double reach);
+	void testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift);
+	void keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells);
 
+	double                               skin = 0;
 	std::array<double, Dim * Dim>        inverse {};
-	std::vector<std::array<double, Dim>> wrapped, reduced;
-	std::vector<std::array<int, Dim>>    image;
-	std::vector<std::uint32_t>           binStart, binGrains, binOf;
-	std::vector<std::uint64_t>*          inner = nullptr;
+	std::vector<Wrapped>                 wrapped, binned;
+	std::vector<std::array<double, Dim>> reduced;
+	std::vector<std::uint32_t>           binStart, binOf;
+	std::vector<std::uint64_t>*          inner    = nullptr;
 	std::vector<std::uint64_t>*          periodic = nullptr;
 };
 
