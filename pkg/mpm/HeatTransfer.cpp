@@ -177,7 +177,7 @@ template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const
 			const double t = nodal[node][0];
 			for (int i = 0; i < D; ++i)
 				slope[i] += g[i] * t;
-			if constexpr (Smooth) ofGrid += s * mapped[node][0];
+			if constexpr (Smooth) ofGrid += s * t;
 		});
 		const double conductance = -volume[p] * conductivity[p] * scaled;
 		const double produced    = volume[p] * source;
@@ -240,11 +240,12 @@ template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, dou
 		received += capacity[i][0] * rise[i][0];
 	heatIn += received - conducted;
 
-	// T + chi (1 - A)(A - 1) T, A = to the grid and back: what the grid does not see decays, the sum of C T stays
+	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
+	// the gradient at a wall and the sum of C T stay
 	const double chi = smoothing(dt);
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
-			if (capacity[i][0] > 0.0) rise[i][0] += chi * (mapped[i][0] - noise[i][0] / capacity[i][0]);
+			if (capacity[i][0] > 0.0) rise[i][0] += chi * (nodal[i][0] - noise[i][0] / capacity[i][0]);
 	});
 }
 
