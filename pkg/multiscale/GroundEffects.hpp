@@ -40,7 +40,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it there is no temperature. Example: MpmEngine(heat=HeatTransfer(thermalTimeScale=8.64e5),...).",
 		((Real,thermalTimeScale,1,,"f_T [-], > 0: conduction, surface coefficients, heat fluxes and sources are multiplied by it, so that heat's time is f_T times the scene's."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
-		((Real,smoothingTime,std::numeric_limits<Real>::infinity(),,"Time constant of the conservative smoothing of point temperatures [s]; infinite: none."))
+		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s]; NaN: chosen from the grid, infinite: none."))
 		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
 		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more heat)."))
 	);
