@@ -9,13 +9,17 @@ import xml.etree.ElementTree as ElementTree
 # Lines by which a test program talks about itself, not about what it measured.
 scaffold = re.compile(
 	r"^\s*$|^\[[-=\s\w]+\]|^Running main\(\)|^Note: Google Test|^=+ .* =+$|^(platform|rootdir|plugins|cachedir|collected|configfile)\b"
-	r"|^Welcome to Yade|^Using python version|^TCP python prompt|^XMLRPC info|^Running script|^\S+\.py(::\S+)?\s*[.FEs]*\s*(\[\s*\d+%\])?$"
-	r"|^[.FEs]+\s*(\[\s*\d+%\])?$|^\d+ (passed|failed).* in .*s"
+	r"|^Welcome to Yade|^Using python version|^TCP python prompt|^XMLRPC info|^Running script|^\s*\[\s*\d+%\]$"
+	r"|^\d+ (passed|failed).* in .*s"
 )
 
 
+requirement = re.compile(r"^\[ RUN\s+\] (\S+)")  # of GoogleTest; pytest's names come as lines of their own
+
+
 def measuredLines(text):
-	return [line.rstrip() for line in (text or "").splitlines() if not scaffold.match(line)]
+	lines = (requirement.sub(r"\1", line.rstrip()) for line in (text or "").splitlines())
+	return [line for line in lines if not scaffold.match(line)]
 
 
 def outcome(case):

@@ -14,7 +14,7 @@ import talik  # before any engine exists
 here = Path(sys.argv[0]).resolve().parent
 sys.path.insert(0, str(here))
 arguments = sys.argv[1:] or [str(here)]
-status = pytest.main(["-q", "-s", "-p", "no:cacheprovider", f"--rootdir={here}", *arguments])
+status = pytest.main(arguments)
 sys.stdout.flush()
 sys.stderr.flush()
 os._exit(int(status))  # a yade with threads and Python objects in flight may not end otherwise
