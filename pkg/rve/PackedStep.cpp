@@ -54,11 +54,11 @@ namespace {
 			PackedBlock<Dim>&         block = pairs.block[lane / 4];
 			const std::size_t         l     = lane % 4;
 			const PackedPairRows<Dim> rows  = pairRows(view, pairs, lane);
-			const double              area  = Bonded ? pairs.ice[lane / 4].bondArea[l] : 0.;
+			const double              floor = Bonded ? pairs.ice[lane / 4].floor[l] : 0.;
 			const double              sum   = block.sumRadius[l];
 			double                    n[Dim];
 			const double              square = pairBranch(view, rows, n);
-			if (square > sum * sum && (!Bonded || area == 0)) {
+			if (square > sum * sum && (!Bonded || floor == 0)) {
 				for (int d = 0; d < parts; ++d)
 					block.shear[d][l] = 0;
 				continue;
@@ -77,40 +77,37 @@ namespace {
 			double normalForce = stiffness * overlap;
 			if constexpr (Bonded) {
 				PackedIceBlock<Dim>& ice = pairs.ice[lane / 4];
-				normalForce -= ice.offset[l];
-				const double raw      = normalForce;
-				const double floor    = -view.tensileStrength * area;
-				const double friction = area > 0 ? view.bondFriction : view.friction;
-				if (normalForce < floor) normalForce = floor;
-				clampShear<Dim>(shear, view.shearStrength * area + friction * (raw > 0 ? raw : 0));
-				double iceShear[parts];
-				for (int d = 0; d < parts; ++d)
-					iceShear[d] = ice.iceShear[d][l];
-				if (area > 0) {
-					carryShear(view, pairs, rows, lane, n, iceShear);
-					for (int d = 0; d < parts; ++d)
-						iceShear[d] -= view.iceShare * increment * slip[d];
-				}
-				const bool opened = area != 0 && raw < floor;
-				if (opened || (area > 0 && !sameShear<Dim>(trial, shear))) {
+				const double         raw = normalForce - ice.offset[l];
+				normalForce              = raw < floor ? floor : raw;
+				clampShear<Dim>(shear, ice.cohesion[l] + (floor < 0 ? view.bondFriction : view.friction) * (raw > 0 ? raw : 0));
+				const bool limited = !sameShear<Dim>(trial, shear), opened = floor != 0 && raw < floor, failed = floor < 0 && limited;
+				if (ice.iceShare[l] != 0 || floor < 0 || opened) {
 					PackedBondEvent<Dim> event;
 					event.periodic    = periodic;
 					event.lane        = lane;
 					event.overlap     = overlap;
 					event.normalForce = raw;
+					for (int d = 0; d < parts; ++d)
+						event.iceShear[d] = ice.iceShear[d][l];
+					carryShear(view, pairs, rows, lane, n, event.iceShear);
 					for (int d = 0; d < parts; ++d) {
-						event.shear[d]    = trial[d];
-						event.iceShear[d] = iceShear[d];
+						event.shear[d]     = trial[d];
+						event.increment[d] = increment * slip[d];
+						event.iceShear[d] -= ice.iceShare[l] * event.increment[d];
 					}
-					view.bondEvent(view.owner, &event);
-					normalForce = event.normalForce;
-					for (int d = 0; d < parts; ++d) {
-						shear[d]    = event.shear[d];
-						iceShear[d] = event.iceShear[d];
+					if (opened || failed) {
+						view.bondEvent(view.owner, &event);
+						normalForce = event.normalForce;
+						for (int d = 0; d < parts; ++d)
+							shear[d] = event.shear[d];
+					} else if (limited) { // a broken bond slides: the ice's share shrinks with the rest
+						const double factor = shearNorm<Dim>(shear) / shearNorm<Dim>(trial);
+						for (int d = 0; d < parts; ++d)
+							event.iceShear[d] *= factor;
 					}
+					for (int d = 0; d < parts; ++d)
+						ice.iceShear[d][l] = event.iceShear[d];
 				}
-				for (int d = 0; d < parts; ++d)
-					ice.iceShear[d][l] = iceShear[d];
 			} else {
 				clampShear<Dim>(shear, view.friction * normalForce);
 			}

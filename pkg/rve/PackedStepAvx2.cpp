@@ -38,7 +38,7 @@ namespace {
 
 	/// Parameters of the contact law, four times each.
 	struct Constants {
-		Four friction, shearStep, tensile, cohesion, bondFriction, iceShare;
+		Four friction, shearStep, bondFriction;
 	};
 
 	/// Force on the second grain, shear force and s u_n/2 of four pairs.
@@ -87,28 +87,34 @@ namespace {
 		}
 	}
 
-	/// Bonds that reached a limit, and watched contacts that opened, leave the straight path here.
-	__attribute__((noinline)) void
-	reportBonds(PackedStepView<2>& view, int periodic, std::size_t blockNumber, int lanes, Four overlap, Four& normalForce, Four raw, Four& shear, Four trial, Four& iceShear)
+	/// One block off the straight path.
+	struct BondTrial {
+		Four overlap, raw, trial, increment;
+		Four normalForce, shear, iceShear; ///< in and out
+	};
+
+	/// Bonds that reached a limit, and broken ones that opened.
+	__attribute__((noinline)) void reportBonds(PackedStepView<2>& view, int periodic, std::size_t blockNumber, int lanes, BondTrial& t)
 	{
-		alignas(32) double overlaps[4], forces[4], raws[4], shears[4], trials[4], iceShears[4];
-		_mm256_store_pd(overlaps, overlap);
-		_mm256_store_pd(forces, normalForce);
-		_mm256_store_pd(raws, raw);
-		_mm256_store_pd(shears, shear);
-		_mm256_store_pd(trials, trial);
-		_mm256_store_pd(iceShears, iceShear);
+		alignas(32) double overlaps[4], forces[4], raws[4], shears[4], trials[4], iceShears[4], increments[4];
+		_mm256_store_pd(overlaps, t.overlap);
+		_mm256_store_pd(forces, t.normalForce);
+		_mm256_store_pd(raws, t.raw);
+		_mm256_store_pd(shears, t.shear);
+		_mm256_store_pd(trials, t.trial);
+		_mm256_store_pd(iceShears, t.iceShear);
+		_mm256_store_pd(increments, t.increment);
 		for (int l = 0; l < 4; ++l) {
 			if (!(lanes >> l & 1)) continue;
-			PackedBondEvent<2> event { periodic, 4 * blockNumber + std::size_t(l), overlaps[l], raws[l], { trials[l] }, { iceShears[l] } };
+			PackedBondEvent<2> event { periodic, 4 * blockNumber + std::size_t(l), overlaps[l], raws[l], { trials[l] }, { iceShears[l] }, { increments[l] } };
 			view.bondEvent(view.owner, &event);
 			forces[l]    = event.normalForce;
 			shears[l]    = event.shear[0];
 			iceShears[l] = event.iceShear[0];
 		}
-		normalForce = _mm256_load_pd(forces);
-		shear       = _mm256_load_pd(shears);
-		iceShear    = _mm256_load_pd(iceShears);
+		t.normalForce = _mm256_load_pd(forces);
+		t.shear       = _mm256_load_pd(shears);
+		t.iceShear    = _mm256_load_pd(iceShears);
 	}
 
 	template <bool Bonded> inline Response respond(PackedStepView<2>& view, const PackedPairs<2>& pairs, std::size_t b, int periodic, const Constants& c, const Gathered& g)
@@ -124,20 +130,32 @@ namespace {
 		const Four      trial      = _mm256_sub_pd(_mm256_load_pd(block.shear[0]), increment);
 		Four            normalForce, shear;
 		if (Bonded) {
-			PackedIceBlock<2>& ice    = pairs.ice[b];
-			const Four         area   = _mm256_load_pd(ice.bondArea);
-			const Four         raw    = _mm256_sub_pd(_mm256_mul_pd(stiffness, overlap), _mm256_load_pd(ice.offset));
-			const Four         floor  = _mm256_mul_pd(c.tensile, area);
-			const Four         intact = _mm256_cmp_pd(area, zero, _CMP_GT_OQ);
-			normalForce               = _mm256_max_pd(raw, floor);
-			const Four rub            = _mm256_blendv_pd(c.friction, c.bondFriction, intact);
-			const Four cap            = _mm256_fmadd_pd(rub, _mm256_max_pd(raw, zero), _mm256_mul_pd(c.cohesion, area));
-			shear                     = _mm256_min_pd(_mm256_max_pd(trial, _mm256_xor_pd(cap, sign)), cap);
-			Four       iceShear = _mm256_sub_pd(_mm256_load_pd(ice.iceShear[0]), _mm256_and_pd(intact, _mm256_mul_pd(c.iceShare, increment)));
-			const Four pulled   = _mm256_and_pd(_mm256_cmp_pd(raw, floor, _CMP_LT_OQ), _mm256_cmp_pd(area, zero, _CMP_NEQ_OQ));
-			const Four sheared  = _mm256_and_pd(_mm256_cmp_pd(trial, shear, _CMP_NEQ_OQ), intact);
-			const int  lanes    = _mm256_movemask_pd(_mm256_or_pd(pulled, sheared));
-			if (__builtin_expect(lanes != 0, 0)) reportBonds(view, periodic, b, lanes, overlap, normalForce, raw, shear, trial, iceShear);
+			PackedIceBlock<2>& ice   = pairs.ice[b];
+			const Four         floor = _mm256_load_pd(ice.floor), share = _mm256_load_pd(ice.iceShare);
+			const Four         raw   = _mm256_sub_pd(_mm256_mul_pd(stiffness, overlap), _mm256_load_pd(ice.offset));
+			normalForce              = _mm256_max_pd(raw, floor);
+			const Four rub           = _mm256_blendv_pd(c.friction, c.bondFriction, floor); // by the sign: an intact bond
+			const Four cap           = _mm256_fmadd_pd(rub, _mm256_max_pd(raw, zero), _mm256_load_pd(ice.cohesion));
+			shear                    = _mm256_min_pd(_mm256_max_pd(trial, _mm256_xor_pd(cap, sign)), cap);
+			Four       iceShear      = _mm256_fnmadd_pd(share, increment, _mm256_load_pd(ice.iceShear[0]));
+			const Four limited       = _mm256_cmp_pd(trial, shear, _CMP_NEQ_OQ);
+			const Four opened        = _mm256_and_pd(_mm256_cmp_pd(raw, floor, _CMP_LT_OQ), _mm256_cmp_pd(floor, zero, _CMP_NEQ_OQ));
+			// from here on only sign bits count: that of the floor marks an intact bond
+			const Four shared        = _mm256_and_pd(limited, _mm256_or_pd(floor, _mm256_cmp_pd(share, zero, _CMP_NEQ_OQ)));
+			const int  aside         = _mm256_movemask_pd(_mm256_or_pd(opened, shared));
+			if (__builtin_expect(aside != 0, 0)) {
+				// a broken bond slides: the ice's share shrinks with the rest
+				const Four sliding = _mm256_andnot_pd(_mm256_or_pd(opened, floor), shared);
+				iceShear           = _mm256_blendv_pd(iceShear, _mm256_mul_pd(iceShear, _mm256_div_pd(shear, trial)), sliding);
+				const int lanes    = _mm256_movemask_pd(_mm256_or_pd(opened, _mm256_andnot_pd(sliding, shared)));
+				if (lanes != 0) {
+					BondTrial t { overlap, raw, trial, increment, normalForce, shear, iceShear };
+					reportBonds(view, periodic, b, lanes, t);
+					normalForce = t.normalForce;
+					shear       = t.shear;
+					iceShear    = t.iceShear;
+				}
+			}
 			_mm256_store_pd(ice.iceShear[0], iceShear);
 		} else {
 			normalForce    = _mm256_max_pd(_mm256_mul_pd(stiffness, overlap), zero);
@@ -153,8 +171,7 @@ namespace {
 	// latencies then run under work that does not need them.
 	template <bool Bonded, bool Periodic> inline void contactLoop(PackedStepView<2>& view, const PackedPairs<2>& pairs)
 	{
-		const Constants   c { splat(view.friction), splat(view.stiffnessRatio * view.dt), splat(-view.tensileStrength), splat(view.shearStrength),
-			                  splat(view.bondFriction), splat(view.iceShare) };
+		const Constants   c { splat(view.friction), splat(view.stiffnessRatio * view.dt), splat(view.bondFriction) };
 		const std::size_t end = pairs.blocks;
 		if (end == 0) return;
 		const auto prepare = [&](std::size_t b) __attribute__((always_inline)) {

@@ -28,12 +28,15 @@ template <int Dim> struct alignas(32) PackedBlock {
 struct alignas(32) PackedNormals {
 	double n[3][4];
 };
-/// What an ice bond adds to four pairs: F_n = stiffness u_n - offset. bondArea > 0: intact bond; < 0 (tiny): broken bond whose
-/// spring is cut, watched for opening; 0: no bond.
+/// What ice adds to four pairs: F_n = stiffness u_n - offset, of which the ice carries the part iceShare of every shear increment.
+/// floor < 0: intact bond, which fails below this force or when shear exceeds cohesion + friction; floor > 0: broken bond, to be looked at
+/// when its force falls below (it opens, or its ice spring has relaxed); 0: no bond.
 template <int Dim> struct alignas(32) PackedIceBlock {
 	double iceShear[PackedLayout<Dim>::shear][4];
 	double offset[4];
-	double bondArea[4];
+	double floor[4];
+	double cohesion[4];
+	double iceShare[4];
 };
 
 /// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives four rows, times four, of the shift table per block).
@@ -45,14 +48,16 @@ template <int Dim> struct PackedPairs {
 	std::size_t          blocks;
 };
 
-/// A bond that reached its limit, or a watched contact that opened: in comes the trial state, out go force and shear of this step.
+/// A bond that reached its limit, or a broken one whose force fell below its floor: in comes the trial state, out go force and shear of
+/// this step.
 template <int Dim> struct PackedBondEvent {
 	int         periodic;
 	std::size_t lane;
 	double      overlap;
-	double      normalForce;                            ///< trial, out: of this step
-	double      shear[PackedLayout<Dim>::shear];        ///< trial before any limit, out: of this step
-	double      iceShear[PackedLayout<Dim>::shear];     ///< trial, out: of this step
+	double      normalForce;                         ///< trial, out: of this step
+	double      shear[PackedLayout<Dim>::shear];     ///< trial before any limit, out: of this step
+	double      iceShear[PackedLayout<Dim>::shear];  ///< trial, out: of this step
+	double      increment[PackedLayout<Dim>::shear]; ///< what the trial shear has been reduced by in this step
 };
 
 template <int Dim> struct PackedStepView {
@@ -77,9 +82,7 @@ template <int Dim> struct PackedStepView {
 	double velGrad[Dim * Dim], prevVelGrad[Dim * Dim], nextVelGrad[Dim * Dim];
 
 	double dt, damping, friction, stiffnessRatio;
-	double tensileStrength, shearStrength;
 	double bondFriction; ///< friction of an intact bond
-	double iceShare;     ///< k_ice/(k_g + k_ice) of an intact bond
 
 	void* owner;
 	void (*bondEvent)(void* owner, PackedBondEvent<Dim>* event);

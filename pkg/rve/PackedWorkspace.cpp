@@ -11,8 +11,8 @@ namespace {
 
 	/// Skin of the neighbour lists over the mean radius: rebuilds against pairs carried along in vain.
 	constexpr double skinOverRadius = 0.04;
-	/// Bond area that marks a broken bond with cut spring: far too small to bear a force, different from zero.
-	constexpr double watched = -1e-300;
+	/// Force that is different from zero and far too small to matter: marks a lane to be watched.
+	constexpr double watched = 1e-300;
 
 	constexpr std::uint8_t bondNone = std::uint8_t(BondState::NONE), bondBonded = std::uint8_t(BondState::BONDED), bondBroken = std::uint8_t(BondState::BROKEN);
 
@@ -107,8 +107,6 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	grains     = state.grains;
 	grainCount = state.size();
 	rowCount   = (grainCount + 3) / 4 * 4;
-	uncut.clear();
-	newlyUncut.clear();
 	copyMatrix<Dim>(base.hSize, view.hSize);
 	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
 	copyMatrix<Dim>(base.trsf, view.trsf);
@@ -289,17 +287,21 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state) con
 
 template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>& c) const
 {
-	std::size_t count = 0;
-	const auto  keeps = [&](const Lanes& lanes, std::size_t lane) {
-        for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-            if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
-        if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
-        return geometry(lanes, lane).overlap >= 0;
+	const auto keeps = [&](const Lanes& lanes, std::size_t lane) {
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+			if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
+		if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
+		return geometry(lanes, lane).overlap >= 0;
 	};
-	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane)
-			count += keeps(*lanes, lane);
-	const auto fit = [count](auto& array, bool wanted) {
+	std::vector<std::uint32_t> kept[2];
+	for (const bool crosses : { false, true }) {
+		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
+		kept[crosses].reserve(lanes.keys.size());
+		for (std::size_t lane = 0; lane < lanes.keys.size(); ++lane)
+			if (keeps(lanes, lane)) kept[crosses].push_back(std::uint32_t(lane));
+	}
+	const std::size_t count = kept[0].size() + kept[1].size();
+	const auto        fit   = [count](auto& array, bool wanted) {
 		const std::size_t size = wanted ? count : 0;
 		if (array.capacity() != size) std::remove_reference_t<decltype(array)>().swap(array);
 		array.resize(size);
@@ -314,42 +316,29 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	fit(c.grainReference, carriesBonds);
 	fit(c.bond, carriesBonds);
 	std::size_t k = 0;
-	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane) {
-			if (!keeps(*lanes, lane)) continue;
-			const PairKey<Dim> pair = PairKey<Dim>::decode(lanes->keys[lane]);
+	for (const bool crosses : { false, true }) {
+		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
+		for (const std::uint32_t lane : kept[crosses]) {
+			const PairKey<Dim> pair = PairKey<Dim>::decode(lanes.keys[lane]);
 			const std::size_t  b = lane / 4, l = lane % 4;
 			c.first[k]    = std::uint16_t(pair.first);
 			c.second[k]   = std::uint16_t(pair.second);
 			c.cellDist[k] = pair.cellDist;
 			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				shearData(c.shear[k])[d] = lanes->block[b].shear[d][l];
+				shearData(c.shear[k])[d] = lanes.block[b].shear[d][l];
 			if constexpr (Dim == 3)
 				for (int d = 0; d < 3; ++d)
-					c.normal[k][d] = lanes->normals[b].n[d][l];
+					c.normal[k][d] = lanes.normals[b].n[d][l];
 			if (carriesBonds) {
 				for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-					shearData(c.iceShear[k])[d] = lanes->ice[b].iceShear[d][l];
-				const BondMemory& memory = lanes->memory[lane];
+					shearData(c.iceShear[k])[d] = lanes.ice[b].iceShear[d][l];
+				const BondMemory& memory = lanes.memory[lane];
 				c.iceReference[k]        = memory.iceReference;
 				c.grainReference[k]      = memory.grainReference;
 				c.bond[k]                = memory.bond;
 			}
 			++k;
 		}
-	if (uncut.empty()) return;
-	// their shear lives outside the lanes
-	for (k = 0; k < count; ++k) {
-		if (!(c.bond[k] & PackedContacts<Dim>::iceSpringUncut)) continue;
-		const std::uint64_t key = PairKey<Dim> { c.first[k], c.second[k], c.cellDist[k] }.encode();
-		const auto found = std::lower_bound(uncut.begin(), uncut.end(), key, [](const Uncut& u, std::uint64_t value) { return u.key < value; });
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-			shearData(c.shear[k])[d]    = found->shear[d];
-			shearData(c.iceShear[k])[d] = found->iceShear[d];
-		}
-		if constexpr (Dim == 3)
-			for (int d = 0; d < 3; ++d)
-				c.normal[k][d] = found->normal[d];
 	}
 }
 
@@ -381,10 +370,9 @@ template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
 
 template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 {
-	view.tensileStrength = base.ice.tensileStrength(base.iceSaturation);
-	view.shearStrength   = base.ice.shearStrength(base.iceSaturation);
-	view.bondFriction    = base.ice.cohesionDisablesFriction ? 0 : view.friction;
-	view.iceShare        = iceRatio / (1 + iceRatio);
+	tensileStrength   = base.ice.tensileStrength(base.iceSaturation);
+	shearStrength     = base.ice.shearStrength(base.iceSaturation);
+	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = chooseKernel<Dim>(carriesBonds, portable); }
@@ -456,7 +444,6 @@ template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 {
 	checkHealth();
-	returnUncut();
 	predictedCell(referenceCell);
 	skin = std::max(skinOverRadius * averageRadius, leastSkin);
 	std::swap(innerLanes, oldInner);
@@ -484,7 +471,6 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
 	travel = stretch = 0;
 	listsValid       = true;
-	collectUncut();
 }
 
 /// A bond may open wider than the skin while it stretches: it stays in the list whatever the distance.
@@ -539,7 +525,7 @@ template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lane
 		}
 		if (idle) {
 			block.sumRadius[l] = block.stiffness[l] = 0;
-			if (carriesBonds) lanes.ice[lane / 4].offset[l] = lanes.ice[lane / 4].bondArea[l] = 0;
+			if (carriesBonds) lanes.ice[lane / 4].offset[l] = lanes.ice[lane / 4].floor[l] = lanes.ice[lane / 4].cohesion[l] = lanes.ice[lane / 4].iceShare[l] = 0;
 		} else {
 			dressLane(lanes, lane);
 		}
@@ -569,15 +555,23 @@ template <int Dim> void PackedWorkspace<Dim>::dressLane(Lanes& lanes, std::size_
 	if (!carriesBonds) return;
 	PackedIceBlock<Dim>& ice    = lanes.ice[lane / 4];
 	const BondMemory&    memory = lanes.memory[lane];
-	ice.offset[l] = ice.bondArea[l] = 0;
+	ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
 	if (memory.bond == bondBonded) {
+		const double area  = bondArea(first, second);
 		block.stiffness[l] = k + k * iceRatio;
 		ice.offset[l]      = k * memory.grainReference + k * iceRatio * memory.iceReference;
-		ice.bondArea[l]    = bondArea(first, second);
+		ice.floor[l]       = -std::max(watched, tensileStrength * area);
+		ice.cohesion[l]    = shearStrength * area;
+		ice.iceShare[l]    = iceRatio / (1 + iceRatio);
 	} else if (memory.bond == bondBroken) {
-		ice.bondArea[l] = watched;
+		ice.floor[l] = watched;
 	} else if (memory.bond & PackedContacts<Dim>::iceSpringUncut) {
-		block.stiffness[l] = 0; // idle: advanced on its own
+		// its ice spring is relaxed, or it opens, where the force is this
+		const double release = memory.iceReference > 0 ? k * memory.iceReference : -k * iceRatio * memory.iceReference;
+		block.stiffness[l]   = k + k * iceRatio;
+		ice.offset[l]        = k * iceRatio * memory.iceReference;
+		ice.floor[l]         = std::max(watched, release);
+		ice.iceShare[l]      = iceRatio / (1 + iceRatio);
 	}
 	if (memory.bond == bondNone || memory.bond == bondBroken)
 		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
@@ -624,7 +618,6 @@ template <int Dim> void PackedWorkspace<Dim>::step()
 	moveCell();
 	updateShiftRows();
 	kernel.contacts(&view);
-	if (carriesBonds && !(uncut.empty() && newlyUncut.empty())) advanceUncut();
 	kernel.integrate(&view);
 	std::memcpy(view.velGrad, view.nextVelGrad, sizeof(view.velGrad));
 	std::memcpy(view.prevVelGrad, view.nextVelGrad, sizeof(view.velGrad));
@@ -683,189 +676,93 @@ template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 
 // ---------------------------------------------------------------------------------------------- bonds
 
+namespace {
+
+	template <int Dim> void clearShear(double* shear)
+	{
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+			shear[d] = 0;
+	}
+
+	/// Coulomb's limit; the ice's share shrinks with the rest.
+	template <int Dim> void limitShear(PackedBondEvent<Dim>& event, double limit)
+	{
+		const double norm = shearNorm<Dim>(event.shear);
+		if (norm <= limit) return;
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
+			event.shear[d] *= limit / norm;
+			event.iceShear[d] *= limit / norm;
+		}
+	}
+
+} // namespace
+
 template <int Dim> void PackedWorkspace<Dim>::onBondEvent(void* owner, PackedBondEvent<Dim>* event)
 {
-	static_cast<PackedWorkspace*>(owner)->failBond(*event);
+	static_cast<PackedWorkspace*>(owner)->settleBond(*event);
 }
 
-template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& event)
+template <int Dim> void PackedWorkspace<Dim>::settleBond(PackedBondEvent<Dim>& event)
 {
-	constexpr int       parts  = PackedLayout<Dim>::shear;
-	Lanes&              lanes  = lanesOf(event.periodic != 0);
-	BondMemory&         memory = lanes.memory[event.lane];
-	const std::size_t   b = event.lane / 4, l = event.lane % 4;
-	const std::uint32_t first = lanes.block[b].first[l] / 4, second = lanes.block[b].second[l] / 4;
-	const auto          clear = [](double* shear) {
-        for (int d = 0; d < parts; ++d)
-            shear[d] = 0;
-	};
-	if (memory.bond != bondBonded) { // a broken bond, its spring cut, that opened: forgotten
-		if (event.overlap < 0) memory = BondMemory();
-		event.normalForce = 0;
-		clear(event.shear);
-		clear(event.iceShear);
-		dressLane(lanes, event.lane);
-		return;
-	}
-	const double grain = grainStiffness(first, second), ice = grain * iceRatio;
-	if (event.normalForce < -view.tensileStrength * bondArea(first, second)) {
+	Lanes&            lanes  = lanesOf(event.periodic != 0);
+	BondMemory&       memory = lanes.memory[event.lane];
+	const std::size_t b = event.lane / 4, l = event.lane % 4;
+	const double      grain = grainStiffness(lanes.block[b].first[l] / 4, lanes.block[b].second[l] / 4);
+	if (memory.bond == bondBonded) failBond(event, memory, grain);
+	else relaxBond(event, memory, grain);
+	dressLane(lanes, event.lane);
+}
+
+/// An intact bond at its limit: tension first, then shear.
+template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain)
+{
+	const Lanes&      lanes = lanesOf(event.periodic != 0);
+	const std::size_t b = event.lane / 4, l = event.lane % 4;
+	if (event.normalForce < lanes.ice[b].floor[l]) {
 		++base.bondsBrokenInTension;
 		memory            = BondMemory();
 		memory.bond       = event.overlap > 0 ? bondBroken : bondNone;
 		event.normalForce = 0;
-		clear(event.shear);
-		clear(event.iceShear);
-		dressLane(lanes, event.lane);
+		clearShear<Dim>(event.shear);
+		clearShear<Dim>(event.iceShear);
 		return;
 	}
 	++base.bondsBrokenInShear;
-	const double icePush   = ice * std::max(event.overlap - memory.iceReference, 0.);
-	const double grainPush = grain * std::max(event.overlap, 0.);
-	event.normalForce      = icePush + grainPush;
-	const double norm = shearNorm<Dim>(event.shear), limit = view.friction * event.normalForce;
-	const double factor = norm > limit ? limit / norm : 1;
-	for (int d = 0; d < parts; ++d) {
-		event.shear[d] *= factor;
-		event.iceShear[d] *= factor;
-	}
+	const double push     = grain * iceRatio * std::max(event.overlap - memory.iceReference, 0.);
+	event.normalForce     = push + grain * std::max(event.overlap, 0.);
 	memory.grainReference = 0;
-	if (icePush > 0) {
+	limitShear<Dim>(event, view.friction * event.normalForce);
+	if (push > 0) {
 		memory.bond = bondBroken | PackedContacts<Dim>::iceSpringUncut;
-		Uncut contact {};
-		contact.key      = lanes.keys[event.lane];
-		contact.periodic = event.periodic != 0;
-		contact.lane     = event.lane;
-		for (int d = 0; d < parts; ++d) {
-			contact.shear[d]    = event.shear[d];
-			contact.iceShear[d] = event.iceShear[d];
-		}
-		const Geometry now = geometry(lanes, event.lane);
-		for (int d = 0; d < Dim; ++d)
-			contact.normal[d] = now.n[d];
-		newlyUncut.push_back(contact);
 	} else {
 		memory      = BondMemory();
 		memory.bond = bondBroken;
+		clearShear<Dim>(event.iceShear);
 	}
-	clear(event.iceShear);
-	dressLane(lanes, event.lane);
 }
 
-template <int Dim> void PackedWorkspace<Dim>::insertUncut(const Uncut& contact)
+/// A broken bond below its floor: it opened and is forgotten, or its ice spring is relaxed and cut for good.
+template <int Dim> void PackedWorkspace<Dim>::relaxBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain)
 {
-	const auto place = std::lower_bound(uncut.begin(), uncut.end(), contact, [](const Uncut& a, const Uncut& b) { return a.key < b.key; });
-	uncut.insert(place, contact);
-}
-
-template <int Dim> void PackedWorkspace<Dim>::advanceUncut()
-{
-	std::size_t kept = 0;
-	for (std::size_t k = 0; k < uncut.size(); ++k) {
-		Uncut contact = uncut[k];
-		if (advanceUncut(contact)) uncut[kept++] = contact;
+	if (event.overlap < 0) {
+		memory            = BondMemory();
+		event.normalForce = 0;
+		clearShear<Dim>(event.shear);
+		clearShear<Dim>(event.iceShear);
+		return;
 	}
-	uncut.resize(kept);
-	for (const Uncut& contact : newlyUncut)
-		insertUncut(contact);
-	newlyUncut.clear();
-}
-
-/// One step of a broken bond that still pushes. False when it turned into a plain contact or opened.
-template <int Dim> bool PackedWorkspace<Dim>::advanceUncut(Uncut& contact)
-{
-	constexpr int  parts  = PackedLayout<Dim>::shear;
-	Lanes&         lanes  = lanesOf(contact.periodic);
-	BondMemory&    memory = lanes.memory[contact.lane];
-	const Geometry now    = geometry(lanes, contact.lane);
-	if (now.overlap < 0) {
-		for (int d = 0; d < parts; ++d)
-			contact.shear[d] = 0;
-		retire(contact, bondNone);
-		return false;
+	const bool uncut = memory.bond & PackedContacts<Dim>::iceSpringUncut;
+	event.normalForce = grain * event.overlap;
+	if (uncut && event.overlap > memory.iceReference) {
+		event.normalForce += grain * iceRatio * (event.overlap - memory.iceReference);
+	} else if (uncut) {
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+			event.shear[d] += event.increment[d] * (iceRatio / (1 + iceRatio));
+		memory      = BondMemory();
+		memory.bond = bondBroken;
+		clearShear<Dim>(event.iceShear);
 	}
-	const bool   pushes = now.overlap > memory.iceReference;
-	const double grain  = grainStiffness(now.rows.first / 4, now.rows.second / 4), ice = pushes ? grain * iceRatio : 0.;
-	double       slip[parts];
-	slipVelocity(view, now.rows, now.n, now.sumRadius / now.distance, slip);
-	if constexpr (Dim == 3) {
-		rotateShear(view, now.rows, contact.normal, now.n, contact.shear);
-		rotateShear(view, now.rows, contact.normal, now.n, contact.iceShear);
-		for (int d = 0; d < 3; ++d)
-			contact.normal[d] = now.n[d];
-	}
-	const double increment   = view.stiffnessRatio * view.dt;
-	const double normalForce = grain * now.overlap + ice * (pushes ? now.overlap - memory.iceReference : 0.);
-	for (int d = 0; d < parts; ++d) {
-		contact.shear[d] -= increment * (grain + ice) * slip[d];
-		contact.iceShear[d] -= increment * ice * slip[d];
-	}
-	const double norm = shearNorm<Dim>(contact.shear), limit = view.friction * normalForce;
-	if (norm > limit)
-		for (int d = 0; d < parts; ++d) {
-			contact.shear[d] *= limit / norm;
-			contact.iceShear[d] *= limit / norm;
-		}
-	addPairForce(view, now.rows, now.n, now.overlap, normalForce, contact.shear);
-	if (!pushes) retire(contact, bondBroken);
-	return pushes;
-}
-
-/// Back into its lane, as a plain contact.
-template <int Dim> void PackedWorkspace<Dim>::retire(const Uncut& contact, std::uint8_t bond)
-{
-	Lanes&            lanes = lanesOf(contact.periodic);
-	const std::size_t b = contact.lane / 4, l = contact.lane % 4;
-	lanes.memory[contact.lane]      = BondMemory();
-	lanes.memory[contact.lane].bond = bond;
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		lanes.block[b].shear[d][l] = contact.shear[d];
-	if constexpr (Dim == 3)
-		for (int d = 0; d < 3; ++d)
-			lanes.normals[b].n[d][l] = contact.normal[d];
-	dressLane(lanes, contact.lane);
-}
-
-/// Puts their shear back into the lanes, from where lists and stores take it.
-template <int Dim> void PackedWorkspace<Dim>::returnUncut()
-{
-	for (const Uncut& contact : uncut) {
-		Lanes&            lanes = lanesOf(contact.periodic);
-		const std::size_t b = contact.lane / 4, l = contact.lane % 4;
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-			lanes.block[b].shear[d][l]  = contact.shear[d];
-			lanes.ice[b].iceShear[d][l] = contact.iceShear[d];
-		}
-		if constexpr (Dim == 3)
-			for (int d = 0; d < 3; ++d)
-				lanes.normals[b].n[d][l] = contact.normal[d];
-	}
-	uncut.clear();
-}
-
-template <int Dim> void PackedWorkspace<Dim>::collectUncut()
-{
-	uncut.clear();
-	if (!carriesBonds) return;
-	for (const bool crosses : { false, true }) {
-		Lanes& lanes = lanesOf(crosses);
-		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {
-			if (!(lanes.memory[lane].bond & PackedContacts<Dim>::iceSpringUncut)) continue;
-			const std::size_t b = lane / 4, l = lane % 4;
-			Uncut             contact {};
-			contact.key      = lanes.keys[lane];
-			contact.periodic = crosses;
-			contact.lane     = lane;
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-				contact.shear[d]    = lanes.block[b].shear[d][l];
-				contact.iceShear[d] = lanes.ice[b].iceShear[d][l];
-				lanes.block[b].shear[d][l] = lanes.ice[b].iceShear[d][l] = 0;
-			}
-			if constexpr (Dim == 3)
-				for (int d = 0; d < 3; ++d)
-					contact.normal[d] = lanes.normals[b].n[d][l];
-			insertUncut(contact);
-		}
-	}
+	limitShear<Dim>(event, view.friction * event.normalForce);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
@@ -968,7 +865,6 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	if (saturation == base.iceSaturation) return;
 	const double newRatio = base.ice.iceStiffnessRatio(saturation);
 	const bool   melted = base.ice.melted(saturation), births = !melted && base.ice.formsBonds(base.iceSaturation, saturation);
-	returnUncut();
 	if (carriesBonds) rescaleBonds(iceRatio, melted ? 0. : newRatio);
 	if (melted && carriesBonds) removeBonds();
 	base.iceSaturation = saturation;
@@ -978,7 +874,6 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane)
 			dressLane(*lanes, lane);
-	collectUncut();
 	if (births) bondAll();
 }
 
@@ -1013,7 +908,7 @@ template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 		}
 	}
 	base.bondsFormed += formed;
-	if (uncut.empty() && formed == 0)
+	if (formed == 0)
 		carryBonds(std::any_of(innerLanes.memory.begin(), innerLanes.memory.end(), [](const BondMemory& m) { return m.bond != bondNone; })
 		           || std::any_of(periodicLanes.memory.begin(), periodicLanes.memory.end(), [](const BondMemory& m) { return m.bond != bondNone; }));
 	return formed;
@@ -1127,9 +1022,6 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 				const double push = std::max(0., now.overlap - lanes->memory[lane].iceReference);
 				if (push > 0) stiffness = grain * (1 + iceRatio);
 				normalForce += grain * iceRatio * push;
-				const auto found = std::lower_bound(uncut.begin(), uncut.end(), lanes->keys[lane], [](const Uncut& u, std::uint64_t key) { return u.key < key; });
-				for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-					shear[d] = found->shear[d];
 			}
 			visit(now, stiffness, normalForce, shear, bond);
 		}

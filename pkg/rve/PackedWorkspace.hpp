@@ -68,13 +68,6 @@ private:
 		std::vector<BondMemory>            memory;
 		void                               resize(std::size_t pairs, bool periodic, bool bonded);
 	};
-	/// A broken bond whose ice spring still pushes: it is advanced on its own, its lane is idle meanwhile.
-	struct Uncut {
-		std::uint64_t key;
-		bool          periodic;
-		std::size_t   lane;
-		double        shear[PackedLayout<Dim>::shear], iceShear[PackedLayout<Dim>::shear], normal[3];
-	};
 	struct Geometry {
 		PackedPairRows<Dim> rows;
 		double              n[Dim], distance, sumRadius, overlap;
@@ -104,13 +97,9 @@ private:
 	void checkHealth() const;
 
 	static void onBondEvent(void* owner, PackedBondEvent<Dim>* event);
-	void        failBond(PackedBondEvent<Dim>& event);
-	void        advanceUncut();
-	bool        advanceUncut(Uncut& contact);
-	void        collectUncut();
-	void        returnUncut();
-	void        insertUncut(const Uncut& contact);
-	void        retire(const Uncut& contact, std::uint8_t bond);
+	void        settleBond(PackedBondEvent<Dim>& event);
+	void        failBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
+	void        relaxBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
 
 	void   removeBonds();
 	void   rescaleBonds(double oldRatio, double newRatio);
@@ -135,9 +124,8 @@ private:
 	Rows                     shiftMotion, shiftForce;
 	std::vector<std::int8_t> shiftCell;
 	Lanes                    innerLanes, periodicLanes, oldInner, oldPeriodic;
-	std::vector<Uncut>       uncut, newlyUncut;
 	bool                     carriesBonds = false, portable;
-	double                   iceRatio = 0; ///< k_ice/k_g
+	double                   iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;
 	std::vector<std::uint64_t> sortBuffer;

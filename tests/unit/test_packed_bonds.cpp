@@ -57,6 +57,24 @@ TEST(PackedBond, breaksInShearAtTheClosedForm)
 		}
 }
 
+TEST(PackedBond, thatAddsStrengthButNoStiffnessBreaksToo)
+{
+	for (const bool portable : { false, true }) {
+		PackedSample<2>::forcePortable(portable);
+		State cemented        = packedPair::bonded(0, 0.5);
+		cemented.ice.iceYoung = 0;
+		const double slip     = 571.875 / (0.8 * 3e6), gap = 571.875 / 3e6;
+		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, 0, slip * (1 - 1e-10))));
+		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, 0, slip * (1 + 1e-10))));
+		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, -gap * (1 - 1e-10), 0)));
+		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, -gap * (1 + 1e-10), 0)));
+		cemented.ice.tensileStrength0 = cemented.ice.tensileStrengthI = 0;
+		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, 1e-9, 0)));
+		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, -1e-9, 0)));
+	}
+	PackedSample<2>::forcePortable(false);
+}
+
 TEST(PackedBond, meltsToFailureUnderConstantLoadAtTheClosedForm)
 {
 	struct {
