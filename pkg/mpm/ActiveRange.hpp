@@ -11,6 +11,7 @@ namespace talik {
 struct ActiveRange {
 	int firstNode = 0, lastNode = 0; ///< node indices [first, last)
 	int firstCell = 0, lastCell = 0; ///< cell indices [first, last)
+	int parallel  = 1;                ///< 0: one thread does all
 	int chunk     = 1;               ///< nodes of one piece of work; fixed, so that sums have one order for any number of threads
 
 	template <int D> static ActiveRange of(const Grid<D>& grid, const MaterialPoints<D>& points)
@@ -31,6 +32,7 @@ struct ActiveRange {
 		r.firstNode = firstRow * grid.nodeStride(axis);
 		r.lastNode  = (lastRow + 4) * grid.nodeStride(axis);
 		r.chunk     = 8 * grid.nodeStride(axis);
+		r.parallel  = points.strips().parallel;
 		return r;
 	}
 
@@ -40,7 +42,7 @@ struct ActiveRange {
 	template <class Work> void overNodes(Work&& work) const
 	{
 		const int n = chunks();
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (parallel)
 		for (int c = 0; c < n; ++c)
 			work(c, firstNode + c * chunk, std::min(lastNode, firstNode + (c + 1) * chunk));
 	}

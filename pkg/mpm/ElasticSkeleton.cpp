@@ -14,7 +14,7 @@ template <int D> void ElasticSkeleton<D>::validate() const
 template <int D> void ElasticSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
 	const LameModuli moduli(youngModulus, poissonRatio);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (b.count >= 4000)
 	for (int k = 0; k < b.count; ++k) {
 		const int p = b.place[k];
 		double    gradient[D * D], s[stressSize<D>];

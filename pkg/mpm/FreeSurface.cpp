@@ -99,13 +99,14 @@ bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, cons
 	return false;
 }
 
-template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, int boundary)
+template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, const CellMeans<D>& cells, int boundary)
 {
-	// the surface of a wall spreads over the nodes behind, on and in front of it
+	// the surface of a wall spreads over the nodes behind, on and in front of it, where ground rests against it
 	const Side side   = boundaries_[boundary]->region().on;
 	const int  inward = side.upper ? -grid.nodeStride(side.axis) : grid.nodeStride(side.axis);
 	const auto sign   = side.upper ? 1.0 : -1.0;
-	for (int node : sideNodes_[boundary])
+	for (int node : sideNodes_[boundary]) {
+		if (!atWall(grid, cells, grid.nodeOf(node), side.axis)) continue;
 		for (int layer : { -inward, 0, inward }) {
 			const double area = nodes[node + layer][side.axis];
 			if (area * sign <= 0.0) continue;
@@ -113,6 +114,7 @@ template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, int bound
 			n.area[side.axis] = area;
 			patches_[boundary].nodes.push_back(n);
 		}
+	}
 }
 
 template <int D> void FreeSurface<D>::collectBox(const Grid<D>& grid, int boundary)
@@ -155,7 +157,7 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		if (!boundaries_[b]->usesSurface()) continue;
 		const Region<D>& region = boundaries_[b]->region();
 		patches_[b].nodes.clear();
-		if (region.kind == Region<D>::Kind::side) collectSide(grid, b);
+		if (region.kind == Region<D>::Kind::side) collectSide(grid, cells, b);
 		else if (region.kind == Region<D>::Kind::nodeBox)
 			collectBox(grid, b);
 		else

@@ -40,7 +40,7 @@ private:
 	/// True if the ground near a node rests against the box along axis: that part of its area belongs to the wall.
 	bool atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const;
 	bool nearEmptyCell(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node) const;
-	void collectSide(const Grid<D>& grid, int boundary);
+	void collectSide(const Grid<D>& grid, const CellMeans<D>& cells, int boundary);
 	void collectBox(const Grid<D>& grid, int boundary);
 
 	const double*                             volume_       = nullptr;

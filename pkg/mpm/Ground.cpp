@@ -374,6 +374,7 @@ template <int D> std::string Ground<D>::Parts::whereabouts(int place) const
 
 template <int D> void Ground<D>::Parts::sort()
 {
+	points->strips().parallel = points->count() >= settings.parallelFrom;
 	points->sort(grid);
 	clock.range      = ActiveRange::of(grid, *points);
 	clock.lastSort   = clock.steps;

@@ -68,6 +68,10 @@ template <int D> struct GroundSettings {
 	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
 	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
 
+	/// Number of points from which on a step uses several threads; with fewer they would wait for each other longer than they
+	/// work. Results do not depend on it.
+	int parallelFrom = 4000;
+
 	double waveFraction = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]
 	double heatFraction = 0.9;   ///< C_T: time step over the explicit heat limit, in (0, 1]
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]

@@ -120,7 +120,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 	const double sinFriction = std::sin(frictionAngle * degree), cosFriction = std::cos(frictionAngle * degree);
 	const double sinDilation = std::sin(dilationAngle * degree);
 	const LameModuli unit(1.0, poissonRatio);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (b.count >= 4000)
 	for (int k = 0; k < b.count; ++k) {
 		const int        p   = b.place[k];
 		const double     phi = b.iceSaturation ? iceFunction(b.iceSaturation[p], iceExponent) : 0.0;

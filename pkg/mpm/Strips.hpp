@@ -14,7 +14,8 @@ struct Strips {
 	static constexpr int    rows  = 4;
 	static constexpr double stray = 0.5; ///< how far points may leave their strip before they are sorted anew [cells]
 
-	int              axis = 0;
+	int              axis     = 0;
+	bool             parallel = true; ///< false: one thread does all, which is faster for few points
 	std::vector<int> first; ///< place of the first point of each strip; one more entry for the end
 
 	int count() const { return static_cast<int>(first.size()) - 1; }
@@ -23,7 +24,7 @@ struct Strips {
 	template <class Work> void scatter(Work&& work) const
 	{
 		const int n = count();
-#pragma omp parallel
+#pragma omp parallel if (parallel)
 		for (int parity = 0; parity < 2; ++parity) {
 #pragma omp for schedule(dynamic, 1)
 			for (int s = parity; s < n; s += 2)
@@ -35,7 +36,7 @@ struct Strips {
 	template <class Work> void gather(Work&& work) const
 	{
 		const int n = count();
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (parallel)
 		for (int s = 0; s < n; ++s)
 			work(s, first[s], first[s + 1]);
 	}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/MohrCoulombReturn.hpp>
+#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+using namespace talik;
+
+namespace {
+
+constexpr double degree = 0.017453292519943295;
+
+/// One point driven by displacement gradients.
+template <int D> struct Element {
+	double                         gradient[D * D] = {};
+	double                         stress[stressSize<D>] = {};
+	double                         ice = 0.0, volume = 1.0;
+	int                            place = 0, id = 0;
+	void step(SkeletonModel<D>& model)
+	{
+		SkeletonBatch<D> b;
+		b.count = 1;
+		b.place = &place;
+		b.id    = &id;
+		for (int c = 0; c < D * D; ++c)
+			b.gradient[c] = &gradient[c];
+		for (int c = 0; c < stressSize<D>; ++c)
+			b.stress[c] = &stress[c];
+		b.iceSaturation = &ice;
+		b.volume        = &volume;
+		model.updateStress(b);
+	}
+};
+
+MohrCoulombSkeleton<2> soil(double cohesion, double friction, double dilation = 0.0)
+{
+	MohrCoulombSkeleton<2> m;
+	m.youngModulus = m.youngModulusFrozen = 1e7;
+	m.cohesion        = cohesion;
+	m.cohesionFrozen  = 50.0 * cohesion;
+	m.frictionAngle   = friction;
+	m.dilationAngle   = dilation;
+	m.tensileStrength = m.tensileStrengthFrozen = 1e9;
+	return m;
+}
+
+double yieldOf(const double* s, double cohesion, double friction)
+{
+	const double centre = 0.5 * (s[0] + s[1]), radius = std::hypot(0.5 * (s[0] - s[1]), s[3]);
+	const double high = std::max(centre + radius, s[2]), low = std::min(centre - radius, s[2]);
+	return (high - low) + (high + low) * std::sin(friction * degree) - 2.0 * cohesion * std::cos(friction * degree);
+}
+
+} // namespace
+
+TEST(MpmElasticSkeleton, RigidRotationTurnsTheStressExactly)
+{
+	const double    turn = 90.0 * degree / 50.0;
+	Element<2>      plane;
+	ElasticSkeleton<2> elastic;
+	const double    start[4] = { -100e3, -40e3, -30e3, 15e3 };
+	std::copy(start, start + 4, plane.stress);
+	plane.gradient[0] = plane.gradient[3] = std::cos(turn) - 1.0;
+	plane.gradient[1] = -std::sin(turn);
+	plane.gradient[2] = std::sin(turn);
+	for (int k = 0; k < 50; ++k)
+		plane.step(elastic);
+	double worst = std::max({ std::abs(plane.stress[0] - start[1]), std::abs(plane.stress[1] - start[0]), std::abs(plane.stress[3] + start[3]), std::abs(plane.stress[2] - start[2]) });
+
+	Element<3>         space;
+	ElasticSkeleton<3> elastic3;
+	const double       first[6] = { -100e3, -40e3, -30e3, 5e3, -8e3, 15e3 };
+	std::copy(first, first + 6, space.stress);
+	// about the axis (1,1,1): 120 degrees permute x -> y -> z -> x
+	const double angle = 120.0 * degree / 60.0, c = std::cos(angle), s = std::sin(angle), n = 1.0 / std::sqrt(3.0);
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) {
+			const double sign = j == (i + 1) % 3 ? -1.0 : 1.0;
+			space.gradient[i * 3 + j] = i == j ? c + (1.0 - c) / 3.0 - 1.0 : (1.0 - c) / 3.0 + sign * s * n;
+		}
+	for (int k = 0; k < 60; ++k)
+		space.step(elastic3);
+	const double expected[6] = { first[2], first[0], first[1], first[5], first[3], first[4] };
+	for (int i = 0; i < 6; ++i)
+		worst = std::max(worst, std::abs(space.stress[i] - expected[i]));
+	std::printf("after rotations of 90 and 120 degrees: largest deviation %.1e Pa of 1e5 Pa\n", worst);
+	EXPECT_LT(worst, 1e-6);
+}
+
+TEST(MpmElasticSkeleton, SmallStrainsFollowHookesLaw)
+{
+	ElasticSkeleton<2> elastic;
+	elastic.youngModulus = 10e6;
+	elastic.poissonRatio = 0.25;
+	Element<2> e;
+	e.gradient[3] = 1e-8;
+	e.step(elastic);
+	EXPECT_NEAR(e.stress[1] / (12e6 * 1e-8), 1.0, 1e-7); // oedometer modulus E (1-nu)/((1+nu)(1-2nu)) = 1.2 E
+	EXPECT_NEAR(e.stress[0] / (4e6 * 1e-8), 1.0, 1e-7);
+	EXPECT_NEAR(e.stress[2] / (4e6 * 1e-8), 1.0, 1e-7);
+	Element<2> shear;
+	shear.gradient[1] = 1e-8;
+	shear.step(elastic);
+	EXPECT_NEAR(shear.stress[3] / (4e6 * 1e-8), 1.0, 1e-7);
+}
+
+TEST(MpmMohrCoulombSkeleton, ActivePressureFailsAtRankinesStress)
+{
+	// vertical stress held, sides extended: sigma_h = K_a sigma_v - 2 c sqrt(K_a), signs of tension
+	const double c = 5e3, phi = 30.0, sigmaV = -100e3;
+	auto         m = soil(c, phi);
+	Element<2>   e;
+	e.stress[0] = e.stress[1] = e.stress[2] = sigmaV;
+	for (int k = 0; k < 4000; ++k) {
+		e.gradient[0] = 1e-5;
+		// servo of the vertical stress by an elastic guess
+		e.gradient[3] = (sigmaV - e.stress[1]) / 1.35e7;
+		e.step(m);
+	}
+	const double ka = (1.0 - std::sin(phi * degree)) / (1.0 + std::sin(phi * degree));
+	const double reference = ka * e.stress[1] + 2.0 * c * std::sqrt(ka);
+	std::printf("active stress %.2f Pa, Rankine %.2f Pa (vertical %.2f)\n", e.stress[0], reference, e.stress[1]);
+	EXPECT_NEAR(e.stress[1] / sigmaV, 1.0, 5e-3) << "servo";
+	EXPECT_NEAR(e.stress[0] / reference, 1.0, 1e-9);
+}
+
+TEST(MpmMohrCoulombSkeleton, SimpleShearIsBoundedByTheCohesionWithoutFriction)
+{
+	auto       m = soil(20e3, 0.0);
+	Element<2> e;
+	e.stress[0] = e.stress[1] = e.stress[2] = -50e3;
+	for (int k = 0; k < 2000; ++k) {
+		e.gradient[1] = 1e-5;
+		e.step(m);
+	}
+	std::printf("largest shear stress %.3f Pa, cohesion 20000\n", std::hypot(0.5 * (e.stress[0] - e.stress[1]), e.stress[3]));
+	EXPECT_NEAR(std::hypot(0.5 * (e.stress[0] - e.stress[1]), e.stress[3]) / 20e3, 1.0, 1e-9);
+}
+
+TEST(MpmMohrCoulombSkeleton, AnyTrialStateReturnsToTheSurfaceOnce)
+{
+	std::mt19937                           random(2);
+	std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+	double worst = -1e300, again = 0.0, order = 0.0, cut = -1e300;
+	for (int k = 0; k < 20000; ++k) {
+		MohrCoulombState m;
+		m.lambda          = 5e6 * (1.2 + uniform(random));
+		m.shear           = 4e6 * (1.2 + uniform(random));
+		m.cohesion        = 2e4 * (1.0 + uniform(random));
+		const double phi  = 22.0 * (1.0 + uniform(random)) * degree;
+		m.sinFriction     = std::sin(phi);
+		m.cosFriction     = std::cos(phi);
+		m.sinDilation     = std::sin(0.5 * (1.0 + uniform(random)) * phi);
+		m.tensileStrength = phi > 0.0 ? std::min(1e5, m.cohesion * m.cosFriction / m.sinFriction) * 0.5 * (1.0 + uniform(random)) : 1e5;
+		double s[3];
+		for (double& v : s)
+			v = 2e5 * uniform(random);
+		std::sort(s, s + 3, std::greater<double>());
+		returnToMohrCoulomb(m, s);
+		const double scale = 2e5;
+		worst = std::max(worst, ((s[0] - s[2]) + (s[0] + s[2]) * m.sinFriction - 2.0 * m.cohesion * m.cosFriction) / scale);
+		order = std::max({ order, (s[1] - s[0]) / scale, (s[2] - s[1]) / scale });
+		cut   = std::max(cut, (s[0] - m.tensileStrength) / scale);
+		double twice[3] = { s[0], s[1], s[2] };
+		returnToMohrCoulomb(m, twice);
+		for (int i = 0; i < 3; ++i)
+			again = std::max(again, std::abs(twice[i] - s[i]) / scale);
+	}
+	std::printf("20000 random trials: yield function <= %.1e, order violated by %.1e, above cut-off %.1e, second return moves %.1e (of 2e5 Pa)\n", worst, order, cut, again);
+	EXPECT_LT(worst, 1e-12);
+	EXPECT_LT(order, 1e-12);
+	EXPECT_LT(cut, 1e-15);
+	EXPECT_LT(again, 1e-12);
+}
+
+TEST(MpmMohrCoulombSkeleton, MeltingIceLowersStrengthAndStiffness)
+{
+	auto m                 = soil(1e3, 0.0);
+	m.youngModulusFrozen   = 1e8;
+	Element<2> e;
+	e.ice = 1.0;
+	e.stress[1] = -60e3;
+	e.step(m);
+	EXPECT_NEAR(e.stress[1], -60e3, 1e-9) << "frozen ground (c = 50 kPa) carries 60 kPa";
+	// phi(0.5) = 0.4375: c = 1e3 + 49e3 0.4375
+	e.ice = 0.5;
+	e.step(m);
+	EXPECT_LT(yieldOf(e.stress, 1e3 + 49e3 * 0.4375, 0.0), 1e-6);
+	e.ice = 0.0;
+	e.step(m);
+	std::printf("thawed: %.3f kPa stress difference, twice the cohesion is 2 kPa\n", 1e-3 * std::abs(e.stress[0] - e.stress[1]));
+	EXPECT_NEAR(yieldOf(e.stress, 1e3, 0.0), 0.0, 1e-6);
+	double     modulus = 0.0;
+	e.ice              = 0.5;
+	SkeletonBatch<2> b;
+	b.count         = 1;
+	b.place         = &e.place;
+	b.iceSaturation = &e.ice;
+	m.tangentModulus(b, &modulus);
+	EXPECT_NEAR(modulus / ((1e7 + 9e7 * 0.4375) * 0.7 / (1.3 * 0.4)), 1.0, 1e-12);
+}
+
+TEST(MpmMohrCoulombSkeleton, BadParametersAreNamed)
+{
+	auto m          = soil(1e3, 30.0);
+	m.frictionAngle = 95.0;
+	try {
+		m.validate();
+		FAIL() << "accepted";
+	} catch (const std::invalid_argument& e) {
+		EXPECT_NE(std::string(e.what()).find("frictionAngle = 95"), std::string::npos);
+	}
+	m               = soil(1e3, 30.0);
+	m.dilationAngle = 31.0;
+	EXPECT_THROW(m.validate(), std::invalid_argument);
+	ElasticSkeleton<3> elastic;
+	elastic.poissonRatio = 0.5;
+	EXPECT_THROW(elastic.validate(), std::invalid_argument);
+}
