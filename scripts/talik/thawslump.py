@@ -63,7 +63,7 @@ class Preset:
 
 presets = {
 	"test": Preset(gridSpacing=0.5, grains=60, endTime=0.6, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2),
-	"draft": Preset(gridSpacing=0.5, grains=100, endTime=10.0),
+	"draft": Preset(gridSpacing=0.5, grains=100, endTime=20.0),
 	"standard": Preset(gridSpacing=0.25, grains=200, endTime=15.0),
 	"paper": Preset(gridSpacing=0.2, grains=400, endTime=15.0),
 }
