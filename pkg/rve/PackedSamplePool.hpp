@@ -19,6 +19,10 @@ template <int Dim> class SamplePool {
 public:
 	using StatePointer = std::shared_ptr<const PackedState<Dim>>;
 
+	SamplePool();
+	SamplePool(const SamplePool& other) : SamplePool() { states = other.states; }
+	SamplePool& operator=(const SamplePool& other);
+
 	/// Adds a sample that shares `state`; returns its index. Throws std::invalid_argument when the state is unusable.
 	std::size_t  add(StatePointer state);
 	std::size_t  size() const { return states.size(); }
@@ -32,12 +36,16 @@ public:
 	/// Throws std::invalid_argument on an unknown or repeated sample, before anything has changed.
 	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads = 0);
 
-	/// Distinct states held and the bytes they hold.
+	/// Distinct states held, and the bytes they and their neighbour lists hold.
 	std::size_t distinctStates() const;
 	std::size_t bytes() const;
 
 private:
+	/// Speeds up the next visit and decides nothing: neighbour lists of a state, workspaces of the threads.
+	struct Memory;
+
 	std::vector<StatePointer> states;
+	std::shared_ptr<Memory>   memory;
 };
 
 } // namespace talik

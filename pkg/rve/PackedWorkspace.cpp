@@ -101,7 +101,7 @@ template <int Dim> PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly) : po
 
 // ---------------------------------------------------------------------------------------------- in and out
 
-template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state)
+template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
 {
 	static_cast<PackedParameters<Dim>&>(base) = state;
 	grains     = state.grains;
@@ -124,7 +124,30 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	selectKernel();
 	loadContacts(state);
 	listsValid = false;
-	rebuildLists();
+	if (!lists) {
+		rebuildLists();
+		return;
+	}
+	std::swap(innerLanes, oldInner);
+	std::swap(periodicLanes, oldPeriodic);
+	innerLanes.keys    = lists->inner;
+	periodicLanes.keys = lists->periodic;
+	adoptKeys();
+	std::copy(lists->referenceCell, lists->referenceCell + Dim * Dim, referenceCell);
+	skin           = lists->skin;
+	travel         = lists->travel;
+	stretch        = lists->stretch;
+	referenceKnown = false;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::store(PackedLists<Dim>& lists) const
+{
+	lists.inner    = innerLanes.keys;
+	lists.periodic = periodicLanes.keys;
+	std::copy(referenceCell, referenceCell + Dim * Dim, lists.referenceCell);
+	lists.skin    = skin;
+	lists.travel  = travel;
+	lists.stretch = stretch;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>& state)
@@ -319,11 +342,11 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	for (const bool crosses : { false, true }) {
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
 		for (const std::uint32_t lane : kept[crosses]) {
-			const PairKey<Dim> pair = PairKey<Dim>::decode(lanes.keys[lane]);
-			const std::size_t  b = lane / 4, l = lane % 4;
-			c.first[k]    = std::uint16_t(pair.first);
-			c.second[k]   = std::uint16_t(pair.second);
-			c.cellDist[k] = pair.cellDist;
+			const std::size_t b = lane / 4, l = lane % 4;
+			c.first[k]    = std::uint16_t(lanes.block[b].first[l] / 4);
+			c.second[k]   = std::uint16_t(lanes.block[b].second[l] / 4);
+			for (int d = 0; d < Dim; ++d)
+				c.cellDist[k][d] = crosses ? shiftCell[lanes.shift[lane] / 4 * Dim + d] : std::int8_t(0);
 			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
 				shearData(c.shear[k])[d] = lanes.block[b].shear[d][l];
 			if constexpr (Dim == 3)
@@ -430,7 +453,7 @@ template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
 template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 {
 	if (listsValid && !listsExhausted()) return;
-	if (listsValid) {
+	if (listsValid && referenceKnown) {
 		const double measured = measuredTravel();
 		if (measured < travel && 2 * measured + (2 * largestRadius + skin) * stretch * 1.01 < 0.7 * skin) {
 			travel = measured * (1 + 1e-9);
@@ -449,28 +472,33 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 	std::swap(innerLanes, oldInner);
 	std::swap(periodicLanes, oldPeriodic);
 	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, referenceCell, skin, innerLanes.keys, periodicLanes.keys);
-	shiftCell.clear();
 	for (const bool crosses : { false, true }) {
-		Lanes& lanes = lanesOf(crosses);
-		const Lanes& old = crosses ? oldPeriodic : oldInner;
-		sortPairKeys(lanes.keys, sortBuffer, sortCounts);
-		if (carriesBonds) {
-			const std::size_t found = lanes.keys.size();
-			keepDistantBonds(old, lanes.keys, lanes.keys);
-			if (lanes.keys.size() > found) sortPairKeys(lanes.keys, sortBuffer, sortCounts);
-		}
-		fillLanes(lanes, old, crosses);
+		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
+		sortPairKeys(keys, sortBuffer, sortCounts);
+		const std::size_t found = keys.size();
+		if (carriesBonds) keepDistantBonds(crosses ? oldPeriodic : oldInner, keys, keys);
+		if (keys.size() > found) sortPairKeys(keys, sortBuffer, sortCounts);
 	}
+	adoptKeys();
+	for (std::size_t g = 0; g < grainCount; ++g)
+		for (int d = 0; d < Dim; ++d)
+			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
+	referenceKnown = true;
+	travel = stretch = 0;
+}
+
+/// Lanes for the keys, with the history of the previous ones.
+template <int Dim> void PackedWorkspace<Dim>::adoptKeys()
+{
+	shiftCell.clear();
+	fillLanes(innerLanes, oldInner, false);
+	fillLanes(periodicLanes, oldPeriodic, true);
 	const std::size_t shifts = shiftCell.size() / Dim;
 	shiftMotion.resize(shifts * PackedLayout<Dim>::motion / 4);
 	shiftForce.resize(shifts * PackedLayout<Dim>::force / 4);
 	bind();
 	updateShiftRows();
-	for (std::size_t g = 0; g < grainCount; ++g)
-		for (int d = 0; d < Dim; ++d)
-			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
-	travel = stretch = 0;
-	listsValid       = true;
+	listsValid = true;
 }
 
 /// A bond may open wider than the skin while it stretches: it stays in the list whatever the distance.
@@ -1010,18 +1038,15 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 			const Geometry     now  = geometry(*lanes, lane);
 			const std::uint8_t bond = carriesBonds ? lanes->memory[lane].bond : bondNone;
 			if (now.overlap < 0 && bond != bondBonded) continue;
-			const double  grain     = grainStiffness(now.rows.first / 4, now.rows.second / 4);
-			double        stiffness = grain, normalForce = grain * now.overlap;
-			double        shear[PackedLayout<Dim>::shear];
+			double stiffness = lanes->block[lane / 4].stiffness[lane % 4], normalForce = stiffness * now.overlap;
+			double shear[PackedLayout<Dim>::shear];
 			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
 				shear[d] = lanes->block[lane / 4].shear[d][lane % 4];
-			if (bond == bondBonded) {
-				stiffness   = grain * (1 + iceRatio);
-				normalForce = lanes->block[lane / 4].stiffness[lane % 4] * now.overlap - lanes->ice[lane / 4].offset[lane % 4];
-			} else if (bond & PackedContacts<Dim>::iceSpringUncut) {
-				const double push = std::max(0., now.overlap - lanes->memory[lane].iceReference);
-				if (push > 0) stiffness = grain * (1 + iceRatio);
-				normalForce += grain * iceRatio * push;
+			if (bond & PackedContacts<Dim>::iceSpringUncut && now.overlap <= lanes->memory[lane].iceReference) {
+				stiffness /= 1 + iceRatio;
+				normalForce = stiffness * now.overlap;
+			} else if (carriesBonds) {
+				normalForce -= lanes->ice[lane / 4].offset[lane % 4];
 			}
 			visit(now, stiffness, normalForce, shear, bond);
 		}
@@ -1082,18 +1107,29 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 
 template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 {
+	// C = (1 - ratio) sum f n n n n + ratio sum f delta_ik n_j n_l with f = d^2 k_n/V
 	PackedTangent<Dim> result {};
+	Matrix             second = Matrix::Zero();
 	const double       volume = parameters().volume();
 	forContacts([&](const Geometry& now, double stiffness, double, const double*, std::uint8_t) {
 		const double factor = now.distance * now.distance * stiffness / volume;
-		for (int i = 0; i < Dim; ++i)
-			for (int j = 0; j < Dim; ++j)
-				for (int k = 0; k < Dim; ++k)
-					for (int l = 0; l < Dim; ++l) {
-						const double nn = now.n[i] * now.n[k], tt = (i == k ? 1. : 0.) - nn;
-						result[((i * Dim + j) * Dim + k) * Dim + l] += factor * (nn + base.stiffnessRatio * tt) * now.n[j] * now.n[l];
-					}
+		double       pairs[Dim * Dim], weighted[Dim * Dim];
+		for (int k = 0; k < Dim * Dim; ++k) {
+			pairs[k]    = now.n[k / Dim] * now.n[k % Dim];
+			weighted[k] = factor * pairs[k];
+			second(k / Dim, k % Dim) += weighted[k];
+		}
+		for (int k = 0; k < Dim * Dim; ++k)
+			for (int l = 0; l < Dim * Dim; ++l)
+				result[k * Dim * Dim + l] += weighted[k] * pairs[l];
 	});
+	for (int i = 0; i < Dim; ++i)
+		for (int j = 0; j < Dim; ++j)
+			for (int k = 0; k < Dim; ++k)
+				for (int l = 0; l < Dim; ++l) {
+					double& c = result[((i * Dim + j) * Dim + k) * Dim + l];
+					c         = (1 - base.stiffnessRatio) * c + (i == k ? base.stiffnessRatio * second(j, l) : 0.);
+				}
 	return result;
 }
 

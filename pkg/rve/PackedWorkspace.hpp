@@ -13,6 +13,13 @@ struct PackedBlowUp : std::runtime_error {
 	using std::runtime_error::runtime_error;
 };
 
+/// Neighbour lists that outlive a stay in a workspace: pairs in the order of their keys, and how much of the skin is used up.
+template <int Dim> struct PackedLists {
+	std::vector<std::uint64_t> inner, periodic;
+	double                     referenceCell[Dim * Dim];
+	double                     skin = 0, travel = 0, stretch = 0;
+};
+
 /// The running form of one sample: rows of grains, pairs in blocks of four, neighbour lists. Takes a state, advances it, gives it back.
 /// A thread needs one of them for any number of samples; buffers are kept.
 template <int Dim> class PackedWorkspace {
@@ -24,8 +31,10 @@ public:
 	PackedWorkspace(const PackedWorkspace&) = delete;
 	PackedWorkspace& operator=(const PackedWorkspace&) = delete;
 
-	void load(const PackedState<Dim>& state);
+	/// lists: those of exactly this state, or nullptr to build them; the results are the same.
+	void load(const PackedState<Dim>& state, const PackedLists<Dim>* lists = nullptr);
 	void store(PackedState<Dim>& state) const;
+	void store(PackedLists<Dim>& lists) const;
 
 	/// Velocity gradient that comes into force in the integrator of the next step [1/s].
 	void setNextVelGrad(const Matrix& velGrad);
@@ -44,6 +53,7 @@ public:
 	PackedTangent<Dim>    tangent() const;
 	Matrix                hSize() const;
 	const char*           path() const { return kernel.name; }
+	bool                  portableOnly() const { return portable; }
 	/// State without arrays of grains and contacts: parameters, cell, step count.
 	const PackedParameters<Dim>& parameters() const;
 	double           meanRadius() const { return averageRadius; }
@@ -81,6 +91,7 @@ private:
 
 	void     refreshLists();
 	void     rebuildLists(double leastSkin = 0);
+	void     adoptKeys();
 	void     keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const;
 	void     fillLanes(Lanes& lanes, const Lanes& old, bool periodic);
 	void     dressLane(Lanes& lanes, std::size_t lane);
@@ -130,7 +141,7 @@ private:
 	NeighbourSearch<Dim>       search;
 	std::vector<std::uint64_t> sortBuffer;
 	std::vector<std::uint32_t> sortCounts;
-	bool                       listsValid = false;
+	bool                       listsValid = false, referenceKnown = false;
 	double                     skin = 0, travel = 0, stretch = 0, referenceCell[Dim * Dim];
 
 	PackedKernel<Dim>   kernel;
