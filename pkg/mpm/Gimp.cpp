@@ -12,16 +12,6 @@ namespace {
 	public:
 		std::string name() const override { return "gimp"; }
 
-		void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& w) const override
-		{
-			w.first = first;
-			w.count = count;
-			for (int k = 0; k < count; ++k)
-				w.base[k] = 0;
-			for (int a = 0; a < D; ++a)
-				along(grid, a, position[a] + first, count, w);
-		}
-
 	private:
 		// Hat function averaged over [xi - l, xi + l], xi and l in cells, l <= 1/2, and its derivative with respect to xi.
 		static double average(double xi)
@@ -41,7 +31,9 @@ namespace {
 			if (r < 1.0 + halfWidth) return -sign * (1.0 + halfWidth - r) / (2.0 * halfWidth);
 			return 0.0;
 		}
-		static void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w)
+
+	protected:
+		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
 			const int stride = grid.nodeStride(axis);
 			for (int k = 0; k < count; ++k) {

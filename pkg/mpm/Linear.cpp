@@ -12,18 +12,8 @@ namespace {
 	public:
 		std::string name() const override { return "linear"; }
 
-		void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& w) const override
-		{
-			w.first = first;
-			w.count = count;
-			for (int k = 0; k < count; ++k)
-				w.base[k] = 0;
-			for (int a = 0; a < D; ++a)
-				along(grid, a, position[a] + first, count, w);
-		}
-
-	private:
-		static void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w)
+	protected:
+		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
 			const double inverse = grid.inverseSpacing();
 			for (int k = 0; k < count; ++k) {

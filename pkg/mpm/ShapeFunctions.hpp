@@ -10,19 +10,28 @@
 namespace talik {
 
 /// Points are worked on in blocks of this length, so that the weights of a block stay in the first-level cache.
-constexpr int blockSize = 64;
+constexpr int blockSize = 32;
 
 /// Nodes per axis that a point touches.
 constexpr int supportNodes = 3;
 
-/// One-dimensional weights and slopes of consecutive points; the shape function of a node is their product.
+/// Nodes that a point touches.
+template <int D> constexpr int supportCount = D == 2 ? supportNodes * supportNodes : supportNodes * supportNodes * supportNodes;
+
+/// Shape functions and gradients of consecutive points.
 template <int D> struct WeightBlock {
-	int    first = 0;       ///< place of the first point
-	int    count = 0;       ///< <= blockSize
-	int    base[blockSize]; ///< index of the node with the lowest coordinates in the support
-	double value[D][supportNodes][blockSize]; ///< [-]
-	double slope[D][supportNodes][blockSize]; ///< [1/m]
+	int    first = 0;               ///< place of the first point
+	int    count = 0;               ///< <= blockSize
+	int    base[blockSize];         ///< index of the node with the lowest coordinates in the support
+	int    offset[supportCount<D>]; ///< from the base to each node of the support
+	double value[D][supportNodes][blockSize]; ///< one-dimensional factors [-]
+	double slope[D][supportNodes][blockSize]; ///< and their derivatives [1/m]
+	double weight[supportCount<D>][blockSize];      ///< S [-]
+	double gradient[D][supportCount<D>][blockSize]; ///< grad S [1/m]
 };
+
+/// Completes a block whose base, value and slope are set.
+template <int D> void multiplyFactors(const Grid<D>& grid, WeightBlock<D>& weights);
 
 /// A family of shape functions. A new one is one file: a class like those in QuadraticBSpline.cpp and Gimp.cpp, and its line in
 /// the table of ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis and covers the point's cell and
@@ -33,8 +42,20 @@ public:
 
 	virtual std::string name() const = 0;
 	/// Weights of count <= blockSize points from place first on; position[axis] are whole arrays.
-	virtual void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const
-	        = 0;
+	void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const
+	{
+		weights.first = first;
+		weights.count = count;
+		for (int k = 0; k < count; ++k)
+			weights.base[k] = 0;
+		for (int a = 0; a < D; ++a)
+			along(grid, a, position[a] + first, count, weights);
+		multiplyFactors(grid, weights);
+	}
+
+protected:
+	/// Factors and slopes along one axis; adds the axis' share to base.
+	virtual void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& weights) const = 0;
 };
 
 template <int D> std::unique_ptr<ShapeFunction<D>> makeQuadraticBSpline();
@@ -48,30 +69,15 @@ std::vector<std::string> shapeFunctionNames();
 template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::string& name);
 
 /// work(node, S, G) for every node of point k of the block; G is the gradient of S [1/m].
-template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const Grid<D>& grid, const WeightBlock<D>& w, int k, Work&& work)
+template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const Grid<D>&, const WeightBlock<D>& w, int k, Work&& work)
 {
 	const int base = w.base[k];
-	if constexpr (D == 2) {
-		for (int b = 0; b < supportNodes; ++b) {
-			const double ny = w.value[1][b][k], dy = w.slope[1][b][k];
-			for (int a = 0; a < supportNodes; ++a) {
-				const double nx = w.value[0][a][k], dx = w.slope[0][a][k];
-				work(base + a * grid.nodeStride(0) + b * grid.nodeStride(1), nx * ny, Vec<2> { dx * ny, nx * dy });
-			}
-		}
-	} else {
-		for (int c = 0; c < supportNodes; ++c) {
-			const double nz = w.value[2][c][k], dz = w.slope[2][c][k];
-			for (int b = 0; b < supportNodes; ++b) {
-				const double ny = w.value[1][b][k], dy = w.slope[1][b][k];
-				for (int a = 0; a < supportNodes; ++a) {
-					const double nx = w.value[0][a][k], dx = w.slope[0][a][k];
-					work(base + a * grid.nodeStride(0) + b * grid.nodeStride(1) + c * grid.nodeStride(2),
-					     nx * ny * nz,
-					     Vec<3> { dx * ny * nz, nx * dy * nz, nx * ny * dz });
-				}
-			}
-		}
+#pragma GCC unroll 9
+	for (int n = 0; n < supportCount<D>; ++n) {
+		Vec<D> g;
+		for (int a = 0; a < D; ++a)
+			g[a] = w.gradient[a][n][k];
+		work(base + w.offset[n], w.weight[n][k], g);
 	}
 }
 
