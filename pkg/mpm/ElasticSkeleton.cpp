@@ -2,8 +2,36 @@
 #include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/ElasticSkeleton.hpp>
 #include <pkg/mpm/ObjectiveUpdate.hpp>
+#include <pkg/mpm/PlaneLoops.hpp>
+
+#include <algorithm>
 
 namespace talik {
+
+namespace {
+
+	/// Places that follow each other are worked on in one go.
+	void updateRuns(const SkeletonBatch<2>& b, const LameModuli& moduli)
+	{
+		constexpr int    piece  = 1024;
+		const int        pieces = (b.count + piece - 1) / piece;
+		const PlaneLoops& loops = planeLoops();
+#pragma omp parallel for schedule(static) if (b.count >= 4000)
+		for (int i = 0; i < pieces; ++i) {
+			const int end = std::min(b.count, (i + 1) * piece);
+			for (int k = i * piece; k < end;) {
+				const int first = k, place = b.place[k];
+				while (k < end && b.place[k] == place + (k - first))
+					++k;
+				const double* const gradient[4] = { b.gradient[0] + place, b.gradient[1] + place, b.gradient[2] + place, b.gradient[3] + place };
+				double* const       stress[4]   = { b.stress[0] + place, b.stress[1] + place, b.stress[2] + place, b.stress[3] + place };
+				loops.elastic(k - first, moduli.lambda, moduli.shear, gradient, stress);
+			}
+		}
+	}
+	[[maybe_unused]] void updateRuns(const SkeletonBatch<3>&, const LameModuli&) {}
+
+} // namespace
 
 template <int D> void ElasticSkeleton<D>::validate() const
 {
@@ -14,6 +42,10 @@ template <int D> void ElasticSkeleton<D>::validate() const
 template <int D> void ElasticSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
 	const LameModuli moduli(youngModulus, poissonRatio);
+	if constexpr (D == 2) {
+		updateRuns(b, moduli);
+		return;
+	}
 #pragma omp parallel for schedule(static) if (b.count >= 4000)
 	for (int k = 0; k < b.count; ++k) {
 		const int p = b.place[k];

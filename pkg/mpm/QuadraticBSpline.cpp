@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 
 #include <cmath>
@@ -15,6 +16,10 @@ namespace {
 	protected:
 		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
+			if constexpr (D == 2) {
+				planeLoops().spline(w, axis, x, grid.lower()[axis], grid.inverseSpacing(), grid.nodeStride(axis));
+				return;
+			}
 			const double lower = grid.lower()[axis], inverse = grid.inverseSpacing();
 			const int    stride = grid.nodeStride(axis);
 			for (int k = 0; k < count; ++k) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 
 #include <stdexcept>
@@ -44,14 +45,9 @@ template <> void multiplyFactors<2>(const Grid<2>& grid, WeightBlock<2>& w)
 {
 	int n = 0;
 	for (int b = 0; b < supportNodes; ++b)
-		for (int a = 0; a < supportNodes; ++a, ++n) {
+		for (int a = 0; a < supportNodes; ++a, ++n)
 			w.offset[n] = a * grid.nodeStride(0) + b * grid.nodeStride(1);
-			for (int k = 0; k < w.count; ++k) {
-				w.weight[n][k]      = w.value[0][a][k] * w.value[1][b][k];
-				w.gradient[0][n][k] = w.slope[0][a][k] * w.value[1][b][k];
-				w.gradient[1][n][k] = w.value[0][a][k] * w.slope[1][b][k];
-			}
-		}
+	planeLoops().multiply(w);
 }
 
 template <> void multiplyFactors<3>(const Grid<3>& grid, WeightBlock<3>& w)

@@ -2,33 +2,13 @@
 #pragma once
 
 #include <pkg/mpm/Grid.hpp>
+#include <pkg/mpm/WeightBlock.hpp>
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace talik {
-
-/// Points are worked on in blocks of this length, so that the weights of a block stay in the first-level cache.
-constexpr int blockSize = 32;
-
-/// Nodes per axis that a point touches.
-constexpr int supportNodes = 3;
-
-/// Nodes that a point touches.
-template <int D> constexpr int supportCount = D == 2 ? supportNodes * supportNodes : supportNodes * supportNodes * supportNodes;
-
-/// Shape functions and gradients of consecutive points.
-template <int D> struct WeightBlock {
-	int    first = 0;               ///< place of the first point
-	int    count = 0;               ///< <= blockSize
-	int    base[blockSize];         ///< index of the node with the lowest coordinates in the support
-	int    offset[supportCount<D>]; ///< from the base to each node of the support
-	double value[D][supportNodes][blockSize]; ///< one-dimensional factors [-]
-	double slope[D][supportNodes][blockSize]; ///< and their derivatives [1/m]
-	double weight[supportCount<D>][blockSize];      ///< S [-]
-	double gradient[D][supportCount<D>][blockSize]; ///< grad S [1/m]
-};
 
 /// Completes a block whose base, value and slope are set.
 template <int D> void multiplyFactors(const Grid<D>& grid, WeightBlock<D>& weights);

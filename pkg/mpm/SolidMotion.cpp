@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
 
 namespace talik {
@@ -39,6 +40,12 @@ template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid
 
 template <int D> void SolidMotion<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
 {
+	if constexpr (D == 2) {
+		planeLoops().mapMotion(
+		        w,
+		        { mass, volume, meanStress, { velocity[0], velocity[1] }, { stress[0], stress[1], stress[2], stress[3] }, nodes[0] });
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int    p = w.first + k;
 		const double m = mass[p];
@@ -71,6 +78,18 @@ template <int D> void SolidMotion<D>::map(const Grid<D>& grid, const WeightBlock
 template <int D> void SolidMotion<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
 {
 	const double chi = settings->flipFraction;
+	if constexpr (D == 2) {
+		planeLoops().gatherMotion(
+		        w,
+		        { solved[0],
+		          { velocity[0], velocity[1] },
+		          { position[0], position[1] },
+		          { displacement[0], displacement[1] },
+		          { gradient[0], gradient[1], gradient[2], gradient[3] },
+		          chi,
+		          dt });
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		Vec<D>    change {}, v {};

@@ -12,9 +12,9 @@ namespace talik {
 template <int D> class SolidMotion {
 public:
 	static constexpr int S = stressSize<D>;
-	/// Record of a node: mass that moves with the solid, its momentum, force on the mixture; padded to an even number.
+	/// Record of a node: mass that moves with the solid, its momentum, force on the mixture (from the fifth number on).
 	static constexpr int mapSize = D == 2 ? 6 : 8;
-	static constexpr int massAt = 0, momentumAt = 1, forceAt = 1 + D;
+	static constexpr int massAt = 0, momentumAt = 1, forceAt = 4;
 
 	SolidMotion(PointFields& fields, const MotionSettings<D>& settings);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
