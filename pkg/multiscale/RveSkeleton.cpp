@@ -81,6 +81,7 @@ namespace {
 	{
 		const auto statistics = [](const State2& s) { return talik::PackedSample<2>(s).statistics(); };
 		if (name == "bondsIntact") return { 1, [](const State2& s, double* v) { *v = intactBonds(s); } };
+		if (name == "bondsFormed") return { 1, [](const State2& s, double* v) { *v = double(s.bondsFormed); } };
 		if (name == "bondsBroken") return { 1, [](const State2& s, double* v) { *v = double(s.bondsBrokenInTension + s.bondsBrokenInShear); } };
 		if (name == "bondsMelted") return { 1, [](const State2& s, double* v) { *v = double(s.bondsMelted); } };
 		if (name == "contacts") return { 1, [](const State2& s, double* v) { *v = double(s.contacts.size()); } };
@@ -92,7 +93,7 @@ namespace {
 					v[0] = f(0, 0), v[1] = f(1, 1), v[2] = f(0, 1);
 				} };
 		throw std::invalid_argument(
-		        "RveSkeleton.values: there is no measure '" + name + "'; choose bondsIntact, bondsBroken, bondsMelted, contacts, coordinationNumber, porosity or fabric.");
+		        "RveSkeleton.values: there is no measure '" + name + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, porosity or fabric.");
 	}
 }
 

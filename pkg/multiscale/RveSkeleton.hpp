@@ -19,7 +19,7 @@ public:
 	shared_ptr<RveSample>   sample(int id) const;
 	void                    replaceSample(int id, const shared_ptr<RveSample>&);
 	::boost::python::object values(const string& name) const override;
-	vector<string>          measures() const override { return { "bondsIntact", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber" }; }
+	vector<string>          measures() const override { return { "bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber" }; }
 	::boost::python::dict   counters() const;
 	::boost::python::dict   blownUp() const;
 
@@ -46,7 +46,7 @@ public:
 		/*py*/
 		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample.")
 		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point.")
-		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact, bondsBroken (mechanically, since preparation), bondsMelted, contacts, coordinationNumber, porosity, fabric (n,3).")
+		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, porosity, fabric (n,3).")
 		.add_property("counters",&RveSkeleton::counters,"Dictionary: points, calls, steps (DEM), seconds, distinctStates, bytes.")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
