@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/HeatTransfer.hpp>
+#include <pkg/mpm/PlaneLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +71,16 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 
 template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
 {
+	if (walls_) mapMoments(grid, w);
+	if constexpr (D == 2) {
+		double values[2][blockSize];
+		for (int k = 0; k < w.count; ++k) {
+			values[0][k] = heatCapacity[w.first + k];
+			values[1][k] = heatCapacity[w.first + k] * temperature[w.first + k];
+		}
+		planeLoops().mapTwo(w, values, nodes[0]);
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const double c  = heatCapacity[w.first + k];
 		const double ct = c * temperature[w.first + k];
@@ -79,7 +90,6 @@ template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBloc
 			r[1] += s * ct;
 		});
 	}
-	if (walls_) mapMoments(grid, w);
 }
 
 template <int D> void HeatTransfer<D>::mapMoments(const Grid<D>& grid, const WeightBlock<D>& w)
@@ -169,6 +179,21 @@ template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const
 {
 	const double scaled = dt * settings->thermalTimeScale;
 	const double source = scaled * settings->source;
+	if constexpr (D == 2) {
+		double ofGrid[blockSize], flux[2][blockSize], produced[blockSize], unseen[blockSize];
+		planeLoops().gatherScalar(w, nodal[0], 1, ofGrid, flux);
+		for (int k = 0; k < w.count; ++k) {
+			const int    p           = w.first + k;
+			const double conductance = -volume[p] * conductivity[p] * scaled;
+			produced[k]              = volume[p] * source;
+			unseen[k]                = heatCapacity[p] * (ofGrid[k] - temperature[p]);
+			flux[0][k] *= conductance;
+			flux[1][k] *= conductance;
+		}
+		planeLoops().mapFlux(w, flux, produced, energy[0]);
+		if constexpr (Smooth) planeLoops().mapScalar(w, unseen, noise[0]);
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		Vec<D>    slope {};
@@ -252,6 +277,15 @@ template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, dou
 template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
 {
 	const double chi = smoothing(dt);
+	if constexpr (D == 2) {
+		double gained[blockSize], unused[2][blockSize];
+		planeLoops().gatherScalar(w, rise[0], 1, gained, unused);
+		for (int k = 0; k < w.count; ++k) {
+			const int p = w.first + k;
+			enthalpy[p] += heatCapacity[p] * (gained[k] - chi * temperature[p]);
+		}
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int p      = w.first + k;
 		double    gained = 0.0;

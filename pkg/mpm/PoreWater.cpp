@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/PoreWater.hpp>
 
 #include <algorithm>
@@ -66,6 +67,23 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 			driving[k]      = r[1] / r[0];
 		}
 	const double* ice = iceMass_ ? iceMass_ + w.first : none_.data();
+	if constexpr (D == 2) {
+		double values[8][blockSize];
+		for (int k = 0; k < w.count; ++k) {
+			const int    p = w.first + k;
+			const double m = waterMass_[p] - ice[k], v = volume_[p];
+			values[massAt][k]         = m;
+			values[momentumAt][k]     = m * velocity[0][p];
+			values[momentumAt + 1][k] = m * velocity[1][p];
+			values[volumeAt][k]       = v;
+			values[liquidVolumeAt][k] = v * liquidFraction[p];
+			values[pressureAt][k]     = m * driving[k];
+			values[dragAt][k]         = drag[p];
+			values[7][k]              = 0.0;
+		}
+		planeLoops().mapEight(w, values, nodes[0]);
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int    p = w.first + k;
 		const double m = waterMass_[p] - ice[k];
@@ -104,6 +122,15 @@ template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 
 template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const WeightBlock<D>& w)
 {
+	if constexpr (D == 2) {
+		double value[blockSize], slope[2][blockSize];
+		planeLoops().gatherScalar(w, nodal[0], 3, value, slope);
+		for (int i = 0; i < 2; ++i)
+			for (int k = 0; k < w.count; ++k)
+				slope[i][k] *= volume_[w.first + k];
+		planeLoops().mapTwo(w, slope, force[0]);
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		Vec<D> slope {};
 		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
@@ -140,6 +167,21 @@ template <int D>
 void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
 {
 	const double* temperature = temperature_ ? temperature_ + w.first : none_.data();
+	if constexpr (D == 2) {
+		double q[2][blockSize], values[4][blockSize];
+		planeLoops().gatherTwo(w, flux[0], q);
+		for (int k = 0; k < w.count; ++k) {
+			const double scale = dt * liquidDensity * volume_[w.first + k];
+			q[0][k] *= scale;
+			q[1][k] *= scale;
+			values[0][k] = 1.0;
+			values[1][k] = enthalpy ? enthalpy->liquidEnthalpy(temperature[k]) : 0.0;
+			values[2][k] = velocity[0][w.first + k];
+			values[3][k] = velocity[1][w.first + k];
+		}
+		planeLoops().mapFluxFour(w, q, values, exchange[0]);
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		Vec<D>    q {};
@@ -217,6 +259,27 @@ template <int D>
 void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells)
 {
 	const double chi = settings->flipFraction;
+	if constexpr (D == 2) {
+		double change[2][blockSize], got[exchangeSize][blockSize];
+		planeLoops().gatherTwo(w, solved[0], change);
+		planeLoops().gatherFour(w, exchange[0], got);
+		for (int i = 0; i < 2; ++i)
+			for (int k = 0; k < w.count; ++k)
+				velocity[i][w.first + k] = chi * velocity[i][w.first + k] + change[i][k];
+		for (int k = 0; k < w.count; ++k) {
+			const int p = w.first + k;
+			if (cells) {
+				double*      r      = cellRecord(cells->cell(p));
+				const double liquid = liquidMass(p);
+				for (int i = 0; i < exchangeSize; ++i)
+					r[2 + i] += liquid * got[i][k];
+			} else {
+				const double share[exchangeSize] = { got[0][k], got[1][k], got[2][k], got[3][k] };
+				take(p, share, waterMass, enthalpy);
+			}
+		}
+		return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const int p                 = w.first + k;
 		Vec<D>    change            = {};
