@@ -756,6 +756,13 @@ template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& eve
 		return;
 	}
 	++base.bondsBrokenInShear;
+	if (event.overlap < 0) { // nothing holds or pushes across a gap any more
+		memory            = BondMemory();
+		event.normalForce = 0;
+		clearShear<Dim>(event.shear);
+		clearShear<Dim>(event.iceShear);
+		return;
+	}
 	const double push     = grain * iceRatio * std::max(event.overlap - memory.iceReference, 0.);
 	event.normalForce     = push + grain * std::max(event.overlap, 0.);
 	memory.grainReference = 0;

@@ -5,10 +5,13 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/rve/PackedNeighbours.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 
 #include <omp.h>
+#include <set>
 #include <sstream>
+#include <tuple>
 
 namespace py = boost::python;
 using namespace yade;
@@ -34,12 +37,17 @@ namespace {
 		return present;
 	}
 
+	/// The engines of the next step.
+	const std::vector<shared_ptr<Engine>>& enginesOf(const Scene& scene) { return scene._nextEngines.empty() ? scene.engines : scene._nextEngines; }
+
 	py::object engineNamed(const Scene& scene, const char* name)
 	{
-		for (const auto& engine : scene.engines)
+		for (const auto& engine : enginesOf(scene))
 			if (engine->getClassName() == name) return py::object(engine);
 		return py::object();
 	}
+
+	bool isTrue(const py::object& object, const char* attribute) { return py::extract<bool>(object.attr(attribute)); }
 
 	/// Class name of the only functor of a dispatcher of the InteractionLoop, empty if there are none or several.
 	std::string onlyFunctor(const py::object& loop, const char* dispatcher)
@@ -57,33 +65,128 @@ namespace {
 		return !bodies.empty() && boost::dynamic_pointer_cast<IceBondMat>(bodies.front()->material);
 	}
 
+	std::string reasonOfBody(const Body& body)
+	{
+		const State& motion = *body.state;
+		if (!boost::dynamic_pointer_cast<Sphere>(body.shape)) return "is not a sphere";
+		if (body.clumpId >= 0) return "belongs to a clump";
+		if ((motion.blockedDOFs & discDofs) != discDofs) return "is free to move out of the plane (block z and the rotations X, Y)";
+		if (motion.blockedDOFs != discDofs) return "is held in the plane";
+		if (motion.vel[2] != 0 || motion.angVel[0] != 0 || motion.angVel[1] != 0) return "moves out of the plane";
+		if (!(motion.mass > 0 && motion.inertia[2] > 0)) return "has no mass or no moment of inertia";
+		if (!motion.isDamped) return "is exempt from damping";
+		if (!boost::dynamic_pointer_cast<FrictMat>(body.material)) return "has no frictional material";
+		return "";
+	}
+
 	std::string reasonOfBodies(const Scene& scene)
 	{
-		const Material* material = nullptr;
-		const auto      bodies   = presentBodies(scene);
+		const auto bodies = presentBodies(scene);
+		if (bodies.empty()) return "it has no bodies";
+		if (bodies.size() > 65000) return "it has more than 65000 grains";
+		const Body& first = *bodies.front();
 		for (const Body* body : bodies) {
-			const std::string who = "body " + std::to_string(body->id);
-			if (!boost::dynamic_pointer_cast<Sphere>(body->shape)) return who + " is not a sphere";
-			if (body->clumpId >= 0) return who + " belongs to a clump";
-			if ((body->state->blockedDOFs & discDofs) != discDofs) return who + " is free to move out of the plane (block z and the rotations X, Y)";
-			if (body->state->blockedDOFs != discDofs) return who + " is held in the plane";
-			if (!boost::dynamic_pointer_cast<FrictMat>(body->material)) return who + " has no frictional material";
-			if (material && material != body->material.get()) return "its grains have several materials";
-			material = body->material.get();
+			const std::string own = reasonOfBody(*body);
+			if (!own.empty()) return "body " + std::to_string(body->id) + " " + own;
+			if (body->material != first.material) return "its grains have several materials";
+			const double layers = std::abs(body->state->se3.position[2] - first.state->se3.position[2]);
+			if (layers > 1e-12 * static_cast<const Sphere&>(*body->shape).radius) return "its grains do not lie in one layer";
 		}
-		return bodies.empty() ? "it has no bodies" : "";
+		return "";
+	}
+
+	/// Engines whose work the fused step does, or which only look.
+	bool isCovered(const shared_ptr<Engine>& engine)
+	{
+		static const std::set<std::string> known { "ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator" };
+		const std::string                  name = engine->getClassName();
+		if (engine->dead || known.count(name)) return true;
+		return name == "GrainSwelling" && py::extract<std::string>(py::object(engine).attr("radiusRule"))() == "bookkeeping";
+	}
+
+	std::string reasonOfIntegrator(const Scene& scene)
+	{
+		const py::object newton = engineNamed(scene, "NewtonIntegrator");
+		if (newton.is_none()) return "it has no NewtonIntegrator";
+		if (py::extract<Vector3r>(newton.attr("gravity"))() != Vector3r::Zero()) return "its NewtonIntegrator has gravity";
+		if (isTrue(newton, "densityScaling")) return "its NewtonIntegrator scales densities";
+		if (py::extract<int>(newton.attr("mask")) > 0) return "its NewtonIntegrator moves a part of the bodies only";
+		if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
+		return "";
+	}
+
+	std::string reasonOfContactLaw(const Scene& scene)
+	{
+		const py::object loop = engineNamed(scene, "InteractionLoop");
+		if (loop.is_none()) return "it has no InteractionLoop";
+		if (onlyFunctor(loop, "geomDispatcher") != "Ig2_Sphere_Sphere_ScGeom") return "its contact geometry is not Ig2_Sphere_Sphere_ScGeom alone";
+		const py::object geometry = loop.attr("geomDispatcher").attr("functors")[0];
+		if (py::extract<double>(geometry.attr("interactionDetectionFactor"))() != 1) return "its contacts are detected at a distance (interactionDetectionFactor)";
+		if (!isTrue(geometry, "avoidGranularRatcheting")) return "its contact geometry has avoidGranularRatcheting=False";
+		const std::string physics = onlyFunctor(loop, "physDispatcher"), law = onlyFunctor(loop, "lawDispatcher");
+		if (law == "Law2_ScGeom_FrictPhys_CundallStrack") {
+			if (physics != "Ip2_FrictMat_FrictMat_FrictPhys") return "its contact parameters do not come from Ip2_FrictMat_FrictMat_FrictPhys alone";
+			return isTrue(lawOf(scene), "neverErase") ? "its law never erases a contact" : "";
+		}
+		if (law != "Law2_ScGeom_IceBondPhys_IceBond") return "its contact law is " + (law.empty() ? "not a single one" : law);
+		if (physics != "Ip2_IceBondMat_IceBondMat_IceBondPhys") return "its contact parameters do not come from Ip2_IceBondMat_IceBondMat_IceBondPhys alone";
+		if (isTrue(loop.attr("physDispatcher").attr("functors")[0], "bondNewContacts")) return "its new contacts are bonded (bondNewContacts)";
+		if (isTrue(lawOf(scene), "healBroken")) return "its law heals broken bonds (healBroken)";
+		const std::string rule = py::extract<std::string>(lawOf(scene).attr("stiffnessRule"));
+		return rule == "parallel" ? "" : "its law has the stiffness rule " + rule;
 	}
 
 	std::string reasonOfEngines(const Scene& scene)
 	{
-		const py::object loop = engineNamed(scene, "InteractionLoop");
-		if (loop.is_none()) return "it has no InteractionLoop";
-		if (engineNamed(scene, "NewtonIntegrator").is_none()) return "it has no NewtonIntegrator";
-		if (onlyFunctor(loop, "geomDispatcher") != "Ig2_Sphere_Sphere_ScGeom") return "its contact geometry is not Ig2_Sphere_Sphere_ScGeom alone";
-		const std::string law = onlyFunctor(loop, "lawDispatcher");
-		if (law != "Law2_ScGeom_FrictPhys_CundallStrack" && law != "Law2_ScGeom_IceBondPhys_IceBond")
-			return "its contact law is " + (law.empty() ? "not a single one" : law);
+		for (const auto& engine : enginesOf(scene))
+			if (!isCovered(engine)) return "it has a " + engine->getClassName();
+		const std::string ofLaw = reasonOfContactLaw(scene);
+		return ofLaw.empty() ? reasonOfIntegrator(scene) : ofLaw;
+	}
+
+	bool differs(double a, double b) { return !(std::abs(a - b) <= 1e-9 * std::abs(b)); }
+
+	std::string reasonOfBond(const IceBondPhys& bond, const IceBondMat& material)
+	{
+		if (bond.uRef != 0) return "has a reference overlap";
+		if (bond.iceSaturation != material.iceSaturation || bond.bondNow) return "has not taken up the ice saturation of the material yet (do a step first)";
 		return "";
+	}
+
+	/// Stiffness and friction may have been set contact by contact: the packed form has those of the material.
+	std::string reasonOfContact(const Interaction& interaction, const FrictMat& material)
+	{
+		const auto*  geom = dynamic_cast<const ScGeom*>(interaction.geom.get());
+		const auto*  phys = dynamic_cast<const FrictPhys*>(interaction.phys.get());
+		if (!geom || !phys) return "is not made by its contact law";
+		if (interaction.cellDist.cwiseAbs().maxCoeff() > 127) return "reaches across more than 127 cells";
+		const double grain = 2 * material.young * geom->refR1 * geom->refR2 / (geom->refR1 + geom->refR2);
+		if (differs(phys->tangensOfFrictionAngle, std::tan(material.frictionAngle)))
+			return "has the friction " + std::to_string(phys->tangensOfFrictionAngle) + " and its material " + std::to_string(std::tan(material.frictionAngle));
+		const auto* bond = dynamic_cast<const IceBondPhys*>(phys);
+		if (differs(bond ? bond->grainStiffness : phys->kn, grain) || differs(bond ? bond->stiffnessRatio : phys->ks / phys->kn, material.poisson))
+			return "has another stiffness than its material gives";
+		return bond ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : "";
+	}
+
+	std::string reasonOfContacts(const Scene& scene)
+	{
+		const auto& material = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
+		for (const auto& interaction : *scene.interactions) {
+			if (!interaction->isReal()) continue;
+			const std::string reason = reasonOfContact(*interaction, material);
+			if (!reason.empty()) return "contact " + std::to_string(interaction->id1) + "-" + std::to_string(interaction->id2) + " " + reason;
+		}
+		return "";
+	}
+
+	std::string reasonOfCell(const Scene& scene)
+	{
+		if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
+		const Cell& cell = *scene.cell;
+		for (const Matrix3r* m : { &cell.hSize, &cell.velGrad, &cell.nextVelGrad, &cell.trsf })
+			if ((*m)(0, 2) != 0 || (*m)(1, 2) != 0 || (*m)(2, 0) != 0 || (*m)(2, 1) != 0) return "its cell is skewed out of the plane";
+		return cell.velGrad(2, 2) != 0 || cell.nextVelGrad(2, 2) != 0 ? "its cell is strained out of the plane" : "";
 	}
 
 	/// Unit tangent t = z x n of a contact.
@@ -172,7 +275,7 @@ namespace {
 		state.hSize         = inPlane(cell.hSize);
 		state.prevHSize     = inPlane(cell.prevHSize);
 		state.velGrad       = inPlane(cell.velGrad);
-		state.nextVelGrad   = inPlane(cell.velGradChanged ? cell.nextVelGrad : cell.velGrad);
+		state.nextVelGrad   = inPlane(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
 		state.trsf          = inPlane(cell.trsf);
 		state.thickness     = std::abs(cell.hSize(2, 2));
 	}
@@ -215,6 +318,8 @@ namespace {
 		struct Entry {
 			std::array<int, 4> key;
 			const Interaction* interaction;
+			bool               crosses;
+			std::uint64_t      code;
 		};
 		std::vector<Entry> entries;
 		for (const auto& interaction : *scene.interactions) {
@@ -225,9 +330,12 @@ namespace {
 				std::swap(a, b);
 				sign = -1;
 			}
-			entries.push_back({ { a, b, sign * interaction->cellDist[0], sign * interaction->cellDist[1] }, interaction.get() });
+			const int        cx = sign * interaction->cellDist[0], cy = sign * interaction->cellDist[1];
+			const PairKey<2> pair { std::uint32_t(a), std::uint32_t(b), { std::int8_t(cx), std::int8_t(cy) } };
+			entries.push_back({ { a, b, cx, cy }, interaction.get(), pair.crossesCell(), pair.encode() });
 		}
-		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return l.key < r.key; });
+		// in the order in which a packed sample keeps them
+		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return std::tie(l.crosses, l.code) < std::tie(r.crosses, r.code); });
 		auto& k = state.contacts;
 		for (const auto& entry : entries) {
 			const auto& geom = static_cast<const ScGeom&>(*entry.interaction->geom);
@@ -354,11 +462,11 @@ namespace {
 std::string reasonAgainstPacking(const Scene& scene)
 {
 	HoldGil gil;
-	if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
-	const Matrix3r& h = scene.cell->hSize;
-	if (h(0, 2) != 0 || h(1, 2) != 0 || h(2, 0) != 0 || h(2, 1) != 0) return "its cell is skewed out of the plane";
-	const std::string ofBodies = reasonOfBodies(scene);
-	return ofBodies.empty() ? reasonOfEngines(scene) : ofBodies;
+	for (const auto reason : { reasonOfCell, reasonOfBodies, reasonOfEngines, reasonOfContacts }) {
+		const std::string found = reason(scene);
+		if (!found.empty()) return found;
+	}
+	return "";
 }
 
 PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
@@ -372,14 +480,17 @@ PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
 	packCell(scene, state);
 	packParameters(scene, state);
 	packContacts(scene, former, indexOf, state);
-	state.stress = stressOf(scene, state.volume());
 	if (former) {
 		state.thawStrain           = former->thawStrain;
 		state.bondsFormed          = former->bondsFormed;
 		state.bondsBrokenInTension = former->bondsBrokenInTension;
 		state.bondsBrokenInShear   = former->bondsBrokenInShear;
 		state.bondsMelted          = former->bondsMelted;
+		// the stress of the last step is not that of the forces at the present positions, which an opened scene shows
+		state.stress = former->stress;
+		if (state.toBytes() == former->toBytes()) return state;
 	}
+	state.stress = stressOf(scene, state.volume());
 	return state;
 }
 

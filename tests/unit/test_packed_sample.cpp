@@ -428,6 +428,31 @@ TEST(SamplePool, resultsAreBitEqualForAnyNumberOfThreads)
 	EXPECT_EQ(one.distinctStates(), 12u);
 }
 
+TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
+{
+	for (const bool bonds : { false, true }) {
+		const State         start = bonds ? frozen(0.1) : packedReference::sample().state();
+		SamplePool<2>       pool;
+		PackedUpdateOptions options;
+		options.maxStrainPerStep  = 1e-4;
+		options.maxInertialNumber = 1;
+		pool.add(std::make_shared<const State>(start));
+		State alone = start;
+		for (int round = 0; round < 60; ++round) {
+			const Matrix increment = matrix(1e-3 * std::sin(round), 2e-2, 0, -2e-3 * std::cos(round));
+			const double ice       = bonds ? 0.1 - 0.001 * round : 0.;
+			pool.update({ { 0, increment, ice } }, options, 1);
+			PackedSample<2> fresh(alone);
+			fresh.apply(increment, ice, options);
+			alone = fresh.state();
+			ASSERT_TRUE(pool.state(0)->toBytes() == alone.toBytes()) << "round " << round;
+		}
+		std::printf(
+		        "%s: 60 updates to gamma 1.2 in a pool and one by one from saved states: bit-equal, %lu bonds broken\n", bonds ? "bonded" : "frictional",
+		        (unsigned long)(alone.bondsBrokenInTension + alone.bondsBrokenInShear));
+	}
+}
+
 TEST(SamplePool, equalRequestsOnASharedStateAreComputedOnce)
 {
 	const auto    plain = std::make_shared<const State>(packedReference::sample().state());

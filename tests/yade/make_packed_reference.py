@@ -9,7 +9,7 @@ import math, os, sys
 from yade import pack
 
 discs = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-here = os.path.dirname(os.path.abspath(__file__)) if "__file__" in globals() else "tests/yade"
+here = os.path.dirname(os.path.abspath(sys.argv[0]))
 output = sys.argv[2] if len(sys.argv) > 2 else os.path.join(here, "..", "unit", "data", "packed_reference.txt")
 
 thickness, density, young, stiffnessRatio = 0.1, 2650., 6e8, 0.8

@@ -7,7 +7,7 @@ import math, os, sys
 from yade import pack
 
 spheres = int(sys.argv[1]) if len(sys.argv) > 1 else 60
-here = os.path.dirname(os.path.abspath(__file__)) if "__file__" in globals() else "tests/yade"
+here = os.path.dirname(os.path.abspath(sys.argv[0]))
 output = sys.argv[2] if len(sys.argv) > 2 else os.path.join(here, "..", "unit", "data", "packed_spheres_reference.txt")
 
 density, young, stiffnessRatio, friction, damping, pressure = 2650., 6e8, 0.8, 0.5, 0.2, 1e5

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Time of one step of the packed sample. The stock YADE figure for the same sample and motion:
+//   yade -n -x -j1 tests/yade/time_stock_step.py
+// To compare, run both in turn in one shell loop: machines are not equally fast at all times.
+#include "../unit/packedReference.hpp"
+#include <benchmark/benchmark.h>
+#include <pkg/rve/PackedSamplePool.hpp>
+
+using namespace talik;
+using packedReference::Matrix;
+using packedReference::State;
+
+namespace {
+
+const packedReference::Reference& reference()
+{
+	static const std::string here = __FILE__;
+	static const auto        read = packedReference::read(here.substr(0, here.find_last_of('/')) + "/../unit/data/packed_reference.txt");
+	return read;
+}
+
+Matrix shear(double rate)
+{
+	Matrix m;
+	m << rate, 0, 0, -rate;
+	return m;
+}
+
+State frozen(double iceSaturation)
+{
+	PackedSample<2> sample(reference().state());
+	for (int k = 1; k <= 20; ++k) {
+		sample.setIceSaturation(iceSaturation * k / 20);
+		sample.advance(5);
+	}
+	return sample.state();
+}
+
+void run(benchmark::State& bench, State state, bool portable, double before)
+{
+	constexpr long steps = 500;
+	PackedSample<2>::forcePortable(portable);
+	PackedSample<2> sample(state);
+	PackedSample<2>::forcePortable(false);
+	if (before > 0) sample.advance(shear(0.3), long(before / (0.3 * state.dt)));
+	const State start = sample.state();
+	for (auto _ : bench) {
+		bench.PauseTiming();
+		sample.setState(start);
+		bench.ResumeTiming();
+		sample.advance(shear(0.01), steps);
+	}
+	const auto statistics                = sample.statistics();
+	bench.counters["contacts"]           = double(statistics.contacts);
+	bench.counters["bondsIntact"]        = double(statistics.bondsIntact);
+	bench.counters["bondsBroken"]        = double(statistics.bondsBroken);
+	bench.counters["time/(grain step)"] = benchmark::Counter(
+	        double(steps * long(state.size())), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+	bench.SetLabel(sample.path());
+}
+
+void frictional(benchmark::State& bench) { run(bench, reference().state(), bench.range(0), 0); }
+void bonded(benchmark::State& bench) { run(bench, frozen(0.5), bench.range(0), 0); }
+void bondedWithBreakage(benchmark::State& bench) { run(bench, frozen(0.06), bench.range(0), 0.05); }
+
+/// One update of many samples, all of it: load, motion, tangent, store.
+void pool(benchmark::State& bench)
+{
+	SamplePool<2> samples;
+	const auto    state = std::make_shared<const State>(reference().state());
+	for (int k = 0; k < 200; ++k)
+		samples.add(state);
+	PackedUpdateOptions options;
+	options.steps   = bench.range(0);
+	options.tangent = true;
+	std::vector<PackedRequest<2>> requests;
+	for (std::size_t k = 0; k < samples.size(); ++k)
+		requests.push_back({ k, shear(1e-7 * double(options.steps) * (1 + 1e-3 * double(k))), 0 });
+	for (auto _ : bench)
+		samples.update(requests, options, 1);
+	bench.counters["time/(grain step)"] = benchmark::Counter(
+	        double(samples.size() * std::size_t(options.steps + 1) * state->size()),
+	        benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+} // namespace
+
+BENCHMARK(frictional)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(bonded)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(bondedWithBreakage)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(pool)->ArgName("steps")->Arg(10)->Arg(50)->Arg(200);
