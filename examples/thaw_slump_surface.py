@@ -24,8 +24,4 @@ def warmAir(start):
 
 options = thawslump.arguments(__doc__.splitlines()[0], "output/thaw_slump_surface")
 slump = thawslump.ThawSlump("Case I: thaw from the surface", warmAir, options.preset, options.output, thaw=not options.no_thaw)
-summary = slump.run()
-print(f"{summary['points']} points, {summary['steps']} steps, {summary['sample calls']} sample calls in {summary['wallTime [s]']:.0f} s")
-print(f"largest displacement {summary['largest displacement [m]']:.3f} m; bonds intact {summary['bondsIntact']}, ", end="")
-print(f"broken {summary['bondsBroken']}, melted {summary['bondsMelted']}")
-print(f"pictures, ParaView files and summary.json are in {options.output}")
+thawslump.report(slump.run(), options.output)

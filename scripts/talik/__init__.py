@@ -66,3 +66,17 @@ def __getattr__(name):
 		import importlib
 		return importlib.import_module('talik.' + name)
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
+
+
+@_contextmanager
+def inspect(scene):
+	"""Shows a Scene in O for the block: bodies, interactions, cell, engines and the 3-D view are its own; afterwards O is what it was.
+
+	>>> with talik.inspect(mpm.skeleton.sample(12).open()):
+	...     print(len(O.bodies))
+	"""
+	former = _talik.exchangeScene(scene)
+	try:
+		yield scene
+	finally:
+		_talik.exchangeScene(former)

@@ -309,3 +309,10 @@ def _grainsOf(sample):
 		raise ValueError(f"sample '{sample.path}' was not made by talik.rve.prepare; bring it to its stress in the script that made it")
 	values = {name: sample.parameters[name] for name in names}
 	return Grains(**{**values, "iceBond": tuple(tuple(pair) for pair in values["iceBond"])})
+
+
+def pack(sample):
+	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, see talik.slope.pack."""
+	from talik import slope
+
+	return slope.pack(sample)

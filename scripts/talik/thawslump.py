@@ -25,6 +25,7 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 
 
 seriesLength = 40  # states in the ParaView series
+frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
 
 
 def runUntil(instant, look=None, interval=0.2):
@@ -93,13 +94,15 @@ class ThawSlump:
 	name        of the case, used in titles
 	boundaries  function (start) -> list of thermal boundaries that begin to warm at `start` [s]
 	preset      a name in presets or a Preset
-	folder      for the results"""
+	folder      for the results
+	frameTimes  instants at which all fields are kept, since the start of the thaw [s]; default five"""
 
-	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True):
+	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True, frameTimes=None):
 		self.name, self.thermalBoundaries, self.thaws = name, boundaries, thaw
 		self.presetName = preset if isinstance(preset, str) else "own"
 		self.preset = presets[preset] if isinstance(preset, str) else preset
 		self.ground = ground or Ground()
+		self.frameTimes = [part * self.preset.endTime for part in frameParts] if frameTimes is None else sorted(frameTimes)
 		self.folder = writableFolder(folder)
 		self.wallStart = time.monotonic()
 		self.mpm = self._build()
@@ -140,17 +143,20 @@ class ThawSlump:
 		"""Rest, thaw, results. Returns the summary."""
 		mpm, p = self.mpm, self.preset
 		O.engines = [mpm]
+		self.initialBalance = mpm.balance()
 		runUntil(p.restTime)
 		self.restKineticEnergy = mpm.balance()["kineticEnergy"]
 		mpm.resetDisplacement()
 		mpm.damping = self.ground.damping
-		self.frames = output.Frames(mpm, self._frameTimes(), clock=self.thawTime)
+		self.frames = output.Frames(mpm, self.frameTimes, clock=self.thawTime)
 		series = output.ParaViewSeries(mpm, self.folder / "paraview", clock=self.thawTime)
 		progress = Progress(endTime=p.endTime, thermalTimeScale=self.ground.thermalTimeScale, clock=self.thawTime, details=self._details)
 		try:
-			for instant in np.linspace(0, p.endTime, seriesLength + 1):
+			seriesTimes = np.linspace(0, p.endTime, seriesLength + 1)
+			for instant in np.union1d(seriesTimes, self.frameTimes):
 				runUntil(p.restTime + instant, progress.update)
-				series.write()
+				if instant in seriesTimes:
+					series.write()
 				self.frames.take()
 		finally:
 			progress.close()
@@ -160,9 +166,6 @@ class ThawSlump:
 	def thawTime(self):
 		"""Time since the start of the thaw [s]."""
 		return self.mpm.time - self.preset.restTime
-
-	def _frameTimes(self):
-		return [self.preset.endTime * part for part in (0, 0.25, 0.5, 0.75, 0.999)]
 
 	def _details(self):
 		counters = self.skeleton.counters
@@ -184,7 +187,7 @@ class ThawSlump:
 		mpm = self.mpm
 		counters = self.skeleton.counters
 		displacement = np.linalg.norm(mpm.field("displacement"), axis=1)
-		bonds = {name: int(np.nansum(mpm.field(name))) for name in ("bondsIntact", "bondsBroken", "bondsMelted")}
+		bonds = {name: int(np.nansum(mpm.field(name))) for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted")}
 		return {
 			"case": self.name,
 			"preset": self.presetName,
@@ -206,7 +209,21 @@ class ThawSlump:
 			**bonds,
 			"SkemptonB [-]": mpm.skemptonB(),
 			"kinetic energy after rest [J/m]": self.restKineticEnergy,
+			**{f"closure.{k}": v for k, v in self.closures().items()},
 			**{f"balance.{k}": v for k, v in mpm.balance().items()},
+		}
+
+	def closures(self):
+		"""What is missing in each balance since the start after all that crossed the boundary, over the size of its terms [-]."""
+		now, start = self.mpm.balance(), self.initialBalance
+		mass = now["solidMass"] + now["waterMass"]
+		momentum = np.subtract(now["momentum"], now["impulse"]) - np.subtract(start["momentum"], start["impulse"])
+		gained = now["enthalpy"] - start["enthalpy"]
+		return {
+			"solid": (now["solidMass"] - start["solidMass"]) / start["solidMass"],
+			"water": (now["waterMass"] + now["waterOut"] - start["waterMass"]) / start["waterMass"],
+			"heat": (gained + now["enthalpyOut"] - now["heatIn"]) / max(abs(start["enthalpy"]), abs(now["heatIn"])),
+			"momentum": np.linalg.norm(momentum) / (mass * 9.81 * now["time"]),
 		}
 
 
@@ -217,3 +234,11 @@ def arguments(description, defaultFolder):
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	return parser.parse_args()
+
+
+def report(summary, folder):
+	"""Prints what a run came to, in a few lines."""
+	print(f"{summary['points']} points, {summary['steps']} steps, {summary['sample calls']} sample calls in {summary['wallTime [s]']:.0f} s")
+	print(f"largest displacement {summary['largest displacement [m]']:.3f} m; bonds intact {summary['bondsIntact']}, ", end="")
+	print(f"broken {summary['bondsBroken']}, melted {summary['bondsMelted']}")
+	print(f"pictures, ParaView files and summary.json are in {folder}")
