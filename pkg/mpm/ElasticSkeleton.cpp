@@ -13,9 +13,12 @@ namespace {
 	/// Places that follow each other are worked on in one go.
 	void updateRuns(const SkeletonBatch<2>& b, const LameModuli& moduli)
 	{
-		constexpr int    piece  = 1024;
-		const int        pieces = (b.count + piece - 1) / piece;
-		const PlaneLoops& loops = planeLoops();
+		constexpr int     piece  = 1024;
+		const int         pieces = (b.count + piece - 1) / piece;
+		const PlaneLoops& loops  = planeLoops();
+		double            lambda[piece], shear[piece];
+		std::fill(lambda, lambda + piece, moduli.lambda);
+		std::fill(shear, shear + piece, moduli.shear);
 #pragma omp parallel for schedule(static) if (b.count >= 4000)
 		for (int i = 0; i < pieces; ++i) {
 			const int end = std::min(b.count, (i + 1) * piece);
@@ -25,7 +28,7 @@ namespace {
 					++k;
 				const double* const gradient[4] = { b.gradient[0] + place, b.gradient[1] + place, b.gradient[2] + place, b.gradient[3] + place };
 				double* const       stress[4]   = { b.stress[0] + place, b.stress[1] + place, b.stress[2] + place, b.stress[3] + place };
-				loops.elastic(k - first, moduli.lambda, moduli.shear, gradient, stress);
+				loops.elastic(k - first, lambda, shear, gradient, stress);
 			}
 		}
 	}

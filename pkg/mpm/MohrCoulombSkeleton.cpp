@@ -3,14 +3,18 @@
 #include <pkg/mpm/MohrCoulombReturn.hpp>
 #include <pkg/mpm/MohrCoulombSkeleton.hpp>
 #include <pkg/mpm/ObjectiveUpdate.hpp>
+#include <pkg/mpm/PlaneLoops.hpp>
 
 #include <Eigen/Eigenvalues>
+
+#include <algorithm>
 
 namespace talik {
 
 namespace {
 
-	constexpr double degree = 0.017453292519943295;
+	constexpr double degree    = 0.017453292519943295;
+	constexpr int    pieceSize = 256;
 
 	/// Plastic part of a stress correction as equivalent deviatoric strain, from principal values.
 	double equivalentStrain(const double* before, const double* after, double shear)
@@ -73,6 +77,39 @@ namespace {
 		return equivalentStrain(before, after, m.shear);
 	}
 
+	/// True if no principal stress passes the cut-off and no pair of them the cone, without finding their order.
+	bool isElastic(const MohrCoulombState& m, const double (&s)[4])
+	{
+		const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
+		const double radius = std::sqrt(half * half + s[3] * s[3]);
+		const double high = std::max(centre + radius, s[2]), low = std::min(centre - radius, s[2]);
+		return (high - low) + (high + low) * m.sinFriction <= 2.0 * m.cohesion * m.cosFriction && high <= m.tensileStrength;
+	}
+	bool isElastic(const MohrCoulombState&, const double (&)[6]) { return false; }
+
+	/// Elastic trial stress of points in sequence.
+	void predict(const SkeletonBatch<2>& b, int p, int count, const double* lambda, const double* shear)
+	{
+		const double* const gradient[4] = { b.gradient[0] + p, b.gradient[1] + p, b.gradient[2] + p, b.gradient[3] + p };
+		double* const       stress[4]   = { b.stress[0] + p, b.stress[1] + p, b.stress[2] + p, b.stress[3] + p };
+		planeLoops().elastic(count, lambda, shear, gradient, stress);
+	}
+	void predict(const SkeletonBatch<3>& b, int first, int count, const double* lambda, const double* shear)
+	{
+		for (int k = 0; k < count; ++k) {
+			double gradient[9], s[6];
+			for (int c = 0; c < 9; ++c)
+				gradient[c] = b.gradient[c][first + k];
+			for (int c = 0; c < 6; ++c)
+				s[c] = b.stress[c][first + k];
+			const MidpointIncrement<3> increment(gradient);
+			increment.rotate(s);
+			increment.addElastic(s, lambda[k], shear[k]);
+			for (int c = 0; c < 6; ++c)
+				b.stress[c][first + k] = s[c];
+		}
+	}
+
 	/// phi(S_i) = 1 - (1 - S_i^m)^m
 	double iceFunction(double saturation, double exponent)
 	{
@@ -116,37 +153,54 @@ template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields,
 
 template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
-	double*      plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
-	const double sinFriction = std::sin(frictionAngle * degree), cosFriction = std::cos(frictionAngle * degree);
-	const double sinDilation = std::sin(dilationAngle * degree);
-	const LameModuli unit(1.0, poissonRatio);
+	const int pieces = (b.count + pieceSize - 1) / pieceSize;
 #pragma omp parallel for schedule(static) if (b.count >= 4000)
-	for (int k = 0; k < b.count; ++k) {
-		const int        p   = b.place[k];
-		const double     phi = b.iceSaturation ? iceFunction(b.iceSaturation[p], iceExponent) : 0.0;
-		const double     e   = youngModulus + (youngModulusFrozen - youngModulus) * phi;
-		MohrCoulombState m;
-		m.lambda          = e * unit.lambda;
-		m.shear           = e * unit.shear;
-		m.cohesion        = cohesion + (cohesionFrozen - cohesion) * phi;
-		m.sinFriction     = sinFriction;
-		m.cosFriction     = cosFriction;
-		m.sinDilation     = sinDilation;
-		m.tensileStrength = tensileStrength + (tensileStrengthFrozen - tensileStrength) * phi;
-		if (sinFriction > 0.0) m.tensileStrength = std::min(m.tensileStrength, m.cohesion * cosFriction / sinFriction);
+	for (int i = 0; i < pieces; ++i) {
+		const int end = std::min(b.count, (i + 1) * pieceSize);
+		for (int k = i * pieceSize; k < end;) {
+			// places that follow each other are worked on in one go
+			const int first = k;
+			while (k < end && b.place[k] == b.place[first] + (k - first))
+				++k;
+			updateRun(b, b.place[first], k - first);
+		}
+	}
+}
 
-		double gradient[D * D], s[stressSize<D>];
-		for (int c = 0; c < D * D; ++c)
-			gradient[c] = b.gradient[c][p];
+template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& b, int first, int count)
+{
+	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
+	const LameModuli unit(1.0, poissonRatio);
+	double           phi[pieceSize], lambda[pieceSize], shear[pieceSize];
+	for (int k = 0; k < count; ++k) {
+		phi[k]         = b.iceSaturation ? iceFunction(b.iceSaturation[first + k], iceExponent) : 0.0;
+		const double e = youngModulus + (youngModulusFrozen - youngModulus) * phi[k];
+		lambda[k]      = e * unit.lambda;
+		shear[k]       = e * unit.shear;
+	}
+	std::array<double*, stressSize<D>> stress;
+	for (int c = 0; c < stressSize<D>; ++c)
+		stress[c] = b.stress[c] + first;
+	predict(b, first, count, lambda, shear);
+
+	MohrCoulombState m;
+	m.sinFriction = std::sin(frictionAngle * degree);
+	m.cosFriction = std::cos(frictionAngle * degree);
+	m.sinDilation = std::sin(dilationAngle * degree);
+	for (int k = 0; k < count; ++k) {
+		m.lambda          = lambda[k];
+		m.shear           = shear[k];
+		m.cohesion        = cohesion + (cohesionFrozen - cohesion) * phi[k];
+		m.tensileStrength = tensileStrength + (tensileStrengthFrozen - tensileStrength) * phi[k];
+		if (m.sinFriction > 0.0) m.tensileStrength = std::min(m.tensileStrength, m.cohesion * m.cosFriction / m.sinFriction);
+		double s[stressSize<D>];
 		for (int c = 0; c < stressSize<D>; ++c)
-			s[c] = b.stress[c][p];
-		const MidpointIncrement<D> increment(gradient);
-		increment.rotate(s);
-		increment.addElastic(s, m.lambda, m.shear);
+			s[c] = stress[c][k];
+		if (isElastic(m, s)) continue;
 		const double plastic = correct(m, s);
 		for (int c = 0; c < stressSize<D>; ++c)
-			b.stress[c][p] = s[c];
-		if (plasticStrain) plasticStrain[p] += plastic;
+			stress[c][k] = s[c];
+		if (plasticStrain) plasticStrain[first + k] += plastic;
 	}
 }
 

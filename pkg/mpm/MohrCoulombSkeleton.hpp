@@ -29,6 +29,9 @@ public:
 	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
 
 private:
+	/// count points in sequence from place first on
+	void updateRun(const SkeletonBatch<D>&, int first, int count);
+
 	PointFields*        fields_ = nullptr;
 	PointFields::Handle plasticStrain_ = -1;
 };

@@ -51,8 +51,12 @@ struct PlaneLoops {
 	/// Adds S value.
 	void (*mapScalar)(const WeightBlock<2>& w, const double (&value)[blockSize], double* nodes);
 
-	/// Hooke's law with the midpoint rotation, count points in sequence: stress xx, yy, zz, xy and gradient at the first.
-	void (*elastic)(int count, double lambda, double shear, const double* const (&gradient)[4], double* const (&stress)[4]);
+	/// Hooke's law with the midpoint rotation, count points in sequence: stress xx, yy, zz, xy and gradient at the first; Lame's
+	/// moduli of each.
+	void (*elastic)(int count, const double* lambda, const double* shear, const double* const (&gradient)[4], double* const (&stress)[4]);
+
+	/// y = exp(x) to two units in the last place, for -700 < x < 700.
+	void (*exponential)(int count, const double* x, double* y);
 };
 
 /// The loops for this processor.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/HeatTransfer.hpp>
+#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/PoreContent.hpp>
 #include <pkg/mpm/PoreWater.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
@@ -124,6 +125,10 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b) const
 
 template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const
 {
+	bool changes = false;
+	for (int k = 0; k < b.count; ++k)
+		changes |= b.iceBefore[k] != b.ice[k];
+	if (!changes) return;
 	for (int k = 0; k < b.count; ++k) {
 		const int    p      = b.first + k;
 		const double melt   = b.iceBefore[k] - b.ice[k];
@@ -195,13 +200,30 @@ template <int D> void PoreContent<D>::updateCoefficients(const Block& b) const
 			iceMass[b.first + k]       = b.ice[k];
 			iceSaturation[b.first + k] = 1.0 - b.liquidSaturation[k];
 		}
-	if (water_) {
-		const Permeability& permeability = settings_->water->permeability;
-		for (int k = 0; k < b.count; ++k) {
-			const int p               = b.first + k;
-			water_->liquidFraction[p] = porosity[p] * b.liquidSaturation[k];
-			water_->drag[p]           = permeability.drag(waterMass[p] - b.ice[k], porosity[p], b.liquidSaturation[k]);
-		}
+	if (water_) updateDrag(b);
+}
+
+template <int D> void PoreContent<D>::updateDrag(const Block& b) const
+{
+	const Permeability& law = settings_->water->permeability;
+	for (int k = 0; k < b.count; ++k)
+		water_->liquidFraction[b.first + k] = porosity[b.first + k] * b.liquidSaturation[k];
+	if (law.law != RelativeConductivity::impedance) {
+		for (int k = 0; k < b.count; ++k)
+			water_->drag[b.first + k] = law.drag(waterMass[b.first + k] - b.ice[k], porosity[b.first + k], b.liquidSaturation[k]);
+		return;
+	}
+	// the usual law, without a power function per point
+	constexpr double ln10 = 2.302585092994045684;
+	double           relative[blockSize];
+	for (int k = 0; k < b.count; ++k)
+		relative[k] = std::max(-700.0, -law.impedance * ln10 * (1.0 - b.liquidSaturation[k]));
+	planeLoops().exponential(b.count, relative, relative);
+	const double thawed = law.hydraulicTimeScale * law.referenceConductivity;
+	for (int k = 0; k < b.count; ++k) {
+		const int    p           = b.first + k;
+		const double conductance = thawed * law.porosityFactor(porosity[p]) * std::max(law.floor, relative[k]);
+		water_->drag[p]          = (waterMass[p] - b.ice[k]) * water_->liquidFraction[p] * Permeability::gravity / conductance;
 	}
 }
 

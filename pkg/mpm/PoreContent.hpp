@@ -45,6 +45,7 @@ private:
 	void collectPressure(const Block& b, const CellMeans<D>& cells) const;
 	void updatePressureRate(const Block& b) const;
 	void updateCoefficients(const Block& b) const;
+	void updateDrag(const Block& b) const;
 	int  firstImpossible(const Block& b) const;
 
 	const GroundSettings<D>* settings_;
