@@ -10,7 +10,7 @@ namespace np = boost::python::numpy;
 namespace yade {
 YADE_PLUGIN((RveSample));
 
-using Matrix2 = talik::PackedTypes<2>::Matrix;
+using InPlane = talik::PackedTypes<2>::Matrix;
 using talik::PackedSample;
 using talik::PackedState;
 
@@ -25,7 +25,7 @@ void RveSample::setPacked(PackedState<2> s) { state = std::make_shared<PackedSta
 void RveSample::action()
 {
 	PackedSample<2> sample(packed());
-	sample.advance(Matrix2(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
+	sample.advance(InPlane(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
 	setPacked(sample.state());
 }
 
@@ -66,6 +66,13 @@ py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturati
 	return d;
 }
 
+void RveSample::advance(const Matrix3r& velGrad, long steps)
+{
+	PackedSample<2> sample(packed());
+	sample.advance(InPlane(velGrad.topLeftCorner<2, 2>()), steps);
+	setPacked(sample.state());
+}
+
 void RveSample::freeze(Real iceSaturation) { apply(Matrix3r::Zero(), iceSaturation); }
 
 bool RveSample::servo(Real stressX, Real stressY)
@@ -80,7 +87,7 @@ bool RveSample::servo(Real stressX, Real stressY)
 
 py::tuple RveSample::stress() const
 {
-	const Matrix2& s = packed().stress;
+	const InPlane& s = packed().stress;
 	return py::make_tuple(s(0, 0), s(1, 1), 0.5 * (s(0, 1) + s(1, 0)));
 }
 

@@ -204,11 +204,11 @@ namespace {
 
 	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
 
-	using Matrix2 = PackedTypes<2>::Matrix;
+	using InPlane = PackedTypes<2>::Matrix;
 
-	Matrix2 inPlane(const Matrix3r& m) { return m.topLeftCorner<2, 2>(); }
+	InPlane inPlane(const Matrix3r& m) { return m.topLeftCorner<2, 2>(); }
 
-	void setInPlane(Matrix3r& target, const Matrix2& m) { target.topLeftCorner<2, 2>() = m; }
+	void setInPlane(Matrix3r& target, const InPlane& m) { target.topLeftCorner<2, 2>() = m; }
 
 	/// Where the opened contacts of a former state are found again.
 	class FormerContacts {
@@ -424,7 +424,7 @@ namespace {
 	}
 
 	/// Love-Weber stress of the scene as it stands, tension positive.
-	Matrix2 stressOf(const Scene& scene, double volume)
+	InPlane stressOf(const Scene& scene, double volume)
 	{
 		Matrix3r sum = Matrix3r::Zero();
 		for (const auto& interaction : *scene.interactions) {
