@@ -110,13 +110,21 @@ TEST(MovingFront, ThawFromAWallOnNodesFollowsNeumann)
 	}
 }
 
-TEST(MovingFront, FreezingFromAWallOnNodesFollowsNeumann)
+// A front that freezes lags by a third of a spacing: the nodes at the front average over both sides of it, and the ice just
+// formed conducts like the ground ahead. When ground thaws the two effects cancel. The lag is a length, so it falls with h.
+TEST(MovingFront, FreezingFromAWallOnNodesFollowsNeumannWithinFourTenthsOfASpacing)
 {
 	for (const auto density : { LatentDensity::ice, LatentDensity::liquid }) {
 		FrontScene s { std::string("V02 freezing +5/-5, wall, sharp, rho_") + (density == LatentDensity::ice ? "i" : "l"), -5.0, 5.0, sharpCurve() };
 		s.density = density;
 		s.depth   = 2.0;
-		expectFront(s, neumann(s), 10.0, 1e-2, false);
+		expectFront(s, neumann(s), 10.0, 0.4, true);
+	}
+	for (const double h : { 0.1, 0.025 }) {
+		FrontScene s { "V02 freezing +5/-5, wall, sharp, h = " + std::to_string(h).substr(0, 5), -5.0, 5.0, sharpCurve() };
+		s.spacing = h;
+		s.depth   = 2.0;
+		expectFront(s, neumann(s), 10.0, 0.4, true);
 	}
 }
 
@@ -149,7 +157,7 @@ TEST(MovingFront, ThawAndFreezingInTheStateFunctionFormFollowNeumannWithConserve
 		const reference::Conductor frozen { phase(m, 0.0).conductivity, solid + ice * m.ice.specificHeat + liquid * m.liquid.specificHeat };
 		const bool thaws = c.surface > c.initial;
 		const double front = reference::neumannFront(thaws ? thawed : frozen, thaws ? frozen : thawed, c.surface, c.initial, 0.0, ice * m.latentHeat);
-		expectFront(s, front, 10.0, 1e-2, false);
+		expectFront(s, front, 10.0, thaws ? 1e-2 : 0.4, !thaws);
 	}
 }
 
@@ -173,7 +181,8 @@ TEST(MovingFront, SmoothFreezingCurvesFollowTheSimilaritySolution)
 		const reference::SimilarityFront exact(kappa, capacity, c.surface, c.initial, 8e-3);
 		const double ice = exact.integralOf([curve](double t) { return curve->liquidSaturation(t); });
 		const double range = curve->liquidSaturation(c.surface) - curve->liquidSaturation(c.initial);
-		expectFront(s, ice / range, 10.0, 1e-2, false);
+		const bool thaws = c.surface > c.initial;
+		expectFront(s, ice / range, 10.0, thaws ? 1e-2 : 0.4, !thaws);
 	}
 }
 
@@ -221,7 +230,7 @@ TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 	expectSmall("Lunardini closed form against similarity integration, T at the far front [K]", similarity.temperature(exact.farFront), 5e-3);
 	const auto   curve  = s.curve;
 	const double frozen = -similarity.integralOf([curve](double t) { return curve->liquidSaturation(t); });
-	expectFront(s, frozen, 5.0, 1e-2, false);
+	expectFront(s, frozen, 5.0, 0.4, true);
 }
 
 TEST(MovingFront, InterFrostT1SoilFollowsTheSimilaritySolution)
@@ -245,5 +254,5 @@ TEST(MovingFront, InterFrostT1SoilFollowsTheSimilaritySolution)
 	        1.6e-2,
 	        40000);
 	const double frozen = -exact.integralOf([curve](double t) { return curve->liquidSaturation(t); }) / 0.95;
-	expectFront(s, frozen, 5.0, 1e-2, false);
+	expectFront(s, frozen, 5.0, 0.4, true);
 }
