@@ -50,7 +50,7 @@ template <int Dim> struct PackedServoOptions {
 //  NONE     F_n = k_g u_n, |s| <= mu F_n; gone when u_n < 0.
 //  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b + mu max(F_n, 0).
 //           In tension: no force in that step, the ice spring is cut. In shear: u_grain = 0, F_n = k_g max(u_n, 0) + k_ice max(u_n - u_ice, 0),
-//           |s| <= mu F_n; the ice spring is cut if it does not push.
+//           |s| <= mu F_n; the ice spring is cut if it does not push; across a gap (u_n < 0) nothing is left and the contact is gone.
 //  BROKEN   as NONE once the ice spring is cut; until then F_n = k_g u_n + k_ice (u_n - u_ice), and it is cut when u_n <= u_ice.
 //           Forgotten when u_n < 0.
 // Whenever s is limited, the part s_ice carried by ice shrinks in proportion. Birth: u_ice = u_n, u_grain = min(u_n, 0), s_ice = 0: free of

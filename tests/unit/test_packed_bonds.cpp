@@ -213,6 +213,10 @@ struct WrittenLaw {
 				force = fi + fg, uGrain = 0, state = broken, cut = fi == 0;
 				limit(mu * force);
 				if (cut) sIce = 0;
+				if (un < 0) { // nothing holds or pushes across a gap
+					force = s = 0;
+					forget();
+				}
 			}
 			return;
 		}
