@@ -141,15 +141,21 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		for (int index = range.firstNode; index < range.lastNode; ++index) {
 			const double* r = nodes[index];
 			if (r[D] <= 0.0) continue;
+			const double noise    = smallestArea * r[D] * grid.inverseSpacing();
+			const auto   isNoise  = [&](const double* area) {
+                                double size = 0.0;
+                                for (int a = 0; a < D; ++a)
+                                        size += area[a] * area[a];
+                                return size <= noise * noise;
+			};
+			// first the test that sorts out the interior of regularly filled ground
+			if (isNoise(r)) continue;
 			const std::array<int, D> node = grid.nodeOf(index);
 			if (!nearEmptyCell(grid, cells, node)) continue;
 			SurfaceNode<D> n { index, {} };
-			double         size = 0.0;
-			for (int a = 0; a < D; ++a) {
+			for (int a = 0; a < D; ++a)
 				n.area[a] = atWall(grid, cells, node, a) ? 0.0 : r[a];
-				size += n.area[a] * n.area[a];
-			}
-			if (std::sqrt(size) * grid.spacing() > smallestArea * r[D]) surface_.push_back(n);
+			if (!isNoise(n.area.data())) surface_.push_back(n);
 		}
 	}
 

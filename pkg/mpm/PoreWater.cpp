@@ -306,9 +306,10 @@ template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first
 {
 	for (int p = first; p < last; ++p) {
 		const double* r = cellRecord(cells.cell(p));
+		const double  perMass = 1.0 / r[0];
 		double        share[exchangeSize];
 		for (int i = 0; i < exchangeSize; ++i)
-			share[i] = r[2 + i] / r[0];
+			share[i] = r[2 + i] * perMass;
 		take(p, share, waterMass, enthalpy);
 	}
 }

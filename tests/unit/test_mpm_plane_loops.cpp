@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/PlaneLoops.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <random>
+#include <vector>
+
+using namespace talik;
+
+namespace {
+
+/// Everything that one version computes from the same random block of 29 points, as one list of numbers.
+std::vector<double> resultsOf(const PlaneLoops& loops)
+{
+	constexpr int                          count = 29, first = 3, stride = 20, nodes = 400;
+	std::mt19937                           random(1);
+	std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+	std::vector<std::vector<double>>       fields(24, std::vector<double>(40));
+	for (auto& field : fields)
+		for (double& v : field)
+			v = uniform(random);
+	const auto at = [&](int k) { return fields[k].data(); };
+	std::vector<double> x(count), y(count);
+	for (int k = 0; k < count; ++k) {
+		x[k] = 0.5 + 0.4 * uniform(random);
+		y[k] = 0.5 + 0.4 * uniform(random);
+	}
+	WeightBlock<2> w;
+	w.first = first;
+	w.count = count;
+	for (int k = 0; k < count; ++k)
+		w.base[k] = 0;
+	for (int n = 0; n < 9; ++n)
+		w.offset[n] = n % 3 + n / 3 * stride;
+	loops.spline(w, 0, x.data(), 0.0, 10.0, 1);
+	loops.spline(w, 1, y.data(), 0.0, 10.0, stride);
+	loops.multiply(w);
+
+	std::vector<double> all;
+	const auto          keep = [&](const double* values, std::size_t n) { all.insert(all.end(), values, values + n); };
+	for (int n = 0; n < 9; ++n) {
+		keep(w.weight[n], count);
+		keep(w.gradient[0][n], count);
+		keep(w.gradient[1][n], count);
+	}
+	std::vector<double> grid(nodes * 8);
+	for (double& v : grid)
+		v = uniform(random);
+	const auto onGrid = [&](auto&& work) {
+		std::vector<double> copy = grid;
+		work(copy.data());
+		keep(copy.data(), copy.size());
+	};
+	double two[2][blockSize], four[4][blockSize], eight[8][blockSize], one[blockSize];
+	const auto randomise = [&](double* values, int n) {
+		for (int i = 0; i < n; ++i)
+			values[i] = uniform(random);
+	};
+	randomise(two[0], 2 * blockSize);
+	randomise(four[0], 4 * blockSize);
+	randomise(eight[0], 8 * blockSize);
+	randomise(one, blockSize);
+	onGrid([&](double* g) { loops.mapMotion(w, { at(0), at(1), at(2), { at(3), at(4) }, { at(5), at(6), at(7), at(8) }, g }); });
+	onGrid([&](double* g) { loops.mapEight(w, eight, g); });
+	onGrid([&](double* g) { loops.mapTwo(w, two, g); });
+	onGrid([&](double* g) { loops.mapFluxFour(w, two, four, g); });
+	onGrid([&](double* g) { loops.mapFlux(w, two, one, g); });
+	onGrid([&](double* g) { loops.mapScalar(w, one, g); });
+	loops.gatherMotion(w, { grid.data(), { at(9), at(10) }, { at(11), at(12) }, { at(13), at(14) }, { at(15), at(16), at(17), at(18) }, 0.97, 1e-3 });
+	loops.gatherTwo(w, grid.data(), two);
+	loops.gatherFour(w, grid.data(), four);
+	keep(two[0], count), keep(two[1], count);
+	for (auto& f : four)
+		keep(f, count);
+	loops.gatherScalar(w, grid.data(), 3, one, two);
+	keep(one, count), keep(two[0], count), keep(two[1], count);
+	const double* const gradient[4] = { at(15), at(16), at(17), at(18) };
+	double* const       stress[4]   = { at(5), at(6), at(7), at(8) };
+	loops.elastic(40, at(19), at(20), gradient, stress);
+	loops.exponential(40, at(21), at(22));
+	for (int k = 0; k < 23; ++k)
+		keep(at(k), 40);
+	return all;
+}
+
+} // namespace
+
+TEST(MpmPlaneLoops, AllProcessorVersionsGiveTheSameBits)
+{
+	const PlaneLoops*         versions[3];
+	const int                 count     = planeLoopVersions(versions);
+	const std::vector<double> reference = resultsOf(*versions[0]);
+	for (int v = 0; v < count; ++v) {
+		const std::vector<double> results = resultsOf(*versions[v]);
+		ASSERT_EQ(results.size(), reference.size());
+		long different = 0;
+		for (std::size_t i = 0; i < results.size(); ++i)
+			different += std::memcmp(&results[i], &reference[i], sizeof(double)) != 0;
+		std::printf("%s: %ld of %zu numbers differ from the plain version\n", versions[v]->name, different, results.size());
+		EXPECT_EQ(different, 0);
+	}
+}
+
+TEST(MpmPlaneLoops, ExponentialAgreesWithTheLibraryToTwoUnitsInTheLastPlace)
+{
+	std::vector<double> x, y;
+	for (double v = -690.0; v < 690.0; v += 0.0917)
+		x.push_back(v);
+	for (double v = -3.0; v < 3.0; v += 1e-4)
+		x.push_back(v);
+	x.push_back(0.0);
+	y.resize(x.size());
+	planeLoops().exponential(static_cast<int>(x.size()), x.data(), y.data());
+	double worst = 0.0;
+	for (std::size_t i = 0; i < x.size(); ++i) {
+		const double exact = std::exp(x[i]);
+		worst              = std::max(worst, std::abs(y[i] - exact) / (std::nextafter(exact, INFINITY) - exact));
+	}
+	std::printf("exponential: largest error %.2f units in the last place, exp(0) = %.17g\n", worst, y.back());
+	EXPECT_LE(worst, 2.0);
+	EXPECT_EQ(y.back(), 1.0);
+}
