@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// Entry of the Python module talik._talik: checks the running YADE, registers our classes into it, hands out what needs C++.
 #include "InterfaceCheck.hpp"
+#include "SampleGroup.hpp"
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 #include <boost/python/numpy.hpp>
+#include <pkg/common/OpenGLRenderer.hpp>
 #include <omp.h>
 
 namespace py = boost::python;
@@ -85,6 +87,13 @@ namespace {
 		~SingleThread() { omp_set_num_threads(before); }
 	};
 
+	void renewRenderer(const shared_ptr<OpenGLRenderer>& renderer)
+	{
+		if (!renderer) raise(PyExc_ValueError, "renewRenderer: the renderer is None; give yade.qt.Renderer().");
+		std::lock_guard<std::mutex> undrawn(Omega::instance().renderMutex);
+		renderer->init();
+	}
+
 	struct WithoutInterpreterLock {
 		PyThreadState* const state = PyEval_SaveThread();
 		~WithoutInterpreterLock() { PyEval_RestoreThread(state); }
@@ -116,5 +125,7 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
+	py::def("renewRenderer", renewRenderer, py::arg("renderer"), "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
+	exposeSampleGroup();
 	py::def("currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");
 }

@@ -24,7 +24,8 @@ public:
 		((Real,bondAreaFactor,1,Attr::triggerPostLoad,"Bond area over the square of the smaller radius, > 0 [-]."))
 		((Real,meltSaturation,0.02,Attr::triggerPostLoad,"At or below this ice saturation every bond is gone and contacts are purely frictional [-]."))
 		((Real,bondSaturation,0.05,Attr::triggerPostLoad,"Ice rising through this saturation bonds every frictional contact in range, >= meltSaturation [-]."))
-		((Real,bondRange,0.05,Attr::triggerPostLoad,"Largest gap that is bonded, in units of the smaller radius, >= 0 [-].")),
+		((Real,bondRange,0.05,Attr::triggerPostLoad,"Largest gap that is bonded, in units of the smaller radius, >= 0 [-]."))
+		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling.")),
 		createIndex();
 	);
 	// clang-format on

@@ -27,6 +27,16 @@ void IceBondPhys::setBond(const talik::IceBond<Vector3r>& b)
 	iceShear  = b.iceShear;
 }
 
+namespace {
+	/// Grains that touch because they have grown do so free of force.
+	Real overlapFromSwelling(const IceBondMat& a, const IceBondMat& b, const IGeom& geom)
+	{
+		if (a.radiusRatio == 1 && b.radiusRatio == 1) return 0;
+		const auto* contact = dynamic_cast<const ScGeom*>(&geom);
+		return contact ? std::max(contact->penetrationDepth, 0.) : 0;
+	}
+}
+
 void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& interaction)
 {
 	if (interaction->phys) return;
@@ -34,8 +44,8 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 	const auto& b    = static_cast<const IceBondMat&>(*m2);
 	const auto& geom = static_cast<const GenericSpheresContact&>(*interaction->geom);
 	// a flat body has no radius of its own: the sphere's counts for both
-	const Real r1 = geom.refR1 > 0 ? geom.refR1 : geom.refR2;
-	const Real r2 = geom.refR2 > 0 ? geom.refR2 : geom.refR1;
+	const Real r1 = geom.refR1 > 0 ? geom.refR1 / a.radiusRatio : geom.refR2 / b.radiusRatio;
+	const Real r2 = geom.refR2 > 0 ? geom.refR2 / b.radiusRatio : geom.refR1 / a.radiusRatio;
 	const Real k1 = a.young * r1, k2 = b.young * r2;
 
 	shared_ptr<IceBondPhys> phys(new IceBondPhys);
@@ -48,6 +58,7 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 	phys->bondArea               = std::min(a.bondAreaFactor, b.bondAreaFactor) * std::pow(std::min(r1, r2), 2);
 	phys->gapLimit               = std::min(a.bondRange, b.bondRange) * std::min(r1, r2);
 	phys->bondNow                = bondNewContacts;
+	phys->uRef                   = overlapFromSwelling(a, b, *interaction->geom);
 	interaction->phys            = phys;
 }
 

@@ -35,6 +35,9 @@ IceBondModel Law2_ScGeom_IceBondPhys_IceBond::weakerModel(const Interaction* int
 		both.tensileStrengthI    = std::min(both.tensileStrengthI, other.tensileStrengthI);
 		both.shearStrength0      = std::min(both.shearStrength0, other.shearStrength0);
 		both.shearStrengthI      = std::min(both.shearStrengthI, other.shearStrengthI);
+		both.exponent            = std::max(both.exponent, other.exponent);
+		both.meltSaturation      = std::max(both.meltSaturation, other.meltSaturation);
+		both.bondSaturation      = std::max(both.bondSaturation, other.bondSaturation);
 	}
 	both.cohesionDisablesFriction = cohesionDisablesFriction;
 	both.rule                     = rule;
@@ -46,12 +49,21 @@ ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, do
 	return { c.phys.grainStiffness, c.phys.stiffnessRatio, c.model.iceStiffnessRatio(iceSaturation) };
 }
 
+/// Without its bond a contact cannot push across a gap that shrinking grains have left, see GrainSwelling.
+void Law2_ScGeom_IceBondPhys_IceBond::meltBond(Contact& c)
+{
+	c.bond.melt(c.phys.shearForce, rule);
+	if (c.phys.uRef >= 0) return;
+	c.phys.uRef = 0;
+	c.un        = c.geom.penetrationDepth;
+}
+
 void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturation)
 {
 	const double before = c.phys.iceSaturation;
 	const bool   bondable
 	        = c.bond.state == BondState::NONE || (healBroken && c.bond.state == BondState::BROKEN);
-	if (c.model.melted(iceSaturation)) c.bond.melt(c.phys.shearForce, rule);
+	if (c.model.melted(iceSaturation)) meltBond(c);
 	else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
 		c.bond.form(c.un, rule);
 	c.phys.bondNow = false;
@@ -126,6 +138,19 @@ void Law2_ScGeom_IceBondPhys_IceBond::applyForces(const Contact& c, const Intera
 	}
 }
 
+/// A contact without bond that has opened ends, unless the swollen grains still overlap: its reference is then kept for their
+/// return. True if it is kept.
+bool Law2_ScGeom_IceBondPhys_IceBond::stayOpen(Contact& c) const
+{
+	if (c.geom.penetrationDepth < 0) return false;
+	c.bond.iceCut      = c.bond.state == BondState::BROKEN;
+	c.bond.iceShear    = Vector3r::Zero();
+	c.phys.shearForce  = Vector3r::Zero();
+	c.phys.normalForce = Vector3r::Zero();
+	c.phys.setBond(c.bond);
+	return true;
+}
+
 bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys>& ip, Interaction* interaction)
 {
 	const auto& geom = static_cast<const ScGeom&>(*ig);
@@ -134,7 +159,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
 	Contact     c { geom, phys, weakerModel(interaction, iceSaturation), phys.bond(), geom.penetrationDepth - phys.uRef };
 
 	takeUpIceSaturation(c, iceSaturation);
-	if (c.un < 0 && c.bond.state != BondState::BONDED) return false;
+	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);
 
 	const ContactStiffness k           = stiffness(c, iceSaturation);
 	double                 normalForce = c.bond.normalForce(k, c.un, rule);
@@ -142,8 +167,8 @@ bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
 	normalForce      = limitForces(c, k, normalForce);
 	phys.kn          = rule == StiffnessRule::parallel && !c.bond.hasIceSpring() ? k.grain : k.total();
 	phys.normalForce = normalForce * geom.normal;
+	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);
 	phys.setBond(c.bond);
-	if (c.un < 0 && c.bond.state != BondState::BONDED) return false;
 	applyForces(c, interaction);
 	return true;
 }

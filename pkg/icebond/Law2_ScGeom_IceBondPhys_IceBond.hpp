@@ -26,11 +26,13 @@ private:
 	talik::ContactStiffness stiffness(const Contact&, double iceSaturation) const;
 	talik::IceBondModel     weakerModel(const Interaction*, double& iceSaturation) const;
 	void                    takeUpIceSaturation(Contact&, double iceSaturation);
+	void                    meltBond(Contact&);
 	void                    formOrMelt(Contact&, double iceSaturation);
 	void                    integrateShear(Contact&, const talik::ContactStiffness&);
 	double                  limitForces(Contact&, const talik::ContactStiffness&, double normalForce);
 	void                    applyForces(const Contact&, const Interaction*) const;
 	void                    countBroken();
+	bool                    stayOpen(Contact&) const;
 	talik::StiffnessRule    rule = talik::StiffnessRule::parallel;
 
 	// clang-format off

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <pkg/common/GLDrawFunctors.hpp>
+#include <pkg/icebond/IceBondPhys.hpp>
+
+namespace yade {
+
+/// Draws contacts as rods from grain centre to grain centre: colour by state, thickness by force.
+class Gl1_IceBondPhys : public GlIPhysFunctor {
+public:
+	virtual ~Gl1_IceBondPhys() {};
+	void go(const shared_ptr<IPhys>&, const shared_ptr<Interaction>&, const shared_ptr<Body>&, const shared_ptr<Body>&, bool wire) override;
+
+private:
+	Real     radiusFor(const IceBondPhys&) const;
+	Vector3r wrapped(const Vector3r& position) const;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_STATICATTRS(Gl1_IceBondPhys,GlIPhysFunctor,"Draws ice bonds in the 3-D view: intact bonds red, broken and frictional contacts black, rods as thick as the contact force. Switch on by yade.qt.Renderer().intrPhys=True. Example: Gl1_IceBondPhys.maxRadius=1e-3; yade.qt.View().",
+		((Real,maxForce,0,,"Force that is drawn with maxRadius [N]; it grows to the largest force seen. Set to 0 to begin anew."))
+		((Real,maxRadius,0,,"Radius of the thickest rod [m]; 0: half the radius of the smaller grain of the contact drawn first."))
+		((Real,minFraction,0.1,,"Thinnest rod over the thickest [-], 0 to 1: unloaded bonds remain visible."))
+		((int,slices,8,,"Sides of a rod, >= 3."))
+		((Vector3r,intactColor,Vector3r(0.9,0,0),,"Colour of intact bonds (red, green, blue from 0 to 1)."))
+		((Vector3r,frictionalColor,Vector3r(0,0,0),,"Colour of broken bonds and frictional contacts."))
+	);
+	// clang-format on
+	RENDERS(IceBondPhys);
+};
+REGISTER_SERIALIZABLE(Gl1_IceBondPhys);
+
+} // namespace yade
