@@ -230,9 +230,11 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 {
 	for (const double ratio : { 0.25, 0.5, 1.0 }) {
 		ColumnScene c;
-		c.height = 1.0, c.cells = 25, c.bulkModulus = 2.2e7;
+		c.height = 1.0, c.cells = 40, c.bulkModulus = 2.2e7;
 		auto s = saturatedColumn(c);
-		s.water->state.densityChange = false;
+		// as in the theory, thaw itself changes neither the volume nor the storage of the pore content
+		s.water->state.densityChange  = false;
+		s.water->state.iceBulkModulus = c.bulkModulus;
 		s.heat.emplace();
 		s.freezing = makeFreezingCurve("linear", { { "frozenTemperature", -0.1 } });
 		// front X = a sqrt(t): the heat is scaled so that a = 2 R sqrt(c_v)
@@ -263,7 +265,8 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 		double     thawed = 0.0;
 		for (std::size_t k = 0; k < p.size(); ++k)
 			thawed += (1.0 - ice[k] / 0.95) * volume[k] / s.gridSpacing;
-		const reference::MorgensternNixon exact { ratio };
+		// the consolidation belongs to the front as it moved
+		const reference::MorgensternNixon exact { ratio * thawed / depth };
 		double sum = 0.0;
 		int    n   = 0;
 		for (std::size_t k = 0; k < p.size(); ++k) {
@@ -274,7 +277,8 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 		}
 		char label[64];
 		std::snprintf(label, sizeof label, "Morgenstern-Nixon R = %.2f: ", ratio);
-		expectRelative(label + std::string("thaw depth [m]"), thawed, depth, 3e-2);
+		// thaw from a free surface into ground near 0 degC runs ahead by half a spacing
+		expectScaled(label + std::string("thaw depth, error in h [m]"), thawed, depth, s.gridSpacing, 0.7);
 		expectSmall(label + std::string("rms of u/P0 within the thawed layer"), std::sqrt(sum / n), 3e-2);
 		expectScaled(
 		        label + std::string("settlement over X P0/M"), settlement(ground, c.height) / (thawed * c.load / c.oedometer), exact.degree(), 1.0, 3e-2);
