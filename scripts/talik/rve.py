@@ -196,7 +196,7 @@ def _isotropic():
 
 def _cached(parameters, cache, make):
 	folder = _cacheFolder(cache)
-	key = hashlib.sha256(json.dumps(parameters, sort_keys=True).encode()).hexdigest()[:20]
+	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout()}, sort_keys=True).encode()).hexdigest()[:20]
 	scene, sheet = folder / f"{key}.yade.gz", folder / f"{key}.json"
 	if cache is not False and scene.is_file() and sheet.is_file():
 		try:
@@ -209,6 +209,15 @@ def _cached(parameters, cache, make):
 		writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
 	writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t"))
 	return _fromSheet(sheet, scene)  # the same whether it was made or found
+
+
+def _classLayout():
+	"""Attributes of the classes in a sample: a saved scene can be read only by classes that have the same ones."""
+	from yade import config, wrapper
+
+	names = ("IceBondMat", "IceBondPhys", "Ip2_IceBondMat_IceBondMat_IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond")
+	classes = {name: getattr(wrapper, name, None) for name in names}
+	return {"yade": config.version, **{name: sorted(made().dict()) for name, made in classes.items() if made}}
 
 
 def _cacheFolder(cache):
