@@ -21,6 +21,7 @@ public:
 	void repack(const shared_ptr<Scene>&);
 
 	::boost::python::dict  apply(const Matrix3r& displacementGradient, Real iceSaturation);
+	void                   advance(const Matrix3r& velGrad, long steps);
 	void                   freeze(Real iceSaturation);
 	bool                   servo(Real stressX, Real stressY);
 	::boost::python::tuple stress() const;
@@ -31,6 +32,8 @@ public:
 	Real                   timeStep() const { return packed().dt; }
 	void                   setTimeStep(Real);
 	Matrix3r               deformation() const;
+	string                 path() const { return talik::PackedSample<2>(packed()).path(); }
+	static void            usePortablePath(bool portable) { talik::PackedSample<2>::forcePortable(portable); }
 
 	const talik::PackedState<2>& packed() const;
 	void                         setPacked(talik::PackedState<2>);
@@ -59,6 +62,7 @@ public:
 		.def("open",&RveSample::open,"A new ordinary YADE scene in the sample's state: bodies, interactions, bonds, engines. See talik.inspect.")
 		.def("repack",&RveSample::repack,(::boost::python::arg("scene")),"Take over the state of an opened scene.")
 		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) F_old (3x3, in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress (xx,yy,xy), steps, flipped, blewUp, reason.")
+		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, DEM time] (3x3, in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
 		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation: bonds and ice springs form stress-free.")
 		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY")),"Bring the sample to principal stresses [Pa], both negative; True when they were reached.")
 		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, bondsMelted, coordinationNumber, porosity, fabric (xx,yy,xy), unbalancedForce, kineticEnergy.")
@@ -67,6 +71,8 @@ public:
 		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa], tension positive, of the last step.")
 		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
 		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
+		.add_property("path",&RveSample::path,"What the steps of samples run on here: avx2 or portable.")
+		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")
 		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient.")
 	);
 	// clang-format on
