@@ -115,7 +115,11 @@ template <int D> struct Ground<D>::Parts {
 	void checkPositions(int strip, int first, int last);
 	void refuseBadPoints();
 	void averageStrain(int first, int last);
-	void keepStrainWork();
+	void keepStrainWork(bool atStart);
+	/// Pore pressure is known per cell at both ends of a step.
+	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
+	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.
+	double startShare() const { return cellPressure() ? 0.5 : 1.0; }
 	std::string whereabouts(int place) const;
 	void        sort();
 
@@ -449,7 +453,7 @@ template <int D> void Ground<D>::Parts::seep()
 		double work = 0.0;
 		for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
 			work += water->nodal[i][0] * water->exchange[i][0];
-		clock.porePressureWork += work / liquidDensity();
+		clock.porePressureWork += startShare() * work / liquidDensity();
 	}
 	water->finishExchange(clock.range);
 }
@@ -533,37 +537,42 @@ template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
 	}
 }
 
-template <int D> void Ground<D>::Parts::keepStrainWork()
+/// Work of stress and pressure on the strain of the step, half at its start (before cell means replace the divergence) and half at
+/// its end: the mean of both is what an elastic skeleton stores, either alone is off by the first order of dt.
+template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 {
-	const auto&   g      = motion->gradient;
-	const double* volume = points->volume();
-	// before the volume changes: work of the forces that the momentum balance saw
-	clock.skeletonWork += sumOverStrips([&](int first, int last) {
+	const auto&   g       = motion->gradient;
+	const double* volume  = points->volume();
+	const bool    replace = atStart && averaging();
+	clock.skeletonWork += 0.5 * sumOverStrips([&](int first, int last) {
 		double work = 0.0;
 		for (int p = first; p < last; ++p) {
 			double trace = 0.0;
 			for (int a = 0; a < D; ++a)
 				trace += g[a * D + a][p];
-			const double replace = averaging() ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
+			const double missing = replace ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
 			double       density = 0.0;
 			for (int i = 0; i < D; ++i)
 				for (int j = 0; j < D; ++j)
-					density += motion->stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? replace : 0.0));
+					density += motion->stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
 			work += volume[p] * density;
 		}
 		return work;
 	});
-	if (!water) return;
-	clock.porePressureWork -= sumOverStrips([&](int first, int last) {
+	const double share = atStart ? startShare() : 1.0 - startShare();
+	if (!water || share == 0.0) return;
+	const double strained = sumOverStrips([&](int first, int last) {
 		double work = 0.0;
 		for (int p = first; p < last; ++p) {
 			double trace = 0.0;
 			for (int a = 0; a < D; ++a)
 				trace += g[a * D + a][p];
-			work += volume[p] * water->pressure[p] * (averaging() ? cells->mean(p) : trace);
+			work += volume[p] * water->pressure[p] * (replace ? cells->mean(p) : trace);
 		}
 		return work;
 	});
+	clock.porePressureWork -= share * strained;
+	if (!atStart) clock.porePressureWork += share * water->seepageWork(clock.range.firstCell, clock.range.lastCell) / liquidDensity();
 }
 
 // ---- public interface -------------------------------------------------------------------------------------------------------
@@ -740,7 +749,7 @@ template <int D> void Ground<D>::mapToPoints()
 template <int D> void Ground<D>::updateStrainAndPressure()
 {
 	Parts& g = *parts_;
-	if (g.motion && g.settings.energyLedger) g.keepStrainWork();
+	if (g.motion && g.settings.energyLedger) g.keepStrainWork(true);
 	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
 	const auto          update = [&](int strip, int first, int last) {
                 if (cells) g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
@@ -752,7 +761,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	};
 	if (cells) {
 		g.points->strips().scatter(update);
-		if (g.settings.water->state.massCoefficient == MassCoefficient::exact)
+		if (g.cellPressure())
 			g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
 	} else
 		g.points->strips().gather(update);
@@ -771,6 +780,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	if (g.motion)
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
 			if (!g.skeletonPlaces[k].empty()) g.settings.skeletons[k]->updateStress(g.batch(k));
+	if (g.motion && g.settings.energyLedger) g.keepStrainWork(false);
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
 }

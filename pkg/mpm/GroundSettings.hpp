@@ -116,7 +116,7 @@ template <int D> struct Balance {
 
 	// Mechanical energies [J]; the works only with GroundSettings::energyLedger.
 	double kineticEnergy = 0.0;
-	double gravityEnergy = 0.0;   ///< relative to the origin of coordinates
+	double gravityEnergy = 0.0;   ///< relative to the origin of coordinates; water that leaves takes its own along
 	double skeletonWork = 0.0;    ///< done on the skeleton by effective stress
 	double porePressureWork = 0.0; ///< done by pore pressure on the pore content
 	double dragDissipation = 0.0;

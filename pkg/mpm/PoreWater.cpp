@@ -322,6 +322,16 @@ template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells,
 	}
 }
 
+template <int D> double PoreWater<D>::seepageWork(int firstCell, int lastCell) const
+{
+	double work = 0.0;
+	for (int c = firstCell; c < lastCell; ++c) {
+		const double* r = cells_.data() + static_cast<std::size_t>(c) * cellSize;
+		if (r[0] > 0.0) work += std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure) * r[2];
+	}
+	return work;
+}
+
 template class PoreWater<2>;
 template class PoreWater<3>;
 

@@ -64,6 +64,8 @@ public:
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
 	void shareCellPressure(const CellMeans<D>& cells, int first, int last);
+	/// Sum over cells of their pressure times the water mass they received in the step [Pa kg].
+	double seepageWork(int firstCell, int lastCell) const;
 
 	const WaterSettings* settings;
 

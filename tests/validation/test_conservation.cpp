@@ -226,3 +226,31 @@ TEST(Conservation, ResultsHaveTheSameBitsWithOneAndTwoThreads)
 		differing += one[k] != two[k];
 	expectSmall("one and two threads, 200 steps: values that differ in any bit", differing, 0.0);
 }
+
+// Loads = kinetic + stored + dissipated energy; without gravity, which water that leaves would carry away with it
+TEST(Conservation, MechanicalEnergyOfAConsolidatingColumnIsAccountedFor)
+{
+	auto s     = freezingSoil(0.1);
+	s.freezing = nullptr;
+	s.heat.reset();
+	s.mixture                        = withoutExpansion();
+	s.lower                          = { 0.0, 0.0 };
+	s.upper                          = { 0.8, 1.2 };
+	s.energyLedger                   = true;
+	s.motion->flipFraction           = 1.0;
+	s.water->flipFraction            = 1.0;
+	s.water->state.cavitationPressure = -2e6;
+	s.water->permeability.referenceConductivity = 1e-3;
+	const double load = 2e4, modulus = 1e7;
+	standOnRollers(s);
+	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
+	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.1 }, { 0.0, load }));
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { 0.8, 0.9 });
+	ground.initialise();
+	marchTo(ground, 3.0);
+	const auto   b    = ground.balance();
+	const double kept = b.kineticEnergy + b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation;
+	expectSmall("energy of a consolidating column: work of the load not accounted for", (b.loadWork - kept) / b.loadWork, 2e-2);
+	expectRelative("energy stored in the skeleton after consolidation, q^2 V/2M [J]", b.skeletonWork, 0.5 * load * load / modulus * 0.72, 2e-2);
+}
