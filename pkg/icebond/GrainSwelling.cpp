@@ -78,6 +78,12 @@ void GrainSwelling::registerBodies()
 /// Gives every grain the radius of its ice; true if one changed.
 bool GrainSwelling::followIce()
 {
+	for (std::size_t id = 0; id < preparedRadius.size(); id++) {
+		const Body* body = (*scene->bodies)[id].get();
+		if (!sphereWithIce(body)) continue;
+		auto& material             = static_cast<IceBondMat&>(*body->material);
+		material.radiusRatioBefore = material.radiusRatio;
+	}
 	bool changed = false;
 	radiusBefore.resize(preparedRadius.size());
 	for (std::size_t id = 0; id < preparedRadius.size(); id++) {

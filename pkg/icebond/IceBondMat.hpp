@@ -12,6 +12,8 @@ public:
 	/// The material as the formulas see it; the stiffness rule belongs to the law.
 	talik::IceBondModel model() const;
 	void                postLoad(IceBondMat&);
+	/// What a grain of this radius has grown in this step [m], 0 if it shrank.
+	Real growth(Real radius) const { return radius * std::max(1 - radiusRatioBefore / radiusRatio, 0.); }
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondMat,FrictMat,"Grain material with ice bonds: :yref:`young<ElastMat.young>` [Pa] and :yref:`poisson<ElastMat.poisson>` (ratio k_s/k_n) describe the contact without ice, the attributes below what ice adds (Yu & Zhao eqs 5-7: C = C0 + dC phi, E = E0 + dE phi, phi = 1-(1-S_i^m)^m). Example: IceBondMat(young=0.6e9,poisson=0.8,frictionAngle=0.4636,density=2650,iceSaturation=1).",
 		((Real,iceSaturation,0,Attr::triggerPostLoad,"Volumetric ice saturation of the pores around these grains, 0 to 1 [-]. A contact takes the smaller one of its two grains."))
@@ -25,7 +27,8 @@ public:
 		((Real,meltSaturation,0.02,Attr::triggerPostLoad,"At or below this ice saturation every bond is gone and contacts are purely frictional [-]."))
 		((Real,bondSaturation,0.05,Attr::triggerPostLoad,"Ice rising through this saturation bonds every frictional contact in range, >= meltSaturation [-]."))
 		((Real,bondRange,0.05,Attr::triggerPostLoad,"Largest gap that is bonded, in units of the smaller radius, >= 0 [-]."))
-		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling.")),
+		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling."))
+		((Real,radiusRatioBefore,1,Attr::hidden,"radiusRatio of the step before.")),
 		createIndex();
 	);
 	// clang-format on

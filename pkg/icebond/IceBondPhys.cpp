@@ -28,12 +28,13 @@ void IceBondPhys::setBond(const talik::IceBond<Vector3r>& b)
 }
 
 namespace {
-	/// Grains that touch because they have grown do so free of force.
+	/// Grains that touch because they have grown in this step do so free of force.
 	Real overlapFromSwelling(const IceBondMat& a, const IceBondMat& b, const IGeom& geom)
 	{
-		if (a.radiusRatio == 1 && b.radiusRatio == 1) return 0;
 		const auto* contact = dynamic_cast<const ScGeom*>(&geom);
-		return contact ? std::max(contact->penetrationDepth, 0.) : 0;
+		if (!contact) return 0;
+		const Real growth = a.growth(contact->refR1) + b.growth(contact->refR2);
+		return std::min(std::max(contact->penetrationDepth, 0.), growth);
 	}
 }
 
