@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The slump thawed from its surface (preset draft, one run for all tests) against an independent column, its own bonds and balances."""
+
+import numpy as np
+import pytest
+from thaw_column import ThawColumn
+from yade import O
+
+import talik
+from talik import accuracy, thawslump
+
+meltSaturation = 0.02  # of IceBondMat: at or below it every bond is gone
+atRest = 5e-3  # ground that has moved less has not yet moved [m]
+plateau = 1.5  # width of the column far from the face [m]
+failed = 0.05  # deviatoric strain of ground that has failed
+
+
+def air(time):
+	"""Air of the example, counted from the start of the thaw."""
+	return -5 + 15 * min(max(time, 0.0), 1.0)
+
+
+def warmAir(start):
+	return [SurfaceTemperature(region="surface", times=[0, start, start + 1], values=[-5, -5, 10])]
+
+
+def slump(folder, **options):
+	preset = thawslump.presets["draft"]
+	run = thawslump.ThawSlump("Case I", warmAir, "draft", folder, frameTimes=np.linspace(0, preset.endTime, 17), **options)
+	run.run()
+	return run
+
+
+@pytest.fixture(scope="module")
+def draft(tmp_path_factory):
+	return slump(tmp_path_factory.mktemp("draft"))
+
+
+def initialPosition(frame):
+	return frame["position"] - frame["displacement"]
+
+
+def sizes(vectors):
+	return np.linalg.norm(vectors, axis=1)
+
+
+def thawedDepth(frame, points, width, initialIce):
+	"""Volume per width whose ice has become water [m]."""
+	return np.sum((1 - frame["iceSaturation"] / initialIce)[points] * frame["volume"][points]) / width
+
+
+# ---- the front ------------------------------------------------------------------------------------------------------------
+
+
+def test_reference_column_meets_neumann_where_the_freezing_curve_is_sharp():
+	column = ThawColumn(1.5, 600, lambda time: 10.0, width=0.02, residual=0.0, timeScale=1.0)
+	column.march(10 * 86400.0)
+	exact = accuracy.neumannFront(10.0, -5.0, latentForm="conserved") * np.sqrt(10 * 86400.0)
+	print(f"front after 10 d {column.front():.5f} m, Neumann {exact:.5f} m, error {100 * (column.front() / exact - 1):.2f} %")
+	assert column.front() == pytest.approx(exact, rel=0.01)
+
+
+def test_front_in_ground_that_has_not_moved_is_within_four_tenths_of_a_cell_of_the_column(draft):
+	h = draft.preset.gridSpacing
+	frames = draft.frames.frames
+	points = initialPosition(frames[0])[:, 0] < plateau
+	reference = ThawColumn(4.0, 160, air)
+	compared = 0
+	for frame in frames:
+		if sizes(frame["displacement"][points]).max() > atRest:
+			break
+		reference.march(max(frame["time"], 0.0))
+		front = thawedDepth(frame, points, plateau, frames[0]["iceSaturation"].max())
+		print(f"t = {frame['time']:5.2f} s: front {front:.3f} m, column {reference.front():.3f} m, error {(front - reference.front()) / h:+.2f} h")
+		assert abs(front - reference.front()) < 0.4 * h
+		compared += 1
+	assert compared >= 8 and front > 2 * h
+
+
+def test_front_on_a_fine_column_of_the_same_ground_is_within_five_per_cent():
+	ground, h, top = thawslump.Ground(), 0.1, 4.0
+	mpm = MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(2 * h, top + 4 * h),
+		motion=False,
+		heat=HeatTransfer(thermalTimeScale=ground.thermalTimeScale),
+		freezing=FreezingCurve(curve="gauss", width=ground.freezingWidth, residualSaturation=ground.residualSaturation),
+		boundaries=[SurfaceTemperature(region="surface", times=[0, 1], values=[-5, 10])],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2 * h, top), porosity=ground.porosity, temperature=ground.temperature)
+	O.engines = [mpm]
+	mpm.initialise()
+	initialIce = mpm.field("iceSaturation").max()
+	reference = ThawColumn(top, 160, air)
+	for time in (8.0, 12.0, 16.0, 20.0):
+		thawslump.runUntil(time)
+		reference.march(O.time)
+		state = {name: mpm.field(name) for name in ("iceSaturation", "volume")}
+		front, exact = thawedDepth(state, slice(None), 2 * h, initialIce), reference.front()
+		print(f"t = {O.time:5.2f} s: front {front:.4f} m, column {exact:.4f} m, error {100 * (front / exact - 1):+.2f} %, X/h = {exact / h:.1f}")
+		assert h <= exact / 8
+		assert front == pytest.approx(exact, rel=0.05)
+
+
+# ---- bonds ----------------------------------------------------------------------------------------------------------------
+
+
+def test_behind_the_front_there_is_no_ice_and_no_bond(draft):
+	h, frames = draft.preset.gridSpacing, draft.frames.frames
+	start = initialPosition(frames[0])
+	column = start[:, 0] < plateau
+	for frame in frames[1:]:
+		thawed = frame["temperature"] > 0
+		melted = frame["skeleton0.sampleIceSaturation"] <= meltSaturation
+		front = thawedDepth(frame, column, plateau, frames[0]["iceSaturation"].max())
+		behind = column & (4 - start[:, 1] < front - h)
+		print(f"t = {frame['time']:5.2f} s: {thawed.sum()} points thawed, {melted.sum()} samples without bonds, front on the plateau {front:.2f} m")
+		assert not frame["iceSaturation"][thawed | behind].any()
+		assert not frame["bondsIntact"][thawed | behind | melted].any()
+	assert thawed.sum() > 100
+
+
+def test_ahead_of_the_front_bonds_are_lost_by_breaking_only(draft):
+	frames = draft.frames.frames
+	frozen = np.ones(len(frames[0]["iceSaturation"]), bool)
+	for frame in frames:
+		frozen &= np.minimum(frame["iceSaturation"], frame["skeleton0.sampleIceSaturation"]) > meltSaturation
+		formed, intact, broken, melted = (frame[name] for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted"))
+		lost = formed - intact
+		print(f"t = {frame['time']:5.2f} s: {frozen.sum()} points frozen all along, bonds lost {lost[frozen].sum():.0f}, broken {broken[frozen].sum():.0f}")
+		assert np.array_equal(lost[frozen], broken[frozen])
+		assert np.array_equal(lost, broken + melted)
+	assert 50 < frozen.sum() < len(frozen) and broken.sum() > 0
+
+
+# ---- failure --------------------------------------------------------------------------------------------------------------
+
+
+def test_failure_moves_inward(draft):
+	deepest = []
+	depth = (7 - draft.frames.frames[0]["position"].sum(axis=1)) / np.sqrt(2)  # below the face through (3, 4) and (6, 1)
+	for frame in draft.frames.frames:
+		strained = frame["deviatoricStrain"] > failed
+		deepest.append(depth[strained].max() if strained.any() else 0.0)
+		print(f"t = {frame['time']:5.2f} s: {strained.sum()} points strained by more than {failed}, the deepest {deepest[-1]:.2f} m below the face")
+	steps = np.diff(deepest)
+	assert np.all(steps >= 0) and np.sum(steps > 0) >= 3
+
+
+def test_the_same_slope_kept_frozen_moves_less_than_a_centimetre_in_the_same_time(draft, tmp_path):
+	frozen = slump(tmp_path, thaw=False)
+	moved = sizes(frozen.mpm.field("displacement")).max()
+	thawing = sizes(draft.frames.frames[-1]["displacement"]).max()
+	print(f"after {frozen.thawTime():.1f} s: frozen slope {1e3 * moved:.4f} mm, thawing slope {1e3 * thawing:.0f} mm")
+	assert frozen.thawTime() == pytest.approx(draft.preset.endTime, rel=1e-3)
+	assert moved < 0.01
+	assert frozen.mpm.field("bondsIntact").sum() == frozen.mpm.field("bondsFormed").sum()
+
+
+# ---- balances -------------------------------------------------------------------------------------------------------------
+
+
+def test_mass_water_heat_and_momentum_close_with_what_crossed_the_boundary(draft):
+	closures, balance = draft.closures(), draft.mpm.balance()
+	print(f"heat in {balance['heatIn'] / 1e6:.1f} MJ/m, water out {balance['waterOut']:.3g} kg/m, Skempton's B {draft.mpm.skemptonB():.3f}")
+	for name, value in closures.items():
+		print(f"{name}: {value:+.1e} is missing")
+		assert abs(value) < 1e-11
+	assert 0.5 < draft.mpm.skemptonB() < 0.8
