@@ -149,6 +149,12 @@ shared_ptr<RveSample> RveSample::copy() const
 	return other;
 }
 
+py::object RveSample::stateBytes() const
+{
+	const string bytes = packed().toBytes();
+	return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
+}
+
 void RveSample::setTimeStep(Real dt)
 {
 	if (!(dt > 0)) throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");

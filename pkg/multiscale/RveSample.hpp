@@ -32,6 +32,7 @@ public:
 	Real                   timeStep() const { return packed().dt; }
 	void                   setTimeStep(Real);
 	Matrix3r               deformation() const;
+	::boost::python::object stateBytes() const;
 	string                 path() const { return talik::PackedSample<2>(packed()).path(); }
 	static void            usePortablePath(bool portable) { talik::PackedSample<2>::forcePortable(portable); }
 
@@ -71,6 +72,7 @@ public:
 		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa], tension positive, of the last step.")
 		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
 		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
+		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
 		.add_property("path",&RveSample::path,"What the steps of samples run on here: avx2 or portable.")
 		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")
 		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient.")

@@ -2,6 +2,7 @@
 #include <pkg/multiscale/RveSkeleton.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <iostream>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -24,21 +25,66 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	return s;
 }
 
-SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
+void RveSkeleton::checkSettings(int pointCount) const
 {
 	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
+	if (form != "packed" && form != "open") throw std::invalid_argument("RveSkeleton.form is '" + form + "': choose packed or open.");
 	if (!(strainTolerance >= 0)) throw std::invalid_argument("RveSkeleton.strainTolerance is " + boost::lexical_cast<string>(strainTolerance) + ": give 0 or more.");
 	if (!(saturationTolerance >= 0)) throw std::invalid_argument("RveSkeleton.saturationTolerance is " + boost::lexical_cast<string>(saturationTolerance) + ": give 0 or more.");
-	std::vector<talik::SampleSkeleton::StatePointer> prototypes;
-	for (const auto& sample : samples) {
+	for (const auto& sample : samples)
 		if (!sample) throw std::invalid_argument("RveSkeleton.samples holds None: give RveSamples only.");
-		prototypes.push_back(std::make_shared<talik::PackedState<2>>(sample->packed()));
+	for (const auto& scene : scenes) {
+		if (!scene) throw std::invalid_argument("RveSkeleton.scenes holds None: give Scenes only.");
+		if (scene == Omega::instance().getScene())
+			throw std::invalid_argument("RveSkeleton.scenes holds the current scene: load a sample in a scene of its own, see talik.scratchScene.");
 	}
 	if (!sampleOf.empty() && int(sampleOf.size()) != pointCount)
 		throw std::invalid_argument(
 		        "RveSkeleton.sampleOf has " + std::to_string(sampleOf.size()) + " numbers for " + std::to_string(pointCount) + " points: give one per point, or none.");
-	std::vector<int> which = sampleOf.empty() ? std::vector<int>(pointCount, 0) : sampleOf;
-	model                  = std::make_shared<talik::SampleSkeleton>(prototypes, which, scheduling());
+}
+
+string RveSkeleton::reasonAgainstPacking() const
+{
+	for (std::size_t k = 0; k < scenes.size(); k++) {
+		const string reason = talik::reasonAgainstPacking(*scenes[k]);
+		if (!reason.empty()) return "scenes[" + std::to_string(k) + "] cannot be packed: " + reason;
+	}
+	return "";
+}
+
+void RveSkeleton::makeStore()
+{
+	packedStore.reset();
+	openStore.reset();
+	const string reason = form == "packed" ? reasonAgainstPacking() : "";
+	if (form == "packed" && reason.empty()) {
+		prototypes = samples;
+		for (const auto& scene : scenes)
+			prototypes.push_back(RveSample::fromScene(scene));
+		std::vector<talik::PackedStore::StatePointer> states;
+		for (const auto& sample : prototypes)
+			states.push_back(std::make_shared<talik::PackedState<2>>(sample->packed()));
+		packedStore = std::make_shared<talik::PackedStore>(states);
+		return;
+	}
+	if (!reason.empty() && !told) std::cerr << "RveSkeleton: the samples run open, with YADE's own engines, which is slower: " << reason << "." << std::endl;
+	told = true;
+	std::vector<string> bytes;
+	for (const auto& sample : samples)
+		bytes.push_back(talik::sceneToBytes(sample->open()));
+	for (const auto& scene : scenes)
+		bytes.push_back(talik::sceneToBytes(scene));
+	openStore = std::make_shared<talik::OpenStore>(bytes);
+}
+
+SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
+{
+	checkSettings(pointCount);
+	makeStore();
+	std::shared_ptr<talik::SampleStore> store;
+	if (packedStore) store = packedStore;
+	else store = openStore;
+	model = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? vector<int>(pointCount, 0) : sampleOf, scheduling());
 	return model;
 }
 
@@ -53,72 +99,54 @@ void   RveSkeleton::restoreState(const string& bytes) { running().restore(bytes)
 
 shared_ptr<RveSample> RveSkeleton::sample(int id) const
 {
-	auto copy = samples[running().prototype(id)]->copy();
-	copy->setPacked(*running().state(id));
+	const std::size_t number = running().sampleNumber(id);
+	if (openStore) return RveSample::fromScene(openStore->scene(number));
+	auto copy = prototypes.at(running().prototype(id))->copy();
+	copy->setPacked(*packedStore->state(number));
 	return copy;
+}
+
+shared_ptr<Scene> RveSkeleton::scene(int id) const
+{
+	const std::size_t number = running().sampleNumber(id);
+	return openStore ? openStore->scene(number) : sample(id)->open();
 }
 
 void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
 {
 	if (!sample) throw std::invalid_argument("RveSkeleton.replaceSample: the sample is None.");
-	running().setState(id, std::make_shared<talik::PackedState<2>>(sample->packed()));
+	const std::size_t number = running().sampleNumber(id);
+	if (openStore) openStore->setScene(number, sample->open());
+	else packedStore->setState(number, std::make_shared<talik::PackedState<2>>(sample->packed()));
 }
 
-namespace {
-	using State2 = talik::PackedState<2>;
-
-	double intactBonds(const State2& s)
-	{
-		double n = 0;
-		for (const auto b : s.contacts.bond)
-			n += talik::BondState(b & 3) == talik::BondState::BONDED;
-		return n;
-	}
-
-	/// One measure of one sample; several components for tensors.
-	using Measure = std::function<void(const State2&, double*)>;
-	std::pair<int, Measure> measureNamed(const string& name)
-	{
-		const auto statistics = [](const State2& s) { return talik::PackedSample<2>(s).statistics(); };
-		if (name == "bondsIntact") return { 1, [](const State2& s, double* v) { *v = intactBonds(s); } };
-		if (name == "bondsFormed") return { 1, [](const State2& s, double* v) { *v = double(s.bondsFormed); } };
-		if (name == "bondsBroken") return { 1, [](const State2& s, double* v) { *v = double(s.bondsBrokenInTension + s.bondsBrokenInShear); } };
-		if (name == "bondsMelted") return { 1, [](const State2& s, double* v) { *v = double(s.bondsMelted); } };
-		if (name == "contacts") return { 1, [](const State2& s, double* v) { *v = double(s.contacts.size()); } };
-		if (name == "coordinationNumber") return { 1, [=](const State2& s, double* v) { *v = statistics(s).coordinationNumber; } };
-		if (name == "porosity") return { 1, [=](const State2& s, double* v) { *v = statistics(s).porosity; } };
-		if (name == "fabric")
-			return { 3, [=](const State2& s, double* v) {
-					const auto f = statistics(s).fabric;
-					v[0] = f(0, 0), v[1] = f(1, 1), v[2] = f(0, 1);
-				} };
-		throw std::invalid_argument(
-		        "RveSkeleton.values: there is no measure '" + name + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, porosity or fabric.");
-	}
+void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
+{
+	if (!scene) throw std::invalid_argument("RveSkeleton.replaceScene: the scene is None.");
+	const std::size_t number = running().sampleNumber(id);
+	if (openStore) openStore->setScene(number, scene);
+	else packedStore->setState(number, std::make_shared<talik::PackedState<2>>(talik::packScene(*scene, packedStore->state(number).get())));
 }
 
 py::object RveSkeleton::values(const string& name) const
 {
-	const auto  measure = measureNamed(name);
-	const auto& s       = running();
-	int         points  = 0;
-	while (points < int(s.samples().size()) || s.has(points))
-		points++;
-	np::ndarray result = np::zeros(measure.first == 1 ? py::make_tuple(points) : py::make_tuple(points, measure.first), np::dtype::get_builtin<double>());
-	Real*       data   = reinterpret_cast<Real*>(result.get_data());
-	std::map<const State2*, std::vector<double>> known;
+	const auto&                            s      = running();
+	const int                              points = s.points();
+	std::map<const void*, vector<double>>  known; // samples that share a state are measured once
+	vector<const vector<double>*>          rows(points, nullptr);
+	std::size_t                            parts = 1;
 	for (int id = 0; id < points; id++) {
-		std::vector<double> value(measure.first, NaN);
-		if (s.has(id)) {
-			const auto state = s.state(id);
-			auto       found = known.find(state.get());
-			if (found == known.end()) {
-				measure.second(*state, value.data());
-				known[state.get()] = value;
-			} else value = found->second;
-		}
-		std::copy(value.begin(), value.end(), data + id * measure.first);
+		if (!s.has(id)) continue;
+		auto& row = known[s.samples().identity(s.sampleNumber(id))];
+		if (row.empty()) row = s.samples().measure(s.sampleNumber(id), name);
+		rows[id] = &row;
+		parts    = row.size();
 	}
+	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(points) : py::make_tuple(points, parts), np::dtype::get_builtin<double>());
+	Real*       data   = reinterpret_cast<Real*>(result.get_data());
+	for (int id = 0; id < points; id++)
+		for (std::size_t c = 0; c < parts; c++)
+			data[id * parts + c] = rows[id] ? (*rows[id])[c] : NaN;
 	return result;
 }
 
@@ -126,6 +154,7 @@ py::dict RveSkeleton::counters() const
 {
 	const auto& s = running();
 	py::dict    d;
+	d["form"]           = openStore ? "open" : "packed";
 	d["points"]         = s.counters().points;
 	d["calls"]          = s.counters().calls;
 	d["steps"]          = s.counters().steps;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <core/Scene.hpp>
+#include <pkg/multiscale/OpenStore.hpp>
+#include <pkg/multiscale/PackedStore.hpp>
 #include <pkg/multiscale/RveSample.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
@@ -15,23 +18,35 @@ public:
 	string  savedState() const override;
 	void    restoreState(const string&) override;
 
-	/// The sample of a point as it is now, ready to be opened: a copy.
+	/// The sample of a point as it is now, a copy: packed, or as a scene.
 	shared_ptr<RveSample>   sample(int id) const;
+	shared_ptr<Scene>       scene(int id) const;
 	void                    replaceSample(int id, const shared_ptr<RveSample>&);
+	void                    replaceScene(int id, const shared_ptr<Scene>&);
 	::boost::python::object values(const string& name) const override;
 	vector<string>          measures() const override { return { "bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber" }; }
 	::boost::python::dict   counters() const;
 	::boost::python::dict   blownUp() const;
 
 private:
-	talik::SampleSkeleton&                  running() const;
-	std::shared_ptr<talik::SampleSkeleton>  model;
-	talik::SampleScheduling                 scheduling() const;
+	talik::SampleSkeleton&  running() const;
+	talik::SampleScheduling scheduling() const;
+	void                    checkSettings(int pointCount) const;
+	string                  reasonAgainstPacking() const;
+	void                    makeStore();
+
+	std::shared_ptr<talik::SampleSkeleton> model;
+	std::shared_ptr<talik::PackedStore>    packedStore; ///< one of the two
+	std::shared_ptr<talik::OpenStore>      openStore;
+	vector<shared_ptr<RveSample>>          prototypes; ///< of packed samples
+	bool                                   told = false;
 
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSkeleton,SkeletonLaw,"A periodic sample of grains with ice bonds behind every material point: the displacement gradient and the ice saturation go down, effective stress comes back, history is kept. Samples that were never asked share one state. Example: RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=100))]).",
 		((vector<shared_ptr<RveSample>>,samples,,,"Prepared samples, ice-free; the first step freezes them to the ice saturation of their points, free of stress."))
+		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that stock YADE runs."))
+		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot be packed all run open, which is said once."))
 		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: the first one for all. See talik.slope.depthBands."))
 		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the reference)."))
 		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change."))
@@ -42,12 +57,14 @@ public:
 		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (exception naming the point) or isolate (the point keeps its last stress; see blownUp). The last good state is kept in both cases."))
-		,/*ctor*/ ,
+		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
-		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample.")
+		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see scene.")
+		.def("scene",&RveSkeleton::scene,(::boost::python::arg("id")),"A copy of the sample behind a point as a YADE scene, in either form. See talik.inspect.")
+		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point.")
 		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point.")
 		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, porosity, fabric (n,3).")
-		.add_property("counters",&RveSkeleton::counters,"Dictionary: points, calls, steps (DEM), seconds, distinctStates, bytes.")
+		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes.")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
 	// clang-format on

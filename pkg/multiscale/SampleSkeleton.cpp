@@ -6,7 +6,6 @@
 #include <cmath>
 #include <omp.h>
 #include <stdexcept>
-#include <unordered_map>
 
 namespace talik {
 namespace {
@@ -105,17 +104,17 @@ struct SampleSkeleton::Arrays {
 	}
 };
 
-SampleSkeleton::SampleSkeleton(std::vector<StatePointer> p, std::vector<int> of, const SampleScheduling& s)
-        : prototypes(std::move(p))
+SampleSkeleton::SampleSkeleton(std::shared_ptr<SampleStore> samples, std::vector<int> of, const SampleScheduling& s)
+        : store(std::move(samples))
         , prototypeOf(std::move(of))
         , schedule(s)
 {
-	if (prototypes.empty()) throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
+	if (store->prototypeCount() == 0) throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
 	for (std::size_t id = 0; id < prototypeOf.size(); id++)
-		if (prototypeOf[id] >= int(prototypes.size()))
+		if (prototypeOf[id] >= store->prototypeCount())
 			throw std::invalid_argument(
 			        "RveSkeleton.sampleOf[" + std::to_string(id) + "] is " + std::to_string(prototypeOf[id]) + ": there are "
-			        + std::to_string(prototypes.size()) + " samples, counted from 0.");
+			        + std::to_string(store->prototypeCount()) + " samples, counted from 0.");
 	sampleOf.assign(prototypeOf.size(), -1);
 }
 
@@ -145,25 +144,10 @@ SampleSkeleton::Arrays SampleSkeleton::arrays() const
 	return a;
 }
 
-/// A prototype frozen at rest to the ice saturation of the ground: one state for all points that start with it.
-SampleSkeleton::StatePointer SampleSkeleton::frozenPrototype(int prototype, double iceSaturation)
-{
-	if (prototypes[prototype]->iceSaturation == iceSaturation) return prototypes[prototype];
-	auto& entry = frozen[{ prototype, iceSaturation }];
-	if (!entry) {
-		PackedSample<2> sample(*prototypes[prototype]);
-		const auto      result = sample.apply(Matrix::Zero(), iceSaturation, schedule.update);
-		if (result.blewUp) throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
-		entry = std::make_shared<PackedState<2>>(sample.state());
-	}
-	return entry;
-}
-
 void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
 {
 	const Arrays a = arrays();
-	pool.clear();
-	std::unordered_map<const PackedState<2>*, std::array<double, 9>> tangents;
+	store->clear();
 	// by id: the numbering of samples must not depend on how points are sorted in memory
 	std::map<int, int> placeOf;
 	for (int k = 0; k < batch.count; k++)
@@ -171,20 +155,18 @@ void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
 	for (const auto& [id, place] : placeOf) {
 		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
 			throw std::invalid_argument("RveSkeleton.sampleOf says nothing of point " + std::to_string(id) + ": give one number per point, or none at all.");
-		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : prototypes[prototypeOf[id]]->iceSaturation;
-		const auto   state         = frozenPrototype(prototypeOf[id], iceSaturation);
-		sampleOf[id]               = int(pool.add(state));
-		auto known                 = tangents.find(state.get());
-		if (known == tangents.end()) known = tangents.emplace(state.get(), compact(PackedSample<2>(*state).tangent())).first;
+		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
+		sampleOf[id]               = int(store->size());
+		const SampleStart& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);
+		const auto         tangent = compact(start.tangent);
 		for (int c = 0; c < 9; c++)
-			a.tangent[c][place] = known->second[c];
+			a.tangent[c][place] = tangent[c];
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = iceSaturation;
 		a.ratio[place]      = 1;
 		a.tolerance[place]  = schedule.strainTolerance;
-		const Matrix stress = 0.5 * (state->stress + state->stress.transpose());
-		a.setLastStress(place, stress);
-		storeStress(batch, place, stress);
+		a.setLastStress(place, start.stress);
+		storeStress(batch, place, start.stress);
 	}
 	count.points = placeOf.size();
 }
@@ -234,7 +216,7 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		requests.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place), batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
 	PackedUpdateOptions options = schedule.update;
 	options.tangent             = schedule.prediction;
-	const auto results          = pool.update(requests, options, schedule.threads);
+	const auto results          = store->update(requests, options, schedule.threads);
 	for (std::size_t r = 0; r < due.size(); r++) {
 		const int place = due[r], id = batch.id[place];
 		count.steps += std::uint64_t(results[r].steps);
@@ -271,49 +253,22 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 
 void SampleSkeleton::tangentModulus(const SkeletonBatch<2>& batch, double* modulus) const
 {
-	// stiffness of grains and ice in contact, k_n/t_z: holds also for samples that have lost their contacts for a moment
 	for (int k = 0; k < batch.count; k++) {
-		const int    place = batch.place[k];
-		const auto&  proto = *prototypes[prototypeOf[batch.id[place]]];
-		const double s     = batch.iceSaturation ? batch.iceSaturation[place] : proto.iceSaturation;
-		double       mean  = 0;
-		for (const double r : proto.grains->radius)
-			mean += r;
-		mean /= double(proto.size());
-		modulus[place] = 1.1 * proto.ice.young(s) * mean / proto.thickness;
+		const int place = batch.place[k], prototype = prototypeOf[batch.id[place]];
+		modulus[place] = store->oedometricModulus(prototype, batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototype));
 	}
 }
 
-SampleSkeleton::StatePointer SampleSkeleton::state(int id) const
+std::size_t SampleSkeleton::sampleNumber(int id) const
 {
 	if (!has(id)) throw std::invalid_argument("point " + std::to_string(id) + " has no sample");
-	return pool.state(std::size_t(sampleOf[id]));
-}
-
-void SampleSkeleton::setState(int id, StatePointer state)
-{
-	if (!has(id)) throw std::invalid_argument("point " + std::to_string(id) + " has no sample");
-	pool.setState(std::size_t(sampleOf[id]), std::move(state));
+	return std::size_t(sampleOf[id]);
 }
 
 std::string SampleSkeleton::save() const
 {
-	ByteWriter                                            writer;
-	std::unordered_map<const PackedState<2>*, std::size_t> number;
-	std::vector<StatePointer>                             distinct;
-	std::vector<std::uint64_t>                            which;
-	for (std::size_t s = 0; s < pool.size(); s++) {
-		const auto state = pool.state(s);
-		const auto added = number.emplace(state.get(), distinct.size());
-		if (added.second) distinct.push_back(state);
-		which.push_back(added.first->second);
-	}
-	writer.number(distinct.size());
-	for (const auto& state : distinct)
-		writer.block(state->toBytes());
-	writer.number(which.size());
-	for (const auto w : which)
-		writer.number(w);
+	ByteWriter writer;
+	store->save(writer);
 	writer.number(sampleOf.size());
 	for (const int s : sampleOf)
 		writer.number(std::uint64_t(s + 1));
@@ -324,13 +279,8 @@ std::string SampleSkeleton::save() const
 
 void SampleSkeleton::restore(const std::string& bytes)
 {
-	ByteReader                reader(bytes);
-	std::vector<StatePointer> distinct(reader.number());
-	for (auto& state : distinct)
-		state = std::make_shared<PackedState<2>>(PackedState<2>::fromBytes(reader.block()));
-	pool.clear();
-	for (std::uint64_t left = reader.number(); left > 0; left--)
-		pool.add(distinct.at(reader.number()));
+	ByteReader reader(bytes);
+	store->restore(reader);
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)
 		s = int(reader.number()) - 1;

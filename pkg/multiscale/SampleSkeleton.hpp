@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <pkg/mpm/SkeletonModel.hpp>
-#include <pkg/rve/PackedSamplePool.hpp>
+#include <pkg/multiscale/SampleStore.hpp>
 
 #include <map>
 
@@ -28,10 +28,8 @@ struct SampleCounters {
 /// history; those never asked share one state.
 class SampleSkeleton final : public SkeletonModel<2> {
 public:
-	using StatePointer = std::shared_ptr<const PackedState<2>>;
-
-	/// prototypes: prepared samples; prototypeOf[id]: which one a point takes, -1 for points of another skeleton.
-	SampleSkeleton(std::vector<StatePointer> prototypes, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
+	/// store: holds the prototypes; prototypeOf[id]: which one a point takes, -1 for points of another skeleton.
+	SampleSkeleton(std::shared_ptr<SampleStore> store, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
 
 	std::string name() const override { return "RveSkeleton"; }
 	void        declareFields(PointFields&, const std::string& prefix) override;
@@ -42,11 +40,12 @@ public:
 	SampleScheduling&     scheduling() { return schedule; }
 	const SampleCounters& counters() const { return count; }
 
-	bool         has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
-	StatePointer state(int id) const;
-	void         setState(int id, StatePointer);
-	int          prototype(int id) const { return prototypeOf.at(id); }
-	const SamplePool<2>& samples() const { return pool; }
+	bool        has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
+	/// Number of a point's sample in the store. Throws std::invalid_argument for a point without one.
+	std::size_t sampleNumber(int id) const;
+	int         prototype(int id) const { return prototypeOf.at(id); }
+	int         points() const { return int(sampleOf.size()); }
+	const SampleStore& samples() const { return *store; }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
 	std::string save() const;
@@ -58,17 +57,14 @@ private:
 	bool   isDue(const Arrays&, int place, double iceSaturation) const;
 	void   ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
 	void   predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
-	StatePointer frozenPrototype(int prototype, double iceSaturation);
 
-	std::vector<StatePointer> prototypes;
-	std::vector<int>          prototypeOf, sampleOf;
+	std::shared_ptr<SampleStore> store;
+	std::vector<int>             prototypeOf, sampleOf;
 	SampleScheduling          schedule;
-	SamplePool<2>             pool;
 	SampleCounters            count;
 	PointFields*              fields = nullptr;
 	PointFields::Handle       gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
-	std::map<std::pair<int, double>, StatePointer> frozen;
-	std::map<int, std::string>                     failures;
+	std::map<int, std::string> failures;
 	std::vector<int>                               dueScratch;
 	std::vector<char>                              flagScratch;
 };

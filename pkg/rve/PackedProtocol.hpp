@@ -12,6 +12,12 @@ PackedUpdateResult<Dim> updateWorkspace(
         PackedWorkspace<Dim>& workspace, const PackedState<Dim>& before, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         double targetIceSaturation, const PackedUpdateOptions& options);
 
+/// Number of moving steps for a displacement gradient, eq. (13.1), with stress, time step and density of the parameters.
+template <int Dim>
+long movingSteps(
+        const PackedParameters<Dim>& parameters, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
+        const PackedUpdateOptions& options);
+
 /// Throws std::invalid_argument naming the option.
 void checkOptions(const PackedUpdateOptions& options);
 

@@ -367,6 +367,8 @@ template <int Dim> void                              PackedSample<Dim>::forcePor
 
 template PackedTypes<2>::Matrix matrixRootIncrement<2>(const PackedTypes<2>::Matrix&, long);
 template PackedTypes<3>::Matrix matrixRootIncrement<3>(const PackedTypes<3>::Matrix&, long);
+template long movingSteps<2>(const PackedParameters<2>&, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
+template long movingSteps<3>(const PackedParameters<3>&, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template long substepCount<2>(const PackedState<2>&, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
 template long substepCount<3>(const PackedState<3>&, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template PackedUpdateResult<2>

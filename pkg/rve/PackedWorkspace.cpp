@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <pkg/rve/CellReduction.hpp>
 #include <pkg/rve/PackedWorkspace.hpp>
 
 namespace talik {
@@ -951,46 +952,11 @@ template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 
 // ---------------------------------------------------------------------------------------------- flip
 
-namespace {
-
-	/// Integer combinations that shorten the cell vectors: columns of the result are combinations of those of hSize.
-	template <int Dim> Eigen::Matrix<int, Dim, Dim> reduction(Eigen::Matrix<double, Dim, Dim> h, double skew)
-	{
-		Eigen::Matrix<int, Dim, Dim> combination = Eigen::Matrix<int, Dim, Dim>::Identity();
-		for (bool changed = true; changed;) {
-			changed = false;
-			for (int a = 0; a < Dim; ++a)
-				for (int b = 0; b < Dim; ++b) {
-					if (a == b) continue;
-					const double ratio = h.col(a).dot(h.col(b)) / h.col(a).squaredNorm();
-					const int    turns = int(std::lround(ratio));
-					if (std::fabs(ratio) <= skew + 1e-9 || turns == 0) continue;
-					h.col(b) -= turns * h.col(a);
-					combination.col(b) -= turns * combination.col(a);
-					changed = true;
-				}
-		}
-		return combination;
-	}
-
-	/// Inverse of an integer matrix of determinant +-1, exact by rounding.
-	template <int Dim> Eigen::Matrix<int, Dim, Dim> integerInverse(const Eigen::Matrix<int, Dim, Dim>& m)
-	{
-		const Eigen::Matrix<double, Dim, Dim> inverse = m.template cast<double>().inverse();
-		Eigen::Matrix<int, Dim, Dim>          rounded;
-		for (int i = 0; i < Dim; ++i)
-			for (int j = 0; j < Dim; ++j)
-				rounded(i, j) = int(std::lround(inverse(i, j)));
-		return rounded;
-	}
-
-} // namespace
-
 // Grains are wrapped into the new cell at the same time, so that cell distances stay small in endless shear.
 template <int Dim> bool PackedWorkspace<Dim>::flip(double skew)
 {
 	const Matrix                       before      = hSize();
-	const Eigen::Matrix<int, Dim, Dim> combination = reduction<Dim>(before, std::max(skew, 0.5));
+	const Eigen::Matrix<int, Dim, Dim> combination = cellReduction<Dim>(before, std::max(skew, 0.5));
 	if (combination == Eigen::Matrix<int, Dim, Dim>::Identity()) return false;
 	PackedState<Dim> state;
 	store(state);

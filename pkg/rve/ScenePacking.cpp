@@ -75,6 +75,7 @@ namespace {
 		if (motion.vel[2] != 0 || motion.angVel[0] != 0 || motion.angVel[1] != 0) return "moves out of the plane";
 		if (!(motion.mass > 0 && motion.inertia[2] > 0)) return "has no mass or no moment of inertia";
 		if (!motion.isDamped) return "is exempt from damping";
+		if (motion.densityScaling != State().densityScaling) return "has a scaled density";
 		if (!boost::dynamic_pointer_cast<FrictMat>(body.material)) return "has no frictional material";
 		return "";
 	}
@@ -109,7 +110,6 @@ namespace {
 		const py::object newton = engineNamed(scene, "NewtonIntegrator");
 		if (newton.is_none()) return "it has no NewtonIntegrator";
 		if (py::extract<Vector3r>(newton.attr("gravity"))() != Vector3r::Zero()) return "its NewtonIntegrator has gravity";
-		if (isTrue(newton, "densityScaling")) return "its NewtonIntegrator scales densities";
 		if (py::extract<int>(newton.attr("mask")) > 0) return "its NewtonIntegrator moves a part of the bodies only";
 		if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
 		return "";

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/PackedStore.hpp>
+
+#include <stdexcept>
+#include <unordered_map>
+
+namespace talik {
+
+using Matrix = PackedTypes<2>::Matrix;
+
+void refuseMeasure(const std::string& name)
+{
+	throw std::invalid_argument(
+	        "RveSkeleton.values: there is no measure '" + name
+	        + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, porosity or fabric.");
+}
+
+PackedStore::PackedStore(std::vector<StatePointer> p)
+        : prototypes(std::move(p))
+{
+	for (const auto& state : prototypes) {
+		double sum = 0;
+		for (const double r : state->grains->radius)
+			sum += r;
+		meanRadius.push_back(sum / double(state->size()));
+	}
+}
+
+// stiffness of grains and ice in contact, k_n/t_z: holds also for samples that have lost their contacts for a moment
+double PackedStore::oedometricModulus(int prototype, double iceSaturation) const
+{
+	const auto& state = *prototypes.at(prototype);
+	return 1.1 * state.ice.young(iceSaturation) * meanRadius[prototype] / state.thickness;
+}
+
+PackedStore::Beginning PackedStore::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
+{
+	Beginning beginning { prototypes.at(prototype), {} };
+	if (beginning.state->iceSaturation != iceSaturation) {
+		PackedSample<2> sample(*beginning.state);
+		const auto      result = sample.apply(Matrix::Zero(), iceSaturation, options);
+		if (result.blewUp) throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
+		beginning.state = std::make_shared<PackedState<2>>(sample.state());
+	}
+	beginning.start.stress  = 0.5 * (beginning.state->stress + beginning.state->stress.transpose());
+	beginning.start.tangent = PackedSample<2>(*beginning.state).tangent();
+	return beginning;
+}
+
+const SampleStart& PackedStore::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
+{
+	auto found = beginnings.find({ prototype, iceSaturation });
+	if (found == beginnings.end()) found = beginnings.emplace(std::make_pair(prototype, iceSaturation), frozen(prototype, iceSaturation, options)).first;
+	pool.add(found->second.state);
+	return found->second.start;
+}
+
+std::vector<PackedUpdateResult<2>> PackedStore::update(const std::vector<PackedRequest<2>>& requests, const PackedUpdateOptions& options, int threads)
+{
+	return pool.update(requests, options, threads);
+}
+
+std::vector<double> PackedStore::measure(std::size_t sample, const std::string& name) const
+{
+	const PackedState<2>& s = *pool.state(sample);
+	if (name == "bondsFormed") return { double(s.bondsFormed) };
+	if (name == "bondsBroken") return { double(s.bondsBrokenInTension + s.bondsBrokenInShear) };
+	if (name == "bondsMelted") return { double(s.bondsMelted) };
+	if (name == "contacts") return { double(s.contacts.size()) };
+	if (name == "bondsIntact") {
+		double intact = 0;
+		for (const auto bond : s.contacts.bond)
+			intact += BondState(bond & 3) == BondState::BONDED;
+		return { intact };
+	}
+	if (name != "coordinationNumber" && name != "porosity" && name != "fabric") refuseMeasure(name);
+	const auto statistics = PackedSample<2>(s).statistics();
+	if (name == "coordinationNumber") return { statistics.coordinationNumber };
+	if (name == "porosity") return { statistics.porosity };
+	return { statistics.fabric(0, 0), statistics.fabric(1, 1), statistics.fabric(0, 1) };
+}
+
+void PackedStore::save(ByteWriter& writer) const
+{
+	std::unordered_map<const PackedState<2>*, std::size_t> number;
+	std::vector<StatePointer>                              distinct;
+	std::vector<std::uint64_t>                             which;
+	for (std::size_t s = 0; s < pool.size(); s++) {
+		const auto state = pool.state(s);
+		const auto added = number.emplace(state.get(), distinct.size());
+		if (added.second) distinct.push_back(state);
+		which.push_back(added.first->second);
+	}
+	writer.number(distinct.size());
+	for (const auto& state : distinct)
+		writer.block(state->toBytes());
+	writer.number(which.size());
+	for (const auto w : which)
+		writer.number(w);
+}
+
+void PackedStore::restore(ByteReader& reader)
+{
+	std::vector<StatePointer> distinct(reader.number());
+	for (auto& state : distinct)
+		state = std::make_shared<PackedState<2>>(PackedState<2>::fromBytes(reader.block()));
+	pool.clear();
+	for (std::uint64_t left = reader.number(); left > 0; left--)
+		pool.add(distinct.at(reader.number()));
+}
+
+} // namespace talik

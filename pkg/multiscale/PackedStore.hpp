@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <map>
+#include <pkg/multiscale/SampleStore.hpp>
+
+namespace talik {
+
+/// Samples in the packed form.
+class PackedStore final : public SampleStore {
+public:
+	using StatePointer = std::shared_ptr<const PackedState<2>>;
+	explicit PackedStore(std::vector<StatePointer> prototypes);
+
+	int                                prototypeCount() const override { return int(prototypes.size()); }
+	double                             prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
+	double                             oedometricModulus(int prototype, double iceSaturation) const override;
+	const SampleStart&                 add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	std::size_t                        size() const override { return pool.size(); }
+	void                               clear() override { pool.clear(); }
+	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;
+	std::vector<double>                measure(std::size_t sample, const std::string& name) const override;
+	const void*                        identity(std::size_t sample) const override { return pool.state(sample).get(); }
+	std::size_t                        distinctStates() const override { return pool.distinctStates(); }
+	std::size_t                        bytes() const override { return pool.bytes(); }
+	void                               save(ByteWriter&) const override;
+	void                               restore(ByteReader&) override;
+
+	StatePointer state(std::size_t sample) const { return pool.state(sample); }
+	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, std::move(state)); }
+
+private:
+	struct Beginning {
+		StatePointer state;
+		SampleStart  start;
+	};
+	Beginning frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;
+
+	std::vector<StatePointer>                   prototypes;
+	std::vector<double>                         meanRadius; ///< of each prototype [m]
+	std::map<std::pair<int, double>, Beginning> beginnings;
+	SamplePool<2>                               pool;
+};
+
+} // namespace talik

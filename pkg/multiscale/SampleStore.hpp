@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <memory>
+#include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/rve/PackedSamplePool.hpp>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// What a sample that was never asked begins with.
+struct SampleStart {
+	PackedTypes<2>::Matrix stress = PackedTypes<2>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	PackedTangent<2>       tangent {};
+};
+
+/// The samples behind the points of a skeleton, in one of their forms. Samples are made from prototypes; both are numbered from 0.
+class SampleStore {
+public:
+	virtual ~SampleStore() = default;
+
+	virtual int    prototypeCount() const                                                 = 0;
+	virtual double prototypeIce(int prototype) const                                      = 0; ///< ice saturation it was prepared with [-]
+	virtual double oedometricModulus(int prototype, double iceSaturation) const           = 0; ///< upper bound [Pa]
+
+	/// A new sample: a prototype frozen at rest, free of stress, to an ice saturation. Samples that begin alike share their beginning,
+	/// which stays valid until the next add(). Throws std::runtime_error if the prototype does not survive freezing.
+	virtual const SampleStart& add(int prototype, double iceSaturation, const PackedUpdateOptions&) = 0;
+	virtual std::size_t        size() const                                                         = 0;
+	virtual void               clear()                                                              = 0;
+
+	/// Each request's sample, at most once per call, over `threads` threads (0: OpenMP's default) with results that do not depend on
+	/// their number. A sample that blows up keeps a good state.
+	virtual std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) = 0;
+
+	/// A named measure; several numbers for tensors. Throws std::invalid_argument on an unknown name.
+	virtual std::vector<double> measure(std::size_t sample, const std::string& name) const = 0;
+	/// The same for samples that share one state.
+	virtual const void* identity(std::size_t sample) const = 0;
+	virtual std::size_t distinctStates() const             = 0;
+	virtual std::size_t bytes() const                      = 0;
+
+	virtual void save(ByteWriter&) const = 0;
+	virtual void restore(ByteReader&)    = 0;
+};
+
+/// "…; choose bondsIntact, …", for exceptions.
+[[noreturn]] void refuseMeasure(const std::string& name);
+
+} // namespace talik
