@@ -80,7 +80,7 @@ void Gl1_IceBondPhys::go(
 	Vector3r    branch = second->state->se3.position - first->state->se3.position;
 	if (scene->isPeriodic) branch += scene->cell->hSize * interaction->cellDist.cast<Real>();
 	if (!(branch.squaredNorm() > 0)) return;
-	if (!(maxRadius > 0)) maxRadius = 0.5 * std::min(geom->refR1, geom->refR2);
+	if (!(maxRadius > 0)) maxRadius = 0.25 * std::min(geom->refR1, geom->refR2);
 
 	const Vector3r   start = wrapped(first->state->se3.position);
 	const bool       intact = phys.bondState == int(talik::BondState::BONDED);

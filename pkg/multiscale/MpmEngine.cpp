@@ -16,7 +16,7 @@ namespace {
 	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy.
 	constexpr int numbersPerPoint = 12;
 
-	const char archiveMagic[] = "talik ground 1";
+	const char archiveMagic[] = "talik ground 2";
 
 	np::ndarray asArray(const py::object& values) { return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO); }
 
@@ -190,7 +190,8 @@ void MpmEngine::initialise()
 {
 	if (ground) return;
 	checkPresence();
-	ground = std::make_shared<talik::Ground<2>>(buildSettings());
+	ground          = std::make_shared<talik::Ground<2>>(buildSettings());
+	stepsUntilLimit = 0;
 	try {
 		addPointsToGround();
 		ground->initialise();
@@ -199,7 +200,6 @@ void MpmEngine::initialise()
 		ground.reset();
 		throw;
 	}
-	stepsUntilLimit = 0;
 }
 
 talik::Ground<2>& MpmEngine::runningGround()
@@ -433,6 +433,8 @@ void MpmEngine::preSave(MpmEngine&)
 	if (!ground) return;
 	talik::ByteWriter writer;
 	writer.block(archiveMagic);
+	writer.block(&stableStep, sizeof stableStep);
+	writer.block(&stepsUntilLimit, sizeof stepsUntilLimit);
 	for (const auto& array : ground->state())
 		writer.block(array.data, array.bytes);
 	for (const auto& law : activeSkeletons())
@@ -446,6 +448,9 @@ void MpmEngine::restoreSavedState()
 	const string      bytes = talik::fromBase64(saved);
 	talik::ByteReader reader(bytes);
 	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik.");
+	// the run goes on with the same time steps as if it had not been saved
+	reader.block(&stableStep, sizeof stableStep);
+	reader.block(&stepsUntilLimit, sizeof stepsUntilLimit);
 	for (const auto& array : ground->state())
 		reader.block(array.data, array.bytes);
 	ground->stateRestored();
