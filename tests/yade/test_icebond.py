@@ -4,10 +4,12 @@
 Closed form (Yu & Zhao eqs 5-7 with YADE's conventions): phi = 1-(1-S^2)^2, k_n = (E0 + dE phi) R, k_s = 0.8 k_n, strength
 C = C0 + dC phi over the area R^2, shear limit C R^2 + 0.5 max(N, 0). Forces and overlaps are positive in compression."""
 
+import json
 import math
 import os
 import re
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -671,3 +673,14 @@ def test_the_3d_view_shows_intact_bonds_red_and_broken_ones_black(tmp_path):
 	print(f"\nbonds {states}: {red} red and {black} black pixels of {picture.shape[0] * picture.shape[1]}")
 	assert states == str([1] * 15 + [2] * 2)
 	assert red > 2000 and black > 200 and red > black
+
+
+def test_the_melting_column_of_the_examples_tears_at_the_saturation_of_the_closed_form(tmp_path):
+	example = Path(__file__).resolve().parents[2] / "examples" / "melting_column.py"
+	command = ["yade", "-n", "-x", str(example), "--preset", "test", "--output", str(tmp_path)]
+	run = subprocess.run(command, capture_output=True, text=True, timeout=120, env=dict(os.environ))
+	assert (tmp_path / "summary.json").exists() and (tmp_path / "melting_column.png").stat().st_size > 10000, run.stdout + run.stderr
+	summary = json.loads((tmp_path / "summary.json").read_text())
+	print(f"\n{summary}")
+	assert abs(summary["S_i at failure"] - summary["S_i closed form"]) < 2e-3
+	assert summary["bonds"] == 44 and summary["bonds intact at the end"] == 40  # the four bonds of the warmest row
