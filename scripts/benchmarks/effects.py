@@ -1,0 +1,101 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Cost of the effects of the ground from what Google Benchmark measured.
+
+usage  effects.py <result.json> <agreement.json> <times.json>..."""
+
+import json
+import statistics
+import sys
+from collections import defaultdict
+
+import figures
+from figures import Figure
+
+# effect, the combination that has it, the same without it
+shares = (
+	("Mohr-Coulomb instead of elastic", "dry, Mohr-Coulomb", "dry"),
+	("cell averages", "dry, cell averages", "dry"),
+	("deformation record", "dry, deformation record", "dry"),
+	("energy ledger", "dry, energy ledger", "dry"),
+	("heat, in ground at rest", "rigid: heat", None),
+	("freezing, in ground at rest", "rigid: heat, freezing", "rigid: heat"),
+	("heat", "dry, heat", "dry"),
+	("freezing", "dry, heat, freezing", "dry, heat"),
+	("water", "water", "dry, cell averages"),
+	("heat, with water", "water, heat", "water"),
+	("freezing, with water", "water, heat, freezing", "water, heat"),
+	("free surface, heated and drained", "water, heat, freezing, surface", "water, heat, freezing"),
+	("Mohr-Coulomb, record and ledger", "everything", "water, heat, freezing, surface"),
+)
+threaded = ("dry", "dry, cell averages", "water, heat, freezing", "everything")
+aims = {"dry": 30, "everything": 65}
+
+
+def read(paths):
+	"""Median ns per point and step by name: CPU time of the only thread, wall time of two."""
+	times = defaultdict(list)
+	for path in paths:
+		for run in json.load(open(path))["benchmarks"]:
+			name = run["run_name"].split("/iterations:")[0].removeprefix("effects/")
+			times[name].append(run["real_time" if name.endswith("/2 threads") else "cpu_time"] / run["points"])
+			times[name + ", wall"].append(run["real_time"] / run["points"])
+	return {name: statistics.median(values) for name, values in times.items()}
+
+
+def minimum(times, law):
+	"""The fastest of the minimal codes that the processor can run."""
+	return min((time, name) for name, time in times.items() if name.startswith("minimum") and name.endswith(law) and "wall" not in name and ("Mohr" in name) == bool(law))
+
+
+def overMinimum(times):
+	for name, law in (("dry", ""), ("dry, Mohr-Coulomb", ", Mohr-Coulomb")):
+		least, code = minimum(times, law)
+		engine = times[name + "/1 thread"]
+		terms = {"engine [ns]": round(engine, 1), f"{code} [ns]": round(least, 1)}
+		yield Figure(f"{name}: engine/minimum", engine / least, "x", ceiling=1.5, terms=terms)
+
+
+def speedUps(times):
+	for name in threaded:
+		one, two = times[name + "/1 thread, wall"], times[name + "/2 threads, wall"]
+		yield Figure(f"{name}: 2 threads against 1", one / two, "x", floor=1.75, terms={"one [ns]": round(one, 1), "two [ns]": round(two, 1)})
+
+
+def combinations(times):
+	for name, time in times.items():
+		if name.endswith("/1 thread"):
+			name = name.removesuffix("/1 thread")
+			yield Figure(f"{name}", time, "ns", aim=aims.get(name))
+		elif name.startswith("minimum") and not name.endswith("wall"):
+			yield Figure(name, time, "ns")
+
+
+def effectShares(times):
+	everything = times["everything/1 thread"]
+	for effect, having, lacking in shares:
+		cost = times[having + "/1 thread"] - (times[lacking + "/1 thread"] if lacking else 0.0)
+		yield Figure(f"share: {effect}", cost, "ns", terms={"of everything": f"{100 * cost / everything:.0f} %"})
+
+
+def agreements(path):
+	for run in json.load(open(path))["benchmarks"]:
+		law = ", Mohr-Coulomb" if "Mohr" in run["run_name"] else ""
+		difference = abs(run["engine"] - run["minimum"]) / abs(run["minimum"])
+		yield Figure(f"dry{law}: settlement, engine against minimum", difference, "relative", ceiling=1e-9, terms={"settlement [m]": run["minimum"]})
+
+
+def main(target, agreementPath, *timesPaths):
+	times = read(timesPaths)
+	measured = [*overMinimum(times), *agreements(agreementPath), *speedUps(times), *combinations(times), *effectShares(times)]
+	notes = [
+		"ns per point and step: 40 000 points, quadratic B-splines, double precision, the stable time step looked up every 10 steps, one thread (CPU time).",
+		"The minimum has the same transfer, law and floor and nothing else: no checks, no sorting, no energies, no strips for threads.",
+	]
+	figures.write(target, measured, notes)
+
+
+if __name__ == "__main__":
+	if len(sys.argv) < 4:
+		sys.exit(__doc__)
+	main(*sys.argv[1:])
