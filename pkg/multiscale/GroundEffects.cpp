@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
+#include <pkg/multiscale/ScriptNames.hpp>
 
 namespace yade {
 YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(PoreWater));
@@ -12,8 +13,26 @@ talik::MixtureProperties GroundMaterial::build() const
 	m.ice              = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
 	m.liquid           = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
 	m.latentHeat       = latentHeat;
-	m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
-	m.validate();
+	const auto check   = [&] {
+                m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
+                m.validate();
+	};
+	talik::underScriptNames(
+	        { { "solid.density", "GroundMaterial.solidDensity" },
+	          { "solid.specificHeat", "GroundMaterial.solidSpecificHeat" },
+	          { "solid.conductivity", "GroundMaterial.solidConductivity" },
+	          { "solid.expansivity", "GroundMaterial.solidExpansivity" },
+	          { "ice.density", "GroundMaterial.iceDensity" },
+	          { "ice.specificHeat", "GroundMaterial.iceSpecificHeat" },
+	          { "ice.conductivity", "GroundMaterial.iceConductivity" },
+	          { "ice.expansivity", "GroundMaterial.iceExpansivity" },
+	          { "liquid.density", "GroundMaterial.liquidDensity" },
+	          { "liquid.specificHeat", "GroundMaterial.liquidSpecificHeat" },
+	          { "liquid.conductivity", "GroundMaterial.liquidConductivity" },
+	          { "liquid.expansivity", "GroundMaterial.liquidExpansivity" },
+	          { "latentHeat", "GroundMaterial.latentHeat" },
+	          { "conductivityMean", "GroundMaterial.conductivityMean" } },
+	        check);
 	return m;
 }
 
@@ -28,20 +47,60 @@ talik::HeatSettings HeatTransfer::build() const
 	return heat;
 }
 
+namespace {
+	/// What the attributes mean for each curve; an attribute that is missing here has the curve's own name.
+	struct CurveAttribute {
+		const char *curve, *attribute, *parameter;
+	};
+	constexpr CurveAttribute curveAttributes[] = {
+		{ "power", "width", "scale" },
+		{ "vanGenuchten", "exponent", "lambda" },
+		{ "vanGenuchten", "airEntryPressure", "entryPressure" },
+		{ "linear", "width", "frozenTemperature" },
+	};
+
+	string parameterName(const string& curve, const string& attribute)
+	{
+		for (const auto& known : curveAttributes)
+			if (curve == known.curve && attribute == known.attribute) return known.parameter;
+		return attribute;
+	}
+
+	bool hasParameter(const string& curve, const string& parameter)
+	{
+		for (const auto& known : talik::freezingCurveParameters(curve))
+			if (known.name == parameter) return true;
+		return false;
+	}
+} // namespace
+
 talik::FreezingCurvePtr FreezingCurve::build() const
 {
-	talik::CurveParameters given;
-	const auto             pass = [&](const char* name, Real value) {
-                for (const auto& parameter : talik::freezingCurveParameters(curve))
-                        if (parameter.name == name && !std::isnan(value)) given[name] = value;
+	talik::CurveParameters given { { "freezingTemperature", freezingTemperature }, { "residualSaturation", residualSaturation } };
+	const auto             pass = [&](const string& attribute, Real value) {
+                if (std::isnan(value)) return;
+                const string parameter = parameterName(curve, attribute);
+                if (!hasParameter(curve, parameter))
+                        throw std::invalid_argument(
+                                "FreezingCurve." + attribute + " = " + boost::lexical_cast<string>(value) + ": the curve " + curve + " has none; leave it out");
+                if (parameter != "frozenTemperature") given[parameter] = value;
+                else if (value > 0) given[parameter] = freezingTemperature - value;
+                else throw std::invalid_argument("FreezingCurve.width = " + boost::lexical_cast<string>(value) + ": must be positive, in K");
 	};
-	pass("freezingTemperature", freezingTemperature);
-	pass("residualSaturation", residualSaturation);
-	pass("width", width);
-	pass("lambda", exponent);
-	pass("exponent", exponent);
-	pass("airEntryPressure", airEntryPressure);
-	return talik::makeFreezingCurve(curve, given);
+	const string prefix = "freezingCurve." + curve + ".";
+	return talik::underScriptNames(
+	        { { (prefix + "scale").c_str(), "FreezingCurve.width" },
+	          { (prefix + "lambda").c_str(), "FreezingCurve.exponent" },
+	          { (prefix + "entryPressure").c_str(), "FreezingCurve.airEntryPressure" },
+	          { prefix.c_str(), "FreezingCurve." },
+	          { "freezingCurve.", "FreezingCurve." },
+	          { "freezingCurve =", "FreezingCurve.curve =" } },
+	        [&] {
+		        pass("width", width);
+		        pass("exponent", exponent);
+		        pass("airEntryPressure", airEntryPressure);
+		        return talik::makeFreezingCurve(curve, given);
+	        });
 }
 
 talik::WaterSettings PoreWater::build(Real residualSaturation) const
@@ -56,12 +115,26 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 		throw std::invalid_argument("PoreWater.massCoefficient is '" + massCoefficient + "': choose exact or printed.");
 	water.permeability.referenceConductivity = conductivity;
 	water.permeability.referencePorosity     = referencePorosity;
-	water.permeability.law                   = talik::relativeConductivityFromName(relativeConductivity);
 	water.permeability.impedance             = impedance;
 	water.permeability.residualSaturation    = residualSaturation;
 	water.permeability.floor                 = relativeConductivityFloor;
 	water.permeability.hydraulicTimeScale    = hydraulicTimeScale;
 	water.flipFraction                       = flip;
+	talik::underScriptNames(
+	        { { "liquidBulkModulus", "PoreWater.bulkModulus" },
+	          { "iceBulkModulus", "PoreWater.iceBulkModulus" },
+	          { "cavitationPressure", "PoreWater.cavitationPressure" },
+	          { "referenceConductivity", "PoreWater.conductivity" },
+	          { "referencePorosity", "PoreWater.referencePorosity" },
+	          { "relativeConductivity", "PoreWater.relativeConductivity" },
+	          { "impedance", "PoreWater.impedance" },
+	          { "floor", "PoreWater.relativeConductivityFloor" },
+	          { "hydraulicTimeScale", "PoreWater.hydraulicTimeScale" } },
+	        [&] {
+		        water.permeability.law = talik::relativeConductivityFromName(relativeConductivity);
+		        water.state.validate();
+		        water.permeability.validate();
+	        });
 	return water;
 }
 

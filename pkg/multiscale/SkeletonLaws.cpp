@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/multiscale/ScriptNames.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
 
 namespace yade {
@@ -20,7 +21,9 @@ SkeletonLaw::Pointer ElasticSkeleton::build(int)
 	auto model          = std::make_shared<talik::ElasticSkeleton<2>>();
 	model->youngModulus = young;
 	model->poissonRatio = poisson;
-	model->validate();
+	talik::underScriptNames(
+	        { { "ElasticSkeleton.youngModulus", "ElasticSkeleton.young" }, { "ElasticSkeleton.poissonRatio", "ElasticSkeleton.poisson" } },
+	        [&] { model->validate(); });
 	return model;
 }
 
@@ -37,7 +40,12 @@ SkeletonLaw::Pointer MohrCoulombSkeleton::build(int)
 	model->tensileStrength       = tensileStrength;
 	model->tensileStrengthFrozen = tensileStrengthFrozen;
 	model->iceExponent           = exponent;
-	model->validate();
+	talik::underScriptNames(
+	        { { "MohrCoulombSkeleton.youngModulusFrozen", "MohrCoulombSkeleton.youngFrozen" },
+	          { "MohrCoulombSkeleton.youngModulus", "MohrCoulombSkeleton.young" },
+	          { "MohrCoulombSkeleton.poissonRatio", "MohrCoulombSkeleton.poisson" },
+	          { "MohrCoulombSkeleton.iceExponent", "MohrCoulombSkeleton.exponent" } },
+	        [&] { model->validate(); });
 	return model;
 }
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from yade import O, wrapper
 
@@ -59,10 +60,11 @@ def neumannFront(surface, initial, latentForm="capacityIntegral"):
 	return 0.5 * (low + high)
 
 
-def frontError(spacings=(0.1, 0.05, 0.025, 0.0125), duration=10 * day, depth=1.5, surface=10.0, initial=-5.0, instants=10):
+def frontError(spacings=(0.1, 0.05, 0.025, 0.0125), duration=5 * day, depth=2.0, surface=10.0, initial=-5.0, instants=40):
 	"""Rows of spacing [m], points, steps, error [-] and wall time [s]: thaw of a rigid column from its base through MpmEngine.
 
-	The error is the root mean square of X/X_Neumann - 1 over equal instants of the second half of the duration."""
+	The error is the root mean square of X/X_Neumann - 1 over equal instants of the second half of the duration. The column is deep
+	enough for its far end (2 m against a diffusion length of 1.1 m) not to be felt."""
 	return [_frontRow(spacing, duration, depth, surface, initial, instants) for spacing in spacings]
 
 
@@ -126,9 +128,12 @@ def drawFrontError(rows):
 	for row, percent in zip(rows, error):
 		right.annotate(f"h = {row['spacing [m]']:g} m", (row["wall time [s]"], percent), textcoords="offset points", xytext=(6, 4), fontsize=8)
 	right.set_xlabel("computing time [s]")
-	right.margins(x=0.2)
+	right.margins(x=0.25)
+	left.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+	left.yaxis.set_major_formatter("{x:g}")
+	left.yaxis.set_minor_formatter(NullFormatter())
 	for axes in (left, right):
-		axes.grid(which="both", color="0.9")
+		axes.grid(color="0.9")
 	fig.suptitle("Thaw from a wall, -5 °C to +10 °C, against Neumann's solution")
 	return fig
 
@@ -137,7 +142,7 @@ def drawFrontError(rows):
 
 
 def stability(conductivities=tuple(10.0**-power for power in range(2, 15)), fractions=(0.3, 0.5, 0.7, 0.9, 0.99), steps=2000):
-	"""Rows of conductivity k [m/s], time step over h/(c+|v|) [-], largest and last kinetic energy over the bound [-], stable.
+	"""Rows of conductivity k [m/s], time step over h/(c+|v|) [-], kinetic energy over its bound (largest; in the last quarter), stable.
 
 	A saturated elastic column, undamped and drained at its top, is loaded in one step. The load can bring no more kinetic energy
 	than the drained column would have when it swings about its new equilibrium: that is the bound."""
@@ -161,7 +166,7 @@ def _stabilityRow(conductivity, fraction, steps):
 		"step over h/(c+|v|) [-]": fraction,
 		"time step [s]": O.dt,
 		"largest kinetic energy over bound [-]": max(energies, default=math.nan),
-		"last kinetic energy over bound [-]": energies[-1] if energies else math.nan,
+		"late kinetic energy over bound [-]": max(energies[-len(energies) // 4 :], default=math.nan),
 		"stable": stable,
 		"reason": reason,
 	}
@@ -184,7 +189,7 @@ def loadedColumn(conductivity, fraction=0.4, spacing=0.1, height=1.0, load=10e3,
 
 
 def drawStability(rows):
-	"""Map of the last kinetic energy; unstable cells are crossed."""
+	"""Map of the kinetic energy left in the last quarter of the steps; unstable cells are crossed."""
 	conductivity = np.unique(column(rows, "conductivity [m/s]"))
 	fraction = np.unique(column(rows, "step over h/(c+|v|) [-]"))
 	energy = np.full((len(fraction), len(conductivity)), np.nan)
@@ -193,11 +198,12 @@ def drawStability(rows):
 	for row in rows:
 		i = np.searchsorted(fraction, row["step over h/(c+|v|) [-]"])
 		j = np.searchsorted(conductivity, row["conductivity [m/s]"])
-		energy[i, j] = max(row["largest kinetic energy over bound [-]"], 1e-12)
+		energy[i, j] = max(row["late kinetic energy over bound [-]"], 1e-12)
 		if not row["stable"]:
 			axes.plot(j, i, "x", color="crimson", markersize=12)
-	image = axes.imshow(energy, origin="lower", aspect="auto", cmap="viridis", norm=LogNorm(np.nanmin(energy), max(1.0, np.nanmax(energy))))
-	fig.colorbar(image, ax=axes, label="largest kinetic energy over its bound [-]")
+	scale = LogNorm(min(np.nanmin(energy), 1e-3), max(np.nanmax(energy), 1.0))
+	image = axes.imshow(energy, origin="lower", aspect="auto", cmap="viridis", norm=scale)
+	fig.colorbar(image, ax=axes, label="kinetic energy late in the run\nover what the load can bring [-]")
 	axes.set_xticks(range(len(conductivity)), [f"$10^{{{round(math.log10(k))}}}$" for k in conductivity])
 	axes.set_yticks(range(len(fraction)), [f"{value:g}" for value in fraction])
 	axes.set_xlabel("hydraulic conductivity k [m/s]")

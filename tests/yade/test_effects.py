@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Effects are objects that a scene has or has not: what is absent leaves no field, no time-step limit and no trace; what cannot
+be is refused by one exception that names attribute, value and remedy, and the interpreter lives on."""
+
+import numpy as np
+import pytest
+from yade import O
+
+import talik
+
+square = talik.geometry.rectangle(0, 0, 1, 1)
+
+pointsAlone = {"position", "volume"}
+ofMotion = {"velocity", "displacement", "mass", "stress", "initialVolume", "gradient", "meanStress", "deformationGradient"}
+ofContent = {"solidMass", "waterMass", "porosity"}
+ofHeat = {"enthalpy", "temperature", "heatCapacity", "conductivity"}
+ofFreezing = {"iceMass", "iceSaturation"}
+ofWater = {"liquidVelocity", "pressure", "liquidFraction", "drag"}
+nodesOfMotion = {"massMomentumForce", "solvedVelocity"}
+nodesOfHeat = {"heatCapacitySum", "nodalTemperature", "nodalHeat"}
+nodesOfWater = {"liquidMassMomentumDrag", "liquidForce", "solvedLiquidVelocity", "seepageFlux", "nodalPressure", "seepageExchange"}
+
+heat = {"motion": False, "heat": lambda: HeatTransfer()}
+freezing = {**heat, "freezing": lambda: FreezingCurve()}
+motion = {"skeleton": lambda: ElasticSkeleton()}
+water = {**motion, "water": lambda: PoreWater()}
+everything = {**water, "heat": lambda: HeatTransfer(), "freezing": lambda: FreezingCurve()}
+
+scenes = {
+	"heat only": (heat, pointsAlone | ofContent | ofHeat, nodesOfHeat, {"heat"}),
+	"heat and freezing": (freezing, pointsAlone | ofContent | ofHeat | ofFreezing, nodesOfHeat, {"heat"}),
+	"motion only": (motion, pointsAlone | ofMotion, nodesOfMotion, {"wave", "velocity"}),
+	"motion and water": (water, pointsAlone | ofMotion | ofContent | ofWater, nodesOfMotion | nodesOfWater, {"wave", "velocity"}),
+	"everything": (
+		everything,
+		pointsAlone | ofMotion | ofContent | ofHeat | ofFreezing | ofWater,
+		nodesOfMotion | nodesOfHeat | nodesOfWater,
+		{"wave", "velocity", "heat", "heat advection"},
+	),
+}
+
+
+def engine(points=True, pointValues=(), **settings):
+	"""A square of ground; settings are made by calling them where they are functions."""
+	made = {name: value() if callable(value) else value for name, value in settings.items()}
+	mpm = MpmEngine(**{"gridSpacing": 0.25, "lower": (0, 0), "upper": (1, 1), **made})
+	if points:
+		positions, volumes = talik.geometry.fillPolygon(square, 0.25)
+		mpm.addPoints(**{"position": positions, "volume": volumes, "temperature": -1.0, **dict(pointValues)})
+	O.engines = [mpm]
+	return mpm
+
+
+@pytest.mark.parametrize("scene", scenes)
+def test_a_scene_has_exactly_the_fields_and_limits_of_its_effects(scene):
+	settings, onPoints, onNodes, limits = scenes[scene]
+	mpm = engine(**settings)
+	for _ in range(3):
+		O.step()
+	fields = mpm.fields()
+	bytesOf = {place: sum(field["bytes"] for field in fields if field["place"] == place) for place in ("points", "nodes")}
+	print(f"points {', '.join(sorted(onPoints))}; nodes {', '.join(sorted(onNodes))}")
+	print(f"{bytesOf['points'] / mpm.pointCount:.0f} bytes a point, {bytesOf['nodes']} bytes of nodes, time step limited by {', '.join(sorted(limits))}")
+	assert {field["name"] for field in fields if field["place"] == "points"} == onPoints
+	assert {field["name"] for field in fields if field["place"] == "nodes"} == onNodes
+	assert {field["place"] for field in fields} == {"points", "nodes"}
+	assert set(mpm.timeStepLimits()) - {"governing"} == limits
+	for name in mpm.fieldNames():
+		assert np.isfinite(mpm.field(name)).all(), name
+
+
+def test_absent_effects_do_not_limit_the_time_step():
+	steps = {name: engine(**scenes[name][0]).stableTimeStep() for name in scenes}
+	for name, step in steps.items():
+		print(f"{name}: {step:.3g} s")
+	assert steps["heat only"] > 1e6 * steps["motion only"]  # no wave in rigid ground
+	assert steps["motion only"] > steps["motion and water"]  # no stiff water in dry ground
+	scaled = engine(**{**motion, "heat": lambda: HeatTransfer(thermalTimeScale=1e12)}).stableTimeStep()
+	assert scaled < 1e-3 * steps["motion only"]
+
+
+# ---- refusals -------------------------------------------------------------------------------------------------------------
+
+nan = float("nan")
+refused = {
+	"freezing without heat": (dict(**motion, freezing=lambda: FreezingCurve()), "MpmEngine.freezing", "heat=HeatTransfer()"),
+	"water without motion": (dict(motion=False, water=lambda: PoreWater()), "MpmEngine.water", "motion=True"),
+	"motion without skeleton": (dict(), "MpmEngine.skeleton", "skeleton=ElasticSkeleton()"),
+	"no effect at all": (dict(motion=False), "no effect", "at least one"),
+	"wall temperature without heat": (
+		dict(**motion, boundaries=lambda: [WallTemperature(region="left", temperature=10)]), "WallTemperature on side left", "add it or leave"),
+	"drainage without water": (dict(**motion, boundaries=lambda: [DrainedBoundary(region="surface")]), "DrainedBoundary", "add it or leave"),
+	"roller without motion": (dict(**heat, boundaries=lambda: [RollerBoundary(region="left")]), "RollerBoundary", "add it or leave"),
+	"no points": (dict(**motion, points=False), "no material points", "talik.geometry.fill"),
+	"spacing not a number": (dict(**motion, gridSpacing=nan), "MpmEngine.gridSpacing is nan", "positive spacing in m"),
+	"negative spacing": (dict(**motion, gridSpacing=-0.25), "MpmEngine.gridSpacing is -0.25", "positive spacing in m"),
+	"tiny spacing": (dict(**motion, gridSpacing=1e-7), "gridSpacing = 1e-07", "larger spacing"),
+	"box not of whole cells": (dict(**motion, upper=(1.1, 1)), "upper.x = 1.1", "whole number"),
+	"points outside the grid": (dict(**motion, pointValues=[("position", [[2, 0.5]]), ("volume", 0.01)]), "position[0] = 2", "enlarge the box"),
+	"position not a number": (dict(**motion, pointValues=[("position", [[nan, 0.5]]), ("volume", 0.01)]), "position[0] = nan", "move the point"),
+	"negative volume": (dict(**motion, pointValues=[("volume", -1)]), "volume = -1", "must be positive"),
+	"porosity above one": (dict(**motion, pointValues=[("porosity", 1.5)]), "porosity = 1.5", "must lie in"),
+	"boiling ground": (dict(**heat, pointValues=[("temperature", 500)]), "temperature = 500", "must lie between"),
+	"values for other points": (dict(**heat, pointValues=[("temperature", [1, 2, 3])]), "temperature has 3 numbers", "give 1 or 64"),
+	"misspelt point value": (dict(**heat, pointValues=[("temprature", 1)]), "temprature", "no argument"),
+	"missing skeleton": (dict(**motion, pointValues=[("skeleton", 3)]), "skeleton = 3", "0 to 0"),
+	"unknown region": (dict(**motion, boundaries=lambda: [FixedBoundary(region="lefft")]), "FixedBoundary.region is 'lefft'", "choose left, right"),
+	"two conditions on one side": (
+		dict(**motion, boundaries=lambda: [FixedBoundary(region="left"), RollerBoundary(region="left")]), "RollerBoundary", "remove it"),
+	"table out of order": (
+		dict(**heat, boundaries=lambda: [WallTemperature(region="left", times=[1, 0], values=[1, 2])]), "WallTemperature.times", "must increase"),
+	"unknown curve": (dict(**heat, freezing=lambda: FreezingCurve(curve="gaus")), "FreezingCurve.curve = 'gaus'", "choose one of"),
+	"negative width": (dict(**heat, freezing=lambda: FreezingCurve(width=-1)), "FreezingCurve.width = -1", "must be positive"),
+	"negative width of linear": (dict(**heat, freezing=lambda: FreezingCurve(curve="linear", width=-1)), "FreezingCurve.width = -1", "must be positive"),
+	"parameter of another curve": (
+		dict(**heat, freezing=lambda: FreezingCurve(curve="gauss", airEntryPressure=1e4)), "FreezingCurve.airEntryPressure = 10000", "leave it out"),
+	"bad lambda": (
+		dict(**heat, freezing=lambda: FreezingCurve(curve="vanGenuchten", exponent=2)), "FreezingCurve.exponent = 2", "must lie in (0, 1)"),
+	"time backwards for heat": (dict(motion=False, heat=lambda: HeatTransfer(thermalTimeScale=-1)), "thermalTimeScale = -1", "must be positive"),
+	"unknown form": (dict(motion=False, heat=lambda: HeatTransfer(enthalpyForm="x")), "enthalpyForm = 'x'", "choose stateFunction"),
+	"impermeable water": (dict(**motion, water=lambda: PoreWater(conductivity=0)), "PoreWater.conductivity = 0", "must be positive, in m/s"),
+	"negative bulk modulus": (dict(**motion, water=lambda: PoreWater(bulkModulus=-1)), "PoreWater.bulkModulus = -1", "must be positive, in Pa"),
+	"unknown conductivity of frozen ground": (
+		dict(**motion, water=lambda: PoreWater(relativeConductivity="x")), "PoreWater.relativeConductivity = 'x'", "choose impedance"),
+	"partly filled pores with water": (dict(**water, poreFill=0.5), "poreFill = 0.5", "must be 1"),
+	"ice heavier than water": (
+		dict(**heat, material=lambda: GroundMaterial(iceDensity=1100)), "GroundMaterial.iceDensity = 1100", "must not exceed"),
+	"negative stiffness": (dict(skeleton=lambda: ElasticSkeleton(young=-1)), "ElasticSkeleton.young = -1", "must be positive, in Pa"),
+	"incompressible skeleton": (dict(skeleton=lambda: ElasticSkeleton(poisson=0.5)), "ElasticSkeleton.poisson = 0.5", "must lie in"),
+	"softer when frozen": (
+		dict(skeleton=lambda: MohrCoulombSkeleton(young=1e7, youngFrozen=1e6)), "MohrCoulombSkeleton.youngFrozen = 1000000", "must not be below"),
+	"samples forgotten": (dict(skeleton=lambda: RveSkeleton()), "RveSkeleton.samples is empty", "talik.rve.pack"),
+	"too much damping": (dict(**motion, damping=1.5), "amping = 1.5", "must lie in [0, 1)"),
+	"gravity not a number": (dict(**motion, gravity=(0, nan)), "gravity = nan", "must be finite"),
+	"time step fraction above one": (dict(**motion, waveFraction=2), "waveFraction = 2", "must lie in (0, 1]"),
+}
+
+
+@pytest.mark.parametrize("case", refused)
+def test_is_refused_by_one_sentence_and_the_next_run_works(case):
+	settings, what, remedy = refused[case]
+	with pytest.raises(ValueError) as refusal:
+		engine(**settings)
+		O.step()
+	print(refusal.value)
+	assert what in str(refusal.value) and remedy in str(refusal.value)
+	O.reset()
+	mpm = engine(**motion, gravity=(0, -10))
+	O.step()
+	assert mpm.time == O.dt > 0
+
+
+def test_attributes_of_a_freezing_curve_mean_what_they_say():
+	theta = 0.8
+	expected = {
+		("gauss", "width", 0.5): np.exp(-((theta / 0.5) ** 2)),
+		("exponential", "width", 0.5): np.exp(-theta / 0.5),
+		("power", "width", 0.7): (1 + theta / 0.7) ** -5,
+		("power", "exponent", 3): (1 + theta / 1.0) ** -3,
+		("linear", "width", 1.6): 1 - theta / 1.6,
+		("vanGenuchten", "exponent", 0.5): None,
+		("vanGenuchten", "airEntryPressure", 2e5): None,
+	}
+	for (curve, attribute, value), fraction in expected.items():
+		O.reset()
+		mpm = engine(**{**heat, "freezing": FreezingCurve(curve=curve, residualSaturation=0.1, **{attribute: value})}, pointValues=[("temperature", -theta)])
+		mpm.initialise()
+		liquid = 1 - mpm.field("iceSaturation")[0]
+		if fraction is None:
+			suction = -910 * 334e3 * np.log((273.15 - theta) / 273.15)
+			lamb, entry = (value, 1e5) if attribute == "exponent" else (0.4, value)
+			fraction = (1 + (suction / entry) ** (1 / (1 - lamb))) ** -lamb
+		exact = 0.1 + 0.9 * fraction
+		print(f"{curve}, {attribute} = {value:g}: S_l({-theta} degC) = {liquid:.6f}, closed form {exact:.6f}")
+		assert liquid == pytest.approx(exact, rel=2e-3)
+
+
+def test_an_error_in_the_background_thread_reaches_python():
+	for attempt in ("O.run and O.wait", "O.run(wait=True)", "O.step"):
+		O.reset()
+		mpm = engine(**motion, pointValues=[("velocity", (100, 0))])
+		with pytest.raises(RuntimeError) as failure:
+			if attempt == "O.step":
+				for _ in range(2000):
+					O.step()
+			elif attempt == "O.run and O.wait":
+				O.run(2000)
+				O.wait()
+			else:
+				O.run(2000, True)
+		print(f"{attempt}: {failure.value}")
+		assert "left the grid's box" in str(failure.value) and "enlarge the box" in str(failure.value)
+		assert not O.running
+	O.reset()
+	mpm = engine(**motion)
+	O.run(50, True)
+	assert O.iter == 50 and mpm.time > 0
+
+
+def test_a_refusal_in_the_background_thread_reaches_python():
+	engine(**motion, gridSpacing=0.3)
+	with pytest.raises(RuntimeError) as failure:
+		O.run(10, True)
+	print(failure.value)
+	assert "upper.x" in str(failure.value) and not O.running
