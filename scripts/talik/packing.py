@@ -170,6 +170,18 @@ def fillCloud(grains, friction, seed):
 	O.dt = grains.timeStep
 
 
+def fillPair(grains):
+	"""Two grains that touch, the smallest scene in which everything of a sample occurs."""
+	radius, middle = grains.radiusMean, 0.5 * grains.thickness
+	O.periodic = True
+	O.cell.hSize = Matrix3(10 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, grains.thickness)
+	O.materials.append(grains.material(0.5))
+	for x in (4 * radius, 5.99 * radius):
+		O.bodies.append(_disc((x, 5 * radius, middle), radius, grains))
+	O.engines = grains.engines()
+	O.dt = grains.timeStep
+
+
 def _cloud(grains, side, seed):
 	z = 0.5 * grains.thickness
 	spheres = pack.SpherePack()

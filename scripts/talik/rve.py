@@ -11,11 +11,13 @@ The scene that is current in `O` is left alone. Stresses are in Pa, tension posi
 """
 
 import dataclasses
+import functools
 import gzip
 import hashlib
 import json
 import math
 import os
+import re
 import tempfile
 from pathlib import Path
 
@@ -196,7 +198,7 @@ def _isotropic():
 
 def _cached(parameters, cache, make):
 	folder = _cacheFolder(cache)
-	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout()}, sort_keys=True).encode()).hexdigest()[:20]
+	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout(parameters["ice"])}, sort_keys=True).encode()).hexdigest()[:20]
 	scene, sheet = folder / f"{key}.yade.gz", folder / f"{key}.json"
 	if cache is not False and scene.is_file() and sheet.is_file():
 		try:
@@ -211,13 +213,19 @@ def _cached(parameters, cache, make):
 	return _fromSheet(sheet, scene)  # the same whether it was made or found
 
 
-def _classLayout():
-	"""Attributes of the classes in a sample: a saved scene can be read only by classes that have the same ones."""
-	from yade import config, wrapper
+@functools.lru_cache(maxsize=None)
+def _classLayout(ice):
+	"""Digest of the names of all that a saved pair of touching grains consists of, in their order.
 
-	names = ("IceBondMat", "IceBondPhys", "Ip2_IceBondMat_IceBondMat_IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond")
-	classes = {name: getattr(wrapper, name, None) for name in names}
-	return {"yade": config.version, **{name: sorted(made().dict()) for name, made in classes.items() if made}}
+	A saved scene can be read only by classes that have the same attributes as those that wrote it."""
+	grains = _checkedGrains(20, (3e-3, 7e-3), 0.1, 0.6e9, 0.8, 2650.0, 0.3, ice, {})
+	with talik.scratchScene(), tempfile.TemporaryDirectory() as folder:
+		packing.fillPair(grains)
+		packing.advance(2)
+		file = os.path.join(folder, "pair.xml")
+		O.save(file, quiet=True)
+		names = re.findall(rb"<(\w+)", Path(file).read_bytes())
+	return hashlib.sha256(b" ".join(names)).hexdigest()[:20]
 
 
 def _cacheFolder(cache):
