@@ -15,6 +15,7 @@ from figures import Figure
 # effect, the combination that has it, the same without it
 shares = (
 	("Mohr-Coulomb instead of elastic", "dry, Mohr-Coulomb", "dry"),
+	("stable step looked up every 10 steps", "dry, stable step looked up", "dry"),
 	("cell averages", "dry, cell averages", "dry"),
 	("deformation record", "dry, deformation record", "dry"),
 	("energy ledger", "dry, energy ledger", "dry"),
@@ -26,26 +27,32 @@ shares = (
 	("heat, with water", "water, heat", "water"),
 	("freezing, with water", "water, heat, freezing", "water, heat"),
 	("free surface, heated and drained", "water, heat, freezing, surface", "water, heat, freezing"),
-	("Mohr-Coulomb, record and ledger", "everything", "water, heat, freezing, surface"),
+	("Mohr-Coulomb, record, ledger, stable step", "everything", "water, heat, freezing, surface"),
 )
 threaded = ("dry", "dry, cell averages", "water, heat, freezing", "everything")
 aims = {"dry": 30, "everything": 65}
 
 
+phases = ("to grid", "temperature", "momentum", "to points", "strain, pressure", "law")
+
+
 def read(paths):
-	"""Median ns per point and step by name: CPU time of the only thread, wall time of two."""
+	"""Median ns per point and step by name: CPU time of the only thread, wall time of two; the same of the phases by (name, phase)."""
 	times = defaultdict(list)
 	for path in paths:
 		for run in json.load(open(path))["benchmarks"]:
 			name = run["run_name"].split("/iterations:")[0].removeprefix("effects/")
 			times[name].append(run["real_time" if name.endswith("/2 threads") else "cpu_time"] / run["points"])
 			times[name + ", wall"].append(run["real_time"] / run["points"])
+			for phase in phases:
+				if phase in run:
+					times[name, phase].append(run[phase])
 	return {name: statistics.median(values) for name, values in times.items()}
 
 
 def minimum(times, law):
 	"""The fastest of the minimal codes that the processor can run."""
-	return min((time, name) for name, time in times.items() if name.startswith("minimum") and name.endswith(law) and "wall" not in name and ("Mohr" in name) == bool(law))
+	return min((time, name) for name, time in times.items() if name[:7] == "minimum" and name.endswith(law) and "wall" not in name and ("Mohr" in name) == bool(law))
 
 
 def overMinimum(times):
@@ -64,11 +71,11 @@ def speedUps(times):
 
 def combinations(times):
 	for name, time in times.items():
-		if name.endswith("/1 thread"):
-			name = name.removesuffix("/1 thread")
-			yield Figure(f"{name}", time, "ns", aim=aims.get(name))
-		elif name.startswith("minimum") and not name.endswith("wall"):
-			yield Figure(name, time, "ns")
+		if not isinstance(name, str) or name.endswith(("wall", "/2 threads")):
+			continue
+		spent = {phase: round(times[name, phase], 1) for phase in phases if times.get((name, phase), 0) > 0.05}
+		name = name.removesuffix("/1 thread")
+		yield Figure(name, time, "ns", aim=aims.get(name), terms=spent)
 
 
 def effectShares(times):
@@ -89,7 +96,7 @@ def main(target, agreementPath, *timesPaths):
 	times = read(timesPaths)
 	measured = [*overMinimum(times), *agreements(agreementPath), *speedUps(times), *combinations(times), *effectShares(times)]
 	notes = [
-		"ns per point and step: 40 000 points, quadratic B-splines, double precision, the stable time step looked up every 10 steps, one thread (CPU time).",
+		"ns per point and step: 40 000 points, quadratic B-splines, double precision, one thread (CPU time of it).",
 		"The minimum has the same transfer, law and floor and nothing else: no checks, no sorting, no energies, no strips for threads.",
 	]
 	figures.write(target, measured, notes)

@@ -11,7 +11,9 @@
 #include <pkg/mpm/MohrCoulombSkeleton.hpp>
 #include <pkg/mpm/ObjectiveUpdate.hpp>
 
+#include <array>
 #include <cmath>
+#include <ctime>
 
 using namespace talik;
 
@@ -25,6 +27,7 @@ const Vec<2>     corner { 0.2, 0.0 }, size { 1.0, 1.0 };
 struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
 	bool record = false, ledger = false, surface = false;
+	bool lookups = false; ///< of the stable time step, as often as a run does
 };
 
 std::shared_ptr<SkeletonModel<2>> skeletonOf(const Effects& e)
@@ -149,7 +152,39 @@ void agreement(benchmark::State& bench, bool plastic)
 	bench.counters["engine"]  = settlement.engine;
 }
 
-/// As in a run: the stable step is looked up now and then.
+double threadTime()
+{
+	timespec t;
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+	return t.tv_sec * 1e9 + t.tv_nsec;
+}
+
+/// The calls that a step consists of, and the time that each took [ns].
+struct Phases {
+	struct Phase {
+		const char* name;
+		void (*call)(Ground<2>&, double step);
+		double time;
+	};
+	std::array<Phase, 6> all { {
+		{ "to grid", [](Ground<2>& g, double step) { g.beginStep(step); g.mapToGrid(); }, 0.0 },
+		{ "temperature", [](Ground<2>& g, double) { g.updateTemperature(); }, 0.0 },
+		{ "momentum", [](Ground<2>& g, double) { g.solveMomentum(); }, 0.0 },
+		{ "to points", [](Ground<2>& g, double) { g.mapToPoints(); }, 0.0 },
+		{ "strain, pressure", [](Ground<2>& g, double) { g.updateStrainAndPressure(); }, 0.0 },
+		{ "law", [](Ground<2>& g, double) { g.updateEffectiveStress(); }, 0.0 },
+	} };
+
+	void step(Ground<2>& ground, double dt)
+	{
+		for (Phase& phase : all) {
+			const double start = threadTime();
+			phase.call(ground, dt);
+			phase.time += threadTime() - start;
+		}
+	}
+};
+
 void engine(benchmark::State& bench, const Effects& effects, int threads)
 {
 	const int before = omp_get_max_threads();
@@ -158,13 +193,17 @@ void engine(benchmark::State& bench, const Effects& effects, int threads)
 	double     step   = ground->stableTimeStep().step;
 	for (int k = 0; k < 5; ++k)
 		ground->step(step);
-	long done = 0;
+	Phases phases;
+	long   done = 0;
 	for (auto _ : bench) {
-		if (done++ % limitInterval == 0) step = ground->stableTimeStep().step;
-		ground->step(step);
+		if (effects.lookups && done % limitInterval == 0) step = ground->stableTimeStep().step;
+		++done;
+		phases.step(*ground, step);
 	}
 	omp_set_num_threads(before);
 	perPointStep(bench, threads);
+	for (const Phases::Phase& phase : phases.all)
+		bench.counters[phase.name] = phase.time / (double(done) * points);
 }
 
 struct Combination {
@@ -185,6 +224,7 @@ std::vector<Combination> combinations()
 	const Effects averaged = with(dry, &E::averaging);
 	return {
 		{ "dry", dry, true },
+		{ "dry, stable step looked up", with(dry, &E::lookups) },
 		{ "dry, Mohr-Coulomb", with(dry, &E::plastic) },
 		{ "dry, cell averages", averaged, true },
 		{ "dry, deformation record", with(dry, &E::record) },
@@ -197,7 +237,7 @@ std::vector<Combination> combinations()
 		{ "water, heat", with(averaged, &E::water, &E::heat) },
 		{ "water, heat, freezing", with(averaged, &E::water, &E::heat, &E::freezing), true },
 		{ "water, heat, freezing, surface", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface) },
-		{ "everything", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface, &E::plastic, &E::record, &E::ledger), true },
+		{ "everything", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface, &E::plastic, &E::record, &E::ledger, &E::lookups), true },
 	};
 }
 
