@@ -44,14 +44,17 @@ template <class Shear> struct IceBond {
 		return k.shearRatio * (rule == StiffnessRule::parallel && !hasIceSpring() ? k.grain : k.total());
 	}
 
-	/// New ice at overlap un is free of stress: no force appears. Reference of a bond across a gap is the gap.
+	/// New ice at overlap un is free of stress: no force appears. Reference of a bond across a gap is the gap. A broken bond whose
+	/// ice still carries keeps what it carries.
 	void form(double un, StiffnessRule rule)
 	{
+		if (!hasIceSpring()) {
+			if (rule == StiffnessRule::parallel || un < 0) uIce = un;
+			iceShear = iceShear * 0.;
+		}
 		state  = BondState::BONDED;
 		iceCut = false;
-		if (rule == StiffnessRule::parallel || un < 0) uIce = un;
-		uGrain   = std::min(un, 0.);
-		iceShear = iceShear * 0.;
+		uGrain = std::min(un, 0.);
 	}
 
 	/// Ice grows (forces stay) or melts (melted ice drops its share), Yu & Zhao eqs (5)-(7) with the rule chosen.

@@ -10,6 +10,7 @@ if 'yade.wrapper' not in _sys.modules:
 	raise ImportError('talik is a plugin of YADE: import it in a script or console started by the command "yade".')
 
 from contextlib import contextmanager as _contextmanager
+from time import sleep as _sleep
 
 from . import _talik
 
@@ -27,11 +28,37 @@ def _publishClasses():
 def _renewDispatchers():
 	"""Dispatch matrices made before the import have no room for the new classes; setting the functors again makes them anew."""
 	from yade import O
-	for engine in O.engines:
+	for engine in _flat(O.engines):
 		for name in ('geomDispatcher', 'physDispatcher', 'lawDispatcher', 'boundDispatcher'):
 			dispatcher = getattr(engine, name, None)
 			if dispatcher is not None:
 				dispatcher.functors = dispatcher.functors
+
+
+def _flat(engines):
+	"""Engines with those inside a ParallelEngine, whose slaves may be lists of engines."""
+	for engine in engines:
+		if isinstance(engine, (list, tuple)):
+			yield from _flat(engine)
+		else:
+			yield engine
+			yield from _flat(getattr(engine, 'slaves', ()))
+
+
+@_contextmanager
+def _paused():
+	"""A running simulation rests in between two steps and goes on afterwards."""
+	from yade import O
+	running = O.running
+	if running:
+		O.pause()
+		while O.running:
+			_sleep(0.001)
+	try:
+		yield
+	finally:
+		if running:
+			O.run()
 
 
 def _renewView():
@@ -41,9 +68,10 @@ def _renewView():
 		_talik.renewRenderer(qt.Renderer())
 
 
-_publishClasses()
-_renewDispatchers()
-_renewView()
+with _paused():
+	_publishClasses()
+	_renewDispatchers()
+	_renewView()
 
 
 @_contextmanager

@@ -120,6 +120,44 @@ print("CONTACTS", sorted((i.id1, type(i.phys).__name__) for i in O.interactions 
 	assert "CONTACTS [(0, 'FrictPhys'), (2, 'FrictPhys')]" in output
 
 
+def test_import_reaches_loops_inside_a_parallel_engine(tmp_path):
+	output, _ = runScript(
+		tmp_path,
+		grainsInContact.replace("O.run(3, True)", "")
+		+ """
+O.engines = [O.engines[0], O.engines[1], wrapper.ParallelEngine([[O.engines[2]]]), O.engines[3]]
+O.run(3, True)
+import talik
+ice = O.materials.append(IceBondMat(young=1e7, density=1000))
+O.bodies.append([utils.sphere((0, 0, 5), 1, material=ice), utils.sphere((1.99, 0, 5), 1, material=ice)])
+O.run(3, True)
+print("CONTACTS", sorted((i.id1, type(i.phys).__name__) for i in O.interactions if i.isReal))
+""",
+		"-n",
+	)
+	assert "CONTACTS [(0, 'FrictPhys'), (2, 'FrictPhys')]" in output
+
+
+def test_import_into_a_running_simulation_lets_it_run_on(tmp_path):
+	output, _ = runScript(
+		tmp_path,
+		grainsInContact
+		+ """
+import time
+O.run()
+time.sleep(0.05)
+import talik
+at = O.iter
+time.sleep(0.05)
+print("RUNS", O.running, O.iter > at > 3)
+O.pause()
+O.wait()
+""",
+		"-n",
+	)
+	assert "RUNS True True" in output
+
+
 def test_a_second_import_changes_nothing():
 	assert list(talik._talik.registerClasses()) == []
 
@@ -232,6 +270,17 @@ def test_attributes_of_a_wrong_type_are_refused():
 	material = wrapper.IceBondMat()
 	with pytest.raises(TypeError):
 		material.iceSaturation = "much"
+
+
+def test_a_refused_value_does_not_stay():
+	material = wrapper.IceBondMat(iceSaturation=0.4)
+	with pytest.raises(ValueError, match="IceBondMat.iceSaturation is 1.5"):
+		material.iceSaturation = 1.5
+	assert material.iceSaturation == 0.4
+	law = wrapper.Law2_ScGeom_IceBondPhys_IceBond(stiffnessRule="secant")
+	with pytest.raises(ValueError):
+		law.stiffnessRule = "none"
+	assert law.stiffnessRule == "secant"
 
 
 # --- saving ----------------------------------------------------------------------------------------------------------------

@@ -367,6 +367,22 @@ def test_a_broken_bond_in_compression_keeps_its_ice_until_it_opens():
 	assert pair.contact is None
 
 
+def test_healing_keeps_what_the_ice_of_a_broken_bond_still_carries():
+	"""Closed form: 300 N on the grains at freezing, 18 N more on both springs; melting to 0.04 leaves the ice its share of stiffness."""
+	u = 1e-4
+	pair = Pair(overlap=u)
+	pair.law.healBroken = True
+	pair.freeze(1)
+	pair.overlapTo(u + 1e-6)
+	pair.shearBy(1e-4)
+	pair.shearBy(1e-4)
+	expected = E0 * R * (u + 1e-6) + (stiffness(0.04) - stiffness(0)) * 1e-6
+	assert pair.state == 2 and relative(pair.freeze(0.04), expected) < tolerance
+	shear = pair.shear
+	assert relative(pair.freeze(0.3), expected) < tolerance and pair.state == 1
+	assert relative(pair.shear, shear) < tolerance
+
+
 def test_a_contact_without_ice_is_stock_yades():
 	"""Frictional contact under loading, sliding and unloading: the same forces as Law2_ScGeom_FrictPhys_CundallStrack."""
 

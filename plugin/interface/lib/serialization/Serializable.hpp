@@ -51,8 +51,14 @@ namespace scripting {
 
 	template <class Class, class T, T Class::*member> void assignAndCheck(Class& self, const T& value)
 	{
-		self.*member = value;
-		self.callPostLoad();
+		const T former = self.*member;
+		self.*member   = value;
+		try {
+			self.callPostLoad();
+		} catch (...) { // a refused value must not stay
+			self.*member = former;
+			throw;
+		}
 	}
 
 	template <class Class, class T, T Class::*member, class PyClass> void attribute(PyClass& cls, const char* name, int flags, const std::string& doc)
