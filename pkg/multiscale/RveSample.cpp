@@ -34,7 +34,9 @@ shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 	if (!scene) throw std::invalid_argument("RveSample.fromScene: the scene is None.");
 	shared_ptr<RveSample> sample(new RveSample);
 	sample->setPacked(talik::packScene(*scene));
-	sample->sceneBytes = talik::sceneToBytes(scene);
+	const auto frame = talik::copyScene(scene);
+	frame->interactions->clear(); // the state has them
+	sample->sceneBytes = talik::sceneToBytes(frame);
 	return sample;
 }
 

@@ -18,6 +18,7 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	s.prediction               = prediction;
 	s.stressTolerance          = stressTolerance;
 	s.stopOnBlowUp             = onBlowUp == "stop";
+	s.threads                  = threads;
 	s.update.maxInertialNumber = maxInertialNumber;
 	s.update.maxStrainPerStep  = maxStrainPerStep;
 	s.update.minSteps          = minSteps;
@@ -29,6 +30,7 @@ void RveSkeleton::checkSettings(int pointCount) const
 {
 	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
 	if (form != "packed" && form != "open") throw std::invalid_argument("RveSkeleton.form is '" + form + "': choose packed or open.");
+	if (threads < 0) throw std::invalid_argument("RveSkeleton.threads is " + std::to_string(threads) + ": give 0 or more.");
 	if (!(strainTolerance >= 0)) throw std::invalid_argument("RveSkeleton.strainTolerance is " + boost::lexical_cast<string>(strainTolerance) + ": give 0 or more.");
 	if (!(saturationTolerance >= 0)) throw std::invalid_argument("RveSkeleton.saturationTolerance is " + boost::lexical_cast<string>(saturationTolerance) + ": give 0 or more.");
 	for (const auto& sample : samples)

@@ -56,6 +56,7 @@ public:
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
+		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (exception naming the point) or isolate (the point keeps its last stress; see blownUp). The last good state is kept in both cases."))
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
