@@ -141,7 +141,23 @@ void MpmEngine::checkPresence() const
 		if (!law) throw std::invalid_argument("MpmEngine.skeletons holds None: give skeleton laws only.");
 	for (const auto& boundary : boundaries)
 		if (!boundary) throw std::invalid_argument("MpmEngine.boundaries holds None: give boundaries only.");
+	checkChangeable();
 	if (limitInterval < 1) throw std::invalid_argument("MpmEngine.limitInterval is " + std::to_string(limitInterval) + ": give 1 or more steps.");
+}
+
+/// What may be changed while the ground is running, before every step.
+void MpmEngine::checkChangeable() const
+{
+	const auto require = [](bool valid, const char* name, Real value, const char* remedy) {
+		if (!valid) throw std::invalid_argument("MpmEngine." + string(name) + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
+	};
+	for (int axis = 0; axis < 2; axis++)
+		require(std::isfinite(gravity[axis]), "gravity", gravity[axis], "finite components in m/s^2");
+	require(damping >= 0 && damping < 1, "damping", damping, "a number from 0 to below 1");
+	require(flip >= 0 && flip <= 1, "flip", flip, "a number from 0 to 1");
+	require(waveFraction > 0 && waveFraction <= 1, "waveFraction", waveFraction, "a number above 0 and up to 1");
+	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
+	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
 }
 
 talik::GroundSettings<2> MpmEngine::buildSettings() const
@@ -212,6 +228,7 @@ talik::Ground<2>& MpmEngine::runningGround()
 
 void MpmEngine::followAttributes()
 {
+	checkChangeable();
 	auto& s = ground->settings();
 	if (s.motion) {
 		s.motion->gravity      = { gravity[0], gravity[1] };

@@ -47,6 +47,7 @@ public:
 private:
 	talik::GroundSettings<2> buildSettings() const;
 	void                     checkPresence() const;
+	void                     checkChangeable() const;
 	void                     addPointsToGround();
 	void                     restoreSavedState();
 	void                     followAttributes();

@@ -120,15 +120,17 @@ def drawFrontError(rows):
 	error = 100 * column(rows, "error [-]")
 	spacing = column(rows, "spacing [m]")
 	left.loglog(spacing, error, "o-")
-	left.loglog(spacing, error[0] * spacing / spacing[0], "--", color="0.6", label="first order")
+	left.loglog(spacing, error[-1] * spacing / spacing[-1], "--", color="0.6", label="first order")
 	left.set_xlabel("grid spacing h [m]")
 	left.set_ylabel("error of the thaw front (rms) [%]")
 	left.legend(frameon=False)
 	right.loglog(column(rows, "wall time [s]"), error, "o-")
 	for row, percent in zip(rows, error):
-		right.annotate(f"h = {row['spacing [m]']:g} m", (row["wall time [s]"], percent), textcoords="offset points", xytext=(6, 4), fontsize=8)
+		right.annotate(f"h = {row['spacing [m]']:g} m", (row["wall time [s]"], percent), textcoords="offset points", xytext=(-7, -10), ha="right", fontsize=8)
 	right.set_xlabel("computing time [s]")
 	right.margins(x=0.25)
+	left.set_xticks(spacing, [f"{h:g}" for h in spacing])
+	left.xaxis.set_minor_formatter(NullFormatter())
 	left.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
 	left.yaxis.set_major_formatter("{x:g}")
 	left.yaxis.set_minor_formatter(NullFormatter())
@@ -232,10 +234,21 @@ def saveTable(rows, path):
 
 def printTable(rows):
 	"""Rows in columns as wide as their widest entry."""
-	text = [[str(name) for name in rows[0]]] + [[_short(value) for value in row.values()] for row in rows]
+	_printAligned([[str(name) for name in rows[0]]] + [[_short(value) for value in row.values()] for row in rows])
+
+
+def printMap(rows, down, across, entry):
+	"""Rows as a table with one named number down, one across and one in the cells."""
+	text = [[f"{down} \\ {across}"] + [_short(value) for value in dict.fromkeys(row[across] for row in rows)]]
+	for value in dict.fromkeys(row[down] for row in rows):
+		text.append([_short(value)] + [_short(row[entry]) for row in rows if row[down] == value])
+	_printAligned(text)
+
+
+def _printAligned(text):
 	widths = [max(len(line[c]) for line in text) for c in range(len(text[0]))]
 	for line in text:
-		print("  ".join(entry.rjust(width) for entry, width in zip(line, widths)))
+		print("  ".join(cell.rjust(width) for cell, width in zip(line, widths)))
 
 
 def _short(value):
@@ -248,14 +261,21 @@ def main():
 	parser.add_argument("--output", default="output/accuracy", help="folder for tables and pictures")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
-	studies = (
-		("front-error", frontError((0.1, 0.05, 0.025, 0.0125) if options.quick else (0.1, 0.05, 0.025, 0.0125, 0.00625)), drawFrontError),
-		("stability", stability(steps=1000) if options.quick else stability(steps=5000), drawStability),
-	)
-	for name, rows, draw in studies:
-		printTable(rows)
-		saveTable(rows, folder / f"{name}.csv")
-		print(f"{plots.save(draw(rows), folder / f'{name}.png')}, {folder / name}.csv\n", flush=True)
+	rows = frontError((0.1, 0.05, 0.025, 0.0125) if options.quick else (0.1, 0.05, 0.025, 0.0125, 0.00625))
+	printTable(rows)
+	_keep(rows, drawFrontError, folder / "front-error")
+	rows = stability(steps=1000 if options.quick else 5000)
+	print("largest kinetic energy over what the load can bring (stable below 1)")
+	printMap(rows, "conductivity [m/s]", "step over h/(c+|v|) [-]", "largest kinetic energy over bound [-]")
+	for row in rows:
+		if not row["stable"]:
+			print(f"unstable: k = {row['conductivity [m/s]']:g} m/s, step {row['step over h/(c+|v|) [-]']:g}: {row['reason'] or 'energy above its bound'}")
+	_keep(rows, drawStability, folder / "stability")
+
+
+def _keep(rows, draw, path):
+	saveTable(rows, f"{path}.csv")
+	print(f"{plots.save(draw(rows), f'{path}.png')}, {path}.csv\n", flush=True)
 
 
 if __name__ == "__main__":

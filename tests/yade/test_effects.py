@@ -130,9 +130,9 @@ refused = {
 	"softer when frozen": (
 		dict(skeleton=lambda: MohrCoulombSkeleton(young=1e7, youngFrozen=1e6)), "MohrCoulombSkeleton.youngFrozen = 1000000", "must not be below"),
 	"samples forgotten": (dict(skeleton=lambda: RveSkeleton()), "RveSkeleton.samples is empty", "talik.rve.pack"),
-	"too much damping": (dict(**motion, damping=1.5), "amping = 1.5", "must lie in [0, 1)"),
-	"gravity not a number": (dict(**motion, gravity=(0, nan)), "gravity = nan", "must be finite"),
-	"time step fraction above one": (dict(**motion, waveFraction=2), "waveFraction = 2", "must lie in (0, 1]"),
+	"too much damping": (dict(**motion, damping=1.5), "MpmEngine.damping is 1.5", "from 0 to below 1"),
+	"gravity not a number": (dict(**motion, gravity=(0, nan)), "MpmEngine.gravity is nan", "finite components"),
+	"time step fraction above one": (dict(**motion, waveFraction=2), "MpmEngine.waveFraction is 2", "up to 1"),
 }
 
 
@@ -148,6 +148,22 @@ def test_is_refused_by_one_sentence_and_the_next_run_works(case):
 	mpm = engine(**motion, gravity=(0, -10))
 	O.step()
 	assert mpm.time == O.dt > 0
+
+
+def test_a_bad_value_given_to_a_running_ground_is_refused_before_the_step():
+	mpm = engine(**motion, gravity=(0, -10))
+	O.step()
+	for name, bad, good in (("damping", 5, 0.1), ("flip", -1, 0.9), ("waveFraction", 0, 0.3), ("gravity", (0, nan), (0, -9))):
+		before = mpm.time, mpm.field("velocity")
+		setattr(mpm, name, bad)
+		with pytest.raises(ValueError) as refusal:
+			O.step()
+		print(refusal.value)
+		assert f"MpmEngine.{name} is" in str(refusal.value)
+		assert mpm.time == before[0] and np.array_equal(mpm.field("velocity"), before[1])
+		setattr(mpm, name, good)
+		O.step()
+		assert mpm.time > before[0]
 
 
 def test_attributes_of_a_freezing_curve_mean_what_they_say():
