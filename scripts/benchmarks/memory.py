@@ -78,5 +78,6 @@ def slopeOfBondedSamples():
 
 kinds = {"frictional": lambda: parked("frictional", 30), "bonded": lambda: parked("bonded", 60), "slope": slopeOfBondedSamples}
 measured = list(kinds[sys.argv[1]]())
-print("\n".join(figures.table(measured)[2:]))
+for figure in measured:
+	print(f"{figure.name}: {figure.value:.4g} {figure.unit}")
 figures.write(sys.argv[2], measured)

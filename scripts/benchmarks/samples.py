@@ -104,27 +104,29 @@ def sampleCalls(sample, strain, floor):
 	yield Figure(f"one FEMxDEM call, strain {strain:g}: stock/packed", medianRatio(stock, packed), "x", floor=floor, terms={**microseconds, "stock with its 40 ms wait [us]": waiting, **steps})
 
 
-def twoThreads(sample, kind, number=400, steps=50):
+def twoThreads(sample, kind, number=240, steps=30):
 	group = talik._talik.SampleGroup(sample, number)
 	motion = pureShear(1e-7 * steps)
 
-	def wallAndWork(threads):
-		start, startWork = time.perf_counter(), time.process_time()
-		group.apply(motion, steps, threads=threads)
-		return time.perf_counter() - start, time.process_time() - startWork
+	def wall(threads, attempts=20):
+		"""Wall time [s] of a run that had its processors for itself, or the shortest of all attempts; and whether it had them."""
+		shortest = None
+		for _ in range(attempts):
+			start, startWork = time.perf_counter(), time.process_time()
+			group.apply(motion, steps, threads=threads)
+			duration, work = time.perf_counter() - start, time.process_time() - startWork
+			if work > 0.98 * threads * duration:
+				return duration, True
+			shortest = min(duration, shortest or duration)
+		return shortest, False
 
-	wallAndWork(2)
-	one, two = interleaved(2 * rounds, lambda: wallAndWork(1), lambda: wallAndWork(2))
-	(wallOne, workOne), (wallTwo, workTwo) = zip(*one), zip(*two)
+	wall(2)
+	one, two = interleaved(rounds, lambda: wall(1), lambda: wall(2))
+	(durationOne, aloneOne), (durationTwo, aloneTwo) = zip(*one), zip(*two)
+	milliseconds = {f"{name} [ms]": round(1e3 * statistics.median(d), 2) for name, d in (("one", durationOne), ("two", durationTwo))}
+	undisturbed = f"{sum(aloneOne) + sum(aloneTwo)} of {2 * rounds}"
 	yield Figure(
-		f"efficiency of 2 threads, {number} samples, {kind}",
-		medianRatio(wallOne, wallTwo) / 2,
-		floor=0.95,
-		terms={
-			"one [ms]": round(1e3 * statistics.median(wallOne), 1),
-			"two [ms]": round(1e3 * statistics.median(wallTwo), 1),
-			"CPU time of one / of two": round(medianRatio(workOne, workTwo), 3),
-		},
+		f"efficiency of 2 threads, {number} samples, {kind}", medianRatio(durationOne, durationTwo) / 2, floor=0.95, terms={**milliseconds, "runs with the processors to themselves": undisturbed}
 	)
 
 
@@ -169,7 +171,7 @@ def main(path):
 
 	def take(part):
 		for figure in part:
-			print(figures.table([figure])[-1], flush=True)
+			print(f"{figure.name}: {figure.value:.4g} {figure.unit}", flush=True)
 			measured.append(figure)
 
 	take(frictionalSteps(frictional))
