@@ -37,22 +37,21 @@ phases = ("to grid", "temperature", "momentum", "to points", "strain, pressure",
 
 
 def read(paths):
-	"""Median ns per point and step by name: CPU time of the only thread, wall time of two; the same of the phases by (name, phase)."""
+	"""Median ns per point and step by name, CPU time of the main thread; by (name, part) for parts of it and "median step", wall time."""
 	times = defaultdict(list)
 	for path in paths:
 		for run in json.load(open(path))["benchmarks"]:
 			name = run["run_name"].split("/iterations:")[0].removeprefix("effects/")
-			times[name].append(run["real_time" if name.endswith("/2 threads") else "cpu_time"] / run["points"])
-			times[name + ", wall"].append(run["real_time"] / run["points"])
-			for phase in phases:
-				if phase in run:
-					times[name, phase].append(run[phase])
+			times[name].append(run["cpu_time"] / run["points"])
+			for part in (*phases, "median step"):
+				if part in run:
+					times[name, part].append(run[part])
 	return {name: statistics.median(values) for name, values in times.items()}
 
 
 def minimum(times, law):
 	"""The fastest of the minimal codes that the processor can run."""
-	return min((time, name) for name, time in times.items() if name[:7] == "minimum" and name.endswith(law) and "wall" not in name and ("Mohr" in name) == bool(law))
+	return min((time, name) for name, time in times.items() if name[:7] == "minimum" and ("Mohr" in name) == bool(law))
 
 
 def overMinimum(times):
@@ -65,13 +64,13 @@ def overMinimum(times):
 
 def speedUps(times):
 	for name in threaded:
-		one, two = times[name + "/1 thread, wall"], times[name + "/2 threads, wall"]
+		one, two = (times[name + threads, "median step"] for threads in ("/1 thread", "/2 threads"))
 		yield Figure(f"{name}: 2 threads against 1", one / two, "x", floor=1.75, terms={"one [ns]": round(one, 1), "two [ns]": round(two, 1)})
 
 
 def combinations(times):
 	for name, time in times.items():
-		if not isinstance(name, str) or name.endswith(("wall", "/2 threads")):
+		if not isinstance(name, str) or name.endswith("/2 threads"):
 			continue
 		spent = {phase: round(times[name, phase], 1) for phase in phases if times.get((name, phase), 0) > 0.05}
 		name = name.removesuffix("/1 thread")
