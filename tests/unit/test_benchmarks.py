@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A benchmark that misses its limit must be seen to miss it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+benchmarks = Path(__file__).resolve().parents[2] / "scripts" / "benchmarks"
+sys.path.insert(0, str(benchmarks))
+
+import figures
+from figures import Figure
+
+
+@pytest.fixture
+def build(tmp_path):
+	(tmp_path / "CMakeCache.txt").write_text("CMAKE_CXX_COMPILER:FILEPATH=/usr/bin/c++\nCMAKE_BUILD_TYPE:STRING=Release\n")
+	return tmp_path
+
+
+def report(build, *measured):
+	figures.write(build / "part.json", measured, ["a note"])
+	command = [sys.executable, benchmarks / "report.py", "Title", build, build / "result.json", build / "part.json"]
+	return subprocess.run(list(map(str, command)), capture_output=True, text=True)
+
+
+def test_figure_below_its_floor_or_above_its_ceiling_is_named_and_fails(build):
+	run = report(build, Figure("slow", 29.9, "x", floor=30), Figure("large", 31.0, "kB", ceiling=30), Figure("fine", 40.0, "x", floor=30))
+	assert run.returncode == 1
+	assert run.stderr.splitlines() == ["MISSED: slow: 29.9 x, to reach >= 30", "MISSED: large: 31 kB, to reach <= 30"]
+	assert [f["reached"] for f in json.loads((build / "result.json").read_text())["figures"]] == [False, False, True]
+
+
+def test_figures_within_their_limits_and_missed_aims_do_not_fail(build):
+	run = report(build, Figure("ratio", 30.0, "x", floor=30, aim=40, terms={"stock [ns]": 240.0}), Figure("free", 1.0))
+	assert run.returncode == 0 and run.stderr == ""
+	machine = json.loads((build / "result.json").read_text())["machine"]
+	assert machine["CPU"] and machine["machine"] and "Release" in machine["compiler"]
+	for said in ("Title", "30 x", ">= 30", "stock [ns] 240", "- a note"):
+		assert said in run.stdout
+
+
+def test_a_figure_that_is_not_a_number_is_missed():
+	assert not Figure("nothing", float("nan"), floor=1).reached and not Figure("nothing", float("nan"), ceiling=1).reached
+
+
+def test_ratios_are_taken_between_neighbours_in_time():
+	"""A machine that becomes twice as slow half-way changes no ratio."""
+	above, below = figures.interleaved(6, iter([30, 60, 30, 60, 30, 60]).__next__, iter([1, 2, 1, 2, 1, 2]).__next__)
+	assert figures.medianRatio(above, below) == 30
