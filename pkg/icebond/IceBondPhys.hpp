@@ -3,6 +3,7 @@
 #include <core/Dispatching.hpp>
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/icebond/IceBond.hpp>
+#include <pkg/icebond/IceBondMat.hpp>
 
 namespace yade {
 
