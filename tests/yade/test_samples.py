@@ -468,28 +468,6 @@ def test_scenes_that_cannot_be_packed_run_open_and_the_user_is_told_once_why(kin
 		assert np.abs(ours - 0.5 * (byYade + byYade.T)).max() < 1e-9 * np.abs(ours).max()
 
 
-def test_the_stress_of_clumps_is_that_of_the_forces_across_the_cells_boundary():
-	opened = wrapper.OpenRveSample(source=otherScene("clumps"), maxStrainPerStep=1e-4, maxInertialNumber=1.0)
-	for _ in range(60):  # compressed and left to itself in turns until it bears pressure at rest
-		assert not opened.apply(Matrix3(-3e-3, 0, 0, 0, -3e-3, 0, 0, 0, -3e-3), 0)["blewUp"]
-		with talik.inspect(opened.scene):
-			packing.advance(400)
-			if utils.getStress().trace() < -3e5:
-				break
-	with talik.inspect(opened.scene):
-		packing.advance(8000)
-	ours = np.array(opened.apply(Matrix3(1e-13, 0, 0, 0, 0, 0, 0, 0, 0), 0)["stress"])
-	with talik.inspect(opened.scene):
-		across = np.zeros((3, 3))
-		for i in O.interactions:
-			if i.isReal:
-				across -= np.outer(i.phys.normalForce + i.phys.shearForce, O.cell.hSize * Vector3(*i.cellDist)) / O.cell.volume
-		byYade = np.array(utils.getStress())
-	# bodies at rest: only forces across the boundary count, wherever inside a body they act
-	error = np.abs(ours - 0.5 * (across + across.T)).max() / np.abs(across).max()
-	print(f"\nforces across the boundary give {across.diagonal().round(1).tolist()}, ours {ours.diagonal().round(1).tolist()} ({error:.1e}), branches between spheres {byYade.diagonal().round(1).tolist()} Pa")
-	assert error < 1e-2
-
 
 @pytest.mark.parametrize(
 	"change, reason",
