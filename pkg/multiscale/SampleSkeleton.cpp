@@ -223,7 +223,7 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		if (results[r].blewUp) {
 			failures[id] = results[r].reason;
 			if (schedule.stopOnBlowUp)
-				throw std::runtime_error("The sample of point " + std::to_string(id) + " blew up: " + results[r].reason + " Its last good state is kept.");
+				throw std::runtime_error("The sample of point " + std::to_string(id) + " blew up: " + results[r].reason + ". Its last good state is kept.");
 		}
 		const Matrix predicted = a.predicted(place), before = a.lastStress(place), after = results[r].stress;
 		if (schedule.prediction && !results[r].blewUp) {

@@ -473,7 +473,7 @@ PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
 {
 	HoldGil           gil;
 	const std::string reason = reasonAgainstPacking(scene);
-	if (!reason.empty()) throw std::invalid_argument("The scene cannot be packed: " + reason + ".");
+	if (!reason.empty()) throw std::invalid_argument("The scene cannot be packed: " + reason + ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines.");
 	PackedState<2>     state;
 	std::map<int, int> indexOf;
 	packGrains(scene, former, state, indexOf);

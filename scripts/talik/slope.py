@@ -31,6 +31,17 @@ def pack(sample):
 		return _stable(wrapper.RveSample.fromScene(O._sceneObj), material)
 
 
+def openScene(sample):
+	"""YADE Scene of a prepared sample or a scene file, for RveSkeleton(scenes=[…]) and OpenRveSample: samples of any grains and law.
+
+	The time step is lowered as pack() does it."""
+	path = getattr(sample, "path", sample)
+	with talik.scratchScene():
+		rve.openFile(str(path))
+		O.dt = _stable(O, O.bodies[0].material).dt
+		return O._sceneObj
+
+
 def _stable(packed, material):
 	iceYoung = getattr(material, "iceYoung", 0.0)
 	if iceYoung > 0:
