@@ -10,6 +10,7 @@
 #include <pkg/thm/Permeability.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -64,6 +65,7 @@ template <int D> struct GroundSettings {
 
 	/// Fraction of the pores that holds water, in [0, 1]; NaN (default): 1 with heat or water, 0 in a dry scene. With water it must be 1.
 	double poreFill = std::numeric_limits<double>::quiet_NaN();
+	double usedPoreFill() const { return std::isnan(poreFill) ? (heat || water ? 1.0 : 0.0) : poreFill; }
 
 	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
 	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list

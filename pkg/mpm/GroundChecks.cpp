@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/GroundChecks.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+template <int D> void checkSettings(const GroundSettings<D>& s)
+{
+	s.mixture.validate();
+	if (!s.motion && !s.heat) throw std::invalid_argument("no effect: the scene has neither motion nor heat; give it at least one");
+	if (s.freezing && !s.heat)
+		throw std::invalid_argument("freezing without heat: ice forms when heat leaves; add heat or leave freezing out");
+	if (s.water && !s.motion)
+		throw std::invalid_argument("water without motion: seepage needs the momentum balance; add motion or leave water out");
+	requireSetting(
+	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
+	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
+	requireSetting(s.waveFraction > 0.0 && s.waveFraction <= 1.0, "waveFraction", s.waveFraction, "must lie in (0, 1]");
+	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
+	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "motionFraction", s.motionFraction, "must lie in (0, 0.5]");
+	if (s.motion) {
+		for (int a = 0; a < D; ++a)
+			requireSetting(std::isfinite(s.motion->gravity[a]), "gravity", s.motion->gravity[a], "must be finite, in m/s^2");
+		requireSetting(
+		        s.motion->flipFraction >= 0.0 && s.motion->flipFraction <= 1.0, "flipFraction", s.motion->flipFraction, "must lie in [0, 1]");
+		requireSetting(
+		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
+		if (s.skeletons.empty()) throw std::invalid_argument("skeletons = []: a scene with motion needs at least one skeleton model");
+		for (const auto& skeleton : s.skeletons) {
+			if (!skeleton) throw std::invalid_argument("skeletons: an entry is empty; give a skeleton model");
+			skeleton->validate();
+		}
+	}
+	if (s.heat) {
+		requireSetting(
+		        std::isfinite(s.heat->thermalTimeScale) && s.heat->thermalTimeScale > 0.0,
+		        "thermalTimeScale",
+		        s.heat->thermalTimeScale,
+		        "must be positive (1: real time)");
+		requireSetting(!(s.heat->smoothingTime <= 0.0), "smoothingTime", s.heat->smoothingTime, "must be positive, in s; infinity: none, NaN: chosen");
+		requireSetting(std::isfinite(s.heat->source), "source", s.heat->source, "must be finite, in W/m^3");
+		if (s.heat->enthalpyForm == EnthalpyForm::capacityIntegral && s.motion)
+			throw std::invalid_argument(
+			        "enthalpyForm = capacityIntegral: knows no strain and no moving water; use stateFunction in a scene with motion");
+	}
+	if (s.water) {
+		s.water->state.validate();
+		s.water->permeability.validate();
+		requireSetting(
+		        s.water->flipFraction >= 0.0 && s.water->flipFraction <= 1.0, "water.flipFraction", s.water->flipFraction, "must lie in [0, 1]");
+	}
+}
+
+template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid)
+{
+	for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
+		const auto& b = settings.boundaries[i];
+		if (!b) throw std::invalid_argument("boundaries[" + std::to_string(i) + "] is empty; give a boundary condition");
+		const std::string effect  = b->effect();
+		const bool        present = effect == "motion" ? bool(settings.motion) : effect == "heat" ? bool(settings.heat) : bool(settings.water);
+		if (!present)
+			throw std::invalid_argument(
+			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no " + effect
+			        + "; add it or leave this boundary out");
+		b->validate(grid);
+		for (std::size_t j = 0; j < i; ++j) {
+			const auto& other = settings.boundaries[j];
+			if (other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()) continue;
+			if (b->usesSurface() && other->usesSurface() && b->name() != other->name()) continue;
+			const Region<D>&r = b->region(), &q = other->region();
+			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox) continue;
+			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;
+			bool overlap = true;
+			for (int a = 0; a < D; ++a) {
+				if (r.kind == Region<D>::Kind::side && a == r.on.axis) continue;
+				overlap = overlap && r.boxLower[a] < q.boxUpper[a] && q.boxLower[a] < r.boxUpper[a];
+			}
+			if (overlap)
+				throw std::invalid_argument(
+				        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + r.describe() + " overlaps boundaries[" + std::to_string(j)
+				        + "] = " + other->name() + " on " + q.describe() + "; limit one of them to a box or remove it");
+		}
+	}
+}
+
+template <int D>
+void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const std::vector<PointInput<D>>& inputs)
+{
+	if (inputs.empty()) throw std::invalid_argument("points = 0: the scene has no material points; add some before the start");
+	const auto name = [](std::size_t id, const char* attribute) { return "point " + std::to_string(id) + "." + attribute; };
+	for (std::size_t id = 0; id < inputs.size(); ++id) {
+		const PointInput<D>& in = inputs[id];
+		for (int a = 0; a < D; ++a) {
+			requireSetting(
+			        in.position[a] >= grid.lower()[a] && in.position[a] <= grid.upper()[a],
+			        name(id, "position") + "[" + std::to_string(a) + "]",
+			        in.position[a],
+			        "outside the grid's box; move the point or enlarge the box");
+			requireSetting(std::isfinite(in.velocity[a]), name(id, "velocity"), in.velocity[a], "must be finite, in m/s");
+		}
+		requireSetting(std::isfinite(in.volume) && in.volume > 0.0, name(id, "volume"), in.volume, "must be positive, in m^3 (m^2 in 2-D)");
+		requireSetting(in.porosity > 1e-3 && in.porosity < 1.0, name(id, "porosity"), in.porosity, "must lie in (0.001, 1)");
+		if (settings.heat)
+			requireSetting(
+			        in.temperature > -100.0 && in.temperature < 100.0, name(id, "temperature"), in.temperature, "must lie between -100 and 100 degC");
+		if (settings.water) requireSetting(std::isfinite(in.pressure), name(id, "pressure"), in.pressure, "must be finite, in Pa");
+		if (settings.motion) {
+			requireSetting(
+			        in.skeleton >= 0 && in.skeleton < static_cast<int>(settings.skeletons.size()),
+			        name(id, "skeleton"),
+			        in.skeleton,
+			        "must be an index into the list of skeletons, 0 to " + std::to_string(settings.skeletons.size() - 1));
+			for (double s : in.stress)
+				requireSetting(std::isfinite(s), name(id, "stress"), s, "must be finite, in Pa");
+		}
+	}
+}
+
+template void checkSettings(const GroundSettings<2>&);
+template void checkBoundaries(const GroundSettings<2>&, const Grid<2>&);
+template void checkPoints(const GroundSettings<2>&, const Grid<2>&, const std::vector<PointInput<2>>&);
+template void checkSettings(const GroundSettings<3>&);
+template void checkBoundaries(const GroundSettings<3>&, const Grid<3>&);
+template void checkPoints(const GroundSettings<3>&, const Grid<3>&, const std::vector<PointInput<3>>&);
+
+} // namespace talik

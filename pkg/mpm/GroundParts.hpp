@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+// What a ground consists of; shared by the files that implement Ground.
+
+#include <pkg/mpm/CellMeans.hpp>
+#include <pkg/mpm/DeformationRecord.hpp>
+#include <pkg/mpm/FreeSurface.hpp>
+#include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/HeatTransfer.hpp>
+#include <pkg/mpm/MomentumSolver.hpp>
+#include <pkg/mpm/PoreContent.hpp>
+#include <pkg/mpm/PoreWater.hpp>
+#include <pkg/mpm/SolidMotion.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace talik {
+
+/// Numbers that change from step to step, kept together so that a checkpoint holds them all.
+template <int D> struct Clock {
+	double             time        = 0.0;
+	double             dt          = 0.0;
+	long               steps       = 0;
+	long               lastSort    = 0;
+	long               sortWanted  = 0;
+	double             initialMass = 0.0;
+	double             skeletonWork = 0.0, porePressureWork = 0.0, gravityImpulseTime = 0.0;
+	Vec<D>             gravityImpulse {};
+	MomentumAccount<D> account;
+	ActiveRange        range;
+};
+
+template <int D> struct Ground<D>::Parts {
+	GroundSettings<D>          settings;
+	std::vector<PointInput<D>> inputs;
+	bool                       ready = false;
+
+	Grid<D>                            grid;
+	std::unique_ptr<MaterialPoints<D>> points;
+	std::unique_ptr<ShapeFunction<D>>  shape;
+
+	// effects; null if the scene does not have them
+	std::unique_ptr<SolidMotion<D>>    motion;
+	std::unique_ptr<DeformationRecord<D>> record;
+	std::unique_ptr<HeatTransfer<D>>   heat;
+	std::unique_ptr<PoreWater<D>>      water;
+	std::unique_ptr<PoreContent<D>>    content;
+	std::unique_ptr<FreeSurface<D>>    surface;
+	std::unique_ptr<CellMeans<D>>      cells;
+	std::unique_ptr<MomentumSolver<D>> momentum;
+
+	std::vector<std::vector<int>> skeletonPlaces;
+	Clock<D>                      clock {};
+	std::vector<double>           partial;
+	std::vector<int>              bad; ///< per strip: place of the first point that cannot go on, or -1
+	mutable std::vector<double>   scratch;
+
+	// ---- setting up -----------------------------------------------------------------------------------------------------
+	void declareFields();
+	void placePoints();
+	void fillPoint(int place, const PointInput<D>& in, double poreFill);
+	void checkFreeSurface();
+	void listSkeletons();
+	bool   hasContent() const { return settings.heat || settings.water; }
+	bool   averaging() const { return motion && motion->settings->cellAveraging; }
+	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
+
+	// ---- loops ----------------------------------------------------------------------------------------------------------
+	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
+	template <class Work> void scatter(Work&& work)
+	{
+		points->strips().scatter([&](int, int first, int last) { overBlocks(first, last, work); });
+	}
+	template <class Work> void overBlocks(int first, int last, Work&& work)
+	{
+		WeightBlock<D>               w;
+		std::array<const double*, D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = points->position(a);
+		for (int p = first; p < last; p += blockSize) {
+			shape->evaluate(grid, x, p, std::min(blockSize, last - p), w);
+			work(w);
+		}
+	}
+	template <class Work> double sumOverStrips(Work&& work)
+	{
+		const Strips& strips = points->strips();
+		partial.assign(strips.count(), 0.0);
+		strips.gather([&](int s, int first, int last) { partial[s] = work(first, last); });
+		double sum = 0.0;
+		for (double p : partial)
+			sum += p;
+		return sum;
+	}
+
+	// ---- pieces of a step -----------------------------------------------------------------------------------------------
+	void clearNodes();
+	void clearNodes(int first, int last);
+	void afterReordering();
+	void locateInCells();
+	void useMeanStress(int first, int count);
+	void seep();
+	void checkPositions(int strip, int first, int last);
+	void refuseBadPoints();
+	void averageStrain(int first, int last);
+	void keepStrainWork(bool atStart);
+	/// Pore pressure is known per cell at both ends of a step.
+	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
+	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.
+	double startShare() const { return cellPressure() ? 0.5 : 1.0; }
+	std::string whereabouts(int place) const;
+	void        sort();
+
+	SkeletonBatch<D> batch(int skeleton) const;
+	double           liquidDensity() const { return settings.mixture.liquid.density; }
+	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
+};
+
+} // namespace talik

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/GroundChecks.hpp>
+#include <pkg/mpm/GroundParts.hpp>
+
+#include <algorithm>
+
+namespace talik {
+
+template <int D> void Ground<D>::Parts::declareFields()
+{
+	points             = std::make_unique<MaterialPoints<D>>();
+	PointFields& field = points->fields();
+	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion);
+	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
+	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
+	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat);
+	if (settings.water) water = std::make_unique<PoreWater<D>>(field, *settings.water);
+	if (settings.motion)
+		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
+			settings.skeletons[k]->declareFields(field, "skeleton" + std::to_string(k) + ".");
+
+	const bool usesSurface = std::any_of(
+	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesSurface(); });
+	if (usesSurface) surface = std::make_unique<FreeSurface<D>>();
+	if (usesSurface || averaging()) cells = std::make_unique<CellMeans<D>>();
+	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
+}
+
+template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in, double fill)
+{
+	for (int a = 0; a < D; ++a)
+		points->position(a)[p] = in.position[a];
+	points->volume()[p]    = in.volume;
+	points->skeletons()[p] = in.skeleton;
+	if (motion) {
+		for (int a = 0; a < D; ++a)
+			motion->velocity[a][p] = in.velocity[a];
+		for (int c = 0; c < stressSize<D>; ++c)
+			motion->stress[c][p] = in.stress[c];
+		motion->initialVolume[p] = in.volume;
+		const MixtureProperties& m = settings.mixture;
+		motion->mass[p] = in.volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
+	}
+	if (water)
+		for (int a = 0; a < D; ++a)
+			water->velocity[a][p] = in.velocity[a];
+	if (content) content->fill(p, in.porosity, in.temperature, in.pressure, fill);
+}
+
+template <int D> void Ground<D>::Parts::placePoints()
+{
+	const int n = static_cast<int>(inputs.size());
+	points->allocate(n);
+	if (motion) motion->bind(*points, grid);
+	if (record) {
+		record->bind(*points);
+		record->start(n);
+	}
+	if (heat) heat->bind(*points, grid);
+	if (content) {
+		content->bind(*points, motion.get(), heat.get(), water.get());
+		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
+	}
+	if (surface) {
+		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
+		surface->setBoundaries(settings.boundaries, grid);
+	}
+	if (heat) heat->constrain(grid, settings.boundaries);
+	if (cells) cells->allocate(grid, n);
+	if (water && averaging()) water->allocateCells(grid.cellCount());
+	for (int id = 0; id < n; ++id)
+		fillPoint(id, inputs[id], settings.usedPoreFill());
+	sort();
+	bad.assign(points->strips().count(), -1);
+	partial.reserve(std::max(points->strips().count(), 1));
+	scratch.assign(n, 0.0);
+	if (content) {
+		const int failed = content->update(0, n);
+		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->complaint(failed));
+	}
+	if (heat) heat->chooseSmoothing(grid, n);
+}
+
+template <int D> void Ground<D>::Parts::checkFreeSurface()
+{
+	if (!surface) return;
+	clearNodes();
+	locateInCells();
+	scatter([&](const WeightBlock<D>& w) { surface->map(grid, w); });
+	surface->collect(grid, *cells, clock.range);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Boundary<D>& boundary = *settings.boundaries[b];
+		if (!boundary.usesSurface() || !surface->patch(b).nodes.empty()) continue;
+		throw std::invalid_argument(
+		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
+		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box");
+	}
+}
+
+template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
+{
+	if (parts_->ready) throw std::logic_error("addPoint: points are added before initialise()");
+	parts_->inputs.push_back(point);
+	return static_cast<int>(parts_->inputs.size()) - 1;
+}
+
+template <int D> void Ground<D>::initialise()
+{
+	Parts& g = *parts_;
+	if (g.ready) throw std::logic_error("initialise: the ground is initialised already");
+	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
+	checkSettings(g.settings);
+	checkBoundaries(g.settings, g.grid);
+	checkPoints(g.settings, g.grid, g.inputs);
+	g.shape = makeShapeFunction<D>(g.settings.shapeFunction);
+	g.declareFields();
+	g.placePoints();
+	g.checkFreeSurface();
+	if (g.motion) {
+		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
+			g.settings.skeletons[k]->initialise(g.batch(k));
+		for (int p = 0; p < g.points->count(); ++p)
+			g.clock.initialMass += g.motion->mass[p] + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
+	}
+	g.inputs.clear();
+	g.inputs.shrink_to_fit();
+	g.ready = true;
+}
+
+template int Ground<2>::addPoint(const PointInput<2>&);
+template void Ground<2>::initialise();
+template int Ground<3>::addPoint(const PointInput<3>&);
+template void Ground<3>::initialise();
+
+} // namespace talik
