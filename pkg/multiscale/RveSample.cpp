@@ -165,6 +165,19 @@ void RveSample::setTimeStep(Real dt)
 	setPacked(std::move(s));
 }
 
+void RveSample::setThawStrain(Real strain)
+{
+	PackedState<2> s        = packed();
+	const Real     porosity = PackedSample<2>(s).statistics().porosity;
+	if (!(strain >= 0 && strain <= porosity))
+		throw std::invalid_argument(
+		        "RveSample.thawStrain is " + boost::lexical_cast<string>(strain) + ": it must lie between 0 and the porosity of the sample, "
+		        + boost::lexical_cast<string>(porosity) + ", which is all of eq. (8).");
+	if (s.iceSaturation > 0) throw std::invalid_argument("RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation) + "): set it before the sample freezes.");
+	s.thawStrain.thawStrain = strain;
+	setPacked(std::move(s));
+}
+
 Matrix3r RveSample::deformation() const
 {
 	Matrix3r m               = Matrix3r::Identity();

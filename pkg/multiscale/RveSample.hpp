@@ -31,6 +31,8 @@ public:
 	Real                   iceSaturation() const { return packed().iceSaturation; }
 	Real                   timeStep() const { return packed().dt; }
 	void                   setTimeStep(Real);
+	Real                   thawStrain() const { return packed().thawStrain.thawStrain; }
+	void                   setThawStrain(Real);
 	Matrix3r               deformation() const;
 	::boost::python::object stateBytes() const;
 	string                 path() const { return talik::PackedSample<2>(packed()).path(); }
@@ -72,6 +74,7 @@ public:
 		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa], tension positive, of the last step.")
 		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
 		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
+		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao as mechanical shrinkage of grains prepared frozen, (r/r_0)^2 = 1-thawStrain*(1-S_i/S_frozen), S_frozen the largest ice saturation so far; not undone by refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A scene opened from it keeps the radii of that moment.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
 		.add_property("path",&RveSample::path,"What the steps of samples run on here: avx2 or portable.")
 		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")

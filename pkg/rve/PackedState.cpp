@@ -58,7 +58,7 @@ namespace {
 		for (auto* m : { &p.hSize, &p.prevHSize, &p.velGrad, &p.prevVelGrad, &p.nextVelGrad, &p.trsf, &p.stress })
 			stream.matrix(*m);
 		for (auto* v : { &p.dt, &p.damping, &p.thickness, &p.friction, &p.stiffnessRatio, &p.density, &p.iceSaturation, &p.radiusFactor,
-		                 &p.thawStrain.porosity, &p.thawStrain.thawStrainScale, &p.ice.grainYoung, &p.ice.iceYoung, &p.ice.tensileStrength0,
+		                 &p.thawStrain.thawStrain, &p.thawStrain.frozenSaturation, &p.ice.grainYoung, &p.ice.iceYoung, &p.ice.tensileStrength0,
 		                 &p.ice.tensileStrengthI, &p.ice.shearStrength0, &p.ice.shearStrengthI, &p.ice.exponent, &p.ice.bondAreaFactor,
 		                 &p.ice.meltSaturation, &p.ice.bondSaturation, &p.ice.bondRange })
 			stream.value(*v);
@@ -137,9 +137,10 @@ template <int Dim> void PackedParameters<Dim>::checkParameters() const
 	if (!(ice.meltSaturation >= 0)) refuse("ice.meltSaturation", ice.meltSaturation, "must not be negative");
 	if (!(iceSaturation >= 0 && iceSaturation <= 1)) refuse("iceSaturation", iceSaturation, "must lie in 0..1");
 	if (!(radiusFactor > 0)) refuse("radiusFactor", radiusFactor, "must be positive");
-	if (!(thawStrain.thawStrainScale >= 0 && thawStrain.thawStrainScale <= 1))
-		refuse("thawStrain.thawStrainScale", thawStrain.thawStrainScale, "must lie in 0..1; 0 keeps the radii");
-	if (!(thawStrain.porosity > 0 && thawStrain.porosity < 1)) refuse("thawStrain.porosity", thawStrain.porosity, "must lie between 0 and 1");
+	if (!(thawStrain.thawStrain >= 0 && thawStrain.thawStrain < 1))
+		refuse("thawStrain.thawStrain", thawStrain.thawStrain, "must lie between 0 (grains keep their radii) and 1");
+	if (!(thawStrain.frozenSaturation >= 0 && thawStrain.frozenSaturation <= 1))
+		refuse("thawStrain.frozenSaturation", thawStrain.frozenSaturation, "must lie in 0..1");
 	if (!(volume() > 0) || !std::isfinite(volume())) refuse("hSize: cell volume", volume(), "m^3 must be positive; give independent cell vectors");
 }
 

@@ -51,11 +51,12 @@ template <int Dim> struct PackedContacts {
 	std::size_t                   size() const { return first.size(); }
 };
 
-/// Shrinkage of ice-rich grains on thawing (eq. (8), "mechanical" radius): r(S) = r_0 (1 - thawStrainScale (1 - ratio(S)/ratio(1))).
-/// Scale 0 is the bookkeeping rule. Shrinkage is not undone by refreezing.
+/// Shrinkage of ice-rich grains on thawing (eq. (8), "mechanical" radius), for grains prepared frozen with the radii r_0:
+/// (r/r_0)^Dim = 1 - thawStrain (1 - S_i/S_frozen), which is eq. (8) for thawStrain = n_0. 0 is the bookkeeping rule.
+/// Shrinkage is not undone by refreezing.
 struct PackedThawStrain {
-	double porosity        = 0.18; ///< n_0 of eq. (8), of the sample [-]
-	double thawStrainScale = 0;    ///< 0 (bookkeeping) to 1 (all of eq. (8))
+	double thawStrain       = 0; ///< area (spheres: volume) of the grains lost on complete thaw over that prepared [-], 0 to below 1
+	double frozenSaturation = 0; ///< S_frozen, largest ice saturation so far [-]
 };
 
 /// Parameters and cell of a sample: its state without the arrays of grains and contacts.

@@ -885,10 +885,11 @@ template <int Dim> void PackedWorkspace<Dim>::removeBonds()
 
 template <int Dim> void PackedWorkspace<Dim>::shrinkGrains()
 {
-	if (base.thawStrain.thawStrainScale == 0) return;
-	const double full   = equivalentRadiusRatio(base.thawStrain.porosity, 0, 1, Dim);
-	const double ratio  = equivalentRadiusRatio(base.thawStrain.porosity, 0, base.iceSaturation, Dim);
-	const double factor = 1 - base.thawStrain.thawStrainScale * (1 - ratio / full);
+	PackedThawStrain& thaw = base.thawStrain;
+	if (thaw.thawStrain == 0) return;
+	thaw.frozenSaturation = std::max(thaw.frozenSaturation, base.iceSaturation);
+	const double lost   = thaw.thawStrain * (1 - base.iceSaturation / thaw.frozenSaturation);
+	const double factor = Dim == 2 ? std::sqrt(1 - lost) : std::cbrt(1 - lost);
 	if (factor >= base.radiusFactor) return;
 	base.radiusFactor = factor;
 	scaleRadii();

@@ -511,8 +511,12 @@ void openInto(Scene& scene, const PackedState<2>& s)
 	scene.dt   = s.dt;
 	scene.iter = long(s.step);
 	if (isIceBondScene(scene))
-		for (Body* body : presentBodies(scene))
-			static_cast<IceBondMat&>(*body->material).iceSaturation = s.iceSaturation;
+		for (Body* body : presentBodies(scene)) {
+			auto& material             = static_cast<IceBondMat&>(*body->material);
+			material.iceSaturation     = s.iceSaturation;
+			material.radiusRatio       = s.radiusFactor;
+			material.radiusRatioBefore = s.radiusFactor;
+		}
 	openCell(scene, s);
 	openContacts(scene, s);
 }

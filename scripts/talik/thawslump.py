@@ -84,6 +84,7 @@ class Ground:
 	residualSaturation: float = 0.05  # S_r (O)
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
+	thawStrain: float = 0.0  # area strain that thawing grains release [-]; 0: bookkeeping of grain size, eq. (8) (O)
 	damping: float = 0.02  # local damping during failure (O)
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
@@ -112,6 +113,7 @@ class ThawSlump:
 	def _build(self):
 		p, g = self.preset, self.ground
 		sample = slope.pack(rve.prepare(grains=p.grains, ice=True))
+		sample.thawStrain = g.thawStrain
 		positions, volumes = talik.geometry.fillPolygon(outline, p.gridSpacing, 4, (0.0, 0.0))
 		density = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)
 		samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
