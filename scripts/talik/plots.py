@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pictures of slopes and samples. Every function draws into Matplotlib axes that the caller gives (and may compose), takes plain
-arrays, and needs no display; figure() makes a figure that can be saved without one.
+"""Pictures of slopes and samples. Every function draws into Matplotlib axes that the caller gives (and may compose) and returns
+them, takes plain arrays, and needs no display; figure() makes a figure that can be saved without one.
 
-Slope:   slopeField, thawFront, slopeHistory (rows = times, columns = fields)
-Sample:  forceChains, normalRose, stressPath, bondHistory
+Slope:   slopeField, markPoints; thawFront and slopeHistory (rows = times, columns = fields) return what they make
+Sample:  forceChains, sampleForces, normalRose, stressPath, bondHistory
 """
 
 from pathlib import Path
@@ -47,10 +47,29 @@ def save(fig, path, dpi=150):
 # --- slope -----------------------------------------------------------------------------------------------------------------
 
 
-def slopeField(axes, position, values, volume, label=None, colourMap="viridis", limits=(None, None)):
+def slopeField(axes, position, values, volume, label=None, colourMap="viridis", limits=(None, None), watched=None):
 	"""Material points as squares of their own volume, coloured by `values` (vectors by their length).
 
-	position (n, 2) [m], values (n,) or (n, 2), volume (n,) [m2]. Returns the collection, for a colour bar."""
+	position (n, 2) [m], values (n,) or (n, 2), volume (n,) [m2]; label of a colour bar, None: no bar; watched {letter: (x, y)} marked
+	points. Returns the axes."""
+	collection = _squares(axes, position, values, volume, colourMap, limits)
+	axes.set_xlabel("x [m]")
+	axes.set_ylabel("y [m]")
+	if label:
+		axes.figure.colorbar(collection, ax=axes, label=label, shrink=0.8)
+	markPoints(axes, watched or {})
+	return axes
+
+
+def markPoints(axes, points):
+	"""Rings with letters at watched points, {letter: (x, y)} [m]. Returns the axes."""
+	for letter, (x, y) in points.items():
+		axes.plot(x, y, "o", markersize=4, markerfacecolor="white", markeredgecolor="black")
+		axes.annotate(str(letter), (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold", path_effects=[withStroke(linewidth=2, foreground="white")])
+	return axes
+
+
+def _squares(axes, position, values, volume, colourMap, limits):
 	position, values = np.asarray(position, dtype=float), magnitude(values)
 	half = 0.5 * np.sqrt(np.asarray(volume, dtype=float)) * 1.06  # a little overlap leaves no gaps between rows
 	corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
@@ -59,8 +78,6 @@ def slopeField(axes, position, values, volume, label=None, colourMap="viridis", 
 	collection = PolyCollection(squares, array=values, cmap=colourMap, norm=Normalize(low, max(high, low + 1e-12)), edgecolor="none")
 	axes.add_collection(collection)
 	metricAxes(axes, position)
-	if label:
-		axes.figure.colorbar(collection, ax=axes, label=label, shrink=0.8)
 	return collection
 
 
@@ -132,12 +149,10 @@ def finiteRange(values):
 
 
 def _slopePanel(axes, frame, name, colourMap, limits, watched):
-	drawn = slopeField(axes, frame["position"], frame[name], frame["volume"], colourMap=colourMap, limits=limits)
+	drawn = _squares(axes, frame["position"], frame[name], frame["volume"], colourMap, limits)
 	if "iceSaturation" in frame:
 		thawFront(axes, frame["position"], frame["iceSaturation"], frame["volume"])
-	for letter, (x, y) in (watched or {}).items():
-		axes.plot(x, y, "o", markersize=4, markerfacecolor="white", markeredgecolor="black")
-		axes.annotate(letter, (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold", path_effects=[withStroke(linewidth=2, foreground="white")])
+	markPoints(axes, watched or {})
 	return drawn
 
 
@@ -160,7 +175,8 @@ def forceChains(axes, start, end, force, state, centre=None, radius=None, widest
 
 	start, end  (n, 2) [m] ends of the branch vectors; force (n,) [N], its size is drawn; state (n,) 0 frictional, 1 bonded, 2 broken
 	centre      (m, 2) and radius (m,) [m] of the grains, drawn pale behind
-	widest      width in points of the largest force; contacts without force keep a hair line"""
+	widest      width in points of the largest force; contacts without force keep a hair line
+	Returns the axes."""
 	start, end = np.asarray(start, dtype=float).reshape(-1, 2), np.asarray(end, dtype=float).reshape(-1, 2)
 	force, state = np.abs(np.asarray(force, dtype=float)), np.asarray(state, dtype=int)
 	_grains(axes, centre, radius)
@@ -176,11 +192,17 @@ def forceChains(axes, start, end, force, state, centre=None, radius=None, widest
 	axes.set_ylabel("y [m]")
 	if legend:
 		_forceLegend(axes, force, bonded)
+	return axes
+
+
+def sampleForces(axes, sample, **style):
+	"""forceChains of a sample as talik.packing.sampleArrays() gives it: normal forces, bond states, grains. Returns the axes."""
+	return forceChains(axes, sample["start"], sample["end"], sample["normalForce"], sample["state"], sample["centre"], sample["radius"], **style)
 
 
 def normalRose(axes, normals, bins=36, colour="steelblue"):
 	"""Rose diagram of contact normals in polar axes, each contact counted in both directions; the line is the second-order
-	fit of the contact fabric, 1 + a cos 2(theta - theta0), with anisotropy F1 - F2 = a/2 in the title."""
+	fit of the contact fabric, 1 + a cos 2(theta - theta0), with anisotropy F1 - F2 = a/2 in the title. Returns the axes."""
 	normals = np.asarray(normals, dtype=float).reshape(-1, 2)
 	angles = np.arctan2(normals[:, 1], normals[:, 0])
 	both = np.concatenate([angles, angles + np.pi]) % (2 * np.pi)
@@ -191,28 +213,32 @@ def normalRose(axes, normals, bins=36, colour="steelblue"):
 	axes.tick_params(axis="y", labelsize=7)
 	if not len(normals):
 		axes.set_title("no contacts")
-		return
+		return axes
 	second = np.exp(2j * angles).mean()
 	theta = np.linspace(0, 2 * np.pi, 181)
 	axes.plot(theta, 1 + 2 * abs(second) * np.cos(2 * theta - np.angle(second)), color="black", linewidth=1)
 	axes.set_title(f"{len(normals)} contacts, $F_1-F_2$ = {abs(second):.3f}", fontsize=10)
+	return axes
 
 
 def stressPath(axes, stress, label=None, **style):
-	"""Path in the plane of mean pressure s' = -(xx + yy)/2 and shear t = radius of Mohr's circle; stress (n, 3) [Pa], xx, yy, xy,
-	tension positive. The ring marks the beginning. Drawn in kPa."""
-	stress = np.asarray(stress, dtype=float).reshape(-1, 3)
+	"""Path in the plane of mean pressure s' = -(xx + yy)/2 and shear t = radius of Mohr's circle; stress (n, 3) [Pa], xx, yy, xy, or
+	(n, 4), xx, yy, zz, xy, as MpmEngine.history() has it; tension positive. The ring marks the beginning. Drawn in kPa. Returns the axes."""
+	stress = np.asarray(stress, dtype=float)
+	if stress.ndim != 2 or stress.shape[1] not in (3, 4):
+		raise ValueError(f"stressPath: stress has shape {stress.shape}; give (n, 3) xx, yy, xy or (n, 4) xx, yy, zz, xy")
+	stress = stress[:, [0, 1, -1]]
 	mean = -0.5 * (stress[:, 0] + stress[:, 1]) / 1e3
 	shear = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2]) / 1e3
 	line, = axes.plot(mean, shear, label=label, **style)
 	axes.plot(mean[:1], shear[:1], "o", markerfacecolor="white", markeredgecolor=line.get_color())
 	axes.set_xlabel("mean pressure $s'$ [kPa]")
 	axes.set_ylabel("shear stress $t$ [kPa]")
-	return line
+	return axes
 
 
 def bondHistory(axes, strain, intact, broken, melted=None):
-	"""Numbers of intact, mechanically broken and melted bonds over the strain [-]."""
+	"""Numbers of intact, mechanically broken and melted bonds over the strain [-]. Returns the axes."""
 	axes.plot(strain, intact, color="red", label="intact")
 	axes.plot(strain, broken, color="black", label="broken")
 	if melted is not None:
@@ -221,6 +247,7 @@ def bondHistory(axes, strain, intact, broken, melted=None):
 	axes.set_ylabel("bonds")
 	axes.set_ylim(bottom=0)
 	axes.legend(frameon=False)
+	return axes
 
 
 def _grains(axes, centre, radius):

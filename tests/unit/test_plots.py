@@ -76,7 +76,7 @@ def test_force_chains_draw_intact_bonds_red_the_others_black_and_width_by_force(
 	centre, radius, start, end, force, state = randomPacking()
 	fig = plots.figure(5, 5)
 	axes = fig.subplots()
-	plots.forceChains(axes, start, end, force, state, centre, radius, widest=6)
+	assert plots.forceChains(axes, start, end, force, state, centre, radius, widest=6) is axes
 	plots.save(fig, os.path.join(folder, "force-chains.png"))
 	lines = [c for c in axes.collections if hasattr(c, "get_segments")]
 	black, red = lines
@@ -102,7 +102,7 @@ def test_normal_rose_shows_the_given_anisotropy(folder):
 	angles = angles[random.uniform(0, 2, len(angles)) < 1 + 2 * anisotropy * np.cos(2 * (angles - np.pi / 3))]
 	fig = plots.figure(4, 4)
 	axes = fig.subplots(subplot_kw=dict(projection="polar"))
-	plots.normalRose(axes, np.column_stack([np.cos(angles), np.sin(angles)]))
+	assert plots.normalRose(axes, np.column_stack([np.cos(angles), np.sin(angles)])) is axes
 	plots.save(fig, os.path.join(folder, "normal-rose.png"))
 	heights = np.array([bar.get_height() for bar in axes.patches])
 	middle = (np.arange(36) + 0.5) * 2 * np.pi / 36
@@ -117,12 +117,48 @@ def test_stress_path_is_drawn_in_mean_pressure_and_mohr_radius_in_kilopascal(fol
 	stress = np.column_stack([np.full(50, -100e3), -100e3 - 300e3 * np.tanh(strain / 0.004), 20e3 * strain / 0.02])
 	fig = plots.figure(8, 3.5)
 	left, right = fig.subplots(1, 2)
-	line = plots.stressPath(left, stress, label="S_i = 0.5")
-	plots.bondHistory(right, strain, 300 - 4000 * strain, 3000 * strain, 1000 * strain)
+	assert plots.stressPath(left, stress, label="S_i = 0.5") is left
+	line = left.lines[0]
+	assert plots.bondHistory(right, strain, 300 - 4000 * strain, 3000 * strain, 1000 * strain) is right
 	plots.save(fig, os.path.join(folder, "stress-path.png"))
 	np.testing.assert_allclose(line.get_xdata(), -0.5 * (stress[:, 0] + stress[:, 1]) / 1e3)
 	np.testing.assert_allclose(line.get_ydata()[-1], np.hypot(0.5 * (stress[-1, 0] - stress[-1, 1]), 20e3) / 1e3)
 	assert [text.get_text() for text in right.get_legend().get_texts()] == ["intact", "broken", "melted"]
+	assert [line.get_color() for line in right.lines] == ["red", "black", "steelblue"]
+	np.testing.assert_allclose(right.lines[1].get_ydata(), 3000 * strain)
+
+
+def test_stress_path_takes_the_four_components_of_a_point_as_well_and_refuses_others():
+	inPlane = np.array([[-1e5, -2e5, 3e4], [-1.5e5, -3e5, 4e4]])
+	drawn = [plots.stressPath(plots.figure(3, 3).subplots(), stress).lines[0].get_xydata() for stress in (inPlane, np.insert(inPlane, 2, -9e5, axis=1))]
+	np.testing.assert_array_equal(*drawn)
+	with pytest.raises(ValueError, match=r"\(2, 2\)"):
+		plots.stressPath(plots.figure(3, 3).subplots(), inPlane[:, :2])
+
+
+def test_slope_field_colours_every_point_by_its_value_and_marks_the_watched_ones(folder):
+	frame = thawingSlope(10)
+	fig = plots.figure(6, 3)
+	axes = fig.subplots()
+	watched = {"A": (3.0, 2.0), "B": (4.6, 2.2)}
+	assert plots.slopeField(axes, frame["position"], frame["displacement"], frame["volume"], label="|u| [m]", watched=watched) is axes
+	plots.save(fig, os.path.join(folder, "slope-field.png"))
+	squares = axes.collections[0]
+	np.testing.assert_allclose(squares.get_array(), np.linalg.norm(frame["displacement"], axis=1))
+	assert len(squares.get_paths()) == len(frame["position"])
+	rings = [tuple(line.get_xydata()[0]) for line in axes.lines]
+	print(f"{len(squares.get_paths())} squares, rings at {rings}, letters {[text.get_text() for text in axes.texts]}")
+	assert rings == list(watched.values()) and [text.get_text() for text in axes.texts] == list(watched)
+	assert [bar.get_ylabel() for bar in fig.axes if bar.get_label() == "<colorbar>"] == ["|u| [m]"]
+
+
+def test_sample_forces_draw_normal_forces_of_sample_arrays():
+	centre, radius, start, end, force, state = randomPacking()
+	sample = dict(centre=centre, radius=radius, start=start, end=end, normalForce=force, shearForce=0 * force, normal=end - start, state=state)
+	drawn = [plots.sampleForces(plots.figure(3, 3).subplots(), sample), plots.forceChains(plots.figure(3, 3).subplots(), start, end, force, state, centre, radius)]
+	widths = [[collection.get_linewidths() for collection in axes.collections] for axes in drawn]
+	for own, expected in zip(*widths):
+		np.testing.assert_array_equal(own, expected)
 
 
 def test_a_folder_that_cannot_be_written_is_named():
