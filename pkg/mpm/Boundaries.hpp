@@ -11,3 +11,4 @@
 #include <pkg/mpm/SurfaceTemperature.hpp>
 #include <pkg/mpm/Traction.hpp>
 #include <pkg/mpm/WallTemperature.hpp>
+#include <pkg/mpm/WaterFlux.hpp>

@@ -94,6 +94,16 @@ template <int D> void MotionConstraints<D>::mirror(int ghost, int inner, const V
 	mirrors_.push_back({ ghost, inner, sign });
 }
 
+template <int D> void MotionConstraints<D>::releaseLiquid(const Grid<D>& grid, const Region<D>& region)
+{
+	const Side side   = region.on;
+	const int  inward = side.upper ? -grid.nodeStride(side.axis) : grid.nodeStride(side.axis);
+	for (int node : wallNodes(grid, region)) {
+		releaseLiquid(node, side.axis);
+		releaseLiquid(node - inward, side.axis);
+	}
+}
+
 template <int D> void MotionConstraints<D>::close()
 {
 	constrained_.clear();

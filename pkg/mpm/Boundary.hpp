@@ -74,6 +74,8 @@ public:
 	void tieLiquid(int node, int axis) { flags_[node] |= bit(axis, 1); }
 	/// The liquid may cross: undoes tieLiquid of other boundaries along axis.
 	void releaseLiquid(int node, int axis) { flags_[node] |= bit(axis, 2); }
+	/// The same on all nodes of a side and on the ghost nodes behind them.
+	void releaseLiquid(const Grid<D>& grid, const Region<D>& side);
 	/// Ghost node behind a wall mirrors the node in front of it: v_ghost = sign v_inner, per component. The wall node lies in
 	/// the middle between the two.
 	void mirror(int ghost, int inner, const Vec<D>& sign);
@@ -144,6 +146,10 @@ public:
 	virtual double pressure(double) const { return 0.0; }
 	/// False: water only leaves.
 	virtual bool recharges() const { return true; }
+	/// True if water enters at a prescribed rate inflow(time) [m/s], with a temperature [degC] of its own or (NaN) that of the ground.
+	virtual bool   feeds() const { return false; }
+	virtual double inflow(double) const { return 0.0; }
+	virtual double inflowTemperature() const { return std::numeric_limits<double>::quiet_NaN(); }
 
 protected:
 	Region<D> region_;

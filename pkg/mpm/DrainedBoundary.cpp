@@ -17,13 +17,7 @@ template <int D> void DrainedBoundary<D>::validate(const Grid<D>& grid) const
 
 template <int D> void DrainedBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
 {
-	if (this->region_.kind != Region<D>::Kind::side) return;
-	const Side side   = this->region_.on;
-	const int  inward = side.upper ? -grid.nodeStride(side.axis) : grid.nodeStride(side.axis);
-	for (int node : wallNodes(grid, this->region_)) {
-		constraints.releaseLiquid(node, side.axis);
-		constraints.releaseLiquid(node - inward, side.axis);
-	}
+	if (this->region_.kind == Region<D>::Kind::side) constraints.releaseLiquid(grid, this->region_);
 }
 
 template class DrainedBoundary<2>;

@@ -79,12 +79,12 @@ bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, cons
 	const double       enough = emptyFilling * grid.cellVolume();
 	std::array<int, D> low, high, cell;
 	for (int a = 0; a < D; ++a) {
-		low[a]  = std::max(0, node[a] - 2);
-		high[a] = std::min(grid.cells(a) - 1, node[a] - 1);
+		low[a]  = std::max(0, node[a] - 3);
+		high[a] = std::min(grid.cells(a) - 1, node[a]);
 	}
-	for (int wall : { 0, grid.cells(axis) - 1 }) {
-		if (wall == 0 ? !lower : !upper) continue;
-		low[axis] = high[axis] = wall;
+	for (const bool atUpper : { false, true }) {
+		if (atUpper ? !upper : !lower) continue;
+		low[axis] = high[axis] = atUpper ? grid.cells(axis) - 1 : 0;
 		for (int a = 0; a < D; ++a)
 			high[a] = std::max(high[a], 0), low[a] = std::min(low[a], high[a]);
 		cell = low;

@@ -65,10 +65,16 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no " + effect
 			        + "; add it or leave this boundary out");
 		b->validate(grid);
+		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
+			throw std::invalid_argument(
+			        "boundaries[" + std::to_string(i) + "] = " + b->name() + ".temperature is set but the scene has no heat; leave it out or add heat");
 		for (std::size_t j = 0; j < i; ++j) {
 			const auto& other = settings.boundaries[j];
-			if (other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()) continue;
-			if (b->usesSurface() && other->usesSurface() && b->name() != other->name()) continue;
+			// a surface has either its pressure or its flux prescribed
+			const bool pressureAndFlux = (b->drains() && other->feeds()) || (b->feeds() && other->drains());
+			const bool mayMeet = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
+			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
+			if (mayMeet && !pressureAndFlux) continue;
 			const Region<D>&r = b->region(), &q = other->region();
 			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;

@@ -20,6 +20,10 @@ template <int D> void Ground<D>::Parts::seep()
 		if (boundary.drains())
 			water->drain(
 			        surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr);
+		if (boundary.feeds())
+			water->feed(
+			        surface->patch(b), boundary.inflow(clock.time + clock.dt), boundary.inflowTemperature(), clock.dt, liquidDensity(),
+			        enthalpyModel(), heat ? &heat->mapped : nullptr);
 	}
 	if (settings.energyLedger) {
 		double work = 0.0;

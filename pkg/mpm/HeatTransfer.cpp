@@ -230,8 +230,9 @@ void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& p
 		for (int i = 0; i < D; ++i)
 			area += n.area[i] * n.area[i];
 		area = std::sqrt(area);
-		// resistance of a quarter of a cell between the surface and the node that stands for it
-		const double coefficient = scale * (heat.atSurface ? 4.0 * surface.conductivity(n.node) / spacing : heat.coefficient);
+		// resistance of a quarter of a cell between the surface and the node that stands for it, that of the air in series
+		const double ground      = 4.0 * surface.conductivity(n.node) / spacing;
+		const double coefficient = scale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));
 		const double predicted   = mapped[n.node][0] + energy[n.node][0] / capacity;
 		const double conductance = dt * coefficient * area;
 		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + dt * scale * heat.flux * area;

@@ -3,6 +3,7 @@
 #include <pkg/mpm/PoreWater.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace talik {
 
@@ -221,16 +222,39 @@ void PoreWater<D>::drain(
 		m *= dt * liquidDensity;
 		if (m < 0.0 && !recharges) continue;
 		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
-		double*      r    = exchange[n.node];
-		r[0] -= m;
-		r[1] -= heat;
-		waterOut += m;
-		enthalpyOut += heat;
-		for (int a = 0; a < D; ++a) {
-			const double momentum = m * start[n.node][a];
-			r[2 + a] -= momentum;
-			momentumOut[a] += momentum;
-		}
+		leave(n.node, m, heat);
+	}
+}
+
+template <int D>
+void PoreWater<D>::feed(
+        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
+        const NodeField<1>* temperature)
+{
+	const double scaled = inflow * settings->permeability.hydraulicTimeScale * dt * liquidDensity;
+	for (const SurfaceNode<D>& n : patch.nodes) {
+		if (nodal[n.node][2] == 0.0) continue;
+		double area = 0.0;
+		for (int a = 0; a < D; ++a)
+			area += n.area[a] * n.area[a];
+		const double m    = scaled * std::sqrt(area);
+		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
+		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
+		leave(n.node, -m, -heat);
+	}
+}
+
+template <int D> void PoreWater<D>::leave(int node, double mass, double heat)
+{
+	double* r = exchange[node];
+	r[0] -= mass;
+	r[1] -= heat;
+	waterOut += mass;
+	enthalpyOut += heat;
+	for (int a = 0; a < D; ++a) {
+		const double momentum = mass * start[node][a];
+		r[2 + a] -= momentum;
+		momentumOut[a] += momentum;
 	}
 }
 

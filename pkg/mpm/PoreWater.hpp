@@ -47,6 +47,10 @@ public:
 	void seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.
 	void drain(const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
+	/// What is fed through a surface, inflow [m/s] into the ground; temperature of water that enters [degC], NaN: that of the node.
+	void feed(
+	        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
+	        const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells);
@@ -88,6 +92,8 @@ private:
 	static constexpr int cellSize = 4 + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize;
 	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
+	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
+	void leave(int node, double mass, double heat);
 	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
 	/// share: exchange per liquid mass of the point.
 	void take(int p, const double* share, double* waterMass, double* enthalpy);

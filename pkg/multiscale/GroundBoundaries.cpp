@@ -4,7 +4,7 @@
 
 namespace yade {
 YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)(SurfaceTemperature)(
-        HeatFlux)(SurfaceLoad));
+        HeatFlux)(WaterFlux)(SurfaceLoad));
 
 talik::Region<2> GroundBoundary::where() const
 {
@@ -39,6 +39,7 @@ GroundBoundary::Pointer SurfaceTemperature::build() const
 	return std::make_shared<talik::SurfaceTemperature<2>>(where(), overTime(temperature), heatTransferCoefficient);
 }
 GroundBoundary::Pointer HeatFlux::build() const { return std::make_shared<talik::HeatFlux<2>>(where(), overTime(flux)); }
+GroundBoundary::Pointer WaterFlux::build() const { return std::make_shared<talik::WaterFlux<2>>(where(), overTime(flux), temperature); }
 GroundBoundary::Pointer SurfaceLoad::build() const
 {
 	std::vector<talik::TimeTable> constant;

@@ -61,7 +61,7 @@ public:
 	virtual ~DrainedBoundary() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example: DrainedBoundary(region='surface').",
+	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Examples: DrainedBoundary(region='surface'); a pond that fills to 2 m within a day: DrainedBoundary(region='left',times=[0,86400],values=[0,19620]).",
 		((Real,pressure,0,,"Water pressure outside [Pa], compression positive; times and values may replace it."))
 		((bool,recharge,true,,"Water may also come in."))
 	);
@@ -94,7 +94,7 @@ public:
 	virtual ~SurfaceTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface or of the air above it. Example: SurfaceTemperature(region='surface',times=[0,1],values=[-5,10]).",
+	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. Examples: SurfaceTemperature(region='surface',times=[0,1],values=[-5,10]); a weather series, see talik.weather: times,values=talik.weather.airTemperature('station.csv'); SurfaceTemperature(region='surface',heatTransferCoefficient=15,times=times,values=values).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, scaled by the thermal time scale; infinite: the surface itself has the temperature."))
 	);
@@ -113,6 +113,19 @@ public:
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(HeatFlux);
+
+class WaterFlux : public GroundBoundary {
+public:
+	virtual ~WaterFlux() {};
+	Pointer build() const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(WaterFlux,GroundBoundary,"Water fed into the ground per unit area of a side or of the surface (rain, a spring; negative: drawn out), whatever pressure that takes; refused where a DrainedBoundary prescribes the pressure. The balance keeps account of it as negative waterOut. Example, 20 mm of rain a day: WaterFlux(region='surface',flux=0.02/86400).",
+		((Real,flux,0,,"Volume of water per area and time into the ground [m/s], scaled by PoreWater.hydraulicTimeScale; times and values may replace it."))
+		((Real,temperature,NaN,,"Of the water that enters [degC], 0 to 100; NaN: that of the ground where it enters."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(WaterFlux);
 
 class SurfaceLoad : public GroundBoundary {
 public:

@@ -90,6 +90,14 @@ refused = {
 	"wall temperature without heat": (
 		dict(**motion, boundaries=lambda: [WallTemperature(region="left", temperature=10)]), "WallTemperature on side left", "add it or leave"),
 	"drainage without water": (dict(**motion, boundaries=lambda: [DrainedBoundary(region="surface")]), "DrainedBoundary", "add it or leave"),
+	"fed with water without water": (dict(**motion, boundaries=lambda: [WaterFlux(region="left", flux=1e-6)]), "WaterFlux on side left", "add it or leave"),
+	"pressure and flux of water on one side": (
+		dict(**water, boundaries=lambda: [DrainedBoundary(region="left"), WaterFlux(region="left", flux=1e-6)]), "WaterFlux", "remove it"),
+	"flux into an impermeable side": (
+		dict(**water, boundaries=lambda: [ImpermeableBoundary(region="left"), WaterFlux(region="left", flux=1e-6)]), "WaterFlux", "remove it"),
+	"warm rain without heat": (
+		dict(**water, boundaries=lambda: [WaterFlux(region="left", flux=1e-6, temperature=8)]), "WaterFlux.temperature is set", "add heat"),
+	"ice that flows": (dict(**everything, boundaries=lambda: [WaterFlux(region="left", temperature=-8)]), "WaterFlux.temperature = -8", "leave it out"),
 	"roller without motion": (dict(**heat, boundaries=lambda: [RollerBoundary(region="left")]), "RollerBoundary", "add it or leave"),
 	"no points": (dict(**motion, points=False), "no material points", "talik.geometry.fill"),
 	"spacing not a number": (dict(**motion, gridSpacing=nan), "MpmEngine.gridSpacing is nan", "positive spacing in m"),
