@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Weather series: what a file says arrives unchanged, what it must not say is refused with its line."""
+
+import pytest
+
+from talik import weather
+
+series = "# station\ntime [s],air temperature [degC],snow [m]\n0,-20.5,0.3\n\n86400,-19,0.3\n172800,2.25\n"
+
+
+def written(folder, text):
+	path = folder / "station.csv"
+	path.write_text(text)
+	return path
+
+
+def test_a_series_is_read_as_it_stands_with_heading_comments_and_further_columns(tmp_path):
+	times, values = weather.airTemperature(written(tmp_path, series))
+	print(times, values)
+	assert times == [0, 86400, 172800] and values == [-20.5, -19, 2.25]
+
+
+def test_a_series_without_heading_keeps_its_first_line(tmp_path):
+	assert weather.airTemperature(written(tmp_path, "0, 1\n5, 2\n")) == ([0, 5], [1, 2])
+
+
+def test_hastened_heat_sees_the_series_as_much_faster_from_the_chosen_start(tmp_path):
+	times, values = weather.airTemperature(written(tmp_path, series), thermalTimeScale=8.64e5, start=86400)
+	print(times)
+	assert times == pytest.approx([-0.1, 0, 0.1], abs=1e-15) and values == [-20.5, -19, 2.25]
+
+
+@pytest.mark.parametrize(
+	"text, message",
+	[
+		("time,temperature\n0,1\n5,warm\n", "line 3: air temperature 'warm' is not a number"),
+		("0,1\n5,nan\n", "line 2: air temperature 'nan'"),
+		("0,1\n\n5\n", "line 3: 1 column"),
+		("0,1\n5,2\n5,3\n", "line 3: time 5 s follows 5 s; times must increase"),
+		("0,1\n5,250\n", "line 2: air temperature 250 must lie between"),
+		("time,temperature\n", "holds no data"),
+		("", "holds no data"),
+	],
+)
+def test_a_faulty_series_is_refused_with_file_and_line(tmp_path, text, message):
+	with pytest.raises(ValueError) as refusal:
+		weather.airTemperature(written(tmp_path, text))
+	print(refusal.value)
+	assert message in str(refusal.value) and "station.csv" in str(refusal.value)
+
+
+def test_a_missing_file_and_a_bad_scale_are_refused(tmp_path):
+	with pytest.raises(ValueError, match="cannot be read"):
+		weather.airTemperature(tmp_path / "none.csv")
+	for scale in (0, -1, float("inf")):
+		with pytest.raises(ValueError, match="thermalTimeScale"):
+			weather.airTemperature(written(tmp_path, series), thermalTimeScale=scale)
