@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Prints what the tests measured: usage  test-table.py <JUnit file of ctest>."""
+"""Prints what the tests measured: usage  test-table.py <JUnit file of ctest>.
+
+Rows "case: figure | measured | reference | error | tolerance | source" of all tests end up in one table."""
 
 import re
 import sys
@@ -15,6 +17,9 @@ scaffold = re.compile(
 
 
 requirement = re.compile(r"^\[ RUN\s+\] (\S+)")  # of GoogleTest; pytest's names come as lines of their own
+
+
+row = re.compile(r"^[^|]+(\|[^|]*){4}\|[^|]*$")
 
 
 def measuredLines(text):
@@ -36,12 +41,18 @@ def main(path):
 	except (OSError, ElementTree.ParseError) as error:
 		sys.exit(f"test-table.py: no test report in {path}: {error}")
 	print("\nWhat the tests measured")
+	rows = []
 	for case in cases:
 		state = outcome(case)
 		print(f"\n{state:8s}{case.get('name')}  ({float(case.get('time', 0)):.1f} s)")
 		if state == "ok":
-			for line in measuredLines(case.findtext("system-out")):
+			lines = measuredLines(case.findtext("system-out"))
+			rows += [line for line in lines if row.match(line)]
+			for line in lines if not any(map(row.match, lines)) else ():
 				print("        " + line)
+	rows = [line for line in dict.fromkeys(rows) if not line.startswith("case ")]
+	if rows:
+		print(f"\n{'case: figure':80s} | {'measured':>13s} | {'reference':>13s} | {'error':>10s} | {'tolerance':>8s} | source\n" + "\n".join(rows))
 	failed = [case.get("name") for case in cases if outcome(case) != "ok"]
 	seconds = sum(float(case.get("time", 0)) for case in cases)
 	print(f"\n{len(cases) - len(failed)} of {len(cases)} tests passed in {seconds:.0f} s" + (f"; not passed: {', '.join(failed)}" if failed else ""))

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Cases of the validation that need samples: ice that forms stress-free, biaxial compression."""
+
+import numpy as np
+import pytest
+from validation_report import Report
+from yade import Matrix3, O, wrapper
+
+import talik
+from talik import rve, slope, thawslump
+
+confinement = 100e3  # [Pa]
+
+
+@pytest.fixture(scope="module")
+def sample(sampleCache):
+	"""60 grains without ice at 100 kPa, packed."""
+	return slope.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+
+
+def strained(xx, yy):
+	return Matrix3(xx, 0, 0, 0, yy, 0, 0, 0, 0)
+
+
+def advancedBy(sample, yy, ice, increments=20, xx=0.0):
+	for _ in range(increments):
+		stress = sample.apply(strained(xx / increments, yy / increments), ice)["stress"]
+	return np.array(stress)[:3]
+
+
+# ---- ice forms stress-free ------------------------------------------------------------------------------------------------
+
+
+def test_ground_loaded_frozen_unloaded_and_thawed_is_left_without_stress_of_its_own(sample):
+	"""Column of a sample under vertical strain: loaded while thawed, frozen, brought back to its height, thawed."""
+	report = Report("Samples.LoadFreezeUnloadThaw", "ice stress-free at birth (OGS column)")
+	column, strain = sample.copy(), 1e-5
+	start = advancedBy(column, 0, 0)
+	loaded = advancedBy(column, -strain, 0)
+	rise = start[1] - loaded[1]
+	frozen = advancedBy(column, 0, 1)
+	report.expectScaled("load-freeze-unload-thaw, sample: stress change on freezing over load", frozen[1], loaded[1], rise, 0.02)
+	back = advancedBy(column, strain, 1)
+	# the ice, six times as stiff as the grains' contacts without it, is stretched by the strain that the grains get rid of
+	locked = back[1] - start[1]
+	assert locked > 2 * rise
+	thawed = advancedBy(column, 0, 0)
+	report.expectScaled("load-freeze-unload-thaw, sample: residual stress after thaw over load", thawed[1], start[1], rise, 0.1)
+	report.expectScaled("load-freeze-unload-thaw, sample: residual stress after thaw over that of the ice", thawed[1] - start[1], 0.0, locked, 0.02)
+	report.draw(
+		"load_freeze_unload_thaw_sample", "Sample: loaded thawed, frozen, unloaded, thawed", "stage (0 start, 1 load, 2 freeze, 3 unload, 4 thaw)", "vertical stress [kPa]",
+		[
+			("stress", "computed", range(5), 1e-3 * np.array([start[1], loaded[1], frozen[1], back[1], thawed[1]])),
+			("stress-free ice, none left", "reference", [0, 1, 2, 4], 1e-3 * np.array([start[1], loaded[1], loaded[1], start[1]])),
+		],
+	)
+
+
+# ---- biaxial compression --------------------------------------------------------------------------------------------------
+
+
+def biaxial(sample, end, increments=200):
+	"""Vertical strain and stresses (xx, yy) of a sample compressed at constant lateral stress, servo by the strain across."""
+	driven, across, path = sample.copy(), 0.0, []
+	for k in range(increments):
+		stress = np.array(driven.apply(strained(across, -end / increments), 0)["stress"])
+		across = -(stress[0] + confinement) / 40e6
+		path.append(((k + 1) * end / increments, stress[0], stress[1]))
+	return np.array(path).T
+
+
+def test_homogeneous_block_under_biaxial_compression_follows_its_sample(sample):
+	"""A block of 4 x 4 cells, 100 kPa around it, loaded from above: the ground in its lower left quarter, far from the loaded surfaces, goes the way of a sample that is
+	compressed at constant lateral stress."""
+	report = Report("Samples.BiaxialCompression", "the same sample under a servo")
+	h, deviator, rampTime = 0.1, 30e3, 0.3
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h, lower=(0, 0), upper=(0.7, 0.7), damping=0.3, skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=5e-6),
+		boundaries=[
+			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="bottom"), wrapper.SurfaceLoad(region="surface", pressure=confinement),
+			wrapper.SurfaceLoad(region="surface", lower=(-1, 0.35), upper=(1, 1), times=[0.05, rampTime], values=[0, deviator]),
+		],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.4, 0.4), porosity=0.4)
+	O.engines = [mpm]
+	mpm.initialise()
+	start = mpm.field("position")
+	middle = (start[:, 1] < 0.2) & (start[:, 0] < 0.2)
+	path = [(0.0, -confinement, -confinement)]
+	for instant in np.linspace(0.1, rampTime, 5):
+		thawslump.runUntil(instant)
+		stress, gradient = mpm.field("stress"), mpm.field("deformationGradient")
+		path.append((1 - gradient[middle][:, 3].mean(), stress[middle][:, 0].mean(), stress[middle][:, 1].mean()))
+	strain, lateral, vertical = np.array(path).T
+	reference = biaxial(sample, strain[-1])
+	report.expectRelative("biaxial compression, block of ground: lateral stress [Pa]", lateral[-1], -confinement, 0.1)
+	wanted = np.interp(strain[1:], reference[0], reference[1] - reference[2])
+	error = np.sqrt(np.mean((lateral[1:] - vertical[1:] - wanted) ** 2))
+	report.expectScaled("biaxial compression, block of ground: rms of the deviator over its end [Pa]", error, 0, wanted[-1], 0.1)
+	report.draw(
+		"biaxial", "Biaxial compression at 100 kPa: block of ground, and its sample", "vertical strain [1e-3]", "deviator [kPa]",
+		[("block", "computed", 1e3 * strain, 1e-3 * (lateral - vertical)), ("sample", "reference", 1e3 * reference[0], 1e-3 * (reference[1] - reference[2]))],
+	)
