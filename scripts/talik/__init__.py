@@ -96,6 +96,15 @@ def __getattr__(name):
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
 
 
-from .inspection import back, extend as _extend, inspect
+@_contextmanager
+def inspect(scene):
+	"""Shows a Scene in O for the block: bodies, interactions, cell, engines and the 3-D view are its own; afterwards O is what it was.
 
-_extend(_sys.modules['yade.wrapper'].MpmEngine)
+	>>> with talik.inspect(mpm.skeleton.sample(12).open()):
+	...     print(len(O.bodies))
+	"""
+	former = _talik.exchangeScene(scene)
+	try:
+		yield scene
+	finally:
+		_talik.exchangeScene(former)
