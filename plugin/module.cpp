@@ -7,6 +7,7 @@
 #include <core/Scene.hpp>
 #include <boost/python/numpy.hpp>
 #include <pkg/common/OpenGLRenderer.hpp>
+#include <pkg/multiscale/CheckpointFile.hpp>
 #include <omp.h>
 
 namespace py = boost::python;
@@ -50,6 +51,7 @@ namespace {
 		if (!mismatch.empty()) raise(PyExc_ImportError, mismatch);
 		const auto ours = unregisteredClasses();
 		if (!ours.empty()) registerIntoRunningYade(ours);
+		checkpointClasses().insert(checkpointClasses().end(), ours.begin(), ours.end());
 		py::list result;
 		for (const auto& name : ours)
 			result.append(name);

@@ -16,7 +16,7 @@ namespace {
 	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy.
 	constexpr int numbersPerPoint = 12;
 
-	const char archiveMagic[] = "talik ground 2";
+	const char archiveMagic[] = "talik ground 3";
 
 	np::ndarray asArray(const py::object& values) { return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO); }
 
@@ -452,11 +452,19 @@ void MpmEngine::preSave(MpmEngine&)
 	writer.block(archiveMagic);
 	writer.block(&stableStep, sizeof stableStep);
 	writer.block(&stepsUntilLimit, sizeof stepsUntilLimit);
-	for (const auto& array : ground->state())
+	for (const auto& array : ground->state()) {
+		writer.block(array.name);
 		writer.block(array.data, array.bytes);
+	}
 	for (const auto& law : activeSkeletons())
 		writer.block(law->savedState());
 	saved = talik::toBase64(writer.bytes());
+}
+
+/// A running ground needs its archived state no more; that of one loaded and not yet begun is its only one.
+void MpmEngine::postSave(MpmEngine&)
+{
+	if (ground) string().swap(saved);
 }
 
 void MpmEngine::restoreSavedState()
@@ -464,12 +472,15 @@ void MpmEngine::restoreSavedState()
 	if (saved.empty()) return;
 	const string      bytes = talik::fromBase64(saved);
 	talik::ByteReader reader(bytes);
-	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik.");
+	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik: continue it with the version that saved it.");
 	// the run goes on with the same time steps as if it had not been saved
 	reader.block(&stableStep, sizeof stableStep);
 	reader.block(&stepsUntilLimit, sizeof stepsUntilLimit);
-	for (const auto& array : ground->state())
+	for (const auto& array : ground->state()) {
+		const string name = reader.block();
+		if (name != array.name) throw std::runtime_error("MpmEngine: the saved state has the field '" + name + "' where this Talik has '" + array.name + "': continue it with the version that saved it.");
 		reader.block(array.data, array.bytes);
+	}
 	ground->stateRestored();
 	for (const auto& law : activeSkeletons())
 		law->restoreState(reader.block());

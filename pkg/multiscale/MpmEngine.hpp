@@ -38,6 +38,7 @@ public:
 	void                    setTemperature(::boost::python::object values);
 
 	void preSave(MpmEngine&);
+	void postSave(MpmEngine&);
 
 	/// The running ground; throws if there is none yet.
 	talik::Ground<2>& runningGround();

@@ -8,6 +8,21 @@ namespace talik {
 
 using Matrix = PackedTypes<2>::Matrix;
 
+namespace {
+	bool same(const PackedGrains& a, const PackedGrains& b) { return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id; }
+
+	/// Samples of one preparation hold its constants once, as they did before they were saved.
+	void shareGrains(PackedState<2>& state, std::vector<std::shared_ptr<const PackedGrains>>& known)
+	{
+		for (const auto& grains : known)
+			if (same(*grains, *state.grains)) {
+				state.grains = grains;
+				return;
+			}
+		known.push_back(state.grains);
+	}
+} // namespace
+
 void refuseMeasure(const std::string& name)
 {
 	throw std::invalid_argument(
@@ -101,9 +116,13 @@ void PackedStore::save(ByteWriter& writer) const
 
 void PackedStore::restore(ByteReader& reader)
 {
-	std::vector<StatePointer> distinct(reader.number());
-	for (auto& state : distinct)
-		state = std::make_shared<PackedState<2>>(PackedState<2>::fromBytes(reader.block()));
+	std::vector<StatePointer>                        distinct(reader.number());
+	std::vector<std::shared_ptr<const PackedGrains>> known;
+	for (auto& stored : distinct) {
+		auto state = std::make_shared<PackedState<2>>(PackedState<2>::fromBytes(reader.block()));
+		shareGrains(*state, known);
+		stored = std::move(state);
+	}
 	pool.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)
 		pool.add(distinct.at(reader.number()));

@@ -11,6 +11,8 @@ namespace talik {
 namespace {
 	using Matrix = PackedTypes<2>::Matrix;
 
+	const char archiveMagic[] = "talik samples 2";
+
 	constexpr double stressFloor      = 1e3;  ///< sigma_ref of the relative error [Pa]
 	constexpr double failingRatio     = 0.3;  ///< below it a point deforms plastically: no prediction, a tighter tolerance
 	constexpr double failingTightness = 0.25;
@@ -268,24 +270,36 @@ std::size_t SampleSkeleton::sampleNumber(int id) const
 std::string SampleSkeleton::save() const
 {
 	ByteWriter writer;
+	writer.block(archiveMagic);
 	store->save(writer);
 	writer.number(sampleOf.size());
 	for (const int s : sampleOf)
 		writer.number(std::uint64_t(s + 1));
 	writer.number(count.calls);
 	writer.number(count.steps);
+	writer.number(failures.size());
+	for (const auto& [id, reason] : failures) {
+		writer.number(std::uint64_t(id));
+		writer.block(reason);
+	}
 	return writer.bytes();
 }
 
 void SampleSkeleton::restore(const std::string& bytes)
 {
 	ByteReader reader(bytes);
+	if (reader.block() != archiveMagic) throw std::runtime_error("RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
 	store->restore(reader);
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)
 		s = int(reader.number()) - 1;
 	count.calls = reader.number();
 	count.steps = reader.number();
+	failures.clear();
+	for (std::uint64_t left = reader.number(); left > 0; left--) {
+		const int id = int(reader.number());
+		failures[id] = reader.block();
+	}
 }
 
 } // namespace talik

@@ -12,7 +12,7 @@ if 'yade.wrapper' not in _sys.modules:
 from contextlib import contextmanager as _contextmanager
 from time import sleep as _sleep
 
-from . import _talik
+from . import _talik, console as _console
 
 
 def _publishClasses():
@@ -21,6 +21,7 @@ def _publishClasses():
 	from yade import wrapper
 	for name in _talik.registerClasses():
 		constructor = getattr(wrapper, name)
+		_console.nameAttributesInErrors(constructor)
 		globals()[name] = constructor
 		setattr(builtins, name, constructor)
 
@@ -74,6 +75,14 @@ with _paused():
 	_renewView()
 
 
+def _makeRunsInterruptible():
+	from yade import O
+	_console.makeRunsInterruptible(type(O))
+
+
+_makeRunsInterruptible()
+
+
 @_contextmanager
 def scratchScene():
 	"""A fresh current scene for the block; the former one comes back afterwards, untouched.
@@ -90,7 +99,7 @@ def scratchScene():
 
 def __getattr__(name):
 	"""Submodules are loaded when they are first used: the import itself stays in milliseconds."""
-	if name in ('accuracy', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'rve', 'slope', 'thawslump', 'weather'):
+	if name in ('accuracy', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'rve', 'slope', 'thawslump', 'weather'):
 		import importlib
 		return importlib.import_module('talik.' + name)
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
@@ -108,3 +117,9 @@ def inspect(scene):
 		yield scene
 	finally:
 		_talik.exchangeScene(former)
+
+
+def resume(file):
+	"""Goes on with the run in a checkpoint: its scene becomes that of O, its MpmEngine is returned. See talik.checkpoint."""
+	from . import checkpoint
+	return checkpoint.resume(file)

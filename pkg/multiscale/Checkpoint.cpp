@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <iostream>
+#include <pkg/multiscale/Checkpoint.hpp>
+#include <pkg/multiscale/CheckpointFile.hpp>
+
+namespace py = boost::python;
+
+namespace yade {
+YADE_PLUGIN((Checkpoint));
+
+void Checkpoint::start()
+{
+	if (!(every >= 0)) throw std::invalid_argument("Checkpoint.every is " + boost::lexical_cast<string>(every) + ": give 0 or more seconds.");
+	if (scene->engines.empty() || scene->engines.front().get() != this)
+		throw std::invalid_argument("Checkpoint is not the first of O.engines: put it first, or use talik.checkpoint.keep(file); later engines find a step half done.");
+	talik::requireWritable(file);
+	started = true;
+	last    = Clock::now();
+}
+
+void Checkpoint::action()
+{
+	if (!started) start();
+	if (every > 0 && std::chrono::duration<double>(Clock::now() - last).count() < every) return;
+	tryToWrite();
+	last = Clock::now();
+}
+
+void Checkpoint::tryToWrite()
+{
+	const bool saidBefore = !problem.empty();
+	try {
+		talik::writeCheckpoint(file, Omega::instance().getScene());
+		problem.clear();
+		done++;
+	} catch (const std::runtime_error& failure) {
+		failures++;
+		problem = failure.what();
+		if (!saidBefore) std::cerr << problem << "; the run goes on and tries again." << std::endl;
+	}
+}
+
+void Checkpoint::write(const string& file)
+{
+	if (Omega::instance().isRunning()) throw std::runtime_error("Checkpoint.write needs a paused simulation: call O.pause() first, or use talik.checkpoint.keep(file).");
+	talik::requireWritable(file);
+	talik::writeCheckpoint(file, Omega::instance().getScene());
+}
+
+shared_ptr<Scene> Checkpoint::read(const string& file) { return talik::readCheckpoint(file); }
+
+py::dict Checkpoint::describe(const string& file)
+{
+	const auto header = talik::inspectCheckpoint(file);
+	py::dict   d;
+	d["format"]  = header.format;
+	d["written"] = header.written;
+	d["step"]    = header.step;
+	d["time"]    = header.time;
+	d["bytes"]   = header.bytes;
+	return d;
+}
+
+} // namespace yade

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <lib/factory/ClassFactory.hpp>
+#include <pkg/multiscale/CheckpointFile.hpp>
+
+#include <boost/crc.hpp>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace talik {
+using yade::Scene;
+
+namespace {
+	constexpr int         currentFormat = 1;
+	constexpr std::size_t headerLength  = 4096;
+	const char            firstLine[]   = "Talik checkpoint";
+
+	using Checksum = boost::crc_optimal<64, 0x42F0E1EBA9EA3693ULL, ~0ULL, ~0ULL, true, true>;
+
+	std::string hexadecimal(std::uint64_t value)
+	{
+		std::ostringstream text;
+		text << std::hex << std::setw(16) << std::setfill('0') << value;
+		return text.str();
+	}
+
+	[[noreturn]] void failToWrite(const std::string& file, const std::string& why) { throw std::runtime_error("checkpoint '" + file + "' could not be written: " + why); }
+	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
+
+	std::filesystem::path folderOf(const std::string& file)
+	{
+		const auto folder = std::filesystem::path(file).parent_path();
+		return folder.empty() ? std::filesystem::path(".") : folder;
+	}
+
+	// ---- writing --------------------------------------------------------------------------------------------------------
+
+	/// Stream buffer over a file that knows how much went through it and its checksum. Nothing reaches `file` unless commit() ends.
+	class FileBesides : public std::streambuf {
+	public:
+		explicit FileBesides(std::string file)
+		        : file_(std::move(file))
+		        , beside_(file_ + ".part")
+		        , buffer_(std::size_t(1) << 20)
+		{
+			std::error_code error;
+			std::filesystem::create_directories(folderOf(file_), error);
+			descriptor_ = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+			if (descriptor_ < 0) failToWrite(file_, std::strerror(errno));
+			write(std::string(headerLength, ' ').data(), headerLength);
+			setp(buffer_.data(), buffer_.data() + buffer_.size());
+		}
+		~FileBesides() override
+		{
+			if (descriptor_ >= 0) ::close(descriptor_);
+			if (!committed_) ::unlink(beside_.c_str());
+		}
+
+		std::uint64_t bytes() const { return bytes_; }
+		std::uint64_t checksum() const { return checksum_.checksum(); }
+		int           problem() const { return problem_; }
+		bool          flush() { return sync() == 0; }
+
+		/// Puts the header in its place, waits for the disk, and lets the file take the place of the former one.
+		void commit(std::string header)
+		{
+			header.resize(headerLength, ' ');
+			if (::pwrite(descriptor_, header.data(), headerLength, 0) != ssize_t(headerLength) || ::fsync(descriptor_) != 0) failToWrite(file_, std::strerror(errno));
+			const int open = descriptor_;
+			descriptor_    = -1;
+			if (::close(open) != 0 || std::rename(beside_.c_str(), file_.c_str()) != 0) failToWrite(file_, std::strerror(errno));
+			committed_       = true;
+			const int folder = ::open(folderOf(file_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+			if (folder < 0) return;
+			::fsync(folder); // the new name survives a power failure, too
+			::close(folder);
+		}
+
+	protected:
+		int_type overflow(int_type c) override
+		{
+			if (sync() != 0) return traits_type::eof();
+			if (!traits_type::eq_int_type(c, traits_type::eof())) sputc(traits_type::to_char_type(c));
+			return traits_type::not_eof(c);
+		}
+		int sync() override
+		{
+			const std::size_t length = std::size_t(pptr() - pbase());
+			checksum_.process_bytes(pbase(), length);
+			bytes_ += length;
+			const bool written = write(pbase(), length);
+			setp(buffer_.data(), buffer_.data() + buffer_.size());
+			return written ? 0 : -1;
+		}
+
+	private:
+		bool write(const char* data, std::size_t length)
+		{
+			while (length > 0 && problem_ == 0) {
+				const ssize_t done = ::write(descriptor_, data, length);
+				if (done < 0 && errno == EINTR) continue;
+				if (done < 0) problem_ = errno;
+				else data += done, length -= std::size_t(done);
+			}
+			return problem_ == 0;
+		}
+
+		std::string       file_, beside_;
+		std::vector<char> buffer_;
+		int               descriptor_ = -1, problem_ = 0;
+		bool              committed_ = false;
+		std::uint64_t     bytes_     = 0;
+		Checksum          checksum_;
+	};
+
+	/// A step that has only begun is written as not begun; in a periodic scene the cell has moved already, there it stays begun.
+	class BetweenSteps {
+	public:
+		explicit BetweenSteps(Scene& s)
+		        : scene(s)
+		        , before(s.subStep)
+		{
+			if (!s.isPeriodic && !s.subStepping) s.subStep = -1;
+		}
+		~BetweenSteps() { scene.subStep = before; }
+
+	private:
+		Scene&    scene;
+		const int before;
+	};
+
+	// ---- classes --------------------------------------------------------------------------------------------------------
+
+	/// Names of all tags of an XML archive, in their order.
+	std::string tags(const std::string& xml)
+	{
+		std::string names;
+		for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', at + 1))
+			if (std::isalpha(static_cast<unsigned char>(xml[at + 1]))) names.append(xml, at, xml.find_first_of(" >\t\n", at) - at);
+		return names;
+	}
+
+	std::string layoutOf(const std::string& name)
+	{
+		const auto instance = boost::dynamic_pointer_cast<yade::Serializable>(yade::ClassFactory::instance().createShared(name));
+		if (!instance) return "";
+		boost::shared_ptr<Scene> scene(new Scene);
+		scene->miscParams.push_back(instance);
+		std::ostringstream xml;
+		{
+			boost::archive::xml_oarchive archive(xml);
+			archive << boost::serialization::make_nvp("scene", scene);
+		}
+		const std::string text  = xml.str();
+		const std::size_t first = text.find("<miscParams");
+		const std::string names = tags(text.substr(first, text.find("</miscParams>") - first));
+		boost::crc_32_type digest;
+		digest.process_bytes(names.data(), names.size());
+		return hexadecimal(digest.checksum()).substr(8);
+	}
+
+	const std::map<std::string, std::string>& classLayouts()
+	{
+		static const std::map<std::string, std::string> layouts = [] {
+			std::map<std::string, std::string> found;
+			for (const auto& name : checkpointClasses()) {
+				const std::string layout = layoutOf(name);
+				if (!layout.empty()) found[name] = layout;
+			}
+			return found;
+		}();
+		return layouts;
+	}
+
+	// ---- header ---------------------------------------------------------------------------------------------------------
+
+	std::string now()
+	{
+		const std::time_t clock = std::time(nullptr);
+		std::tm           parts {};
+		gmtime_r(&clock, &parts);
+		char text[32];
+		std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts);
+		return text;
+	}
+
+	std::string toText(const CheckpointHeader& h)
+	{
+		std::ostringstream text;
+		text << firstLine << "\nformat " << h.format << "\nwritten " << h.written << "\nstep " << h.step << "\ntime " << std::setprecision(17) << h.time
+		     << "\nbytes " << h.bytes << "\nchecksum " << hexadecimal(h.checksum) << "\n";
+		for (const auto& [name, layout] : h.classes)
+			text << "class " << name << " " << layout << "\n";
+		text << "end\n";
+		if (text.str().size() > headerLength) throw std::logic_error("the header of a checkpoint is too short for its classes");
+		return text.str();
+	}
+
+	CheckpointHeader readHeader(const std::string& file, std::istream& stream)
+	{
+		std::string text(headerLength, '\0');
+		stream.read(&text[0], headerLength);
+		const bool ours = text.compare(0, std::strlen(firstLine), firstLine) == 0;
+		if (!ours) refuse(file, "is not a checkpoint: give a file that talik.checkpoint wrote; other scenes are loaded by O.load");
+		if (std::size_t(stream.gcount()) < headerLength) refuse(file, "is truncated: take an earlier one");
+		CheckpointHeader   h;
+		std::istringstream lines(text.substr(std::strlen(firstLine)));
+		std::string        key;
+		while (lines >> key && key != "end") {
+			if (key == "format") lines >> h.format;
+			else if (key == "step") lines >> h.step;
+			else if (key == "time") lines >> h.time;
+			else if (key == "bytes") lines >> h.bytes;
+			else if (key == "checksum") lines >> std::hex >> h.checksum >> std::dec;
+			else if (key == "written") std::getline(lines >> std::ws, h.written);
+			else if (key == "class") {
+				std::string name, layout;
+				lines >> name >> layout;
+				h.classes[name] = layout;
+			}
+		}
+		if (h.format != currentFormat)
+			refuse(file,
+			       "has format " + std::to_string(h.format) + ", written " + h.written + "; this Talik reads format " + std::to_string(currentFormat)
+			               + ": resume it with the version that wrote it");
+		if (key != "end") refuse(file, "is damaged in its first lines: take an earlier one");
+		return h;
+	}
+
+	// ---- reading --------------------------------------------------------------------------------------------------------
+
+	/// Reads what follows the header, piece by piece.
+	template <class Piece> void overScene(std::istream& stream, std::uint64_t bytes, Piece&& piece)
+	{
+		std::vector<char> buffer(std::size_t(1) << 20);
+		while (bytes > 0 && stream) {
+			stream.read(buffer.data(), std::streamsize(std::min<std::uint64_t>(buffer.size(), bytes)));
+			piece(buffer.data(), std::size_t(stream.gcount()));
+			bytes -= std::uint64_t(stream.gcount());
+		}
+	}
+
+	void requireWhole(const std::string& file, const CheckpointHeader& h, std::istream& stream)
+	{
+		const std::uint64_t length = std::filesystem::file_size(file);
+		if (length < headerLength + h.bytes)
+			refuse(file, "is truncated, " + std::to_string(length) + " of " + std::to_string(headerLength + h.bytes) + " bytes are there: take an earlier one");
+		if (length > headerLength + h.bytes) refuse(file, "is longer than what was written: take an earlier one");
+		Checksum checksum;
+		overScene(stream, h.bytes, [&](const char* data, std::size_t count) { checksum.process_bytes(data, count); });
+		if (checksum.checksum() != h.checksum) refuse(file, "is damaged, its checksum does not fit: take an earlier one");
+	}
+
+	/// Classes of the checkpoint that have other attributes here. Archives name the classes of what they hold.
+	std::string changedClasses(const CheckpointHeader& h, std::istream& stream)
+	{
+		std::vector<std::pair<std::string, bool>> changed;
+		for (const auto& [name, layout] : h.classes) {
+			const auto here = classLayouts().find(name);
+			if (here == classLayouts().end() || here->second != layout) changed.push_back({ name, false });
+		}
+		if (changed.empty()) return "";
+		std::string tail; // a name may lie across two pieces
+		overScene(stream, h.bytes, [&](const char* data, std::size_t count) {
+			tail.append(data, count);
+			for (auto& [name, held] : changed)
+				held = held || tail.find("yade::" + name) != std::string::npos;
+			tail.erase(0, tail.size() > 256 ? tail.size() - 256 : 0);
+		});
+		std::string names;
+		for (const auto& [name, held] : changed)
+			if (held) names += (names.empty() ? "" : ", ") + name;
+		return names;
+	}
+
+	std::ifstream openFile(const std::string& file)
+	{
+		std::error_code error;
+		if (!std::filesystem::exists(file, error)) refuse(file, "does not exist: give a file that talik.checkpoint wrote");
+		if (!std::filesystem::is_regular_file(file, error)) refuse(file, "is not a file: give one that talik.checkpoint wrote");
+		std::ifstream stream(file, std::ios::binary);
+		if (!stream) refuse(file, std::string("cannot be read (") + std::strerror(errno) + "): give a file of yours");
+		return stream;
+	}
+
+} // namespace
+
+std::vector<std::string>& checkpointClasses()
+{
+	static std::vector<std::string> names;
+	return names;
+}
+
+void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& scene)
+{
+	FileBesides beside(file);
+	try {
+		const BetweenSteps              whole(*scene);
+		boost::archive::binary_oarchive archive(beside);
+		boost::shared_ptr<Scene>        held = scene;
+		archive << boost::serialization::make_nvp("scene", held);
+	} catch (const boost::archive::archive_exception& problem) {
+		failToWrite(file, beside.problem() ? std::strerror(beside.problem()) : problem.what());
+	}
+	if (!beside.flush()) failToWrite(file, std::strerror(beside.problem()));
+	CheckpointHeader h;
+	h.format   = currentFormat;
+	h.bytes    = beside.bytes();
+	h.checksum = beside.checksum();
+	h.step     = scene->iter;
+	h.time     = scene->time;
+	h.written  = now();
+	h.classes  = classLayouts();
+	beside.commit(toText(h));
+}
+
+void requireWritable(const std::string& file)
+{
+	if (file.empty()) throw std::invalid_argument("Checkpoint.file is empty: give the name of a file, e.g. 'output/slope.checkpoint'.");
+	std::error_code error;
+	if (std::filesystem::is_directory(file, error)) throw std::invalid_argument("Checkpoint.file is '" + file + "', a folder: give the name of a file in it.");
+	try {
+		FileBesides probe(file);
+		if (probe.problem()) failToWrite(file, std::strerror(probe.problem()));
+	} catch (const std::runtime_error& problem) {
+		throw std::invalid_argument("Checkpoint.file is '" + file + "': " + problem.what() + "; choose a file in a folder of yours.");
+	}
+}
+
+CheckpointHeader inspectCheckpoint(const std::string& file)
+{
+	std::ifstream          stream = openFile(file);
+	const CheckpointHeader h      = readHeader(file, stream);
+	requireWhole(file, h, stream);
+	return h;
+}
+
+boost::shared_ptr<Scene> readCheckpoint(const std::string& file)
+{
+	const CheckpointHeader h      = inspectCheckpoint(file);
+	std::ifstream          stream = openFile(file);
+	stream.seekg(headerLength);
+	const std::string changed = changedClasses(h, stream);
+	if (!changed.empty())
+		refuse(file, "was written " + h.written + " by a Talik in which " + changed + " had other attributes: resume it with that version, or start anew");
+	stream.clear();
+	stream.seekg(headerLength);
+	try {
+		boost::archive::binary_iarchive archive(stream);
+		boost::shared_ptr<Scene>        scene;
+		archive >> boost::serialization::make_nvp("scene", scene);
+		return scene;
+	} catch (const boost::archive::archive_exception& problem) {
+		refuse(file, std::string("cannot be read (") + problem.what() + "): resume it with the YADE and the plugins that wrote it");
+	}
+}
+
+} // namespace talik

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Checkpoints: nothing computed is lost when a run is killed, the power fails or the disk is full.
+
+	talik.checkpoint.keep("output/slope.checkpoint", every=600)   # from now on, every ten minutes of wall time
+	O.run()
+
+	mpm = talik.resume("output/slope.checkpoint")                 # later, in another yade
+	O.run()
+
+A checkpoint holds the whole scene. It is written beside the former one and takes its place only when it is complete on the disk. A run
+that goes on from a checkpoint gives the same bits as one that was never stopped, with packed samples and any number of threads; open
+samples run in YADE's own engines, whose archives are exact to about 1e-12 only.
+"""
+
+import os
+
+from yade import O, wrapper
+
+from talik import _talik
+
+
+def keep(file, every=600.0):
+	"""Writes the scene into `file` every so many seconds of wall time [s]; returns the engine, a Checkpoint, which is now the first of O.engines."""
+	engine = wrapper.Checkpoint(file=os.path.abspath(os.fspath(file)), every=every)
+	O.engines = [engine] + [other for other in O.engines if not isinstance(other, wrapper.Checkpoint)]
+	return engine
+
+
+def write(file):
+	"""Writes the scene into `file` now."""
+	wrapper.Checkpoint.write(os.path.abspath(os.fspath(file)))
+
+
+def describe(file):
+	"""{format, written, step, time, bytes} of a checkpoint; ValueError tells what is wrong with a file that is none."""
+	return wrapper.Checkpoint.describe(os.fspath(file))
+
+
+def resume(file):
+	"""Makes the scene in a checkpoint the current one of O and returns its ground, an MpmEngine (None if it has none).
+
+	If the scene was keeping checkpoints it goes on doing so, in this file. Refused while O runs; an unreadable file leaves O as it is."""
+	file = os.path.abspath(os.fspath(file))
+	former = _talik.exchangeScene(wrapper.Checkpoint.read(file))
+	try:
+		O.engines = O.engines  # names the labelled ones
+		for engine in O.engines:
+			if isinstance(engine, wrapper.Checkpoint):
+				engine.file = file
+		grounds = [engine for engine in O.engines if isinstance(engine, wrapper.MpmEngine)]
+		for ground in grounds:
+			ground.initialise()
+	except BaseException:
+		_talik.exchangeScene(former)
+		raise
+	return grounds[0] if grounds else None

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What Talik adds to YADE's console: Ctrl-C that works, and mistyped settings that are answered by name.
+
+Stock YADE notices Ctrl-C during O.run(n, True) and O.wait() only when the run has ended by itself. With Talik the run stops between
+two steps and KeyboardInterrupt comes up; the scene can be looked at, saved and run on.
+"""
+
+import difflib
+import os
+import re
+import signal
+import threading
+import time
+from contextlib import contextmanager
+
+# --- Ctrl-C ----------------------------------------------------------------------------------------------------------------
+
+
+def makeRunsInterruptible(omegaClass):
+	"""Lets Ctrl-C pause the run that omegaClass.run(n, True) or .wait() waits for. Doing it twice changes nothing."""
+	if hasattr(omegaClass, "_stockWait"):
+		return
+	stockRun, stockWait = omegaClass.run, omegaClass.wait
+	signals, omegaClass._stockWait = _watcher(), stockWait
+	unwaited = []  # a run was started and nobody has asked yet how it ended
+
+	def run(self, nSteps=-1, wait=False):
+		unwaited[:] = [] if wait else [True]
+		if not wait:
+			return stockRun(self, nSteps)
+		with _pausedBySignal(self, signals):
+			stockRun(self, nSteps, True)
+
+	def wait(self):
+		asked, unwaited[:] = bool(unwaited), []
+		with _pausedBySignal(self, signals):
+			stockWait(self)
+		if asked:
+			_raiseFailure(self)
+
+	run.__doc__, wait.__doc__ = stockRun.__doc__, stockWait.__doc__
+	omegaClass.run, omegaClass.wait = run, wait
+
+
+def _raiseFailure(omega):
+	"""Stock YADE forgets the error of a run that has ended before it is waited for; our engines remember it."""
+	for engine in omega.engines:
+		if getattr(engine, "failure", ""):
+			raise RuntimeError(engine.failure)
+
+
+@contextmanager
+def _pausedBySignal(omega, signals):
+	"""YADE waits in C++, where Python's own handler of Ctrl-C is not reached: a thread learns of the signal and pauses the run."""
+	if threading.current_thread() is not threading.main_thread():
+		yield
+		return
+	former = signal.set_wakeup_fd(signals, warn_on_full_buffer=False)
+	try:
+		yield
+	except KeyboardInterrupt:
+		_awaitEndOfStep(omega)
+		raise
+	finally:
+		signal.set_wakeup_fd(former)
+
+
+def _watcher():
+	"""Starts the thread; returns where signals are to be told to it."""
+	from yade import O
+
+	reader, writer = os.pipe()
+	os.set_blocking(writer, False)
+
+	def watch():
+		while signals := os.read(reader, 64):
+			if signal.SIGINT in signals:
+				O.pause()
+
+	threading.Thread(target=watch, daemon=True).start()
+	return writer
+
+
+def _awaitEndOfStep(omega):
+	while omega.subStep >= 0 and not omega.subStepping:
+		time.sleep(0.001)
+
+
+# --- attributes ------------------------------------------------------------------------------------------------------------
+
+_wanted = {
+	"Real": "a number",
+	"int": "a whole number",
+	"long": "a whole number",
+	"bool": "True or False",
+	"string": "a text",
+	"Vector2r": "two numbers",
+	"Vector3r": "three numbers",
+	"vector<Real>": "a list of numbers",
+	"vector<int>": "a list of whole numbers",
+}
+
+
+def nameAttributesInErrors(cls):
+	"""A value of a wrong type and a name that does not exist are refused by one sentence: class, attribute, value, remedy."""
+	stockInit, stockSet = cls.__init__, cls.__setattr__
+
+	def __setattr__(self, name, value):
+		if not hasattr(type(self), name):
+			raise AttributeError(_unknown(type(self), name)) from None
+		try:
+			stockSet(self, name, value)
+		except TypeError:
+			raise TypeError(f"{type(self).__name__}.{name} is {value!r}: give {_remedy(type(self), name)}.") from None
+
+	def __init__(self, *positional, **attributes):
+		try:
+			stockInit(self, *positional, **attributes)
+		except (TypeError, AttributeError):
+			if not positional:
+				_findCulprit(cls, attributes)
+			raise
+
+	__init__.__doc__ = stockInit.__doc__
+	cls.__init__, cls.__setattr__ = __init__, __setattr__
+
+
+def _findCulprit(cls, attributes):
+	blank = cls()
+	for name, value in attributes.items():
+		setattr(blank, name, value)
+
+
+def _unknown(cls, name):
+	known = [known for known in dir(cls) if isinstance(getattr(cls, known), property)]
+	close = difflib.get_close_matches(name, known, n=1)
+	hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(k for k in known if not k.startswith('_'))}."
+	return f"{cls.__name__} has no attribute '{name}'; {hint}"
+
+
+def _remedy(cls, name):
+	kind = re.search(r":yattrtype:`([^`]*)`", getattr(cls, name).__doc__ or "")
+	kind = kind.group(1).replace(" ", "") if kind else ""
+	held = re.fullmatch(r"(vector<)?shared_ptr<(\w+)>>?", kind)
+	if held:
+		return f"a list of {held.group(2)}" if held.group(1) else f"a {held.group(2)} or None"
+	return _wanted.get(kind, f"a {kind or 'value of the type that help() names'}")

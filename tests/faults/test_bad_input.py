@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Wrong settings: each is answered by one exception that names what was set, its value and what would be right; the interpreter lives
+on, and the next correct run works."""
+
+import re
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, utils, wrapper
+
+import talik
+from talik import rve
+
+nan, inf = float("nan"), float("inf")
+remedy = re.compile(r"\b(give|choose|must|has to|add|leave|remove|use|put|enlarge|make|lower|set|fill|load|reduce|runs it|did you mean|there (is|are)|call|needs|take|finite)\b", re.I)
+table = []
+
+
+def ground(points=None, stepped=True, **settings):
+	"""A square of ground with the settings in question, made to take a step."""
+	mpm = wrapper.MpmEngine(**{"gridSpacing": 0.25, "lower": (0, 0), "upper": (1, 1), "skeleton": wrapper.ElasticSkeleton(), **settings})
+	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.25)
+	mpm.addPoints(**{"position": position, "volume": volume, "temperature": -1.0, **(points or {})})
+	O.engines = [mpm]
+	if stepped:
+		O.step()
+	return mpm
+
+
+def warm(**settings):
+	return ground(**{"heat": wrapper.HeatTransfer(), "motion": False, **settings})
+
+
+def side(boundary, **settings):
+	return warm(boundaries=[boundary], **settings)
+
+
+def sampled(sample=None, **ofSkeleton):
+	return ground(skeleton=wrapper.RveSkeleton(**{"samples": [sample] if sample else [], **ofSkeleton}))
+
+
+def spheres(*centres, periodic=True, size=0.1):
+	"""A YADE scene of equal grains, as somebody's script would leave it."""
+	with talik.scratchScene():
+		if periodic:
+			O.periodic = True
+			O.cell.hSize = Matrix3(size, 0, 0, 0, size, 0, 0, 0, 0.1)
+		for centre in centres:
+			O.bodies.append(utils.sphere(centre, 0.01))
+		O.engines = [
+			wrapper.ForceResetter(),
+			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),
+			wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+			wrapper.NewtonIntegrator(),
+		]
+		O.dt = 1e-6
+		return O._sceneObj
+
+
+def timed(dt):
+	mpm = ground(stepped=False, automaticTimeStep=False)
+	O.dt = dt
+	O.step()
+	return mpm
+
+
+def changed(name, value):
+	mpm = ground()
+	setattr(mpm, name, value)
+	O.step()
+
+
+def asked(function):
+	function(ground())
+
+
+# what is wrong: (what is done, name in the sentence, value in the sentence)
+wrong = {
+	# types
+	"text for a number": (lambda s: wrapper.MpmEngine(gridSpacing="small"), "MpmEngine.gridSpacing", "'small'"),
+	"text for a number, assigned": (lambda s: setattr(wrapper.MpmEngine(), "damping", "much"), "MpmEngine.damping", "'much'"),
+	"fraction for a whole number": (lambda s: wrapper.MpmEngine(limitInterval=2.5), "MpmEngine.limitInterval", "2.5"),
+	"number for a text": (lambda s: wrapper.MpmEngine(shapeFunction=2), "MpmEngine.shapeFunction", "2"),
+	"number for an object": (lambda s: wrapper.MpmEngine(heat=1), "MpmEngine.heat", "1"),
+	"wrong object": (lambda s: wrapper.MpmEngine(heat=wrapper.FreezingCurve()), "MpmEngine.heat", "FreezingCurve"),
+	"object for a list": (lambda s: wrapper.MpmEngine(boundaries=wrapper.FixedBoundary()), "MpmEngine.boundaries", "FixedBoundary"),
+	"list of wrong objects": (lambda s: wrapper.MpmEngine(boundaries=[wrapper.HeatTransfer()]), "MpmEngine.boundaries", "HeatTransfer"),
+	"None in a list": (lambda s: wrapper.MpmEngine(skeletons=[None]), "MpmEngine.skeletons", "None"),
+	"number for a vector": (lambda s: wrapper.MpmEngine(gravity=-9.81), "MpmEngine.gravity", "-9.81"),
+	"three numbers for two": (lambda s: wrapper.MpmEngine(gravity=(0, -9.81, 0)), "MpmEngine.gravity", "(0, -9.81, 0)"),
+	"text in a table": (lambda s: wrapper.WallTemperature(times=["now"]), "WallTemperature.times", "'now'"),
+	"sample outside a list": (lambda s: wrapper.RveSkeleton(samples=s), "RveSkeleton.samples", "RveSample"),
+	"None for a number": (lambda s: wrapper.IceBondMat(iceYoung=None), "IceBondMat.iceYoung", "None"),
+	# names
+	"misspelt keyword": (lambda s: wrapper.MpmEngine(gridSpacin=0.2), "MpmEngine", "gridSpacin"),
+	"misspelt attribute": (lambda s: setattr(wrapper.MpmEngine(), "dampin", 0.2), "MpmEngine", "dampin"),
+	"misspelt attribute of an effect": (lambda s: wrapper.FreezingCurve(widht=1), "FreezingCurve", "widht"),
+	"misspelt point value": (lambda s: ground(points={"porsity": 0.3}), "MpmEngine.addPoints", "porsity"),
+	"unknown shape function": (lambda s: ground(shapeFunction="cubic"), "shapeFunction", "cubic"),
+	"unknown region": (lambda s: ground(boundaries=[wrapper.FixedBoundary(region="ceiling")]), "FixedBoundary.region", "ceiling"),
+	"region forgotten": (lambda s: ground(boundaries=[wrapper.FixedBoundary()]), "FixedBoundary.region", "''"),
+	"unknown curve": (lambda s: warm(freezing=wrapper.FreezingCurve(curve="step")), "FreezingCurve.curve", "step"),
+	"unknown mean": (lambda s: warm(material=wrapper.GroundMaterial(conductivityMean="median")), "GroundMaterial.conductivityMean", "median"),
+	"unknown latent density": (lambda s: warm(heat=wrapper.HeatTransfer(latentDensity="snow")), "latentDensity", "snow"),
+	"unknown mass coefficient": (lambda s: ground(water=wrapper.PoreWater(massCoefficient="x")), "PoreWater.massCoefficient", "x"),
+	"unknown field": (lambda s: asked(lambda mpm: mpm.field("temprature")), "field", "temprature"),
+	"unknown form of samples": (lambda s: sampled(s, form="closed"), "RveSkeleton.form", "closed"),
+	"unknown answer to blow-ups": (lambda s: sampled(s, onBlowUp="ignore"), "RveSkeleton.onBlowUp", "ignore"),
+	"base class of boundaries": (lambda s: ground(boundaries=[wrapper.GroundBoundary(region="left")]), "GroundBoundary", "by itself"),
+	# signs, ranges, NaN, infinities
+	"negative spacing": (lambda s: ground(gridSpacing=-0.25), "MpmEngine.gridSpacing", "-0.25"),
+	"infinite spacing": (lambda s: ground(gridSpacing=inf), "gridSpacing", "inf"),
+	"infinite gravity": (lambda s: ground(gravity=(0, -inf)), "MpmEngine.gravity", "-inf"),
+	"damping of one": (lambda s: ground(damping=1), "MpmEngine.damping", "1"),
+	"flip not a number": (lambda s: ground(flip=nan), "MpmEngine.flip", "nan"),
+	"no steps between limits": (lambda s: ground(limitInterval=0), "MpmEngine.limitInterval", "0"),
+	"wave fraction above one": (lambda s: ground(waveFraction=1.5), "MpmEngine.waveFraction", "1.5"),
+	"motion fraction above a half": (lambda s: ground(motionFraction=0.9), "MpmEngine.motionFraction", "0.9"),
+	"heat fraction of zero": (lambda s: warm(heatFraction=0), "MpmEngine.heatFraction", "0"),
+	"pores more than full": (lambda s: warm(poreFill=1.2), "poreFill", "1.2"),
+	"box upside down": (lambda s: ground(lower=(0, 1), upper=(1, 0)), "upper.y", "0"),
+	"infinite box": (lambda s: ground(upper=(inf, 1)), "upper.x", "inf"),
+	"grid too small for its points": (lambda s: ground(upper=(0.5, 0.5)), "position", "0.5625"),
+	"grid of too many cells": (lambda s: ground(gridSpacing=1e-8), "gridSpacing", "1e-08"),
+	"negative volume": (lambda s: ground(points={"volume": -0.01}), "volume", "-0.01"),
+	"volume not a number": (lambda s: ground(points={"volume": nan}), "volume", "nan"),
+	"no pores": (lambda s: warm(points={"porosity": 0}), "porosity", "0"),
+	"temperature not a number": (lambda s: warm(points={"temperature": nan}), "temperature", "nan"),
+	"velocity infinite": (lambda s: ground(points={"velocity": (inf, 0)}), "velocity", "inf"),
+	"stress not a number": (lambda s: ground(points={"stress": (1, nan, 0)}), "stress", "nan"),
+	"values for fewer points": (lambda s: ground(points={"porosity": [0.3, 0.4]}), "porosity", "2 numbers"),
+	"points added to a running ground": (lambda s: asked(lambda mpm: mpm.addPoints(position=[[0.5, 0.5]], volume=0.01)), "addPoints", "has started"),
+	"skeleton that is not there": (lambda s: ground(points={"skeleton": 1}), "skeleton", "1"),
+	"density of zero": (lambda s: warm(material=wrapper.GroundMaterial(solidDensity=0)), "GroundMaterial.solidDensity", "0"),
+	"latent heat not a number": (lambda s: warm(material=wrapper.GroundMaterial(latentHeat=nan)), "GroundMaterial.latentHeat", "nan"),
+	"heat backwards in time": (lambda s: warm(heat=wrapper.HeatTransfer(thermalTimeScale=-1)), "thermalTimeScale", "-1"),
+	"infinite source of heat": (lambda s: warm(heat=wrapper.HeatTransfer(source=inf)), "source", "inf"),
+	"residual saturation above one": (lambda s: warm(freezing=wrapper.FreezingCurve(residualSaturation=1.1)), "FreezingCurve.residualSaturation", "1.1"),
+	"negative impedance": (lambda s: ground(water=wrapper.PoreWater(impedance=-1)), "PoreWater.impedance", "-1"),
+	"cavitation under pressure": (lambda s: ground(water=wrapper.PoreWater(cavitationPressure=1e5)), "PoreWater.cavitationPressure", "100000"),
+	"negative conductivity": (lambda s: ground(water=wrapper.PoreWater(conductivity=-1e-4)), "PoreWater.conductivity", "-0.0001"),
+	"stiffness not a number": (lambda s: ground(skeleton=wrapper.ElasticSkeleton(young=nan)), "ElasticSkeleton.young", "nan"),
+	"friction of 90 degrees": (lambda s: ground(skeleton=wrapper.MohrCoulombSkeleton(frictionAngle=90)), "frictionAngle", "90"),
+	"dilation above friction": (lambda s: ground(skeleton=wrapper.MohrCoulombSkeleton(dilationAngle=40)), "dilationAngle", "40"),
+	"wall hotter than the model": (lambda s: side(wrapper.WallTemperature(region="left", temperature=500)), "WallTemperature.temperature", "500"),
+	"flux not a number": (lambda s: side(wrapper.HeatFlux(region="left", flux=nan)), "HeatFlux.flux", "not finite"),
+	"table of unequal lengths": (lambda s: side(wrapper.WallTemperature(region="left", times=[0, 1], values=[5])), "WallTemperature", "1"),
+	"table backwards": (lambda s: side(wrapper.WallTemperature(region="left", times=[1, 0], values=[5, 6])), "WallTemperature.times", "0"),
+	"heat on ground without temperature": (lambda s: ground(boundaries=[wrapper.WallTemperature(region="left")]), "WallTemperature", "no heat"),
+	"two walls in one place": (
+		lambda s: ground(boundaries=[wrapper.FixedBoundary(region="left"), wrapper.RollerBoundary(region="left")]), "RollerBoundary", "boundaries[1]"),
+	"surface without ground": (
+		lambda s: side(wrapper.SurfaceTemperature(region="surface", lower=(0.2, 5), upper=(0.4, 6))), "SurfaceTemperature", "no ground there"),
+	"ice without heat": (lambda s: ground(freezing=wrapper.FreezingCurve()), "MpmEngine.freezing", "heat is None"),
+	"water in rigid ground": (lambda s: warm(water=wrapper.PoreWater()), "MpmEngine.water", "motion is False"),
+	"no skeleton": (lambda s: ground(skeleton=None), "MpmEngine.skeleton", "None"),
+	"no points": (lambda s: (setattr(O, "engines", [wrapper.MpmEngine(gridSpacing=1)]), O.step()), "MpmEngine", "no material points"),
+	# time
+	"time step of zero": (lambda s: timed(0), "O.dt", "0"),
+	"time step not a number": (lambda s: timed(nan), "O.dt", "nan"),
+	"time step of a year": (lambda s: timed(3e7), "O.dt", "30000000"),
+	"damping not a number in mid-run": (lambda s: changed("damping", nan), "MpmEngine.damping", "nan"),
+	# samples
+	"no samples": (lambda s: sampled(), "RveSkeleton.samples", "empty"),
+	"empty sample": (lambda s: sampled(wrapper.RveSample()), "RveSample", "empty"),
+	"sample that is not there": (lambda s: sampled(s, sampleOf=[0] * 63 + [7]), "RveSkeleton.sampleOf", "7"),
+	"samples for fewer points": (lambda s: sampled(s, sampleOf=[0, 0]), "RveSkeleton.sampleOf", "2 numbers"),
+	"negative tolerance": (lambda s: sampled(s, strainTolerance=-1e-5), "RveSkeleton.strainTolerance", "-1"),
+	"negative threads": (lambda s: sampled(s, threads=-2), "RveSkeleton.threads", "-2"),
+	"unknown measure": (lambda s: sampled(s).skeleton.values("bonds"), "RveSkeleton.values", "bonds"),
+	"time step of a sample backwards": (lambda s: setattr(s, "dt", -1), "RveSample.dt", "-1"),
+	"ice above one": (lambda s: s.freeze(2), "ice", "2"),
+	"strain not a number": (lambda s: s.apply(Matrix3(nan, 0, 0, 0, 0, 0, 0, 0, 0), 0), "displacementGradient", "nan"),
+	"pulled sample": (lambda s: s.servo(1e5, 1e5), "principalStress", "100000"),
+	"sample without cell": (lambda s: wrapper.RveSample.fromScene(spheres((0, 0, 0), periodic=False)), "periodic", "cell"),
+	"sample without grains": (lambda s: wrapper.RveSample.fromScene(spheres()), "cannot be packed", "no bodies"),
+	"current scene as a sample": (lambda s: sampled(scenes=[O._sceneObj]), "RveSkeleton.scenes", "current scene"),
+	"too few grains": (lambda s: rve.prepare(grains=5), "grains", "5"),
+	"radii in the wrong order": (lambda s: rve.prepare(radius=(7e-3, 3e-3)), "radius", "0.007"),
+	"pressure of suction": (lambda s: rve.prepare(pressure=-1e5), "pressure", "-100000"),
+	"impossible porosity": (lambda s: rve.prepare(porosity=0.6), "porosity", "0.6"),
+	"thin sample": (lambda s: rve.prepare(thickness=0.001), "thickness", "0.001"),
+	"stiffness of grains not a number": (lambda s: rve.prepare(young=nan), "young", "nan"),
+	"ice saturation above one": (lambda s: setattr(wrapper.IceBondMat(), "iceSaturation", 1.5), "IceBondMat.iceSaturation", "1.5"),
+	# geometry and files
+	"outline of two corners": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 1)], 0.1), "polygon", "2"),
+	"outline not a number": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (nan, 1)], 0.1), "polygon", "not finite"),
+	"three points per cell": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (0, 1)], 0.1, 3), "pointsPerCell", "3"),
+	"outline without spacing": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (0, 1)], 0), "gridSpacing", "0"),
+	"missing sample file": (lambda s: rve.load("/nowhere/sample.yade.gz"), "/nowhere/sample.yade.gz", "does not exist"),
+	"sample file that is none": (lambda s: rve.load(__file__), "test_bad_input.py", "not a YADE scene"),
+	"missing checkpoint": (lambda s: talik.resume("/nowhere/x"), "/nowhere/x", "does not exist"),
+	"checkpoint where none can be": (lambda s: talik.checkpoint.write("/proc/none/x"), "Checkpoint.file", "/proc/none/x"),
+	"folder that cannot be": (lambda s: talik.files.writableFolder("/proc/none"), "/proc/none", "cannot be written"),
+}
+
+
+@pytest.fixture
+def sample(smallSample):
+	return smallSample.copy()
+
+
+@pytest.mark.parametrize("case", wrong)
+def test_is_answered_by_name_value_and_remedy(case, sample):
+	do, name, value = wrong[case]
+	with pytest.raises(Exception) as raised:
+		do(sample)
+	error = raised.value
+	text = " ".join(str(error).split())
+	table.append((case, type(error).__name__, text))
+	print(f"{type(error).__name__}: {text}")
+	assert isinstance(error, (ValueError, TypeError, AttributeError, RuntimeError, OSError))
+	assert name in text, f"does not name {name}"
+	assert value in text, f"does not name the value {value}"
+	assert remedy.search(text), "names no remedy"
+	O.reset()
+	mpm = ground(gravity=(0, -10))
+	assert mpm.time == O.time > 0 and np.isfinite(mpm.field("velocity")).all()
+
+
+def test_at_least_sixty_wrong_settings_are_in_the_table():
+	width = max(len(case) for case, *_ in table)
+	for case, kind, text in table:
+		print(f"{case:{width}}  {kind:14} {text[:150]}")
+	print(f"{len(table)} of {len(wrong)} wrong settings answered by one exception each")
+	assert len(table) == len(wrong) >= 60
