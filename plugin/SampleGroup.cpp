@@ -19,7 +19,7 @@ namespace {
 		        : iceSaturation(sample.iceSaturation())
 		{
 			for (std::size_t k = 0; k < copies; k++)
-				pool.add(std::make_shared<const PackedState<2>>(sample.packed()));
+				pool.add(sample.packed());
 			options.maxInertialNumber = sample.maxInertialNumber;
 			options.maxStrainPerStep  = sample.maxStrainPerStep;
 			options.minSteps          = sample.minSteps;

@@ -50,15 +50,15 @@ double PackedStore::oedometricModulus(int prototype, double iceSaturation) const
 
 PackedStore::Beginning PackedStore::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
 {
-	Beginning beginning { prototypes.at(prototype), {} };
-	if (beginning.state->iceSaturation != iceSaturation) {
-		PackedSample<2> sample(*beginning.state);
-		const auto      result = sample.apply(Matrix::Zero(), iceSaturation, options);
+	PackedSample<2> sample(*prototypes.at(prototype));
+	if (prototypes[prototype]->iceSaturation != iceSaturation) {
+		const auto result = sample.apply(Matrix::Zero(), iceSaturation, options);
 		if (result.blewUp) throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
-		beginning.state = std::make_shared<PackedState<2>>(sample.state());
 	}
-	beginning.start.stress  = 0.5 * (beginning.state->stress + beginning.state->stress.transpose());
-	beginning.start.tangent = PackedSample<2>(*beginning.state).tangent();
+	Beginning beginning;
+	beginning.sample        = std::make_shared<ParkedSample<2>>(sample.state());
+	beginning.start.stress  = sample.stress();
+	beginning.start.tangent = sample.tangent();
 	return beginning;
 }
 
@@ -66,7 +66,7 @@ const SampleStart& PackedStore::add(int prototype, double iceSaturation, const P
 {
 	auto found = beginnings.find({ prototype, iceSaturation });
 	if (found == beginnings.end()) found = beginnings.emplace(std::make_pair(prototype, iceSaturation), frozen(prototype, iceSaturation, options)).first;
-	pool.add(found->second.state);
+	pool.add(found->second.sample);
 	return found->second.start;
 }
 
@@ -77,7 +77,7 @@ std::vector<PackedUpdateResult<2>> PackedStore::update(const std::vector<PackedR
 
 std::vector<double> PackedStore::measure(std::size_t sample, const std::string& name) const
 {
-	const PackedState<2>& s = *pool.state(sample);
+	const PackedState<2> s = pool.state(sample);
 	if (name == "bondsFormed") return { double(s.bondsFormed) };
 	if (name == "bondsBroken") return { double(s.bondsBrokenInTension + s.bondsBrokenInShear) };
 	if (name == "bondsMelted") return { double(s.bondsMelted) };
@@ -97,18 +97,17 @@ std::vector<double> PackedStore::measure(std::size_t sample, const std::string& 
 
 void PackedStore::save(ByteWriter& writer) const
 {
-	std::unordered_map<const PackedState<2>*, std::size_t> number;
-	std::vector<StatePointer>                              distinct;
-	std::vector<std::uint64_t>                             which;
+	std::unordered_map<const void*, std::size_t> number;
+	std::vector<std::size_t>                     distinct; // a sample of each state
+	std::vector<std::uint64_t>                   which;
 	for (std::size_t s = 0; s < pool.size(); s++) {
-		const auto state = pool.state(s);
-		const auto added = number.emplace(state.get(), distinct.size());
-		if (added.second) distinct.push_back(state);
+		const auto added = number.emplace(identity(s), distinct.size());
+		if (added.second) distinct.push_back(s);
 		which.push_back(added.first->second);
 	}
 	writer.number(distinct.size());
-	for (const auto& state : distinct)
-		writer.block(state->toBytes());
+	for (const auto s : distinct)
+		writer.block(pool.state(s).toBytes());
 	writer.number(which.size());
 	for (const auto w : which)
 		writer.number(w);
@@ -116,12 +115,12 @@ void PackedStore::save(ByteWriter& writer) const
 
 void PackedStore::restore(ByteReader& reader)
 {
-	std::vector<StatePointer>                        distinct(reader.number());
+	std::vector<SamplePool<2>::Parked>               distinct(reader.number());
 	std::vector<std::shared_ptr<const PackedGrains>> known;
-	for (auto& stored : distinct) {
-		auto state = std::make_shared<PackedState<2>>(PackedState<2>::fromBytes(reader.block()));
-		shareGrains(*state, known);
-		stored = std::move(state);
+	for (auto& sample : distinct) {
+		auto state = PackedState<2>::fromBytes(reader.block());
+		shareGrains(state, known);
+		sample = std::make_shared<ParkedSample<2>>(state);
 	}
 	pool.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)

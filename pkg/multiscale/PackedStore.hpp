@@ -19,19 +19,19 @@ public:
 	void                               clear() override { pool.clear(); }
 	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;
 	std::vector<double>                measure(std::size_t sample, const std::string& name) const override;
-	const void*                        identity(std::size_t sample) const override { return pool.state(sample).get(); }
+	const void*                        identity(std::size_t sample) const override { return pool.parked(sample).get(); }
 	std::size_t                        distinctStates() const override { return pool.distinctStates(); }
 	std::size_t                        bytes() const override { return pool.bytes(); }
 	void                               save(ByteWriter&) const override;
 	void                               restore(ByteReader&) override;
 
-	StatePointer state(std::size_t sample) const { return pool.state(sample); }
-	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, std::move(state)); }
+	StatePointer state(std::size_t sample) const { return std::make_shared<const PackedState<2>>(pool.state(sample)); }
+	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, *state); }
 
 private:
 	struct Beginning {
-		StatePointer state;
-		SampleStart  start;
+		SamplePool<2>::Parked sample;
+		SampleStart           start;
 	};
 	Beginning frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;
 

@@ -40,6 +40,19 @@ template <int Dim> struct PairKey {
 	}
 };
 
+/// How much of the skin of neighbour lists is used up.
+template <int Dim> struct PackedListUse {
+	double referenceCell[Dim * Dim]; ///< cell vectors in columns when the lists were built, row-major [m]
+	double skin    = 0;              ///< [m]
+	double travel  = 0;              ///< bound of any grain's deviation from the affine motion since then [m]
+	double stretch = 0;              ///< bound of any length's relative shortening since then [-]
+};
+
+/// Neighbour lists that outlive a stay in a workspace: keys of pairs inside the cell and across it, each sorted.
+template <int Dim> struct PackedLists : PackedListUse<Dim> {
+	std::vector<std::uint64_t> inner, periodic;
+};
+
 /// Periodic search for all pairs closer than r_1 + r_2 + skin. Keeps its buffers.
 template <int Dim> class NeighbourSearch {
 public:

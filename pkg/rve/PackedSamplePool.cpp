@@ -15,163 +15,164 @@ namespace talik {
 namespace {
 
 	/// Requests in groups of equal work: same state, same increment, same ice, bit for bit.
-	template <int Dim> int compareWork(const PackedRequest<Dim>& a, const PackedState<Dim>* stateA, const PackedRequest<Dim>& b, const PackedState<Dim>* stateB)
+	template <int Dim>
+	int compareWork(const PackedRequest<Dim>& a, const ParkedSample<Dim>* parkedA, const PackedRequest<Dim>& b, const ParkedSample<Dim>* parkedB)
 	{
-		if (stateA != stateB) return std::less<const PackedState<Dim>*>()(stateA, stateB) ? -1 : 1;
+		if (parkedA != parkedB) return std::less<const ParkedSample<Dim>*>()(parkedA, parkedB) ? -1 : 1;
 		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
 		return std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double));
 	}
 
-	template <int Dim> struct Task {
-		std::size_t                            request; ///< the first of its group
-		std::shared_ptr<const PackedState<Dim>> before, after;
-		std::shared_ptr<const PackedLists<Dim>> listsBefore, listsAfter;
-		PackedUpdateResult<Dim>                result;
-		std::exception_ptr                     failure;
+	/// Requests of equal work, by their places in an order.
+	struct Task {
+		std::size_t        begin, end;
+		std::exception_ptr failure;
 	};
 
-	template <int Dim> void perform(Task<Dim>& task, const PackedRequest<Dim>& request, const PackedUpdateOptions& options, PackedWorkspace<Dim>& workspace)
+	/// Throws std::invalid_argument on what no sample can follow.
+	template <int Dim> void checkRequest(const PackedRequest<Dim>& request)
 	{
-		try {
-			workspace.load(*task.before, task.listsBefore.get());
-			task.result = updateWorkspace<Dim>(workspace, *task.before, request.displacementGradient, request.iceSaturation, options);
-			task.after      = task.before;
-			task.listsAfter = task.listsBefore;
-			if (task.result.blewUp) return;
-			auto after = std::make_shared<PackedState<Dim>>();
-			auto lists = std::make_shared<PackedLists<Dim>>();
-			workspace.store(*after);
-			workspace.store(*lists);
-			task.after      = std::move(after);
-			task.listsAfter = std::move(lists);
-		} catch (...) {
-			task.failure = std::current_exception();
-		}
+		if (!(request.iceSaturation >= 0 && request.iceSaturation <= 1))
+			throw std::invalid_argument("packed sample: ice saturation " + std::to_string(request.iceSaturation) + " must lie in 0..1");
+		if (!request.displacementGradient.isZero(0)) matrixRootIncrement<Dim>(request.displacementGradient, 1);
 	}
 
 } // namespace
 
-template <int Dim> struct SamplePool<Dim>::Memory {
-	std::vector<std::shared_ptr<const PackedLists<Dim>>>  lists; ///< of the state of the same index, or null
-	std::vector<std::unique_ptr<PackedWorkspace<Dim>>>    workspaces;
+template <int Dim> struct SamplePool<Dim>::Worker {
+	std::unique_ptr<PackedWorkspace<Dim>> workspace;
+	PackedState<Dim>                      state;
+	PackedLists<Dim>                      lists;
 
-	PackedWorkspace<Dim>& workspace(std::size_t worker)
+	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
 	{
-		std::unique_ptr<PackedWorkspace<Dim>>& mine = workspaces[worker];
-		if (!mine || mine->portableOnly() != portablePathForced()) mine = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
-		return *mine;
+		sample->unpark(state);
+		workspace->load(state, sample->unpark(lists, state.contacts) ? &lists : nullptr);
+		PackedUpdateResult<Dim> result = updateWorkspace<Dim>(*workspace, state, request.displacementGradient, request.iceSaturation, options);
+		if (result.blewUp) return result;
+		workspace->store(state);
+		workspace->store(lists);
+		sample = std::make_shared<ParkedSample<Dim>>(state, &lists);
+		return result;
 	}
 };
 
-template <int Dim> SamplePool<Dim>::SamplePool() : memory(std::make_shared<Memory>()) {}
+template <int Dim> SamplePool<Dim>::SamplePool() = default;
+template <int Dim> SamplePool<Dim>::~SamplePool() = default;
 
 template <int Dim> SamplePool<Dim>& SamplePool<Dim>::operator=(const SamplePool& other)
 {
-	states = other.states;
-	memory = std::make_shared<Memory>();
+	samples = other.samples;
 	return *this;
 }
 
-template <int Dim> std::size_t SamplePool<Dim>::add(StatePointer state)
+template <int Dim> std::size_t SamplePool<Dim>::add(Parked parked)
 {
-	if (!state) throw std::invalid_argument("sample pool: the state is null");
-	state->check();
-	states.push_back(std::move(state));
-	return states.size() - 1;
+	if (!parked) throw std::invalid_argument("sample pool: the parked sample is null");
+	samples.push_back(std::move(parked));
+	return samples.size() - 1;
 }
 
-template <int Dim> typename SamplePool<Dim>::StatePointer SamplePool<Dim>::state(std::size_t sample) const
+template <int Dim> std::size_t SamplePool<Dim>::add(const PackedState<Dim>& state)
 {
-	if (sample >= states.size()) throw std::invalid_argument("sample pool: sample " + std::to_string(sample) + " of " + std::to_string(states.size()));
-	return states[sample];
+	state.check();
+	return add(std::make_shared<const ParkedSample<Dim>>(state));
 }
 
-template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, StatePointer state)
+template <int Dim> typename SamplePool<Dim>::Parked SamplePool<Dim>::parked(std::size_t sample) const
 {
-	if (sample >= states.size()) throw std::invalid_argument("sample pool: sample " + std::to_string(sample) + " of " + std::to_string(states.size()));
-	if (!state) throw std::invalid_argument("sample pool: the state is null");
-	state->check();
-	states[sample] = std::move(state);
-	if (sample < memory->lists.size()) memory->lists[sample].reset();
+	if (sample >= samples.size()) throw std::invalid_argument("sample pool: sample " + std::to_string(sample) + " of " + std::to_string(samples.size()));
+	return samples[sample];
 }
 
-template <int Dim> void SamplePool<Dim>::clear()
+template <int Dim> PackedState<Dim> SamplePool<Dim>::state(std::size_t sample) const
 {
-	states.clear();
-	memory->lists.clear();
+	PackedState<Dim> state;
+	parked(sample)->unpark(state);
+	return state;
 }
+
+template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, const PackedState<Dim>& state)
+{
+	state.check();
+	parked(sample);
+	samples[sample] = std::make_shared<const ParkedSample<Dim>>(state);
+}
+
+template <int Dim> void SamplePool<Dim>::clear() { samples.clear(); }
 
 template <int Dim>
 std::vector<PackedUpdateResult<Dim>>
 SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
 {
 	checkOptions(options);
-	std::vector<char> asked(states.size(), 0);
+	std::vector<char> asked(samples.size(), 0);
 	for (const PackedRequest<Dim>& request : requests) {
-		if (request.sample >= states.size())
-			throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " of " + std::to_string(states.size()));
+		if (request.sample >= samples.size())
+			throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " of " + std::to_string(samples.size()));
 		if (asked[request.sample]++) throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " is asked twice in one update");
+		checkRequest(request);
 	}
 	std::vector<std::size_t> order(requests.size());
 	for (std::size_t k = 0; k < order.size(); ++k)
 		order[k] = k;
 	const auto compare = [&](std::size_t a, std::size_t b) {
-		return compareWork<Dim>(requests[a], states[requests[a].sample].get(), requests[b], states[requests[b].sample].get());
+		return compareWork<Dim>(requests[a], samples[requests[a].sample].get(), requests[b], samples[requests[b].sample].get());
 	};
 	std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
 		const int c = compare(a, b);
 		return c != 0 ? c < 0 : a < b;
 	});
-	memory->lists.resize(states.size());
-	std::vector<Task<Dim>>   tasks;
-	std::vector<std::size_t> taskOf(requests.size());
+	// who shares with whom is settled here, before samples change in parallel
+	std::vector<Task> tasks;
 	for (std::size_t k = 0; k < order.size(); ++k) {
-		if (k == 0 || compare(order[k - 1], order[k]) != 0) {
-			tasks.emplace_back();
-			tasks.back().request     = order[k];
-			tasks.back().before      = states[requests[order[k]].sample];
-			tasks.back().listsBefore = memory->lists[requests[order[k]].sample];
-		}
-		taskOf[order[k]] = tasks.size() - 1;
+		if (k == 0 || compare(order[k - 1], order[k]) != 0) tasks.push_back({ k, k, nullptr });
+		tasks.back().end = k + 1;
 	}
-	const int workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(std::max<std::size_t>(1, tasks.size()))));
-	memory->workspaces.resize(std::max(memory->workspaces.size(), std::size_t(workers)));
-#pragma omp parallel num_threads(workers)
-	{
-		PackedWorkspace<Dim>& workspace = memory->workspace(std::size_t(omp_get_thread_num()));
-#pragma omp for schedule(dynamic, 1)
-		for (long k = 0; k < long(tasks.size()); ++k)
-			perform<Dim>(tasks[std::size_t(k)], requests[tasks[std::size_t(k)].request], options, workspace);
-	}
-	for (const Task<Dim>& task : tasks)
-		if (task.failure) std::rethrow_exception(task.failure);
+	const int wanted = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(std::max<std::size_t>(1, tasks.size()))));
+	while (workers.size() < std::size_t(wanted))
+		workers.push_back(std::make_unique<Worker>());
 	std::vector<PackedUpdateResult<Dim>> results(requests.size());
-	for (std::size_t k = 0; k < requests.size(); ++k) {
-		const Task<Dim>& task       = tasks[taskOf[k]];
-		results[k]                  = task.result;
-		states[requests[k].sample]        = task.after;
-		memory->lists[requests[k].sample] = task.listsAfter;
+#pragma omp parallel num_threads(wanted)
+	{
+		Worker& worker = *workers[std::size_t(omp_get_thread_num())];
+		if (!worker.workspace || worker.workspace->portableOnly() != portablePathForced())
+			worker.workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
+#pragma omp for schedule(dynamic, 1)
+		for (long t = 0; t < long(tasks.size()); ++t) {
+			Task& task = tasks[std::size_t(t)];
+			try {
+				const std::size_t first  = order[task.begin];
+				Parked&           sample = samples[requests[first].sample];
+				results[first]           = worker.update(sample, requests[first], options);
+				for (std::size_t k = task.begin + 1; k < task.end; ++k) {
+					results[order[k]]                = results[first];
+					samples[requests[order[k]].sample] = sample;
+				}
+			} catch (...) {
+				task.failure = std::current_exception();
+			}
+		}
 	}
+	for (const Task& task : tasks)
+		if (task.failure) std::rethrow_exception(task.failure);
 	return results;
 }
 
 template <int Dim> std::size_t SamplePool<Dim>::distinctStates() const
 {
-	std::unordered_set<const PackedState<Dim>*> distinct;
-	for (const StatePointer& state : states)
-		distinct.insert(state.get());
+	std::unordered_set<const ParkedSample<Dim>*> distinct;
+	for (const Parked& sample : samples)
+		distinct.insert(sample.get());
 	return distinct.size();
 }
 
 template <int Dim> std::size_t SamplePool<Dim>::bytes() const
 {
-	std::unordered_set<const PackedState<Dim>*> distinct;
-	std::size_t                                 sum = 0;
-	for (const StatePointer& state : states)
-		if (distinct.insert(state.get()).second) sum += state->parkedBytes();
-	std::unordered_set<const PackedLists<Dim>*> distinctLists;
-	for (const auto& lists : memory->lists)
-		if (lists && distinctLists.insert(lists.get()).second) sum += sizeof(*lists) + 8 * (lists->inner.capacity() + lists->periodic.capacity());
+	std::unordered_set<const ParkedSample<Dim>*> distinct;
+	std::size_t                                  sum = 0;
+	for (const Parked& sample : samples)
+		if (distinct.insert(sample.get()).second) sum += sample->bytes();
 	return sum;
 }
 

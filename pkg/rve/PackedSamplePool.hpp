@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <pkg/rve/PackedParking.hpp>
 #include <pkg/rve/PackedSample.hpp>
 #include <vector>
 
@@ -17,23 +18,29 @@ template <int Dim> struct PackedRequest {
 /// Thousands of samples. Samples that were never asked since they were prepared share one state; the first update detaches them.
 template <int Dim> class SamplePool {
 public:
-	using StatePointer = std::shared_ptr<const PackedState<Dim>>;
+	using Parked = std::shared_ptr<const ParkedSample<Dim>>;
 
 	SamplePool();
-	SamplePool(const SamplePool& other) : SamplePool() { states = other.states; }
+	~SamplePool();
+	SamplePool(const SamplePool& other) : SamplePool() { samples = other.samples; }
 	SamplePool& operator=(const SamplePool& other);
 
-	/// Adds a sample that shares `state`; returns its index. Throws std::invalid_argument when the state is unusable.
-	std::size_t  add(StatePointer state);
-	std::size_t  size() const { return states.size(); }
-	StatePointer state(std::size_t sample) const;
-	void         setState(std::size_t sample, StatePointer state);
-	void         clear();
+	/// Adds a sample of this state, which it shares with every other sample it is given to; returns its index.
+	std::size_t add(Parked parked);
+	/// Adds a sample with a state of its own. Throws std::invalid_argument when the state is unusable.
+	std::size_t      add(const PackedState<Dim>& state);
+	std::size_t      size() const { return samples.size(); }
+	PackedState<Dim> state(std::size_t sample) const;
+	/// The same for samples that share one state.
+	Parked parked(std::size_t sample) const;
+	void   setState(std::size_t sample, const PackedState<Dim>& state);
+	void   clear();
 
 	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on
 	/// one thread: the results do not depend on their number. Requests that agree bit for bit on the same shared state are computed once
-	/// and stay shared. A sample that blows up keeps its last good state.
-	/// Throws std::invalid_argument on an unknown or repeated sample, before anything has changed.
+	/// and stay shared. A sample that blows up keeps its last good state. Never more than one state per thread is held twice.
+	/// Throws std::invalid_argument on an unknown or repeated sample and on a request that no sample can follow, before anything has
+	/// changed; on one that needs 1e9 DEM steps or more after all other samples were updated.
 	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads = 0);
 
 	/// Distinct states held, and the bytes they and their neighbour lists hold.
@@ -41,11 +48,11 @@ public:
 	std::size_t bytes() const;
 
 private:
-	/// Speeds up the next visit and decides nothing: neighbour lists of a state, workspaces of the threads.
-	struct Memory;
+	/// What a thread works with: kept, and decides nothing.
+	struct Worker;
 
-	std::vector<StatePointer> states;
-	std::shared_ptr<Memory>   memory;
+	std::vector<Parked>                  samples;
+	std::vector<std::unique_ptr<Worker>> workers;
 };
 
 } // namespace talik

@@ -109,8 +109,6 @@ namespace {
 			if (!(value > 0) || !std::isfinite(value)) refuse(attribute, value, "of a grain must be positive and finite");
 	}
 
-	template <class T> std::size_t heapBytes(const std::vector<T>& v) { return v.capacity() * sizeof(T); }
-
 } // namespace
 
 template <int Dim> double PackedParameters<Dim>::volume() const
@@ -175,14 +173,6 @@ template <int Dim> void PackedState<Dim>::check() const
 	for (std::size_t k = 0; k < m; ++k)
 		if (contacts.first[k] >= contacts.second[k] || contacts.second[k] >= n)
 			refuse("contacts.second", contacts.second[k], "must be a grain's index and larger than contacts.first");
-}
-
-template <int Dim> std::size_t PackedState<Dim>::parkedBytes() const
-{
-	const PackedContacts<Dim>& c = contacts;
-	return sizeof(*this) + heapBytes(position) + heapBytes(velocity) + heapBytes(angularVelocity) + heapBytes(orientation) + heapBytes(c.first)
-	        + heapBytes(c.second) + heapBytes(c.cellDist) + heapBytes(c.shear) + heapBytes(c.normal) + heapBytes(c.iceShear)
-	        + heapBytes(c.iceReference) + heapBytes(c.grainReference) + heapBytes(c.bond);
 }
 
 template <int Dim> std::string PackedState<Dim>::toBytes() const

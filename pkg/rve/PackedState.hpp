@@ -107,8 +107,6 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 	std::size_t size() const { return position.size(); }
 	bool        bonded() const { return !contacts.bond.empty(); }
 
-	/// Bytes held by this state alone, its grains' constants excluded (they are shared).
-	std::size_t parkedBytes() const;
 	/// Everything, grains' constants included; fromBytes(toBytes()) is bit-equal. Throws std::runtime_error on foreign or damaged bytes.
 	std::string        toBytes() const;
 	static PackedState fromBytes(const std::string& bytes);

@@ -134,21 +134,15 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	innerLanes.keys    = lists->inner;
 	periodicLanes.keys = lists->periodic;
 	adoptKeys();
-	std::copy(lists->referenceCell, lists->referenceCell + Dim * Dim, referenceCell);
-	skin           = lists->skin;
-	travel         = lists->travel;
-	stretch        = lists->stretch;
+	use            = *lists;
 	referenceKnown = false;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::store(PackedLists<Dim>& lists) const
 {
-	lists.inner    = innerLanes.keys;
-	lists.periodic = periodicLanes.keys;
-	std::copy(referenceCell, referenceCell + Dim * Dim, lists.referenceCell);
-	lists.skin    = skin;
-	lists.travel  = travel;
-	lists.stretch = stretch;
+	static_cast<PackedListUse<Dim>&>(lists) = use;
+	lists.inner                             = innerLanes.keys;
+	lists.periodic                          = periodicLanes.keys;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>& state)
@@ -325,11 +319,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			if (keeps(lanes, lane)) kept[crosses].push_back(std::uint32_t(lane));
 	}
 	const std::size_t count = kept[0].size() + kept[1].size();
-	const auto        fit   = [count](auto& array, bool wanted) {
-		const std::size_t size = wanted ? count : 0;
-		if (array.capacity() != size) std::remove_reference_t<decltype(array)>().swap(array);
-		array.resize(size);
-	};
+	const auto        fit   = [count](auto& array, bool wanted) { array.resize(wanted ? count : 0); };
 	fit(c.first, true);
 	fit(c.second, true);
 	fit(c.cellDist, true);
@@ -416,14 +406,14 @@ template <int Dim> void PackedWorkspace<Dim>::predictedCell(double* h) const
 // results cannot depend on when the list was built.
 template <int Dim> bool PackedWorkspace<Dim>::listsExhausted() const
 {
-	return !(2 * travel + (2 * largestRadius + skin) * stretch * 1.01 < skin);
+	return !(2 * use.travel + (2 * largestRadius + use.skin) * use.stretch * 1.01 < use.skin);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::accumulateTravel()
 {
 	const double dt = view.dt;
-	travel += dt * (frobenius<Dim>(view.velGrad) * travel + std::sqrt(view.maxFluctuationSquare)) * (1 + 1e-12);
-	stretch += dt * strainRate<Dim>(view.velGrad);
+	use.travel += dt * (frobenius<Dim>(view.velGrad) * use.travel + std::sqrt(view.maxFluctuationSquare)) * (1 + 1e-12);
+	use.stretch += dt * strainRate<Dim>(view.velGrad);
 }
 
 /// Largest deviation from the affine motion since the lists were built, exactly.
@@ -433,7 +423,7 @@ template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
 	double h[Dim * Dim];
 	predictedCell(h);
 	copyMatrix<Dim>(h, now);
-	copyMatrix<Dim>(referenceCell, before);
+	copyMatrix<Dim>(use.referenceCell, before);
 	const Matrix  deformation = now * before.inverse();
 	double        largest     = 0;
 	const double* x0          = reference.data()->value;
@@ -456,8 +446,8 @@ template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 	if (listsValid && !listsExhausted()) return;
 	if (listsValid && referenceKnown) {
 		const double measured = measuredTravel();
-		if (measured < travel && 2 * measured + (2 * largestRadius + skin) * stretch * 1.01 < 0.7 * skin) {
-			travel = measured * (1 + 1e-9);
+		if (measured < use.travel && 2 * measured + (2 * largestRadius + use.skin) * use.stretch * 1.01 < 0.7 * use.skin) {
+			use.travel = measured * (1 + 1e-9);
 			return;
 		}
 	}
@@ -468,11 +458,11 @@ template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 {
 	checkHealth();
-	predictedCell(referenceCell);
-	skin = std::max(skinOverRadius * averageRadius, leastSkin);
+	predictedCell(use.referenceCell);
+	use.skin = std::max(skinOverRadius * averageRadius, leastSkin);
 	std::swap(innerLanes, oldInner);
 	std::swap(periodicLanes, oldPeriodic);
-	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, referenceCell, skin, innerLanes.keys, periodicLanes.keys);
+	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, use.referenceCell, use.skin, innerLanes.keys, periodicLanes.keys);
 	for (const bool crosses : { false, true }) {
 		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
 		sortPairKeys(keys, sortBuffer, sortCounts);
@@ -485,7 +475,7 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 		for (int d = 0; d < Dim; ++d)
 			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
 	referenceKnown = true;
-	travel = stretch = 0;
+	use.travel = use.stretch = 0;
 }
 
 /// Lanes for the keys, with the history of the previous ones.

@@ -13,13 +13,6 @@ struct PackedBlowUp : std::runtime_error {
 	using std::runtime_error::runtime_error;
 };
 
-/// Neighbour lists that outlive a stay in a workspace: pairs in the order of their keys, and how much of the skin is used up.
-template <int Dim> struct PackedLists {
-	std::vector<std::uint64_t> inner, periodic;
-	double                     referenceCell[Dim * Dim];
-	double                     skin = 0, travel = 0, stretch = 0;
-};
-
 /// The running form of one sample: rows of grains, pairs in blocks of four, neighbour lists. Takes a state, advances it, gives it back.
 /// A thread needs one of them for any number of samples; buffers are kept.
 template <int Dim> class PackedWorkspace {
@@ -142,7 +135,7 @@ private:
 	std::vector<std::uint64_t> sortBuffer;
 	std::vector<std::uint32_t> sortCounts;
 	bool                       listsValid = false, referenceKnown = false;
-	double                     skin = 0, travel = 0, stretch = 0, referenceCell[Dim * Dim];
+	PackedListUse<Dim>         use;
 
 	PackedKernel<Dim>   kernel;
 	PackedStepView<Dim> view;

@@ -67,7 +67,7 @@ void bondedWithBreakage(benchmark::State& bench) { run(bench, frozen(0.06), benc
 void pool(benchmark::State& bench)
 {
 	SamplePool<2> samples;
-	const auto    state = std::make_shared<const State>(reference().state());
+	const State   state = reference().state();
 	for (int k = 0; k < 200; ++k)
 		samples.add(state);
 	PackedUpdateOptions options;
@@ -79,7 +79,7 @@ void pool(benchmark::State& bench)
 	for (auto _ : bench)
 		samples.update(requests, options, 1);
 	bench.counters["time/(grain step)"] = benchmark::Counter(
-	        double(samples.size() * std::size_t(options.steps + 1) * state->size()),
+	        double(samples.size() * std::size_t(options.steps + 1) * state.size()),
 	        benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 #include <pkg/rve/PackedSamplePool.hpp>
+#include <pkg/rve/PackedWorkspace.hpp>
 #include <random>
 
 using namespace talik;
@@ -30,6 +31,8 @@ State frozen(double iceSaturation)
 }
 
 double relative(const Matrix& a, const Matrix& b) { return (a - b).norm() / b.norm(); }
+
+std::shared_ptr<const ParkedSample<2>> parked(const State& state) { return std::make_shared<const ParkedSample<2>>(state); }
 
 /// Bytes of a state whose parts may stand in another order after an update: all of them count.
 std::string bytes(const PackedSample<2>& sample) { return sample.state().toBytes(); }
@@ -230,8 +233,8 @@ TEST(PackedSample, parkedFormIsSmall)
 	// the reference has 200 grains; the figures are for 400
 	const State plain = PackedSample<2>(packedReference::sample().state()).state(), bonded = frozen(0.5);
 	const auto  kilobytes = [](const State& s) {
-        const double fixed = sizeof(State);
-        return (fixed + (double(s.parkedBytes()) - fixed) * 400 / double(s.size())) / 1000;
+        const double fixed = sizeof(ParkedSample<2>);
+        return (fixed + (double(ParkedSample<2>(s).bytes()) - fixed) * 400 / double(s.size())) / 1000;
 	};
 	std::printf("parked form of 400 discs: %.1f kB frictional (%zu contacts), %.1f kB bonded (%zu contacts)\n", kilobytes(plain), plain.contacts.size() * 2,
 	            kilobytes(bonded), bonded.contacts.size() * 2);
@@ -411,7 +414,7 @@ TEST(PackedSample, badStatesAreRefusedByName)
 
 TEST(SamplePool, resultsAreBitEqualForAnyNumberOfThreads)
 {
-	const auto    plain = std::make_shared<const State>(packedReference::sample().state()), ice = std::make_shared<const State>(frozen(0.2));
+	const auto    plain = parked(packedReference::sample().state()), ice = parked(frozen(0.2));
 	SamplePool<2> one, many;
 	for (int k = 0; k < 12; ++k)
 		for (SamplePool<2>* pool : { &one, &many })
@@ -425,10 +428,10 @@ TEST(SamplePool, resultsAreBitEqualForAnyNumberOfThreads)
 		const auto a = one.update(requests, options, 1), b = many.update(requests, options, 2);
 		for (std::size_t k = 0; k < requests.size(); ++k) {
 			EXPECT_EQ(a[k].stress, b[k].stress);
-			EXPECT_TRUE(one.state(requests[k].sample)->toBytes() == many.state(requests[k].sample)->toBytes());
+			EXPECT_TRUE(one.state(requests[k].sample).toBytes() == many.state(requests[k].sample).toBytes());
 		}
 	}
-	EXPECT_EQ(one.state(5), ice) << "never asked: still shared";
+	EXPECT_EQ(one.parked(5), ice) << "never asked: still shared";
 	EXPECT_EQ(one.distinctStates(), 12u);
 }
 
@@ -440,7 +443,7 @@ TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
 		PackedUpdateOptions options;
 		options.maxStrainPerStep  = 1e-4;
 		options.maxInertialNumber = 1;
-		pool.add(std::make_shared<const State>(start));
+		pool.add(start);
 		State alone = start;
 		for (int round = 0; round < 60; ++round) {
 			const Matrix increment = matrix(1e-3 * std::sin(round), 2e-2, 0, -2e-3 * std::cos(round));
@@ -449,7 +452,7 @@ TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
 			PackedSample<2> fresh(alone);
 			fresh.apply(increment, ice, options);
 			alone = fresh.state();
-			ASSERT_TRUE(pool.state(0)->toBytes() == alone.toBytes()) << "round " << round;
+			ASSERT_TRUE(pool.state(0).toBytes() == alone.toBytes()) << "round " << round;
 		}
 		std::printf(
 		        "%s: 60 updates to gamma 1.2 in a pool and one by one from saved states: bit-equal, %lu bonds broken\n", bonds ? "bonded" : "frictional",
@@ -457,19 +460,56 @@ TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
 	}
 }
 
+TEST(SamplePool, requestThatNoSampleCanFollowIsRefusedBeforeAnythingHasChanged)
+{
+	SamplePool<2> pool;
+	for (int k = 0; k < 3; ++k)
+		pool.add(packedReference::sample().state());
+	const auto before = pool.parked(0);
+	EXPECT_THROW(pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(-2, 0, 0, 0), 0. } }, {}), std::invalid_argument);
+	EXPECT_THROW(pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(0, 1e-4, 0, 0), 1.5 } }, {}), std::invalid_argument);
+	EXPECT_EQ(pool.parked(0), before);
+}
+
+TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)
+{
+	for (const bool bonds : { false, true }) {
+		PackedWorkspace<2> workspace(false);
+		workspace.load(bonds ? frozen(0.1) : packedReference::sample().state());
+		workspace.setNextVelGrad(matrix(0.2, 1, 0, -0.4));
+		workspace.run(300);
+		State          state, stateAgain = frozen(0.2); // not empty: it is reused
+		PackedLists<2> lists, listsAgain;
+		workspace.store(state);
+		workspace.store(lists);
+		const ParkedSample<2> parked(state, &lists);
+		parked.unpark(stateAgain);
+		ASSERT_TRUE(parked.unpark(listsAgain, stateAgain.contacts));
+		EXPECT_TRUE(stateAgain.toBytes() == state.toBytes());
+		EXPECT_EQ(listsAgain.inner, lists.inner);
+		EXPECT_EQ(listsAgain.periodic, lists.periodic);
+		EXPECT_EQ(listsAgain.travel, lists.travel);
+		std::printf(
+		        "%s: %zu bytes with lists of %zu pairs, %zu of them contacts; %zu without lists\n", bonds ? "bonded" : "frictional", parked.bytes(),
+		        lists.inner.size() + lists.periodic.size(), state.contacts.size(), ParkedSample<2>(state).bytes());
+		EXPECT_FALSE(ParkedSample<2>(state).unpark(listsAgain, state.contacts));
+	}
+}
+
 TEST(SamplePool, equalRequestsOnASharedStateAreComputedOnce)
 {
-	const auto    plain = std::make_shared<const State>(packedReference::sample().state());
+	const State   plain  = packedReference::sample().state();
+	const auto    shared = parked(plain);
 	SamplePool<2> pool;
 	for (int k = 0; k < 6; ++k)
-		pool.add(plain);
+		pool.add(shared);
 	std::vector<PackedRequest<2>> requests;
 	for (std::size_t k = 0; k < 6; ++k)
 		requests.push_back({ k, matrix(0, k < 4 ? 1e-4 : 2e-4, 0, 0), 0. });
 	const auto results = pool.update(requests, {}, 2);
 	EXPECT_EQ(pool.distinctStates(), 2u);
 	EXPECT_EQ(results[0].stress, results[3].stress);
-	PackedSample<2> alone(*plain);
+	PackedSample<2> alone(plain);
 	EXPECT_EQ(alone.apply(matrix(0, 1e-4, 0, 0), 0).stress, results[0].stress);
 	EXPECT_THROW(pool.update({ { 0, Matrix::Zero(), 0. }, { 0, Matrix::Zero(), 0. } }, {}), std::invalid_argument);
 	EXPECT_THROW(pool.update({ { 6, Matrix::Zero(), 0. } }, {}), std::invalid_argument);
@@ -480,12 +520,12 @@ TEST(SamplePool, sampleThatBlowsUpKeepsItsStateAndHarmsNoOther)
 	State wild = packedReference::sample().state();
 	wild.dt *= 40;
 	SamplePool<2> pool;
-	pool.add(std::make_shared<const State>(packedReference::sample().state()));
-	pool.add(std::make_shared<const State>(wild));
+	pool.add(packedReference::sample().state());
+	pool.add(wild);
 	PackedUpdateOptions options;
 	options.steps      = 3000;
 	const auto results = pool.update({ { 0, matrix(0, 1e-3, 0, 0), 0. }, { 1, matrix(0, 1e-3, 0, 0), 0. } }, options, 2);
 	EXPECT_FALSE(results[0].blewUp);
 	EXPECT_TRUE(results[1].blewUp);
-	EXPECT_TRUE(pool.state(1)->toBytes() == wild.toBytes());
+	EXPECT_TRUE(pool.state(1).toBytes() == wild.toBytes());
 }
