@@ -247,20 +247,3 @@ def test_options_of_the_ice_bond_that_only_open_samples_have_are_refused(icy, at
 		set_(O.engines[2].lawDispatcher.functors[0], **attributes)
 		with pytest.raises(ValueError, match=reason):
 			wrapper.RveSample.fromScene(O._sceneObj)
-
-
-def test_opening_and_packing_take_less_than_ten_milliseconds_each(paperSample):
-	import time
-
-	packed = slope.pack(paperSample)
-	packed.freeze(1)
-	times = []
-	for _ in range(7):
-		began = time.perf_counter()
-		scene = packed.open()
-		between = time.perf_counter()
-		packed.repack(scene)
-		times.append((between - began, time.perf_counter() - between))
-	opening, packingTime = np.min(times, axis=0) * 1e3
-	print(f"\n400 grains: open {opening:.2f} ms, pack {packingTime:.2f} ms")
-	assert opening < 10 and packingTime < 10

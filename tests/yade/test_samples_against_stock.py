@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Packed samples against stock YADE's engines over long paths: loading, breakage, thaw and freezing under load, and a sample of YADE's
+own making."""
+
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, wrapper
+
+from stock_paths import Packed, Path, Stock, difference, twins
+from talik import packing, rve, slope
+
+meanRadius, thickness = 5e-3, 0.1  # [m]
+stiffness = {False: 0.6e9 * meanRadius / thickness, True: 3.6e9 * meanRadius / thickness}  # of contacts, thawed and frozen [Pa]
+
+
+def prepared(grains, ice, cache):
+	sample = slope.pack(rve.prepare(grains=grains, ice=ice, cache=cache))
+	if ice:
+		sample.freeze(1)
+		sample.advance(Matrix3.Zero, 2000)
+	return sample
+
+
+def brokenIn(curves, sample):
+	return np.array([sample.statistics()["bondsIntact"] - curve.bonds[-1] for curve in curves])
+
+
+# --- loading ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ice", [False, True], ids=["frictional", "bonded"])
+@pytest.mark.parametrize("kind", ["biaxial", "simple shear"])
+def test_packed_and_stock_give_one_stress_strain_curve_in_the_first_thousand_steps(kind, ice, sampleCache):
+	sample = prepared(100, ice, sampleCache)
+	path = Path(kind, strain=1e-2, stiffness=stiffness[ice], interval=1e-3)
+	packed, stock = path.walk(Packed(sample)), path.walk(Stock(sample))
+	broken = brokenIn([packed, stock], sample)
+	print(f"\nover 1 %: curves differ by {difference(packed, stock):.1e}, area by {np.abs(packed.area - stock.area).max():.1e}; bonds broken {broken[0]} packed, {broken[1]} stock")
+	assert difference(packed, stock) < 1e-2 and (packed.bonds == stock.bonds).all()
+
+
+# --- thaw and freezing under load ---------------------------------------------------------------------------------------------
+
+
+def thawUnderLoad(form, load, stages):
+	"""Ice saturation from 1 to 0 and back in so many stages each, stresses [Pa] held; strains (n, 2) of the sample at the end of each
+	stage, intact bonds."""
+	rows, result = [], form.apply(Matrix3.Zero, 1)
+	for saturation in [*np.linspace(1, 0, stages + 1)[1:], *np.linspace(0, 1, stages + 1)[1:]]:
+		for _ in range(10):
+			stress = result["stress"]
+			stress = np.array(stress[:2]) if isinstance(stress, tuple) else np.array((stress[0, 0], stress[1, 1]))
+			strain = np.clip((load - stress) / (10 * stiffness[True]), -1e-4, 1e-4)
+			result = form.apply(Matrix3(strain[0], 0, 0, 0, strain[1], 0, 0, 0, 0), float(saturation))
+			assert not result["blewUp"]
+		statistics = form.statistics()
+		rows.append((*(np.array(form.trsf).diagonal()[:2] - 1), statistics["bondsIntact"], statistics["contacts"]))
+	return np.array(rows)
+
+
+def test_thaw_to_the_last_ice_and_freezing_under_load_are_alike_packed_and_stock(sampleCache):
+	grains, stages = 100, 10
+	sample = prepared(grains, True, sampleCache)
+	load = np.array((-100e3, -140e3))
+	settings = dict(minSteps=20, maxStrainPerStep=1.0, maxInertialNumber=1e9)  # the same number of steps in both
+	starts = twins(sample, 2)
+	packed = starts[0].copy()
+	for name, value in settings.items():
+		setattr(packed, name, value)
+	forms = [packed] + [wrapper.OpenRveSample(source=start.open(), **settings) for start in starts]
+	byPacked, byStock, byTwin = (thawUnderLoad(form, load, stages) for form in forms)
+	scale = np.abs(byStock[:, :2]).max()
+	error, scatter = (np.abs(rows[:, :2] - byStock[:, :2]).max() / scale for rows in (byPacked, byTwin))
+	bonds, twinBonds = (np.abs(rows[:, 2] - byStock[:, 2]).max() for rows in (byPacked, byTwin))
+	thawed, refrozen = byStock[stages - 1], byStock[-1]
+	print(
+		f"\nstrain yy {100 * thawed[1]:.3f} % thawed, {100 * refrozen[1]:.3f} % frozen again, {sample.statistics()['bondsIntact']} bonds frozen, {thawed[2]:.0f} thawed, {refrozen[2]:.0f} frozen again; "
+		f"packed differs from stock by {error:.1e} of the largest strain and {bonds:.0f} bonds, a twin of stock by {scatter:.1e} and {twinBonds:.0f}"
+	)
+	assert thawed[2] == 0 and refrozen[2] > 1.2 * grains
+	assert error < max(1e-2, 2 * scatter) and bonds <= max(0.01 * refrozen[2], 2 * twinBonds)
+
+
+# --- a sample of YADE's own making --------------------------------------------------------------------------------------------
+
+recipe = pathlib.Path("/usr/share/doc/yade/examples/FEMxDEM/prepareRVE.py")
+
+
+@pytest.fixture(scope="module")
+def savedByStock(tmp_path_factory):
+	"""Scene file of YADE's FEMxDEM recipe, run as it is by a yade that cannot see talik."""
+	if not recipe.exists():
+		pytest.skip(f"{recipe} of Debian's package yade is not installed (its documentation was left out)")
+	folder = tmp_path_factory.mktemp("recipe")
+	environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+	run = subprocess.run(["yade", "-n", "-x", "-j1", recipe], cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+	assert (folder / "0.yade.gz").exists(), run.stdout + run.stderr
+	assert b"talik" not in subprocess.run(["zcat", folder / "0.yade.gz"], capture_output=True).stdout
+	return folder / "0.yade.gz"
+
+
+def test_a_sample_of_yades_own_recipe_saved_without_talik_packs_and_shears_as_under_stock_yade(savedByStock):
+	sample = slope.pack(savedByStock)
+	radii, stress = sample.arrays()["radius"], np.array(sample.stress)
+	print(f"\n{len(radii)} discs of radius {1e3 * radii.min():.2f} to {1e3 * radii.max():.2f} mm, stress {stress.round(0).tolist()} Pa, {sample.statistics()['contacts']} contacts; ", end="")
+	assert len(radii) == 400 and radii.min() > 3e-3 and radii.max() < 7e-3 and abs(radii.mean() - 5e-3) < 2e-4
+	assert np.abs(stress - (-100e3, -100e3, 0)).max() < 2e3
+	velGrad = Matrix3(0.05, 0.2, 0, 0, -0.1, 0, 0, 0, 0)
+	O.load(str(savedByStock))
+	O.dt = sample.dt
+	O.cell.velGrad = velGrad
+	packing.advance(500)
+	sample.advance(velGrad, 500)
+	error = np.abs(np.array(sample.stress) - packing.stress()).max() / 100e3
+	positions = np.array([body.state.pos for body in O.bodies])[:, :2]
+	moved = np.abs(sample.arrays()["position"] - positions).max()
+	print(f"after 500 steps of stretch and shear stress differs by {error:.1e} of 100 kPa, positions by {moved:.1e} m")
+	assert error < 1e-8 and moved < 1e-8 * meanRadius
