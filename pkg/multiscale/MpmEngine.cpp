@@ -103,6 +103,9 @@ void MpmEngine::addPoints(py::dict arrays)
 	pointInput.insert(pointInput.end(), rows.begin(), rows.end());
 }
 
+int  MpmEngine::lawOf(int id) const { return int(pointInput[id * numbersPerPoint + 6]); }
+void MpmEngine::setLawOf(int id, int number) { pointInput[id * numbersPerPoint + 6] = number; }
+
 int MpmEngine::pointCount() const { return int(pointInput.size()) / numbersPerPoint; }
 
 void MpmEngine::addPointsToGround()

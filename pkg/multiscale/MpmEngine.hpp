@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/GlobalEngine.hpp>
+#include <map>
 #include <memory>
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
@@ -32,10 +33,13 @@ public:
 	::boost::python::dict   balance();
 	::boost::python::object grid();
 	int                     pointCount() const;
+	::boost::python::list   skeletonNumbers() const;
 	double                  groundTime() const;
 	double                  skemptonB();
 	void                    resetDisplacement();
 	void                    setTemperature(::boost::python::object values);
+	/// Gives points other skeleton laws between two steps; on an exception the ground is as before.
+	void                    exchangeSkeletons(const vector<shared_ptr<SkeletonLaw>>& laws, const ::boost::python::object& skeletonOf);
 
 	void preSave(MpmEngine&);
 	void postSave(MpmEngine&);
@@ -51,6 +55,10 @@ private:
 	void                     checkChangeable() const;
 	void                     addPointsToGround();
 	void                     restoreSavedState();
+	void                     checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
+	void                     takeOver(const vector<shared_ptr<SkeletonLaw>>& before, const std::map<string, string>& state);
+	int                      lawOf(int id) const;
+	void                     setLawOf(int id, int number);
 	void                     followAttributes();
 	int                      subSteps(double dt);
 	void                     advance(double dt);
@@ -100,8 +108,10 @@ public:
 		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
+		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")
 		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
+		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
 		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 	);

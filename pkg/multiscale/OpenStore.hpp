@@ -16,6 +16,7 @@ public:
 	double                             prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
 	double oedometricModulus(int prototype, double iceSaturation) const override { return prototypes.at(prototype)->stiffness.modulus(iceSaturation); }
 	const SampleStart&                 add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                               release(std::size_t sample) override { at(sample) = Sample { prototypes.front(), nullptr }; }
 	std::size_t                        size() const override { return samples.size(); }
 	void                               clear() override { samples.clear(); }
 	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;

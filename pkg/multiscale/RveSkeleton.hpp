@@ -17,6 +17,8 @@ public:
 	Pointer build(int pointCount) override;
 	string  savedState() const override;
 	void    restoreState(const string&) override;
+	bool    admitsPoints() const override { return !model; }
+	void    keepOnly(const talik::SkeletonBatch<2>& batch) override { running().keepOnly(batch); }
 
 	/// The sample of a point as it is now, a copy: packed, or as a scene.
 	shared_ptr<RveSample>   sample(int id) const;

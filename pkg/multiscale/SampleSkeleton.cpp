@@ -267,6 +267,20 @@ std::size_t SampleSkeleton::sampleNumber(int id) const
 	return std::size_t(sampleOf[id]);
 }
 
+void SampleSkeleton::keepOnly(const SkeletonBatch<2>& batch)
+{
+	std::vector<char> stays(sampleOf.size(), 0);
+	for (int k = 0; k < batch.count; k++)
+		stays.at(batch.id[batch.place[k]]) = 1;
+	for (std::size_t id = 0; id < sampleOf.size(); id++) {
+		if (stays[id] || sampleOf[id] < 0) continue;
+		store->release(std::size_t(sampleOf[id]));
+		sampleOf[id] = -1;
+		failures.erase(int(id));
+	}
+	count.points = std::uint64_t(batch.count);
+}
+
 std::string SampleSkeleton::save() const
 {
 	ByteWriter writer;

@@ -48,6 +48,9 @@ public:
 	const SampleStore& samples() const { return *store; }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
+	/// Gives up the samples of points that are not in the batch.
+	void keepOnly(const SkeletonBatch<2>&);
+
 	std::string save() const;
 	void        restore(const std::string& bytes);
 

@@ -26,6 +26,8 @@ public:
 	/// A new sample: a prototype frozen at rest, free of stress, to an ice saturation. Samples that begin alike share their beginning,
 	/// which stays valid until the next add(). Throws std::runtime_error if the prototype does not survive freezing.
 	virtual const SampleStart& add(int prototype, double iceSaturation, const PackedUpdateOptions&) = 0;
+	/// The sample of a point that has left: its memory goes, its number stays.
+	virtual void               release(std::size_t sample)                                          = 0;
 	virtual std::size_t        size() const                                                         = 0;
 	virtual void               clear()                                                              = 0;
 

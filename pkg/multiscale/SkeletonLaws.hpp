@@ -19,6 +19,10 @@ public:
 	virtual void   restoreState(const string&) { }
 	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
 	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
+	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.
+	virtual bool   admitsPoints() const { return true; }
+	/// After an exchange: forget the points that are not in the batch.
+	virtual void   keepOnly(const talik::SkeletonBatch<2>&) { }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
 	virtual vector<string> measures() const { return {}; }
 	/// One of them for all points of the ground, NaN where a point has another skeleton.

@@ -34,6 +34,8 @@ public:
 	/// The same for samples that share one state.
 	Parked parked(std::size_t sample) const;
 	void   setState(std::size_t sample, const PackedState<Dim>& state);
+	/// Lets a sample share another's parked state; its own is given up.
+	void   share(std::size_t sample, Parked parked) { samples.at(sample) = std::move(parked); }
 	void   clear();
 
 	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Samples where they are needed: an analytic skeleton is swapped for samples of grains, and back, while the slope runs.
+
+	talik.refine(mpm, where=lambda x, y: y > 2, sample=sample)  # samples at the stress and ice saturation of their points
+	talik.coarsen(mpm, where=lambda x, y: y < 1, skeleton=MohrCoulombSkeleton())
+
+A sample comes to its point as the ground did: as loose grains it is strained until it carries the stress of the point, then it is
+frozen free of stress; what loose grains cannot carry (tension, steep shear) is put on after freezing. Stresses in Pa, tension positive.
+"""
+
+import math
+
+import numpy as np
+
+from yade import Matrix3
+
+largestObliquity = math.sin(math.radians(20))  # of the part that loose grains are asked to carry: radius over centre of Mohr's circle
+leastPressure = 2e3  # [Pa] below it a sample of grains is no sample
+tolerance = 2e-3  # of the stress, in units of its largest principal value or leastPressure
+mostTrials = 400
+largestStrain = 2e-4  # of a trial; the sample cuts it into steps of its own
+
+
+class StressNotReached(ValueError):
+	"""A sample cannot carry the stress of its point."""
+
+
+def refine(mpm, where, sample, **attributes):
+	"""Puts a copy of `sample` behind the points of a running ground that `where` names; returns their new RveSkeleton.
+
+	where       boolean array by point, ids, or function f(x, y) of arrays of the present positions that gives booleans
+	sample      ice-free RveSample (talik.rve.pack) or prepared sample
+	attributes  of the RveSkeleton, e.g. strainTolerance=1e-5
+
+	Points with samples already keep them. StressNotReached (a ValueError) names a point whose stress the sample cannot carry;
+	the ground is then as before."""
+	from talik import slope
+
+	laws, numbers = _laws(mpm), _numbers(mpm)
+	chosen = [int(i) for i in _ids(mpm, where) if not isinstance(laws[numbers[i]], _class("RveSkeleton"))]
+	if not chosen:
+		raise ValueError("refine: where names no point that is without a sample; choose others")
+	prototype = sample if hasattr(sample, "apply") else slope.pack(sample)
+	samples, sampleOf = _broughtToPoints(mpm, prototype, chosen)
+	law = _class("RveSkeleton")(samples=samples, sampleOf=sampleOf, **attributes)
+	numbers[chosen] = len(laws)
+	_exchange(mpm, laws + [law], numbers)
+	return law
+
+
+def coarsen(mpm, where, skeleton):
+	"""Gives the points of a running ground that `where` names (as in refine) the analytic law `skeleton`, new or one in use.
+
+	They keep their stress. Samples that stand behind no point any more are given up."""
+	laws, numbers = _laws(mpm), _numbers(mpm)
+	if isinstance(skeleton, _class("RveSkeleton")):
+		raise ValueError("coarsen: skeleton is an RveSkeleton; give an analytic law, or use refine")
+	chosen = _ids(mpm, where)
+	if len(chosen) == 0:
+		raise ValueError("coarsen: where names no point; choose others")
+	known = [k for k, law in enumerate(laws) if law is skeleton or law == skeleton]
+	if not known:
+		laws, known = laws + [skeleton], [len(laws)]
+	numbers[chosen] = known[0]
+	_exchange(mpm, laws, numbers)
+
+
+def bringTo(sample, stress, iceSaturation=0.0):
+	"""Strains an ice-free sample to the stress (xx, yy, xy) [Pa] and freezes it to an ice saturation; the sample is changed.
+
+	StressNotReached if neither grains nor bonds can carry it."""
+	goal = np.asarray(stress, dtype=float)
+	_approach(sample, goal if iceSaturation == 0 else _carriedByGrains(goal), 0.0)
+	if iceSaturation > 0:
+		sample.freeze(iceSaturation)
+		_approach(sample, goal, iceSaturation)
+
+
+# --- stress ----------------------------------------------------------------------------------------------------------------
+
+
+def _carriedByGrains(goal):
+	"""The stress nearest to the goal, in the sense of Mohr's circle, that loose grains carry safely."""
+	centre, deviator, shear = 0.5 * (goal[0] + goal[1]), 0.5 * (goal[0] - goal[1]), goal[2]
+	safe = min(centre, -leastPressure)
+	radius = math.hypot(deviator, shear)
+	factor = min(1.0, largestObliquity * -safe / radius) if radius > 0 else 1.0
+	return np.array([safe + factor * deviator, safe - factor * deviator, factor * shear])
+
+
+def _approach(sample, goal, iceSaturation):
+	"""Newton's method with a stiffness that is learnt on the way (Broyden), from the isotropic guess of a first small strain."""
+	scale = max(np.abs(goal).max(), leastPressure)
+	start = np.array(sample.stress)
+	if _distance(start, goal) < tolerance * scale:
+		return
+	compliance, now = _compliance(sample, iceSaturation), np.array(sample.stress)
+	for _ in range(mostTrials):
+		missing = goal - now
+		if _distance(now, goal) < tolerance * scale:
+			return
+		strain = compliance @ missing
+		strain *= min(1.0, largestStrain / np.abs(strain).max())
+		result = sample.apply(_gradient(strain), iceSaturation)
+		if result["blewUp"]:
+			break
+		change = np.array(sample.stress) - now
+		now = now + change
+		compliance = _learnt(compliance, strain, change)
+	raise StressNotReached(
+		f"the sample does not reach the stress xx, yy, xy = {goal[0]:.0f}, {goal[1]:.0f}, {goal[2]:.0f} Pa at ice saturation {iceSaturation:g}: it stays at "
+		f"{now[0]:.0f}, {now[1]:.0f}, {now[2]:.0f} Pa; choose points that carry less shear or tension, or a stronger sample"
+	)
+
+
+def _distance(stress, goal):
+	return np.abs(stress - goal).max()
+
+
+def _gradient(strain):
+	"""Displacement gradient of the strains xx, yy and shear angle xy, without rotation of its own."""
+	half = 0.5 * strain[2]
+	return Matrix3(strain[0], half, 0, half, strain[1], 0, 0, 0, 0)
+
+
+def _compliance(sample, iceSaturation):
+	"""Isotropic: from the answer to a small compression, with a Poisson's ratio of 0.25."""
+	probe, before = 1e-6, np.array(sample.stress)
+	sample.apply(_gradient((-probe, -probe, 0)), iceSaturation)
+	bulk = max(-(np.array(sample.stress) - before)[:2].mean() / (2 * probe), 1e6)
+	shear = 0.6 * bulk
+	return np.linalg.inv(np.array([[bulk + shear, bulk - shear, 0], [bulk - shear, bulk + shear, 0], [0, 0, shear]]))
+
+
+def _learnt(compliance, strain, change):
+	"""Broyden's update, kept only where it stays positive: grains that slide answer with next to nothing."""
+	answer = compliance @ change
+	denominator = strain @ answer
+	if denominator < 0.05 * (strain @ strain):
+		return compliance
+	return compliance + np.outer(strain - answer, strain @ compliance) / denominator
+
+
+def _broughtToPoints(mpm, prototype, ids):
+	stress, saturation = mpm.field("stress"), _iceSaturation(mpm)
+	samples, sampleOf, known = [], [-1] * mpm.pointCount, {}
+	for i in ids:
+		goal = (stress[i, 0], stress[i, 1], stress[i, 3], saturation[i])
+		if goal not in known:
+			copy = prototype.copy()
+			try:
+				bringTo(copy, goal[:3], goal[3])
+			except StressNotReached as error:
+				raise StressNotReached(f"refine: point {i}: {error}") from None
+			known[goal] = len(samples)
+			samples.append(copy)
+		sampleOf[i] = known[goal]
+	return samples, sampleOf
+
+
+# --- the engine ------------------------------------------------------------------------------------------------------------
+
+
+def _class(name):
+	from yade import wrapper
+
+	return getattr(wrapper, name)
+
+
+def _laws(mpm):
+	return list(mpm.skeletons) or [mpm.skeleton]
+
+
+def _numbers(mpm):
+	return np.array(mpm.skeletonOf)
+
+
+def _iceSaturation(mpm):
+	return mpm.field("iceSaturation") if "iceSaturation" in mpm.fieldNames() else np.zeros(mpm.pointCount)
+
+
+def _ids(mpm, where):
+	if callable(where):
+		where = where(*mpm.field("position").T)
+	chosen = np.asarray(where)
+	if chosen.dtype == bool:
+		if chosen.shape != (mpm.pointCount,):
+			raise ValueError(f"where has shape {chosen.shape}; it must be a boolean for each of the {mpm.pointCount} points")
+		return np.flatnonzero(chosen)
+	if chosen.ndim != 1 or not np.issubdtype(chosen.dtype, np.integer) or chosen.size == 0:
+		raise ValueError("where must be a boolean array by point, a list of point ids, or a function f(x, y) that gives booleans")
+	if chosen.min() < 0 or chosen.max() >= mpm.pointCount:
+		raise ValueError(f"where names point {chosen[(chosen < 0) | (chosen >= mpm.pointCount)][0]}; there are points 0 to {mpm.pointCount - 1}")
+	return np.unique(chosen)
+
+
+def _exchange(mpm, laws, numbers):
+	"""Laws that no point uses any more are left out."""
+	used = sorted(set(int(k) for k in numbers))
+	mpm.exchangeSkeletons([laws[k] for k in used], [used.index(int(k)) for k in numbers])
