@@ -66,14 +66,14 @@ def coarsen(mpm, where, skeleton):
 
 
 def bringTo(sample, stress, iceSaturation=0.0):
-	"""Strains an ice-free sample to the stress (xx, yy, xy) [Pa] and freezes it to an ice saturation; the sample is changed.
+	"""Brings an ice-free sample to the stress (xx, yy, xy) [Pa] and freezes it to an ice saturation; the sample is changed.
 
 	StressNotReached if neither grains nor bonds can carry it."""
 	goal = np.asarray(stress, dtype=float)
-	_approach(sample, goal if iceSaturation == 0 else _carriedByGrains(goal), 0.0)
+	_load(sample, goal if iceSaturation == 0 else _carriedByGrains(goal))
 	if iceSaturation > 0:
 		sample.freeze(iceSaturation)
-		_approach(sample, goal, iceSaturation)
+		_strainFrozen(sample, goal, iceSaturation)
 
 
 # --- stress ----------------------------------------------------------------------------------------------------------------
@@ -88,33 +88,45 @@ def _carriedByGrains(goal):
 	return np.array([safe + factor * deviator, safe - factor * deviator, factor * shear])
 
 
-def _approach(sample, goal, iceSaturation):
+def _load(sample, goal):
+	"""Loose grains are brought to the principal stresses along the axes of their cell and turned into the principal directions."""
+	centre, deviator, shear = 0.5 * (goal[0] + goal[1]), 0.5 * (goal[0] - goal[1]), goal[2]
+	angle = 0.5 * math.atan2(shear, abs(deviator)) * (1 if deviator >= 0 else -1)
+	radius = math.copysign(math.hypot(deviator, shear), deviator)
+	if centre + abs(radius) >= 0 or not sample.servo(centre + radius, centre - radius):
+		raise StressNotReached(_missed(sample, goal, 0.0))
+	if angle != 0:
+		c, s = math.cos(angle), math.sin(angle)
+		sample.apply(Matrix3(c - 1, -s, 0, s, c - 1, 0, 0, 0, 0), 0.0)
+
+
+def _strainFrozen(sample, goal, iceSaturation):
 	"""Newton's method with a stiffness that is learnt on the way (Broyden), from the isotropic guess of a first small strain."""
-	scale = max(np.abs(goal).max(), leastPressure)
-	start = np.array(sample.stress)
-	if _distance(start, goal) < tolerance * scale:
-		return
-	compliance, now = _compliance(sample, iceSaturation), np.array(sample.stress)
+	enough = tolerance * max(np.abs(goal).max(), leastPressure)
+	compliance, now = None, np.array(sample.stress)
 	for _ in range(mostTrials):
 		missing = goal - now
-		if _distance(now, goal) < tolerance * scale:
+		if np.abs(missing).max() < enough:
 			return
+		if compliance is None:
+			compliance, now = _compliance(sample, iceSaturation), np.array(sample.stress)
+			missing = goal - now
 		strain = compliance @ missing
 		strain *= min(1.0, largestStrain / np.abs(strain).max())
-		result = sample.apply(_gradient(strain), iceSaturation)
-		if result["blewUp"]:
+		if sample.apply(_gradient(strain), iceSaturation)["blewUp"]:
 			break
 		change = np.array(sample.stress) - now
 		now = now + change
 		compliance = _learnt(compliance, strain, change)
-	raise StressNotReached(
-		f"the sample does not reach the stress xx, yy, xy = {goal[0]:.0f}, {goal[1]:.0f}, {goal[2]:.0f} Pa at ice saturation {iceSaturation:g}: it stays at "
+	raise StressNotReached(_missed(sample, goal, iceSaturation))
+
+
+def _missed(sample, goal, iceSaturation):
+	now = sample.stress
+	return (
+		f"the sample does not reach the stress xx, yy, xy = {goal[0]:.0f}, {goal[1]:.0f}, {goal[2]:.0f} Pa at ice saturation {iceSaturation:g}, it stays at "
 		f"{now[0]:.0f}, {now[1]:.0f}, {now[2]:.0f} Pa; choose points that carry less shear or tension, or a stronger sample"
 	)
-
-
-def _distance(stress, goal):
-	return np.abs(stress - goal).max()
 
 
 def _gradient(strain):
