@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# The Debian package, which installs beside Debian's own yade:  cd build && cpack  makes talik_<version>_<architecture>.deb
+if(NOT TARGET _talik OR YADE_SOURCE_DIR)
+	return()
+endif()
+set(talikPackage lib/python3/dist-packages/talik) # on the search path of /usr/bin/python3, where yade's own package lies
+install(TARGETS _talik LIBRARY DESTINATION ${talikPackage})
+install(FILES ${pythonSources} DESTINATION ${talikPackage})
+install(DIRECTORY examples/ DESTINATION share/doc/talik/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "*.md" PATTERN "*.png")
+install(FILES README.md DESTINATION share/doc/talik)
+install(FILES LICENSE DESTINATION share/doc/talik RENAME copyright)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_NAME talik)
+set(CPACK_PACKAGE_CONTACT "The Talik developers <talik@localhost>")
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "thawing and freezing ground at two scales, a plugin for YADE
+ A material point method for saturated freezing ground with a periodic sample of
+ grains and ice bonds behind every point, loaded by the stock yade: import talik.")
+# the binary interface is that of one release; the module checks it again when it is loaded
+set(CPACK_DEBIAN_PACKAGE_DEPENDS
+	"yade (>= 2023.02a), yade (<< 2023.02b), python3-numpy, python3-scipy, python3-matplotlib, python3-tqdm, python3-vtk9, libgomp1, libboost-python1.74.0, libboost-serialization1.74.0")
+include(CPack)
