@@ -97,12 +97,18 @@ def scratchScene():
 		_talik.exchangeScene(former)
 
 
+_submodules = (
+	'accuracy', 'calibrate', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'refinement', 'rve', 'shearband', 'slope',
+	'slumppage', 'thawslump', 'weather',
+)
+
+
 def __getattr__(name):
 	"""Submodules are loaded when they are first used: the import itself stays in milliseconds."""
 	if name in ('refine', 'coarsen'):
 		from . import refinement
 		return getattr(refinement, name)
-	if name in ('accuracy', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'refinement', 'rve', 'slope', 'thawslump', 'weather'):
+	if name in _submodules:
 		import importlib
 		return importlib.import_module('talik.' + name)
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
