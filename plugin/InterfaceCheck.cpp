@@ -6,10 +6,14 @@
 #include <core/GlobalEngine.hpp>
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
+#include <core/TimeStepper.hpp>
+#include <pkg/common/Box.hpp>
 #include <pkg/common/ElastMat.hpp>
+#include <pkg/common/Facet.hpp>
 #include <pkg/common/GLDrawFunctors.hpp>
 #include <pkg/common/NormShearPhys.hpp>
 #include <pkg/common/Sphere.hpp>
+#include <pkg/common/Wall.hpp>
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/dem/ScGeom.hpp>
 
@@ -127,12 +131,13 @@ namespace {
 			SIZE(Engine),        SIZE(GlobalEngine), SIZE(Functor),  SIZE(IPhysFunctor), SIZE(LawFunctor), SIZE(GlIPhysFunctor),
 			SIZE(State),         SIZE(Body),         SIZE(Material), SIZE(FrictMat),     SIZE(Shape),      SIZE(Sphere),
 			SIZE(Interaction),   SIZE(NormPhys),     SIZE(FrictPhys), SIZE(ScGeom),      SIZE(Cell),       SIZE(Scene),
-			SIZE(BodyContainer), SIZE(InteractionContainer),
+			SIZE(BodyContainer), SIZE(InteractionContainer), SIZE(Wall), SIZE(Box), SIZE(Facet), SIZE(TimeStepper),
 			MEMBER(Engine, dead), MEMBER(Engine, ompThreads), MEMBER(Engine, label), MEMBER(Functor, label),
 			MEMBER(Material, density), MEMBER(Material, label), MEMBER(ElastMat, young), MEMBER(ElastMat, poisson), MEMBER(FrictMat, frictionAngle),
 			MEMBER(State, vel), MEMBER(State, mass), MEMBER(State, angVel), MEMBER(State, inertia), MEMBER(State, refPos),
 			MEMBER(State, isDamped), MEMBER(State, densityScaling),
 			MEMBER(Body, id), MEMBER(Body, material), MEMBER(Body, state), MEMBER(Body, shape), MEMBER(Body, bound), MEMBER(Body, clumpId),
+			MEMBER(Body, groupMask), MEMBER(Wall, sense), MEMBER(Wall, axis), MEMBER(Box, extents), MEMBER(Facet, vertices), MEMBER(TimeStepper, active),
 			MEMBER(Sphere, radius), MEMBER(Shape, color), MEMBER(Interaction, id1), MEMBER(Interaction, id2),
 			MEMBER(Interaction, geom), MEMBER(Interaction, phys), MEMBER(Interaction, cellDist), MEMBER(Interaction, iterMadeReal),
 			MEMBER(GenericSpheresContact, normal), MEMBER(GenericSpheresContact, contactPoint),

@@ -44,6 +44,8 @@ template <int D> const Grid<D>&           Ground<D>::grid() const { return parts
 template <int D> MaterialPoints<D>&       Ground<D>::points() { return *parts_->points; }
 template <int D> const MaterialPoints<D>& Ground<D>::points() const { return *parts_->points; }
 
+template <int D> RigidContact<D>* Ground<D>::bodies() { return parts_->bodies.get(); }
+
 template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const { return parts_->batch(skeleton); }
 
 template class Ground<2>;

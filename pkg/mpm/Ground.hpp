@@ -9,6 +9,8 @@
 
 namespace talik {
 
+template <int D> class RigidContact;
+
 /// Ground as a two-phase thermo-hydro-mechanical material point model, composed of the effects that the scene has.
 ///
 /// Use: fill settings(), add points, initialise(), then step(dt) again and again, or the calls that it consists of. The step
@@ -59,6 +61,9 @@ public:
 	const Grid<D>&           grid() const;
 	MaterialPoints<D>&       points();
 	const MaterialPoints<D>& points() const;
+
+	/// Contact with rigid bodies; nullptr in a scene without. Call on an initialised ground.
+	RigidContact<D>* bodies();
 
 	/// All fields that exist, of points and nodes.
 	std::vector<FieldInfo> fields() const;

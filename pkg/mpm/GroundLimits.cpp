@@ -53,6 +53,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 			return s.waveFraction * h / (c + v);
 		});
 		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
+		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {
 		const double scale = 2.0 * D * s.heat->thermalTimeScale / (s.heatFraction * h * h);

@@ -11,6 +11,7 @@
 #include <pkg/mpm/MomentumSolver.hpp>
 #include <pkg/mpm/PoreContent.hpp>
 #include <pkg/mpm/PoreWater.hpp>
+#include <pkg/mpm/RigidContact.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
 
 #include <algorithm>
@@ -50,6 +51,7 @@ template <int D> struct Ground<D>::Parts {
 	std::unique_ptr<FreeSurface<D>>    surface;
 	std::unique_ptr<CellMeans<D>>      cells;
 	std::unique_ptr<MomentumSolver<D>> momentum;
+	std::unique_ptr<RigidContact<D>>   bodies;
 
 	std::vector<std::vector<int>> skeletonPlaces;
 	Clock<D>                      clock {};
@@ -114,6 +116,7 @@ template <int D> struct Ground<D>::Parts {
 	void        sort();
 
 	SkeletonBatch<D> batch(int skeleton) const;
+	double           largestModulus() const;
 	double           liquidDensity() const { return settings.mixture.liquid.density; }
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
 };

@@ -47,6 +47,16 @@ struct WaterSettings {
 	/// The choice is made by state.massCoefficient.
 };
 
+/// The effect of rigid bodies that push the ground and are pushed by it.
+struct RigidContactSettings {
+	double stiffness  = std::numeric_limits<double>::quiet_NaN(); ///< k, pressure over penetration [Pa/m]; NaN: oedometer modulus of the stiffest point over h
+	double shearRatio = 0.5; ///< tangential over normal stiffness [-], in (0, 1]
+	double damping    = 0.1; ///< of the contact, over critical for a point [-], in [0, 1)
+
+	/// Throws std::invalid_argument naming attribute, value and remedy.
+	void validate() const;
+};
+
 /// Everything about a scene that is fixed before it starts. Absent optionals are absent effects: no field, no loop, no limit.
 template <int D> struct GroundSettings {
 	Vec<D> lower {};      ///< corner of the grid's box [m]
@@ -60,6 +70,7 @@ template <int D> struct GroundSettings {
 	std::optional<HeatSettings>      heat;
 	FreezingCurvePtr                 freezing; ///< needs heat
 	std::optional<WaterSettings>     water;    ///< needs motion
+	std::optional<RigidContactSettings> bodies; ///< needs motion
 	bool                             energyLedger = false; ///< keep account of work and dissipation, see Balance
 	bool                             deformationRecord = false; ///< points remember their deformation gradient; needs motion
 

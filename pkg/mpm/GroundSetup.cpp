@@ -23,6 +23,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesSurface(); });
 	if (usesSurface) surface = std::make_unique<FreeSurface<D>>();
 	if (usesSurface || averaging()) cells = std::make_unique<CellMeans<D>>();
+	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
 }
 
@@ -52,6 +53,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	const int n = static_cast<int>(inputs.size());
 	points->allocate(n);
 	if (motion) motion->bind(*points, grid);
+	if (bodies) bodies->bind(*points, *motion);
 	if (record) {
 		record->bind(*points);
 		record->start(n);
@@ -97,6 +99,13 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	}
 }
 
+template <int D> double Ground<D>::Parts::largestModulus() const
+{
+	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
+		settings.skeletons[k]->tangentModulus(batch(k), scratch.data());
+	return *std::max_element(scratch.begin(), scratch.end());
+}
+
 template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
 {
 	if (parts_->ready) throw std::logic_error("addPoint: points are added before initialise()");
@@ -119,6 +128,7 @@ template <int D> void Ground<D>::initialise()
 	if (g.motion) {
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
 			g.settings.skeletons[k]->initialise(g.batch(k));
+		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		for (int p = 0; p < g.points->count(); ++p)
 			g.clock.initialMass += g.motion->mass[p] + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
 	}

@@ -222,6 +222,7 @@ template <int D> void Ground<D>::solveMomentum()
 		if (boundary.loads()) g.momentum->addLoad(boundary, g.surface->patch(b), time, *g.motion);
 		if (boundary.drains()) g.water->drainedForce(g.surface->patch(b), boundary.pressure(time));
 	}
+	if (g.bodies) g.bodies->push(*g.shape, g.grid, g.clock.dt, *g.motion, g.clock.account.impulse);
 	g.momentum->solve(g.clock.range, *g.motion, g.water.get(), g.clock.dt, g.settings.energyLedger, g.clock.account);
 	const double mass = g.clock.initialMass - (g.water ? g.water->waterOut : 0.0);
 	for (int a = 0; a < D; ++a)

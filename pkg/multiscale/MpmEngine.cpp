@@ -137,6 +137,7 @@ void MpmEngine::checkPresence() const
 	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
 	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
+	if (bodies && !motion) throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
 	if (water && !motion) throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
 	if (motion && activeSkeletons().empty())
 		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
@@ -189,6 +190,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 		s.motion        = m;
 	}
 	if (heat) s.heat = heat->build();
+	if (bodies) s.bodies = bodies->build();
 	if (freezing) s.freezing = freezing->build();
 	if (water) s.water = water->build(freezing ? freezing->residualSaturation : 0);
 	s.energyLedger      = energyLedger;
@@ -243,12 +245,17 @@ void MpmEngine::followAttributes()
 	s.motionFraction = motionFraction;
 }
 
-int MpmEngine::subSteps(double dt)
+/// Determines the stable step anew now and then; true if it did.
+bool MpmEngine::watchStableStep()
 {
-	if (stepsUntilLimit-- <= 0) {
-		stableStep      = ground->stableTimeStep().step;
-		stepsUntilLimit = limitInterval - 1;
-	}
+	if (stepsUntilLimit-- > 0) return false;
+	stableStep      = ground->stableTimeStep().step;
+	stepsUntilLimit = limitInterval - 1;
+	return true;
+}
+
+int MpmEngine::subSteps(double dt) const
+{
 	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("O.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
 	const double steps = std::ceil(dt / stableStep * (1 - 1e-12));
 	if (!(steps < 1e6))
@@ -262,15 +269,31 @@ void MpmEngine::action()
 {
 	initialise();
 	followAttributes();
-	if (automaticTimeStep && stepsUntilLimit <= 0) {
-		scene->dt       = ground->stableTimeStep().step;
-		stableStep      = scene->dt;
-		stepsUntilLimit = limitInterval;
-	}
+	const bool newLimit = watchStableStep();
+	if (bodies) return advanceAmongBodies();
+	if (automaticTimeStep && newLimit) scene->dt = stableStep;
 	const int    count = subSteps(scene->dt);
 	const double dt    = scene->dt / count;
 	for (int i = 0; i < count; i++)
 		advance(dt);
+}
+
+/// In the ground's step the bodies are where their velocities take them from their places in the scene.
+void MpmEngine::advanceAmongBodies()
+{
+	auto& contact = *ground->bodies();
+	bodies->collect(*scene, *this, contact);
+	if (automaticTimeStep) scene->dt = bodies->timeStep(*scene, stableStep);
+	if (bodies->due(*scene) > 1e-9 * scene->dt) {
+		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);
+		const int    count = subSteps(interval);
+		for (int i = 0; i < count; i++) {
+			bodies->place(contact, begin + i * (interval / count));
+			advance(interval / count);
+		}
+		bodies->take(contact, interval);
+	}
+	bodies->deliver(*scene);
 }
 
 /// One cycle of Yu & Zhao, section 2.3. The paper's steps 2 and 3 close the cycle here, with the velocities just solved.

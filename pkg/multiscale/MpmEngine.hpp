@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/multiscale/BodyContact.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
@@ -60,7 +61,9 @@ private:
 	int                      lawOf(int id) const;
 	void                     setLawOf(int id, int number);
 	void                     followAttributes();
-	int                      subSteps(double dt);
+	bool                     watchStableStep();
+	int                      subSteps(double dt) const;
+	void                     advanceAmongBodies();
 	void                     advance(double dt);
 
 	std::shared_ptr<talik::Ground<2>> ground;
@@ -83,6 +86,7 @@ public:
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
 		((shared_ptr<PoreWater>,water,,,"Effect: pore water flows and carries pressure; needs motion. None: pore water, if any, moves with the grains and carries no pressure."))
+		((shared_ptr<BodyContact>,bodies,,,"Effect: bodies of the scene (walls, facets, boxes, spheres, clumps) and the ground push each other; needs motion. None: the ground does not see them."))
 		((shared_ptr<SkeletonLaw>,skeleton,,,"Skeleton law of all points, unless skeletons lists several."))
 		((vector<shared_ptr<SkeletonLaw>>,skeletons,,,"Skeleton laws; addPoints(skeleton=i) says which a point has."))
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))

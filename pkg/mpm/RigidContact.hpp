@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/RigidBody.hpp>
+#include <pkg/mpm/ShapeFunctions.hpp>
+#include <pkg/mpm/SolidMotion.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Effect: the ground and rigid bodies push each other, with friction.
+///
+/// Contact is between material points and surfaces. A point is as large as its volume, r = V^(1/D)/2, and is pushed by
+///   f_n = A max(0, k delta - c v_n),  |f_t| <= mu f_n,  A = V^((D-1)/D),
+/// where delta is its penetration and the tangential spring k_t = shearRatio k remembers where on the surface it sticks. The force
+/// on a point goes to the nodes with the point's own weights, whose sum is one, and its opposite to the body: momentum
+/// is conserved to round-off, on any grid and for bodies of any size, and nothing is felt at a distance, as it would be were
+/// velocities of body and ground matched on nodes (Bardenhagen et al. 2000). The torque on the body is that of the force at its
+/// surface. The price: a penetration of stress over k, and a couple f_t r that the points, which do not turn, do not take.
+///
+/// A contact is born without force: what overlaps from the beginning is at rest there, and a point keeps its size while it touches
+/// anything, so that it passes from one facet to the next without a jump. A point touches at most two groups of
+/// bodies at a time, those in which it is deepest.
+template <int D> class RigidContact {
+public:
+	static constexpr int contactsPerPoint = 2;
+
+	RigidContact(PointFields& fields, const RigidContactSettings& settings);
+	void bind(MaterialPoints<D>& points, const SolidMotion<D>& motion);
+	/// Sets the stiffness that the settings leave open: modulus over h, the ground's own on one cell. modulus: largest in the ground [Pa].
+	void chooseStiffness(double modulus, double spacing);
+
+	/// The bodies; whoever steps the ground puts them in their places before a step and takes the impulses after it.
+	std::vector<RigidBody<D>> bodies;
+
+	/// Adds the contact forces to the nodes and to the bodies' impulses, and their sum to impulse [N s].
+	void push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, Vec<D>& impulse);
+
+	double stiffness() const { return stiffness_; } ///< k [Pa/m]
+	int    contacts() const { return contacts_; }   ///< points that touch, in the last step
+	/// Largest stable time step of the contact of the point at a place [s].
+	double timeStep(int place) const;
+
+	/// A point whose middle lies inside a body.
+	struct Overlap {
+		int    body  = -1; ///< index in bodies, -1: none
+		int    place = -1;
+		double depth = 0.0; ///< [m]
+	};
+	/// The deepest of them: to refuse bodies that are put into the ground.
+	Overlap deepestOverlap() const;
+
+private:
+	/// What a point remembers of a contact.
+	struct Memory {
+		int    key    = 0;   ///< id + 1 of the body, with the sign of the side of a thin surface; 0: no contact
+		double radius = 0.0; ///< of the point in this contact: contact is born without force [m]
+		Vec<D> anchor {};    ///< where on the surface the point sticks, in the frame of the body [m]
+		Vec<D> offset {};    ///< of the point from there when neither spring nor slip had moved it [m]
+	};
+	static constexpr int memorySize = 2 * D + 2;
+	using Memories = std::array<Memory, contactsPerPoint>;
+
+	struct Candidate {
+		int               body = -1;
+		int               side = 0;
+		NearestSurface<D> surface {};
+		Memory            memory;
+	};
+	using Candidates = std::array<Candidate, contactsPerPoint>;
+	/// What a body receives from one point.
+	struct Touch {
+		int     body;
+		Vec<D>  impulse;
+		Spin<D> angularImpulse;
+	};
+
+	double halfSize(int place) const;
+	Memory recall(int place, int slot) const;
+	void   remember(int place, int slot, const Memory& memory);
+	void   findNear(int first, int count, std::vector<int>& near) const;
+	bool   meets(int place, int body, const Memories& before, Candidate& candidate) const;
+	void   keepDeepest(const Candidate& candidate, Candidates& found, int& count) const;
+	Vec<D> force(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
+	Vec<D> pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
+	void   boxBodies();
+	void   deliver(Vec<D>& impulse);
+
+	RigidContactSettings settings_;
+	double               stiffness_ = 0.0;
+	PointFields::Handle  memoryField_;
+	MaterialPoints<D>*   points_   = nullptr;
+	const double*        mass_     = nullptr;
+	int                  contacts_ = 0;
+
+	std::array<double*, memorySize * contactsPerPoint> memory_ {};
+	std::array<double*, D>                             velocity_ {};
+	std::vector<Vec<D>>                                lower_, upper_; ///< boxes around the bodies
+	std::vector<std::vector<Touch>>                    touches_;       ///< per strip
+	std::vector<std::vector<int>>                      near_;          ///< per strip
+};
+
+extern template class RigidContact<2>;
+extern template class RigidContact<3>;
+
+} // namespace talik
