@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A footing stands on frozen ground that thaws from its surface, and settles.
+
+	scripts/run footing_on_thawing_ground [--preset test|draft|standard]
+
+The footing is an ordinary Box of YADE that falls under its own weight; the ground is material points whose cohesion and
+stiffness follow the ice (MohrCoulombSkeleton). What can be checked: before the thaw and after it the footing is at rest and the
+force that the ground gives it, O.forces.f(id), is its weight within 1 %. Ground and boundaries are ours. Change the footing's
+size or density, or the cohesion that thawed ground keeps, first.
+"""
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from yade import O, utils, wrapper
+
+import talik
+from talik import bodies, output, plots
+from talik.files import writableFolder
+
+
+@dataclass
+class Preset:
+	gridSpacing: float  # [m]
+	thawTime: float  # of the surface being warm [s], f_T seconds of heat each
+
+
+presets = {"test": Preset(0.5, 1.5), "draft": Preset(0.25, 3.0), "standard": Preset(0.125, 3.0)}
+
+width, depth = 8.0, 3.0  # of the ground [m]
+footing = (1.6, 1.2)  # width, height [m]
+density = 2500.0  # of the footing [kg/m3]
+thermalTimeScale = 4e6  # one second is 46 days of heat
+restTime, warmingTime = 0.8, 0.2  # [s]
+
+
+def build(preset):
+	material = O.materials.append(wrapper.FrictMat(frictionAngle=0.5, density=density))
+	block = utils.box((width / 2, depth + footing[1] / 2, 0), (footing[0] / 2, footing[1] / 2, 0.5), material=material)
+	block.state.blockedDOFs = "zXY"
+	O.bodies.append(block)
+	mpm = wrapper.MpmEngine(
+		gridSpacing=preset.gridSpacing,
+		lower=(0, 0),
+		upper=(width, depth + 1),
+		gravity=(0, -9.81),
+		damping=0.5,
+		skeleton=wrapper.MohrCoulombSkeleton(young=8e6, youngFrozen=60e6, cohesion=1.5e3, cohesionFrozen=300e3, frictionAngle=20),
+		heat=wrapper.HeatTransfer(thermalTimeScale=thermalTimeScale),
+		freezing=wrapper.FreezingCurve(curve="gauss", width=0.5),
+		bodies=wrapper.BodyContact(),
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, width, depth), temperature=-2)
+	mpm.boundaries = [
+		wrapper.RollerBoundary(region="left"),
+		wrapper.RollerBoundary(region="right"),
+		wrapper.FixedBoundary(region="bottom"),
+		wrapper.SurfaceTemperature(region="surface", times=[0, restTime, restTime + warmingTime], values=[-2, -2, 10]),
+	]
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.4)]
+	return mpm, block
+
+
+class Record:
+	def __init__(self, mpm, block):
+		self.mpm, self.block, self.rows, self.states = mpm, block, [], []
+
+	def run(self, endTime, samples=100):
+		for instant in np.linspace(O.time, endTime, samples + 1)[1:]:
+			while O.time < instant:
+				talik._talik.runSerially(1 + int((instant - O.time) / O.dt * 0.9))
+			thawed = self.mpm.field("volume")[self.mpm.field("iceSaturation") < 0.5].sum() / width
+			self.rows.append((O.time, self.block.state.displ()[1], O.forces.f(self.block.id)[1], thawed))
+
+	def keepState(self):
+		f = self.mpm.field
+		line = bodies.outline(self.block)
+		self.states.append((O.time, f("position"), f("volume"), f("iceSaturation"), line))
+
+	def meanForce(self, last=10):
+		return np.mean([row[2] for row in self.rows[-last:]])
+
+
+def draw(record, weight, path):
+	fig = plots.figure(8, 7.5)
+	panels = fig.subplots(3, 1, height_ratios=(1, 1, 0.8))
+	for axes, (time, position, volume, ice, line) in zip(panels, record.states):
+		plots.slopeField(axes, position, ice, volume, colourMap="Blues", limits=(0, 1))
+		axes.fill(*line.T, facecolor="0.7", edgecolor="black")
+		axes.set_xlim(0, width)
+		axes.set_ylim(0, depth + 1.5)
+		axes.set_ylabel("y [m]")
+		axes.set_title(plots.timeLabel(time, thermalTimeScale), loc="left", fontsize=10)
+	panels[1].set_xlabel("x [m]")
+	fig.colorbar(panels[0].collections[0], ax=list(panels[:2]), label="ice saturation [-]", shrink=0.7)
+	time, settled, force, thawed = np.array(record.rows).T
+	panels[2].plot(time, 1e3 * settled, color="black", label="footing [mm]")
+	panels[2].set_xlabel("time [s]")
+	panels[2].set_ylabel("settlement [mm]")
+	other = panels[2].twinx()
+	other.plot(time, thawed, color="crimson", linestyle="--")
+	other.set_ylabel("thawed (dashed) [m]")
+	plots.save(fig, path, dpi=100)
+
+
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
+parser.add_argument("--output", default="output/footing_on_thawing_ground", help="folder for the results")
+options = parser.parse_args()
+folder, preset = writableFolder(Path(options.output)), presets[options.preset]
+
+mpm, block = build(preset)
+weight = block.state.mass * 9.81
+record = Record(mpm, block)
+record.run(restTime)
+record.keepState()
+frozen, frozenSettlement = record.meanForce() / weight, record.rows[-1][1]
+record.run(restTime + preset.thawTime)
+record.keepState()
+thawed, settlement = record.meanForce() / weight, record.rows[-1][1]
+print(f"{mpm.pointCount} points, {O.iter} steps; weight of the footing {weight / 1e3:.2f} kN/m")
+print(f"force of the ground over the weight: {frozen:.4f} frozen, {thawed:.4f} thawed to {record.rows[-1][3]:.2f} m")
+print(f"settlement {-1e3 * frozenSettlement:.1f} mm frozen, {-1e3 * settlement:.1f} mm thawed")
+draw(record, weight, folder / "footing_on_thawing_ground.png")
+output.writeSummary(
+	folder / "summary.json",
+	**{"preset": options.preset, "weight [N/m]": weight, "carried, frozen [-]": frozen, "carried, thawed [-]": thawed, "settlement [m]": -settlement, "thawed depth [m]": record.rows[-1][3]},
+)
+if abs(frozen - 1) > 0.01 or abs(thawed - 1) > 0.01:
+	raise SystemExit("the ground does not carry the weight of the footing within 1 %")
+print(f"picture and summary are in {folder}")
