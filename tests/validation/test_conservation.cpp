@@ -152,12 +152,12 @@ TEST(Conservation, UniformPorePressureAtAnIceFrontMovesNothing)
 	for (int k = 0; k < 1000; ++k)
 		ground.step(dt);
 	const double forceScale = 1e5 * 1000.0 * dt / (0.05 * 1000.0); // speed the wrong force would give: p t/(h rho)
-	expectSmall("uniform p = 100 kPa at an ice front, 1000 steps: solid speed over p t/(h rho)", largestSize(valuesOf(ground, "velocity", 0)) / forceScale, 1e-12);
-	expectSmall("uniform p = 100 kPa at an ice front, 1000 steps: liquid speed over p t/(h rho)", largestSize(valuesOf(ground, "liquidVelocity", 0)) / forceScale, 1e-12);
+	expectSmall("uniform pressure at an ice front: solid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "velocity", 0)) / forceScale, 1e-12);
+	expectSmall("uniform pressure at an ice front: liquid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "liquidVelocity", 0)) / forceScale, 1e-12);
 	auto pressure = valuesOf(ground, "pressure");
 	for (double& p : pressure)
 		p = p / 1e5 - 1.0;
-	expectSmall("uniform p = 100 kPa at an ice front, 1000 steps: change of p over p", largestSize(pressure), 1e-9);
+	expectSmall("uniform pressure at an ice front: change of p over p, 1000 steps", largestSize(pressure), 1e-9);
 }
 
 TEST(Conservation, HydrostaticColumnStaysAtRest)

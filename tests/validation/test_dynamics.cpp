@@ -38,8 +38,10 @@ struct Oscillation {
 };
 
 /// Releases the column with v = V0 sin(pi y/2L) and follows its top point through one period.
-Oscillation oscillate(GroundSettings<2> s, double expectedPeriod)
+Oscillation oscillate(GroundSettings<2> s, double expectedPeriod, const std::string& file, const std::string& title)
 {
+	citing("wave equation");
+	Drawing drawing(file, title, "time [ms]", "tip displacement [mm]");
 	s.energyLedger     = false;
 	const double start = 0.1;
 	Ground<2>    ground(s);
@@ -51,11 +53,14 @@ Oscillation oscillate(GroundSettings<2> s, double expectedPeriod)
 	const double top = length - 0.25 * s.gridSpacing;
 	const double dt  = ground.stableTimeStep().step;
 	double       previous = 0.0, largest = 0.0, firstZero = 0.0, secondZero = 0.0, lastKinetic = ground.balance().kineticEnergy;
-	const double kineticStart = lastKinetic;
+	const double kineticStart = lastKinetic, omega = 2.0 * reference::pi / expectedPeriod;
 	double       kineticPeak  = 0.0;
+	long         steps        = 0;
+	drawing.reference("tip", 0.0, 1.3e3 * expectedPeriod, [=](double t) { return 1e3 * start / omega * std::sin(1e-3 * omega * t); });
 	while (ground.time() < 1.3 * expectedPeriod) {
 		ground.step(dt);
 		const double u = tipDisplacement(ground, top), t = ground.time();
+		if (++steps % 4 == 0) drawing.computed("tip", 1e3 * t, 1e3 * u);
 		if (t < 0.5 * expectedPeriod) largest = std::max(largest, u);
 		const bool crossed = u * previous < 0.0;
 		const double zero  = t - dt * u / (u - previous);
@@ -72,7 +77,7 @@ Oscillation oscillate(GroundSettings<2> s, double expectedPeriod)
 TEST(Dynamics, ElasticColumnKeepsPeriodAmplitudeAndEnergy)
 {
 	const double wave = std::sqrt(oedometer / density), period = 4.0 * length / wave;
-	const auto   measured = oscillate(dryColumn(0.25), period);
+	const auto   measured = oscillate(dryColumn(0.25), period, "elastic_column", "V07 elastic column, 10 m, h = 0.25 m");
 	expectRelative("V07 elastic column: period [s]", measured.period, 0.178438, 1e-2);
 	expectRelative("V07 elastic column: tip amplitude [m]", measured.amplitude, 2.839924e-3, 1e-2);
 	expectSmall("V07 elastic column: energy lost in one period", measured.energyLoss, 2e-2);
@@ -86,7 +91,7 @@ TEST(Dynamics, UndrainedSaturatedColumnOscillatesWithTheUndrainedWaveSpeed)
 	s.water->permeability.referenceConductivity = 1e-12;
 	s.water->state.cavitationPressure           = -1e8;
 	s.water->flipFraction                       = 1.0;
-	const auto measured = oscillate(s, 2.384474e-2);
+	const auto measured = oscillate(s, 2.384474e-2, "undrained_column", "V07 undrained saturated column, 10 m, h = 0.25 m");
 	expectRelative("V07 undrained saturated column: period [s]", measured.period, 2.384474e-2, 1e-2);
 	expectRelative("V07 undrained saturated column: tip amplitude [m]", measured.amplitude, 0.1 * 2.384474e-2 / (2.0 * reference::pi), 1e-2);
 	expectSmall("V07 undrained saturated column: energy lost in one period", measured.energyLoss, 2e-2);
@@ -101,9 +106,17 @@ TEST(Dynamics, SuddenGravityDoublesTheStaticSettlement)
 	ground.initialise();
 	const double top = length - 0.25 * s.gridSpacing, wave = std::sqrt(oedometer / density), period = 4.0 * length / wave;
 	double       deepest = 0.0;
-	marchTo(ground, 0.25 * period);
+	citing("Fourier series");
+	Drawing drawing("sudden_gravity", "V07 gravity switched on, column of 10 m", "time [s]", "tip settlement [mm]");
+	drawing.reference("tip", 0.0, period, [&](double t) { return 1e3 * reference::suddenGravityTip(t, length, wave, oedometer, density * 9.81); });
+	const auto record = [&] {
+		const double depth = -tipDisplacement(ground, top);
+		deepest            = std::max(deepest, depth);
+		if (std::fmod(ground.time(), 0.01 * period) < ground.stableTimeStep().step) drawing.computed("tip", ground.time(), 1e3 * depth);
+	};
+	marchTo(ground, 0.25 * period, 1e300, record);
 	const double quarter = -tipDisplacement(ground, top);
-	marchTo(ground, period, 1e300, [&] { deepest = std::max(deepest, -tipDisplacement(ground, top)); });
+	marchTo(ground, period, 1e300, record);
 	expectRelative("V07 sudden gravity: tip at a quarter period [m]", quarter, 9.760950e-3, 1e-2);
 	expectRelative("V07 sudden gravity: deepest tip, twice static [m]", deepest, 1.952190e-2, 1e-2);
 }
@@ -126,6 +139,7 @@ TEST(Dynamics, SaturatedPartlyFrozenBlockFallsFreely)
 	fillBox(ground, { 0.25, 7.0 }, { 0.75, 7.5 }, [](PointInput<2>& p) { p.temperature = -0.3; });
 	ground.initialise();
 	const auto y0 = valuesOf(ground, "position", 1), t0 = valuesOf(ground, "temperature"), ice0 = valuesOf(ground, "iceSaturation");
+	citing("symplectic Euler");
 	for (int k = 0; k < 10000; ++k)
 		ground.step(1e-4);
 	const auto y = valuesOf(ground, "position", 1), v = valuesOf(ground, "velocity", 1);
@@ -154,6 +168,7 @@ TEST(Dynamics, RelativeVelocityDecaysByTheImplicitDragFactor)
 	struct Case {
 		double conductivity, dt, factor;
 	};
+	citing("implicit drag, closed form");
 	// w1/w0 = 1/(1 + dt Q (1/M_s + 1/M_l)), Q = n^2 rho_l g/k, per volume M_s = 1590, M_l = 400 kg/m^3
 	for (const Case& c : { Case { 1e-4, 1e-4, 0.1691713 }, Case { 1e-2, 1e-4, 0.0 }, Case { 1e-4, 1e-5, 0.0 } }) {
 		GroundSettings<2> s;
@@ -179,7 +194,7 @@ TEST(Dynamics, RelativeVelocityDecaysByTheImplicitDragFactor)
 		const auto   vs = valuesOf(ground, "velocity", 0), vl = valuesOf(ground, "liquidVelocity", 0);
 		const double rate = porosity * porosity * 1000.0 * 9.81 / c.conductivity * (1.0 / 1590.0 + 1.0 / 400.0);
 		const double expected = 1.0 / (1.0 + c.dt * rate);
-		if (c.factor != 0.0) expectRelative("V14 reference: drag factor", expected, c.factor, 1e-6);
+		if (c.factor != 0.0) expectRelative("V14 drag: reference, factor", expected, c.factor, 1e-6);
 		double worst = 0.0, momentum = 0.0;
 		for (std::size_t p = 0; p < x.size(); ++p) {
 			// further out the free surface makes itself felt: liquid leaves the solid there
@@ -188,7 +203,7 @@ TEST(Dynamics, RelativeVelocityDecaysByTheImplicitDragFactor)
 			momentum = std::max(momentum, std::abs((1590.0 * vs[p] + 400.0 * vl[p]) / 400.0 - 1.0));
 		}
 		char label[64];
-		std::snprintf(label, sizeof label, "V14 k = %.0e, dt = %.0e: ", c.conductivity, c.dt);
+		std::snprintf(label, sizeof label, "V14 drag: k = %.0e, dt = %.0e, ", c.conductivity, c.dt);
 		expectSmall(label + std::string("w1/w0 against the closed form"), worst, 1e-12);
 		expectSmall(label + std::string("momentum of the mixture"), momentum, 1e-12);
 	}
@@ -267,6 +282,10 @@ TEST(Dynamics, DryColumnsCollapseToTheRunOutOfLube_slow)
 	struct Case {
 		double aspect, runOut, spacing;
 	};
+	citing("Lube et al. 2005");
+	Drawing drawing("lube", "Dry column collapse, MohrCoulombSkeleton, 31 deg", "aspect ratio [-]", "run-out over initial width [-]");
+	drawing.reference("run-out", 0.5, 1.8, [](double a) { return 1.2 * a; });
+	drawing.reference("run-out", 2.8, 5.0, [](double a) { return 1.9 * std::pow(a, 2.0 / 3.0); });
 	for (const Case& c : { Case { 0.8, 1.2 * 0.8, 0.025 }, Case { 1.5, 1.2 * 1.5, 0.05 }, Case { 4.0, 1.9 * std::pow(4.0, 2.0 / 3.0), 0.05 } }) {
 		const double      width = 1.0, h = c.spacing;
 		GroundSettings<2> s;
@@ -304,7 +323,8 @@ TEST(Dynamics, DryColumnsCollapseToTheRunOutOfLube_slow)
 		// a few points may roll ahead of the deposit: leave out the last per mille
 		const double toe = x[static_cast<std::size_t>(0.999 * x.size())];
 		char         label[64];
-		std::snprintf(label, sizeof label, "dry collapse, a = %.1f: run-out over width", c.aspect);
+		std::snprintf(label, sizeof label, "dry collapse, Mohr-Coulomb: run-out over width, a = %.1f", c.aspect);
+		drawing.computed("run-out", c.aspect, toe / width - 1.0);
 		expectRelative(label, toe / width - 1.0, c.runOut, 0.15);
 		expectSmall(std::string(label) + ", speed left over sqrt(g H)", std::sqrt(2.0 * ground.balance().kineticEnergy / ground.balance().solidMass / (9.81 * column)), 5e-2);
 	}

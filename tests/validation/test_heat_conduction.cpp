@@ -81,6 +81,7 @@ double errorOf(Slab slab, int cells)
 
 void expectSecondOrder(Slab slab, const std::string& name)
 {
+	citing("Carslaw & Jaeger 1959");
 	const double coarse = errorOf(slab, 10), medium = errorOf(slab, 20), fine = errorOf(slab, 40);
 	expectSmall("V01 " + name + ": rms error over 10 K, h = L/10", coarse, 2e-2);
 	expectSmall("V01 " + name + ": rms error over 10 K, h = L/20", medium, 1e-2);
@@ -103,10 +104,16 @@ TEST(HeatConduction, TabulatedTemperaturesAtAQuarterAndHalfTheSlab)
 		const char* name;
 		double      quarter, half;
 	};
+	citing("Carslaw & Jaeger 1959");
+	Drawing drawing("conduction", "V01 conduction, h = L/40, Fo = 0.1", "x/L [-]", "temperature [degC]");
 	// Fourier number 0.1; the half space is the slab before its far face matters, so it is compared at x = 0.25 only
 	for (const Row& row : { Row { Slab::bothFaces, "both faces", 8.64403, 7.25513 }, Row { Slab::insulated, "insulated", 7.76241, 4.64349 } }) {
 		Ground<2> ground = startedSlab(row.slab, 40);
 		marchTo(ground, 0.1 * length * length / diffusivity());
+		const auto   mean = cellTemperatures(ground);
+		for (std::size_t c = 0; c < mean.size(); ++c)
+			drawing.computed(row.name, (c + 0.5) / mean.size(), mean[c]);
+		drawing.reference(row.name, 0.0, 1.0, [&](double x) { return exact(row.slab, x * length, 0.1 * length * length / diffusivity()); });
 		const auto   t = valuesOf(ground, "temperature"), y = valuesOf(ground, "position", 1);
 		const auto   at = [&](double x) {
                         // mean of the two rows beside x: second-order accurate
@@ -123,13 +130,14 @@ TEST(HeatConduction, TabulatedTemperaturesAtAQuarterAndHalfTheSlab)
 
 TEST(HeatConduction, HeatTakenUpThroughAWallIsThatOfTheHalfSpace)
 {
+	citing("Carslaw & Jaeger 1959");
 	Ground<2>    ground = startedSlab(Slab::insulated, 40);
 	const double t      = 0.02 * length * length / diffusivity(); // the far face is still at rest
 	marchTo(ground, t);
 	const MixtureProperties m       = withoutExpansion();
 	const double            kappa   = m.conductivity(VolumeFractions::of(0.4, 1.0));
 	const double            perArea = 2.0 * kappa * (surface - initial) * std::sqrt(t / (reference::pi * diffusivity()));
-	expectRelative("V01 heat taken up by the half space, h = L/40 [J/m^2]", ground.balance().heatIn * 40.0, perArea, 1e-2);
+	expectRelative("V01 half space: heat taken up, h = L/40 [J/m^2]", ground.balance().heatIn * 40.0, perArea, 1e-2);
 }
 
 TEST(HeatConduction, SealedGroundKeepsItsHeat)
@@ -152,6 +160,7 @@ TEST(HeatConduction, HeatOfAWallIsAccountedForToRoundOff)
 // Manufactured: with constant heat production Q between two cold walls, T = T_w + Q x (L - x)/(2 kappa) in the steady state
 TEST(HeatConduction, ConstantHeatProductionGivesTheParabola)
 {
+	citing("steady state, parabola");
 	const auto errorAt = [](int cells) {
 		auto         s       = thawedColumn(cells);
 		const double kappa   = s.mixture.conductivity(VolumeFractions::of(0.4, 1.0));
@@ -171,7 +180,7 @@ TEST(HeatConduction, ConstantHeatProductionGivesTheParabola)
 		return worst;
 	};
 	const double coarse = errorAt(10), fine = errorAt(20);
-	expectSmall("manufactured: parabola under heat production, largest error, h = L/10", coarse, 2e-2);
-	expectSmall("manufactured: parabola under heat production, largest error, h = L/20", fine, 1e-2);
-	expectAtLeast("manufactured: order of convergence, L/10 to L/20", std::log2(coarse / fine), 1.6);
+	expectSmall("heat production between cold walls: largest error, h = L/10", coarse, 2e-2);
+	expectSmall("heat production between cold walls: largest error, h = L/20", fine, 1e-2);
+	expectAtLeast("heat production between cold walls: order of convergence, L/10 to L/20", std::log2(coarse / fine), 1.6);
 }

@@ -31,11 +31,12 @@ struct FrontScene {
 FreezingCurvePtr sharpCurve() { return makeFreezingCurve("sharp", { { "residualSaturation", 0.0 } }); }
 
 struct FrontResult {
-	double front;   ///< volume per area whose water has changed phase [m]
-	double closure; ///< (gain of heat - logged heat)/logged heat
+	std::vector<double> front;   ///< volume per area whose water has changed phase, at each instant [m]
+	double              closure; ///< (gain of heat - logged heat)/logged heat
+	std::vector<double> depth, temperature; ///< of the points at the end [m, degC]
 };
 
-FrontResult marchFront(const FrontScene& scene, double time)
+FrontResult marchFront(const FrontScene& scene, const std::vector<double>& instants)
 {
 	const double h   = scene.spacing;
 	const double top = scene.depth + scene.offset * h;
@@ -54,15 +55,22 @@ FrontResult marchFront(const FrontScene& scene, double time)
 	});
 	ground.initialise();
 	const double heatBefore = ground.balance().enthalpy;
-	const auto   before     = valuesOf(ground, "iceSaturation");
-	marchTo(ground, time);
-	const auto   after  = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
 	const double farIce = 1.0 - scene.curve->liquidSaturation(scene.initial), nearIce = 1.0 - scene.curve->liquidSaturation(scene.surface);
-	double       changed = 0.0;
-	for (std::size_t p = 0; p < after.size(); ++p)
-		changed += (after[p] - farIce) / (nearIce - farIce) * volume[p];
+	FrontResult  result;
+	for (const double instant : instants) {
+		marchTo(ground, instant);
+		const auto after = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
+		double     changed = 0.0;
+		for (std::size_t p = 0; p < after.size(); ++p)
+			changed += (after[p] - farIce) / (nearIce - farIce) * volume[p];
+		result.front.push_back(changed / h);
+	}
 	const auto balance = ground.balance();
-	return { changed / h, (balance.enthalpy - heatBefore - balance.heatIn) / std::abs(balance.heatIn) };
+	result.closure     = (balance.enthalpy - heatBefore - balance.heatIn) / std::abs(balance.heatIn);
+	result.temperature = valuesOf(ground, "temperature");
+	for (const double y : valuesOf(ground, "position", 1))
+		result.depth.push_back(scene.wall == Wall::onNodes ? y : top - y);
+	return result;
 }
 
 reference::Conductor phase(const MixtureProperties& m, double liquidSaturation)
@@ -81,19 +89,74 @@ double neumann(const FrontScene& scene)
 	return reference::neumannFront(thaws ? thawed : frozen, thaws ? frozen : thawed, scene.surface, scene.initial, 0.0, latent);
 }
 
-void expectFront(const FrontScene& scene, double perRootTime, double days, double tolerance, bool inSpacings)
+/// Depth where the ground has changed phase over sqrt(t), by the similarity solution for the scene's own curve.
+reference::SimilarityFront similarity(const FrontScene& scene, double etaEnd = 8e-3, int steps = 20000)
+{
+	const MixtureProperties m     = scene.mixture;
+	const auto              curve = scene.curve;
+	const double            rho   = scene.density == LatentDensity::ice ? m.ice.density : m.liquid.density;
+	return { [=](double t) { return m.conductivity(VolumeFractions::of(porosity, curve->liquidSaturation(t))); },
+		 [=](double t) {
+			 return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t))) + porosity * rho * m.latentHeat * curve->derivative(t);
+		 },
+		 scene.surface,
+		 scene.initial,
+		 etaEnd,
+		 steps };
+}
+
+double frontOf(const reference::SimilarityFront& exact, const FrontScene& scene)
+{
+	const auto   curve = scene.curve;
+	const double range = curve->liquidSaturation(scene.surface) - curve->liquidSaturation(scene.initial);
+	return exact.integralOf([curve](double t) { return curve->liquidSaturation(t); }) / range;
+}
+
+double exactFront(const FrontScene& scene) { return scene.curve->isSharp() ? neumann(scene) : frontOf(similarity(scene), scene); }
+
+std::vector<double> tenInstants(double days)
+{
+	std::vector<double> instants;
+	for (int k = 1; k <= 10; ++k)
+		instants.push_back(0.1 * k * days * day);
+	return instants;
+}
+
+FrontResult expectFront(const FrontScene& scene, double perRootTime, double days, double tolerance, bool inSpacings)
 {
 	const double exact  = perRootTime * std::sqrt(days * day);
-	const auto   result = marchFront(scene, days * day);
-	if (inSpacings) expectScaled(scene.name + ", error in h [m]", result.front, exact, scene.spacing, tolerance);
-	else expectRelative(scene.name + " [m]", result.front, exact, tolerance);
+	const auto   result = marchFront(scene, tenInstants(days));
+	char         label[48];
+	std::snprintf(label, sizeof label, ", front [m], h = X/%.1f%s", exact / scene.spacing, inSpacings ? ", error in h" : "");
+	if (inSpacings) expectScaled(scene.name + label, result.front.back(), exact, scene.spacing, tolerance);
+	else expectRelative(scene.name + label, result.front.back(), exact, tolerance);
 	expectSmall(scene.name + ", heat closure", result.closure, 1e-12);
+	return result;
 }
+
+void drawFront(Drawing& drawing, const std::string& series, const FrontResult& result, double perRootTime, double days)
+{
+	const auto instants = tenInstants(days);
+	for (std::size_t k = 0; k < instants.size(); ++k)
+		drawing.computed(series, instants[k] / day, result.front[k]);
+	drawing.reference(series, 0.0, days, [=](double d) { return perRootTime * std::sqrt(d * day); });
+}
+
+void drawProfile(Drawing& drawing, const std::string& series, const FrontResult& result, const reference::SimilarityFront& exact, double days, double deepest)
+{
+	for (std::size_t p = 0; p < result.depth.size(); ++p)
+		if (result.depth[p] < deepest) drawing.computed(series, result.depth[p], result.temperature[p]);
+	drawing.reference(series, 0.0, deepest, [&](double x) { return exact.temperature(x / std::sqrt(days * day)); });
+}
+
+constexpr const char* neumannSource = "Carslaw & Jaeger 1959 (Neumann)";
+constexpr const char* similaritySource = "similarity solution, Runge-Kutta";
 
 } // namespace
 
 TEST(MovingFront, NeumannReferenceGivesThePublishedFrontOfThePapersSoil)
 {
+	citing("published value");
 	FrontScene s { "", 10.0, -5.0, sharpCurve() };
 	expectRelative("V02 reference: thaw -5/+10, X/sqrt(t) [m/s^0.5]", neumann(s), 3.154424e-4, 1e-6);
 	s.surface = -5.0;
@@ -101,45 +164,69 @@ TEST(MovingFront, NeumannReferenceGivesThePublishedFrontOfThePapersSoil)
 	expectRelative("V02 reference: freezing +5/-5, X after 1 d [m]", neumann(s) * std::sqrt(day), 0.08816, 1e-4);
 }
 
-TEST(MovingFront, ThawFromAWallOnNodesFollowsNeumann)
+namespace {
+
+/// One corner of V02: which way, from what boundary, which curve and which density of the latent heat.
+FrontScene cornerOfV02(bool thaws, Wall wall, bool sharp, LatentDensity density)
 {
-	for (const auto density : { LatentDensity::ice, LatentDensity::liquid }) {
-		FrontScene s { std::string("V02 thaw -5/+10, wall, sharp, rho_") + (density == LatentDensity::ice ? "i" : "l"), 10.0, -5.0, sharpCurve() };
-		s.density = density;
-		expectFront(s, neumann(s), 10.0, 1e-2, false);
-	}
+	FrontScene s { std::string("V02 ") + (thaws ? "thaw -5/+10, " : "freezing +5/-5, ") + (wall == Wall::onNodes ? "wall: " : "free surface: ")
+		               + (sharp ? "sharp, rho_" : "smooth, rho_") + (density == LatentDensity::ice ? "i" : "l"),
+		       thaws ? 10.0 : -5.0,
+		       thaws ? -5.0 : 5.0,
+		       sharp ? sharpCurve() : makeFreezingCurve("gauss", {}) };
+	s.density = density;
+	s.wall    = wall;
+	s.offset  = wall == Wall::onNodes ? 0.0 : 0.5;
+	s.depth   = sharp ? 2.0 : 2.5;
+	return s;
 }
 
-// A front that freezes lags by a third of a spacing: the nodes at the front average over both sides of it, and the ice just
-// formed conducts like the ground ahead. When ground thaws the two effects cancel. The lag is a length, so it falls with h.
-TEST(MovingFront, FreezingFromAWallOnNodesFollowsNeumannWithinFourTenthsOfASpacing)
+} // namespace
+
+// At a wall a front that thaws is held to 1 %. One that freezes lags by a third of a spacing: nodes hand heat out by sensible
+// capacity, so that most of what should become ice overcools the points behind the front, and heat on its way out passes partly
+// frozen points that conduct like the ground ahead; when ground thaws the two effects cancel. At a free surface a resistance of a quarter of a cell stands for the distance between surface and nodes, which is
+// not the same for every place of the surface in its cell. Both are lengths, so they fall with h.
+TEST(MovingFront, ThawAndFreezingFollowNeumannForBothLatentDensitiesBothKindsOfCurveAndBothBoundaries)
 {
-	for (const auto density : { LatentDensity::ice, LatentDensity::liquid }) {
-		FrontScene s { std::string("V02 freezing +5/-5, wall, sharp, rho_") + (density == LatentDensity::ice ? "i" : "l"), -5.0, 5.0, sharpCurve() };
-		s.density = density;
-		s.depth   = 2.0;
-		expectFront(s, neumann(s), 10.0, 0.4, true);
-	}
-	for (const double h : { 0.1, 0.025 }) {
-		FrontScene s { "V02 freezing +5/-5, wall, sharp, h = " + std::to_string(h).substr(0, 5), -5.0, 5.0, sharpCurve() };
-		s.spacing = h;
-		s.depth   = 2.0;
-		expectFront(s, neumann(s), 10.0, 0.4, true);
-	}
+	citing(neumannSource);
+	Drawing drawing("neumann_front", "V02 front, wall, h = 0.05 m", "time [d]", "front depth [m]");
+	for (const bool sharp : { true, false })
+		for (const bool thaws : { true, false })
+			for (const auto wall : { Wall::onNodes, Wall::freeSurface })
+				for (const auto density : { LatentDensity::ice, LatentDensity::liquid }) {
+					citing(sharp ? neumannSource : similaritySource);
+					const FrontScene s          = cornerOfV02(thaws, wall, sharp, density);
+					const bool       inSpacings = !thaws || wall == Wall::freeSurface;
+					const double     tolerance  = !inSpacings ? 1e-2 : wall == Wall::onNodes || thaws ? 0.4 : 0.5;
+					const double     exact      = exactFront(s);
+					const auto       result     = expectFront(s, exact, 10.0, tolerance, inSpacings);
+					if (wall == Wall::onNodes && density == LatentDensity::ice)
+						drawFront(drawing, std::string(thaws ? "thaw, " : "freezing, ") + (sharp ? "sharp" : "gauss"), result, exact, 10.0);
+				}
 }
 
-TEST(MovingFront, ThawFrontErrorFallsWithTheGridSpacing)
+// The lag of a front that freezes is a length: 1 % is reached at h = X/32.
+TEST(MovingFront, ErrorOfTheFrontFallsWithTheGridSpacing)
 {
+	citing(neumannSource);
 	for (const double h : { 0.1, 0.05, 0.025 }) {
-		FrontScene s { "V02 thaw -5/+10, wall, sharp, h = " + std::to_string(h).substr(0, 5), 10.0, -5.0, sharpCurve() };
+		FrontScene s { "V02 thaw -5/+10, wall: sharp", 10.0, -5.0, sharpCurve() };
 		s.spacing = h;
 		expectFront(s, neumann(s), 10.0, 1e-2, false);
+	}
+	for (const double h : { 0.1, 0.05, 0.025 }) {
+		FrontScene s { "V02 freezing +5/-5, wall: sharp", -5.0, 5.0, sharpCurve() };
+		s.spacing = h;
+		s.depth   = 2.0;
+		expectFront(s, neumann(s), 10.0, 0.4, true);
 	}
 }
 
 // State-function form: mass is kept, so thawed ground holds the 0.91 rho_l of water that the ice held
 TEST(MovingFront, ThawAndFreezingInTheStateFunctionFormFollowNeumannWithConservedMass)
 {
+	citing(neumannSource);
 	const MixtureProperties m     = withoutExpansion();
 	const double            solid = (1.0 - porosity) * m.solid.density * m.solid.specificHeat;
 	struct Case {
@@ -147,7 +234,7 @@ TEST(MovingFront, ThawAndFreezingInTheStateFunctionFormFollowNeumannWithConserve
 		double      surface, initial, waterPerVolume;
 	};
 	for (const Case& c : { Case { "thaw -5/+10", 10.0, -5.0, porosity * m.ice.density }, Case { "freezing +5/-5", -5.0, 5.0, porosity * m.liquid.density } }) {
-		FrontScene s { std::string("V02 ") + c.name + ", wall, sharp, state function", c.surface, c.initial, sharpCurve() };
+		FrontScene s { std::string("V02 ") + c.name + ", wall: sharp, state function", c.surface, c.initial, sharpCurve() };
 		s.form  = EnthalpyForm::stateFunction;
 		s.depth = 2.0;
 		// with sharp ice fills the pores up to a thousandth of the water mass, see EnthalpyModel::residualWaterFraction
@@ -161,35 +248,36 @@ TEST(MovingFront, ThawAndFreezingInTheStateFunctionFormFollowNeumannWithConserve
 	}
 }
 
-TEST(MovingFront, SmoothFreezingCurvesFollowTheSimilaritySolution)
+TEST(MovingFront, ExponentialFreezingCurveFollowsTheSimilaritySolution)
 {
-	struct Case {
-		const char* name;
-		double      surface, initial;
-		CurveParameters parameters;
-	};
-	for (const Case& c : { Case { "gauss", 10.0, -5.0, {} }, Case { "gauss", -5.0, 5.0, {} }, Case { "exponential", 10.0, -5.0, { { "width", 0.3 } } } }) {
-		FrontScene s { std::string("similarity ") + (c.surface > 0 ? "thaw" : "freezing") + ", " + c.name, c.surface, c.initial, makeFreezingCurve(c.name, c.parameters) };
-		s.depth                    = 2.5;
-		const MixtureProperties& m = s.mixture;
-		const auto curve = s.curve;
-		const auto kappa = [m, curve](double t) { return m.conductivity(VolumeFractions::of(porosity, curve->liquidSaturation(t))); };
-		const auto capacity = [m, curve](double t) {
-			return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t)))
-			        + porosity * m.ice.density * m.latentHeat * curve->derivative(t);
-		};
-		const reference::SimilarityFront exact(kappa, capacity, c.surface, c.initial, 8e-3);
-		const double ice = exact.integralOf([curve](double t) { return curve->liquidSaturation(t); });
-		const double range = curve->liquidSaturation(c.surface) - curve->liquidSaturation(c.initial);
-		const bool thaws = c.surface > c.initial;
-		expectFront(s, ice / range, 10.0, thaws ? 1e-2 : 0.4, !thaws);
+	citing(similaritySource);
+	FrontScene s { "V02 thaw -5/+10, wall: exponential", 10.0, -5.0, makeFreezingCurve("exponential", { { "width", 0.3 } }) };
+	s.depth = 2.5;
+	expectFront(s, exactFront(s), 10.0, 1e-2, false);
+}
+
+TEST(MovingFront, TemperatureProfileBehindAndAheadOfASmoothFrontFollowsTheSimilaritySolution)
+{
+	citing(similaritySource);
+	const double days = 10.0;
+	Drawing      drawing("front_profile", "V02 temperature after 10 d, gauss curve, h = 0.05 m", "depth [m]", "temperature [degC]");
+	for (const bool thaws : { true, false }) {
+		const FrontScene s      = cornerOfV02(thaws, Wall::onNodes, false, LatentDensity::ice);
+		const auto       exact  = similarity(s);
+		const auto       result = marchFront(s, { days * day });
+		drawProfile(drawing, thaws ? "thaw" : "freezing", result, exact, days, 1.0);
+		double sum = 0.0;
+		for (std::size_t p = 0; p < result.depth.size(); ++p)
+			sum += std::pow(result.temperature[p] - exact.temperature(result.depth[p] / std::sqrt(days * day)), 2) / result.depth.size();
+		expectSmall(std::string("V02 temperature profile: ") + (thaws ? "thaw" : "freezing") + ", rms temperature error over the jump", std::sqrt(sum) / std::abs(s.surface - s.initial), 2e-2);
 	}
 }
 
 TEST(MovingFront, ThawFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTenthsOfASpacing)
 {
+	citing(neumannSource);
 	for (const double offset : { 0.0, 0.25, 0.5, 0.75 }) {
-		FrontScene s { "V02 thaw -5/+10, free surface " + std::to_string(offset).substr(0, 4) + " h above a node", 10.0, -5.0, sharpCurve() };
+		FrontScene s { "V02 thaw -5/+10, free surface: " + std::to_string(offset).substr(0, 4) + " h above a node", 10.0, -5.0, sharpCurve() };
 		s.wall   = Wall::freeSurface;
 		s.offset = offset;
 		expectFront(s, neumann(s), 10.0, 0.4, true);
@@ -198,8 +286,9 @@ TEST(MovingFront, ThawFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTenths
 
 TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinHalfASpacing)
 {
+	citing(neumannSource);
 	for (const double offset : { 0.0, 0.25, 0.5, 0.75 }) {
-		FrontScene s { "V02 freezing +5/-5, free surface " + std::to_string(offset).substr(0, 4) + " h above a node", -5.0, 5.0, sharpCurve() };
+		FrontScene s { "V02 freezing +5/-5, free surface: " + std::to_string(offset).substr(0, 4) + " h above a node", -5.0, 5.0, sharpCurve() };
 		s.wall   = Wall::freeSurface;
 		s.offset = offset;
 		s.depth  = 2.0;
@@ -210,7 +299,8 @@ TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinHalfAS
 // InterFrost T1 (Lunardini): latent heat released evenly over an interval; exact where all phases conduct and store alike
 TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 {
-	FrontScene s { "Lunardini, +4 surface -6 (T_m = -4)", -6.0, 4.0, makeFreezingCurve("linear", { { "frozenTemperature", -4.0 }, { "residualSaturation", 0.0 } }) };
+	citing("Lunardini 1985, three zones");
+	FrontScene s { "Lunardini, three zones: +4 surface -6", -6.0, 4.0, makeFreezingCurve("linear", { { "frozenTemperature", -4.0 }, { "residualSaturation", 0.0 } }) };
 	s.mixture.ice.conductivity   = s.mixture.liquid.conductivity;
 	s.mixture.ice.specificHeat   = 4200.0;
 	s.mixture.ice.density        = 1000.0;
@@ -219,40 +309,44 @@ TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 	const auto   ground          = phase(s.mixture, 1.0);
 	const double latent          = porosity * 1000.0 * s.mixture.latentHeat;
 	const auto   exact           = reference::Lunardini::solve(ground, latent, -6.0, -4.0, 0.0, 4.0);
-	const reference::SimilarityFront similarity(
+	const reference::SimilarityFront integrated(
 	        [&](double) { return ground.conductivity; },
 	        [&](double t) { return ground.capacity + (t > -4.0 && t < 0.0 ? latent / 4.0 : 0.0); },
 	        -6.0,
 	        4.0,
 	        8e-3,
 	        80000);
-	expectSmall("Lunardini closed form against similarity integration, T at the near front [K]", similarity.temperature(exact.nearFront) + 4.0, 5e-3);
-	expectSmall("Lunardini closed form against similarity integration, T at the far front [K]", similarity.temperature(exact.farFront), 5e-3);
-	const auto   curve  = s.curve;
-	const double frozen = -similarity.integralOf([curve](double t) { return curve->liquidSaturation(t); });
-	expectFront(s, frozen, 5.0, 0.4, true);
+	expectSmall("Lunardini, three zones: reference against Runge-Kutta, T at the near front [K]", integrated.temperature(exact.nearFront) + 4.0, 5e-3);
+	expectSmall("Lunardini, three zones: reference against Runge-Kutta, T at the far front [K]", integrated.temperature(exact.farFront), 5e-3);
+	const auto result = expectFront(s, frontOf(integrated, s), 5.0, 0.15, true);
+	// where the temperatures of both fronts lie, by interpolation between points
+	const auto depthOf = [&](double t) {
+		for (std::size_t p = 1; p < result.depth.size(); ++p)
+			if (result.temperature[p] >= t && result.depth[p] > result.depth[p - 1])
+				return result.depth[p - 1]
+				        + (t - result.temperature[p - 1]) / (result.temperature[p] - result.temperature[p - 1]) * (result.depth[p] - result.depth[p - 1]);
+		return result.depth.back();
+	};
+	const double root = std::sqrt(5.0 * day);
+	expectScaled("Lunardini, three zones: depth of -4 degC [m], error in h", depthOf(-4.0), exact.nearFront * root, s.spacing, 0.4);
+	expectScaled("Lunardini, three zones: depth of 0 degC [m], error in h", depthOf(0.0), exact.farFront * root, s.spacing, 0.4);
+	Drawing drawing("lunardini", "Lunardini's three zones after 5 d, h = 0.025 m", "depth [m]", "temperature [degC]");
+	drawProfile(drawing, "T", result, integrated, 5.0, 0.8);
+	drawing.reference("fronts", exact.nearFront * root, -4.0);
+	drawing.reference("fronts", exact.farFront * root, 0.0);
 }
 
 TEST(MovingFront, InterFrostT1SoilFollowsTheSimilaritySolution)
 {
 	// phase properties quoted for InterFrost: lambda 9/0.6/2.14, c 835/4182/2060, rho 2650/1000/920, S_r 0.05; porosity as above
-	FrontScene s { "InterFrost soil, +4 surface -6, interval -1..0", -6.0, 4.0, makeFreezingCurve("linear", { { "frozenTemperature", -1.0 } }) };
+	FrontScene s { "InterFrost T1 soil: +4 surface -6, interval -1..0", -6.0, 4.0, makeFreezingCurve("linear", { { "frozenTemperature", -1.0 } }) };
 	s.mixture.solid  = { 2650.0, 835.0, 9.0, 0.0 };
 	s.mixture.liquid = { 1000.0, 4182.0, 0.6, 0.0 };
 	s.mixture.ice    = { 920.0, 2060.0, 2.14, 0.0 };
 	s.depth          = 4.0;
-	const auto m = s.mixture;
-	const auto curve = s.curve;
-	const reference::SimilarityFront exact(
-	        [=](double t) { return m.conductivity(VolumeFractions::of(porosity, curve->liquidSaturation(t))); },
-	        [=](double t) {
-		        return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t)))
-		                + porosity * m.ice.density * m.latentHeat * curve->derivative(t);
-	        },
-	        -6.0,
-	        4.0,
-	        1.6e-2,
-	        40000);
-	const double frozen = -exact.integralOf([curve](double t) { return curve->liquidSaturation(t); }) / 0.95;
-	expectFront(s, frozen, 5.0, 0.4, true);
+	citing(similaritySource);
+	const auto exact  = similarity(s, 1.6e-2, 40000);
+	const auto result = expectFront(s, frontOf(exact, s), 5.0, 0.15, true);
+	Drawing    drawing("interfrost_t1", "InterFrost soil, freezing interval -1..0 degC, after 5 d", "depth [m]", "temperature [degC]");
+	drawProfile(drawing, "T", result, exact, 5.0, 2.0);
 }
