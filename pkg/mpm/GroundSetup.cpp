@@ -13,7 +13,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
-	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat);
+	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat, bool(settings.freezing));
 	if (settings.water) water = std::make_unique<PoreWater<D>>(field, *settings.water);
 	if (settings.motion)
 		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)

@@ -7,14 +7,22 @@
 
 namespace talik {
 
+namespace {
+	// A front within a cell changes the phase of a few points, and the heat that reaches it is meant for them: shared by sensible
+	// capacity most of it would overcool (or overheat) their neighbours first, and a front that freezes would lag by h/3. Shared
+	// by the whole apparent capacity the front would run in jumps from point to point, ahead of the heat that it needs.
+	constexpr double largestShare = 3.0;
+} // namespace
+
 template <int D>
-HeatTransfer<D>::HeatTransfer(PointFields& fields, const HeatSettings& heat)
+HeatTransfer<D>::HeatTransfer(PointFields& fields, const HeatSettings& heat, bool freezing)
         : settings(&heat)
 {
 	enthalpy_     = fields.declare("enthalpy", "heat", "J", 1);
 	temperature_  = fields.declare("temperature", "heat", "degC", 1);
 	heatCapacity_ = fields.declare("heatCapacity", "heat", "J/K", 1);
 	conductivity_ = fields.declare("conductivity", "heat", "W/(m K)", 1);
+	if (freezing) share_ = fields.declare("heatShare", "freezing", "J/K", 1);
 }
 
 template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
@@ -24,6 +32,7 @@ template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Gri
 	temperature    = f.component(temperature_);
 	heatCapacity   = f.component(heatCapacity_);
 	conductivity   = f.component(conductivity_);
+	share          = share_ < 0 ? heatCapacity : f.component(share_);
 	volume         = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
@@ -69,20 +78,26 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	if (walls_) moments.allocate(grid.nodeCount());
 }
 
+template <int D> void HeatTransfer<D>::limitShares(int first, int count)
+{
+	for (int p = first; p < first + count; ++p)
+		share[p] = std::min(std::max(share[p], heatCapacity[p]), largestShare * heatCapacity[p]);
+}
+
 template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
 {
 	if (walls_) mapMoments(grid, w);
 	if constexpr (D == 2) {
 		double values[2][blockSize];
 		for (int k = 0; k < w.count; ++k) {
-			values[0][k] = heatCapacity[w.first + k];
-			values[1][k] = heatCapacity[w.first + k] * temperature[w.first + k];
+			values[0][k] = share[w.first + k];
+			values[1][k] = share[w.first + k] * temperature[w.first + k];
 		}
 		planeLoops().mapTwo(w, values, nodes[0]);
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
-		const double c  = heatCapacity[w.first + k];
+		const double c  = share[w.first + k];
 		const double ct = c * temperature[w.first + k];
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			double* r = nodes[node];
@@ -97,7 +112,7 @@ template <int D> void HeatTransfer<D>::mapMoments(const Grid<D>& grid, const Wei
 	for (int k = 0; k < w.count; ++k) {
 		Vec<D> cx;
 		for (int a = 0; a < D; ++a)
-			cx[a] = heatCapacity[w.first + k] * position_[a][w.first + k];
+			cx[a] = share[w.first + k] * position_[a][w.first + k];
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			for (int a = 0; a < D; ++a)
 				moments[node][a] += s * cx[a];
@@ -186,7 +201,7 @@ template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const
 			const int    p           = w.first + k;
 			const double conductance = -volume[p] * conductivity[p] * scaled;
 			produced[k]              = volume[p] * source;
-			unseen[k]                = heatCapacity[p] * (ofGrid[k] - temperature[p]);
+			unseen[k]                = share[p] * (ofGrid[k] - temperature[p]);
 			flux[0][k] *= conductance;
 			flux[1][k] *= conductance;
 		}
@@ -206,7 +221,7 @@ template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const
 		});
 		const double conductance = -volume[p] * conductivity[p] * scaled;
 		const double produced    = volume[p] * source;
-		const double unseen      = heatCapacity[p] * (ofGrid - temperature[p]);
+		const double unseen      = share[p] * (ofGrid - temperature[p]);
 		for (int i = 0; i < D; ++i)
 			slope[i] *= conductance;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
@@ -283,7 +298,7 @@ template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightB
 		planeLoops().gatherScalar(w, rise[0], 1, gained, unused);
 		for (int k = 0; k < w.count; ++k) {
 			const int p = w.first + k;
-			enthalpy[p] += heatCapacity[p] * (gained[k] - chi * temperature[p]);
+			enthalpy[p] += share[p] * (gained[k] - chi * temperature[p]);
 		}
 		return;
 	}
@@ -291,7 +306,7 @@ template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightB
 		const int p      = w.first + k;
 		double    gained = 0.0;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { gained += s * rise[node][0]; });
-		enthalpy[p] += heatCapacity[p] * (gained - chi * temperature[p]);
+		enthalpy[p] += share[p] * (gained - chi * temperature[p]);
 	}
 }
 

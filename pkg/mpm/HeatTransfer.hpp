@@ -16,7 +16,7 @@ namespace talik {
 /// sum over points changes by exactly what boundaries and sources supply.
 template <int D> class HeatTransfer {
 public:
-	HeatTransfer(PointFields& fields, const HeatSettings& settings);
+	HeatTransfer(PointFields& fields, const HeatSettings& settings, bool freezing);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 
 	/// Collects the nodes with prescribed temperature.
@@ -24,6 +24,9 @@ public:
 
 	/// Fixes the smoothing time from the state of the points, if the settings leave it open.
 	void chooseSmoothing(const Grid<D>& grid, int points);
+
+	/// Shares of count points from first on, which hold dH/dT, are kept between the sensible capacity and three times that.
+	void limitShares(int first, int count);
 
 	/// Prepares nodes [first, last) for mapping.
 	void clear(int first, int last)
@@ -47,6 +50,7 @@ public:
 
 	const HeatSettings* settings;
 	double *enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
+	double* share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
 
 	NodeField<2> nodes;    ///< C, C T; near walls those of the ground and its mirror image
 	NodeField<1> capacity; ///< C of the ground alone
@@ -67,7 +71,7 @@ private:
 	void                        prescribe(const Grid<D>& grid);
 	double                      smoothing(double dt) const { return -std::expm1(-dt / smoothingTime); }
 
-	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_;
+	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
 	std::vector<TemperatureNode> prescribed_;
 	std::vector<char>            isPrescribed_;
 	std::vector<int>             affected_; ///< nodes whose heat the prescribed temperatures change

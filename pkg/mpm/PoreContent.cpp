@@ -120,7 +120,9 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b) const
 	batch.liquidSaturation = b.liquidSaturation;
 	batch.iceMass          = b.ice;
 	batch.heatCapacity     = heat_->heatCapacity + b.first;
+	batch.apparentCapacity = iceMass ? heat_->share + b.first : nullptr;
 	enthalpyModel_.temperatures(batch);
+	if (iceMass) heat_->limitShares(b.first, b.count);
 }
 
 template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const

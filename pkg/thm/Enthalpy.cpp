@@ -44,7 +44,7 @@ ThermalState EnthalpyModel::stateAt(const SoilContent& soil, double temperature)
 {
 	const double     sl = curve_->liquidSaturation(temperature);
 	const Evaluation at = evaluation(soil, temperature, sl, curve_->derivative(temperature), 0.0);
-	return { temperature, sl, at.iceMass, at.heatCapacity, std::isfinite(at.heatCapacity) && temperature > lowestTemperature };
+	return { temperature, sl, at.iceMass, at.heatCapacity, std::isfinite(at.heatCapacity) && temperature > lowestTemperature, at.slope };
 }
 
 double EnthalpyModel::enthalpy(const SoilContent& soil, double temperature) const
@@ -60,7 +60,7 @@ double EnthalpyModel::apparentCapacity(const SoilContent& soil, double temperatu
 
 ThermalState EnthalpyModel::solve(const SoilContent& soil, double enthalpy, double guess) const
 {
-	ThermalState        state { guess, 1.0, 0.0, 0.0, true };
+	ThermalState        state { guess, 1.0, 0.0, 0.0, true, 0.0 };
 	const EnthalpyBatch one { 1,
 		                  &enthalpy,
 		                  &soil.solidMass,
@@ -69,7 +69,8 @@ ThermalState EnthalpyModel::solve(const SoilContent& soil, double enthalpy, doub
 		                  &state.temperature,
 		                  &state.liquidSaturation,
 		                  &state.iceMass,
-		                  &state.heatCapacity };
+		                  &state.heatCapacity,
+		                  &state.apparentCapacity };
 	if (temperatures(one) == 1) return state;
 	std::ostringstream text;
 	text << "enthalpy = " << enthalpy << " J of a point with " << soil.solidMass << " kg of grains and " << soil.waterMass

@@ -35,6 +35,7 @@ struct ThermalState {
 	double iceMass;          ///< m_i [kg]
 	double heatCapacity;     ///< sensible capacity at fixed phase masses [J/K]
 	bool   valid;            ///< false: the enthalpy is not finite or belongs to a temperature below -150 degC
+	double apparentCapacity; ///< dH/dT, latent heat included [J/K]; infinite where a sharp curve changes phase
 };
 
 /// Many material points as parallel arrays of length count. temperature holds the guess on entry (the previous value).
@@ -48,6 +49,7 @@ struct EnthalpyBatch {
 	double*       liquidSaturation; ///< out [-]
 	double*       iceMass;          ///< out [kg]
 	double*       heatCapacity;     ///< out: sensible capacity [J/K]
+	double*       apparentCapacity; ///< out: dH/dT [J/K]; may be null
 };
 
 /// Enthalpy of saturated freezing ground as a function of temperature and the inverse.

@@ -91,7 +91,7 @@ inline ThermalState EnthalpyModel::plateauState(const Curve& curve, const SoilCo
 	const double sl        = curve.residualSaturation + (1.0 - curve.residualSaturation) * fractionThawed;
 	const double frozenCapacity = evaluation(soil, tf, curve.residualSaturation, 0.0, 0.0).heatCapacity;
 	const double capacity       = frozenCapacity + fractionThawed * (thawedCapacity(soil) - frozenCapacity);
-	return { tf, sl, (1.0 - fractionThawed) * frozenIce, capacity, true };
+	return { tf, sl, (1.0 - fractionThawed) * frozenIce, capacity, true, std::numeric_limits<double>::infinity() };
 }
 
 /// Root of the enthalpy where it is a polynomial of degree two in T (linear and sharp curve, ice expansion left out).
@@ -142,17 +142,17 @@ inline ThermalState EnthalpyModel::solveFrozen(const Curve& curve, const SoilCon
 		t                   = newton > low && newton < high ? newton : 0.5 * (low + high);
 		at                  = evaluateAt(curve, soil, t);
 	}
-	return { t, at.liquidSaturation, at.iceMass, at.heatCapacity, t > lowestTemperature && std::isfinite(at.enthalpy) };
+	return { t, at.liquidSaturation, at.iceMass, at.heatCapacity, t > lowestTemperature && std::isfinite(at.enthalpy), at.slope };
 }
 
 template <class Curve>
 inline ThermalState EnthalpyModel::solveWith(const Curve& curve, const SoilContent& soil, double enthalpy, double guess) const
 {
 	constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-	if (!std::isfinite(enthalpy)) return { nan, nan, nan, nan, false };
+	if (!std::isfinite(enthalpy)) return { nan, nan, nan, nan, false, nan };
 	const double capacity = thawedCapacity(soil);
 	const double thawed   = properties_.referenceTemperature + (enthalpy - thawedOffset(soil)) / capacity;
-	if (Curve::neverFreezes || thawed >= curve.freezingTemperature) return { thawed, 1.0, 0.0, capacity, thawed > lowestTemperature };
+	if (Curve::neverFreezes || thawed >= curve.freezingTemperature) return { thawed, 1.0, 0.0, capacity, thawed > lowestTemperature, capacity };
 	if constexpr (Curve::sharp) {
 		const double edge      = curve.freezingTemperature;
 		const double thawedH   = thawedOffset(soil) + capacity * (edge - properties_.referenceTemperature);

@@ -46,6 +46,7 @@ namespace {
 				batch.liquidSaturation[p] = state.liquidSaturation;
 				batch.iceMass[p]          = state.iceMass;
 				batch.heatCapacity[p]     = state.heatCapacity;
+				if (batch.apparentCapacity) batch.apparentCapacity[p] = state.apparentCapacity;
 				if (!state.valid) firstInvalid = std::min(firstInvalid, p);
 			}
 			return firstInvalid;

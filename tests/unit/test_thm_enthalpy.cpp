@@ -163,7 +163,7 @@ TEST(Enthalpy, BatchGivesTheSameBitsAsSingleCallsAndNamesTheFirstInvalidPoint)
 	std::vector<double> h, ms(count, soil.solidMass), mw(count, soil.waterMass), v(count, soil.poreVolume), t(count, -0.5), sl(count), mi(count), c(count);
 	for (double temperature : { 3.0, -0.1, -0.4, -2.0, -20.0 })
 		h.push_back(model.enthalpy(soil, temperature));
-	const EnthalpyBatch batch { count, h.data(), ms.data(), mw.data(), v.data(), t.data(), sl.data(), mi.data(), c.data() };
+	const EnthalpyBatch batch { count, h.data(), ms.data(), mw.data(), v.data(), t.data(), sl.data(), mi.data(), c.data(), nullptr };
 	EXPECT_EQ(model.temperatures(batch), count);
 	for (std::size_t p = 0; p < count; ++p) {
 		const ThermalState one = model.solve(soil, h[p], -0.5);

@@ -183,9 +183,9 @@ FrontScene cornerOfV02(bool thaws, Wall wall, bool sharp, LatentDensity density)
 
 } // namespace
 
-// At a wall a front that thaws is held to 1 %. One that freezes lags by a third of a spacing: nodes hand heat out by sensible
-// capacity, so that most of what should become ice overcools the points behind the front, and heat on its way out passes partly
-// frozen points that conduct like the ground ahead; when ground thaws the two effects cancel. At a free surface a resistance of a quarter of a cell stands for the distance between surface and nodes, which is
+// At a wall a front that thaws is held to 1 %. One that freezes lags by up to a sixth of a spacing: points around it are partly
+// frozen, and heat on its way out passes those that conduct like the ground ahead; when ground thaws the effect is the opposite
+// and smaller. At a free surface a resistance of a quarter of a cell stands for the distance between surface and nodes, which is
 // not the same for every place of the surface in its cell. Both are lengths, so they fall with h.
 TEST(MovingFront, ThawAndFreezingFollowNeumannForBothLatentDensitiesBothKindsOfCurveAndBothBoundaries)
 {
@@ -198,7 +198,7 @@ TEST(MovingFront, ThawAndFreezingFollowNeumannForBothLatentDensitiesBothKindsOfC
 					citing(sharp ? neumannSource : similaritySource);
 					const FrontScene s          = cornerOfV02(thaws, wall, sharp, density);
 					const bool       inSpacings = !thaws || wall == Wall::freeSurface;
-					const double     tolerance  = !inSpacings ? 1e-2 : wall == Wall::onNodes || thaws ? 0.4 : 0.5;
+					const double     tolerance  = !inSpacings ? 1e-2 : wall == Wall::onNodes ? 0.25 : 0.4;
 					const double     exact      = exactFront(s);
 					const auto       result     = expectFront(s, exact, 10.0, tolerance, inSpacings);
 					if (wall == Wall::onNodes && density == LatentDensity::ice)
@@ -206,7 +206,7 @@ TEST(MovingFront, ThawAndFreezingFollowNeumannForBothLatentDensitiesBothKindsOfC
 				}
 }
 
-// The lag of a front that freezes is a length: 1 % is reached at h = X/32.
+// The lag of a front that freezes is a length: 1 % is reached at h = X/17.
 TEST(MovingFront, ErrorOfTheFrontFallsWithTheGridSpacing)
 {
 	citing(neumannSource);
@@ -219,7 +219,7 @@ TEST(MovingFront, ErrorOfTheFrontFallsWithTheGridSpacing)
 		FrontScene s { "V02 freezing +5/-5, wall: sharp", -5.0, 5.0, sharpCurve() };
 		s.spacing = h;
 		s.depth   = 2.0;
-		expectFront(s, neumann(s), 10.0, 0.4, true);
+		expectFront(s, neumann(s), 10.0, 0.25, true);
 	}
 }
 
@@ -244,7 +244,7 @@ TEST(MovingFront, ThawAndFreezingInTheStateFunctionFormFollowNeumannWithConserve
 		const reference::Conductor frozen { phase(m, 0.0).conductivity, solid + ice * m.ice.specificHeat + liquid * m.liquid.specificHeat };
 		const bool thaws = c.surface > c.initial;
 		const double front = reference::neumannFront(thaws ? thawed : frozen, thaws ? frozen : thawed, c.surface, c.initial, 0.0, ice * m.latentHeat);
-		expectFront(s, front, 10.0, thaws ? 1e-2 : 0.4, !thaws);
+		expectFront(s, front, 10.0, thaws ? 1e-2 : 0.25, !thaws);
 	}
 }
 
@@ -269,7 +269,7 @@ TEST(MovingFront, TemperatureProfileBehindAndAheadOfASmoothFrontFollowsTheSimila
 		double sum = 0.0;
 		for (std::size_t p = 0; p < result.depth.size(); ++p)
 			sum += std::pow(result.temperature[p] - exact.temperature(result.depth[p] / std::sqrt(days * day)), 2) / result.depth.size();
-		expectSmall(std::string("V02 temperature profile: ") + (thaws ? "thaw" : "freezing") + ", rms temperature error over the jump", std::sqrt(sum) / std::abs(s.surface - s.initial), 2e-2);
+		expectSmall(std::string("V02 temperature profile: ") + (thaws ? "thaw" : "freezing") + ", rms temperature error over the jump", std::sqrt(sum) / std::abs(s.surface - s.initial), 1e-2);
 	}
 }
 
@@ -284,7 +284,7 @@ TEST(MovingFront, ThawFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTenths
 	}
 }
 
-TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinHalfASpacing)
+TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTenthsOfASpacing)
 {
 	citing(neumannSource);
 	for (const double offset : { 0.0, 0.25, 0.5, 0.75 }) {
@@ -292,7 +292,7 @@ TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinHalfAS
 		s.wall   = Wall::freeSurface;
 		s.offset = offset;
 		s.depth  = 2.0;
-		expectFront(s, neumann(s), 10.0, 0.5, true);
+		expectFront(s, neumann(s), 10.0, 0.4, true);
 	}
 }
 
@@ -318,7 +318,7 @@ TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 	        80000);
 	expectSmall("Lunardini, three zones: reference against Runge-Kutta, T at the near front [K]", integrated.temperature(exact.nearFront) + 4.0, 5e-3);
 	expectSmall("Lunardini, three zones: reference against Runge-Kutta, T at the far front [K]", integrated.temperature(exact.farFront), 5e-3);
-	const auto result = expectFront(s, frontOf(integrated, s), 5.0, 0.15, true);
+	const auto result = expectFront(s, frontOf(integrated, s), 5.0, 0.1, true);
 	// where the temperatures of both fronts lie, by interpolation between points
 	const auto depthOf = [&](double t) {
 		for (std::size_t p = 1; p < result.depth.size(); ++p)
@@ -328,8 +328,8 @@ TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 		return result.depth.back();
 	};
 	const double root = std::sqrt(5.0 * day);
-	expectScaled("Lunardini, three zones: depth of -4 degC [m], error in h", depthOf(-4.0), exact.nearFront * root, s.spacing, 0.4);
-	expectScaled("Lunardini, three zones: depth of 0 degC [m], error in h", depthOf(0.0), exact.farFront * root, s.spacing, 0.4);
+	expectScaled("Lunardini, three zones: depth of -4 degC [m], error in h", depthOf(-4.0), exact.nearFront * root, s.spacing, 0.25);
+	expectScaled("Lunardini, three zones: depth of 0 degC [m], error in h", depthOf(0.0), exact.farFront * root, s.spacing, 0.25);
 	Drawing drawing("lunardini", "Lunardini's three zones after 5 d, h = 0.025 m", "depth [m]", "temperature [degC]");
 	drawProfile(drawing, "T", result, integrated, 5.0, 0.8);
 	drawing.reference("fronts", exact.nearFront * root, -4.0);
@@ -346,7 +346,7 @@ TEST(MovingFront, InterFrostT1SoilFollowsTheSimilaritySolution)
 	s.depth          = 4.0;
 	citing(similaritySource);
 	const auto exact  = similarity(s, 1.6e-2, 40000);
-	const auto result = expectFront(s, frontOf(exact, s), 5.0, 0.15, true);
+	const auto result = expectFront(s, frontOf(exact, s), 5.0, 0.1, true);
 	Drawing    drawing("interfrost_t1", "InterFrost soil, freezing interval -1..0 degC, after 5 d", "depth [m]", "temperature [degC]");
 	drawProfile(drawing, "T", result, exact, 5.0, 2.0);
 }
