@@ -30,6 +30,10 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        s.motion->flipFraction >= 0.0 && s.motion->flipFraction <= 1.0, "flipFraction", s.motion->flipFraction, "must lie in [0, 1]");
 		requireSetting(
 		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
+		if (s.motion->transfer == VelocityTransfer::apic && s.shapeFunction == "linear")
+			throw std::invalid_argument(
+			        "transfer = 'apic' with shapeFunction = 'linear': a point on a node has no second moment there; use quadraticBSpline or gimp, or "
+			        "transfer = 'tpic'");
 		if (s.skeletons.empty()) throw std::invalid_argument("skeletons = []: a scene with motion needs at least one skeleton model");
 		for (const auto& skeleton : s.skeletons) {
 			if (!skeleton) throw std::invalid_argument("skeletons: an entry is empty; give a skeleton model");
@@ -111,6 +115,13 @@ void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const s
 		}
 		requireSetting(std::isfinite(in.volume) && in.volume > 0.0, name(id, "volume"), in.volume, "must be positive, in m^3 (m^2 in 2-D)");
 		requireSetting(in.porosity > 1e-3 && in.porosity < 1.0, name(id, "porosity"), in.porosity, "must lie in (0.001, 1)");
+		requireSetting(
+		        std::isnan(in.poreFill) || (in.poreFill >= 0.0 && in.poreFill <= 1.0), name(id, "poreFill"), in.poreFill, "must lie in [0, 1]");
+		requireSetting(
+		        !settings.water || std::isnan(in.poreFill) || in.poreFill == 1.0,
+		        name(id, "poreFill"),
+		        in.poreFill,
+		        "must be 1 in a scene with water: the ground is saturated");
 		if (settings.heat)
 			requireSetting(
 			        in.temperature > -100.0 && in.temperature < 100.0, name(id, "temperature"), in.temperature, "must lie between -100 and 100 degC");

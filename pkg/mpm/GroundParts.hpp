@@ -3,6 +3,7 @@
 
 // What a ground consists of; shared by the files that implement Ground.
 
+#include <pkg/mpm/AffineVelocity.hpp>
 #include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/DeformationRecord.hpp>
 #include <pkg/mpm/FreeSurface.hpp>
@@ -44,6 +45,7 @@ template <int D> struct Ground<D>::Parts {
 
 	// effects; null if the scene does not have them
 	std::unique_ptr<SolidMotion<D>>    motion;
+	std::unique_ptr<AffineVelocity<D>> affine;
 	std::unique_ptr<DeformationRecord<D>> record;
 	std::unique_ptr<HeatTransfer<D>>   heat;
 	std::unique_ptr<PoreWater<D>>      water;
@@ -54,6 +56,7 @@ template <int D> struct Ground<D>::Parts {
 	std::unique_ptr<RigidContact<D>>   bodies;
 
 	std::vector<std::vector<int>> skeletonPlaces;
+	std::vector<double>           pointFill; ///< pore fill by id; empty if it is that of the settings everywhere
 	Clock<D>                      clock {};
 	std::vector<double>           partial;
 	std::vector<int>              bad; ///< per strip: place of the first point that cannot go on, or -1
@@ -65,6 +68,7 @@ template <int D> struct Ground<D>::Parts {
 	void fillPoint(int place, const PointInput<D>& in, double poreFill);
 	void checkFreeSurface();
 	void listSkeletons();
+	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	bool   hasContent() const { return settings.heat || settings.water; }
 	bool   averaging() const { return motion && motion->settings->cellAveraging; }
 	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }

@@ -4,6 +4,7 @@
 #include <pkg/mpm/Boundary.hpp>
 #include <pkg/mpm/SkeletonModel.hpp>
 #include <pkg/mpm/Vector.hpp>
+#include <pkg/mpm/VelocityTransfer.hpp>
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
@@ -22,7 +23,10 @@ namespace talik {
 /// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
 template <int D> struct MotionSettings {
 	Vec<D> gravity {};           ///< body force per mass b [m/s^2]
-	double flipFraction = 0.97;  ///< chi of the solid velocity: 1 = FLIP, 0 = PIC
+	VelocityTransfer transfer = VelocityTransfer::flip; ///< of the solid velocity; that of water is always a mix of FLIP and PIC
+	double flipFraction = 0.97;  ///< chi of the solid velocity with flip: 1 = FLIP, 0 = PIC
+	/// Fraction of its own velocity that a point keeps in a step.
+	double keptFraction() const { return transfer == VelocityTransfer::flip ? flipFraction : 0.0; }
 	double localDamping = 0.0;   ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
 	bool   cellAveraging = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 };
@@ -97,6 +101,7 @@ template <int D> struct PointInput {
 	double porosity = 0.4;     ///< n [-], in (0, 1)
 	double temperature = 0.0;  ///< [degC], used if heat is present
 	double pressure = 0.0;     ///< pore pressure [Pa], used if water is present
+	double poreFill = std::numeric_limits<double>::quiet_NaN(); ///< part of the pores that holds water or ice, in [0, 1]; NaN: GroundSettings::poreFill
 	int    skeleton = 0;       ///< index into GroundSettings::skeletons
 	Vec<D> velocity {};        ///< of solid and liquid [m/s]
 	std::array<double, stressSize<D>> stress {}; ///< effective stress [Pa], tension positive

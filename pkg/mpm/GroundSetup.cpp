@@ -3,6 +3,7 @@
 #include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace talik {
 
@@ -11,6 +12,8 @@ template <int D> void Ground<D>::Parts::declareFields()
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
 	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion);
+	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
+		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
 	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat, bool(settings.freezing));
@@ -54,6 +57,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	points->allocate(n);
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
+	if (affine) affine->bind(*points);
 	if (record) {
 		record->bind(*points);
 		record->start(n);
@@ -70,8 +74,11 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
 	if (water && averaging()) water->allocateCells(grid.cellCount());
+	if (std::any_of(inputs.begin(), inputs.end(), [](const auto& in) { return !std::isnan(in.poreFill); }))
+		for (const auto& in : inputs)
+			pointFill.push_back(std::isnan(in.poreFill) ? settings.usedPoreFill() : in.poreFill);
 	for (int id = 0; id < n; ++id)
-		fillPoint(id, inputs[id], settings.usedPoreFill());
+		fillPoint(id, inputs[id], fillOf(id));
 	sort();
 	bad.assign(points->strips().count(), -1);
 	partial.reserve(std::max(points->strips().count(), 1));

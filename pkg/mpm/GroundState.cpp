@@ -51,7 +51,7 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 	Parts&    g = *parts_;
 	const int p = g.points->place(id);
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
-	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.settings.usedPoreFill());
+	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id));
 	if (g.content->update(p, p + 1) != p + 1) throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->complaint(p));
 }
 

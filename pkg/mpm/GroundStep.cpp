@@ -174,6 +174,7 @@ template <int D> void Ground<D>::mapToGrid()
 			else
 				g.useMeanStress(w.first, w.count);
 			g.motion->map(g.grid, w);
+			if (g.affine) g.affine->map(g.grid, w, *g.motion);
 		}
 		if (g.water) g.water->map(g.grid, w, g.averagingCells());
 		if (g.heat) g.heat->map(g.grid, w);
@@ -241,6 +242,7 @@ template <int D> void Ground<D>::mapToPoints()
                         if (g.water)
                                 g.water->gather(g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells());
                         if (g.motion) g.motion->gather(g.grid, w, g.clock.dt);
+                        if (g.affine) g.affine->gather(g.grid, w, *g.motion);
                 });
                 if (!g.motion) return;
                 if (average) {

@@ -77,7 +77,7 @@ template <int D> void SolidMotion<D>::map(const Grid<D>& grid, const WeightBlock
 
 template <int D> void SolidMotion<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
 {
-	const double chi = settings->flipFraction;
+	const double chi = settings->keptFraction();
 	if constexpr (D == 2) {
 		planeLoops().gatherMotion(
 		        w,

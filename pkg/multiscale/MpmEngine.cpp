@@ -13,8 +13,8 @@ namespace yade {
 YADE_PLUGIN((MpmEngine));
 
 namespace {
-	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy.
-	constexpr int numbersPerPoint = 12;
+	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy poreFill.
+	constexpr int numbersPerPoint = 13;
 
 	const char archiveMagic[] = "talik ground 3";
 
@@ -48,6 +48,7 @@ namespace {
 		static const vector<Column> columns {
 			{ "volume", 2, 1, { NaN } },  { "porosity", 3, 1, { 0.4 } }, { "temperature", 4, 1, { 0 } },  { "pressure", 5, 1, { 0 } },
 			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 3, { NaN, NaN, NaN } }, { "velocity", 10, 2, { 0, 0 } },
+			{ "poreFill", 12, 1, { NaN } },
 		};
 		return columns;
 	}
@@ -63,6 +64,7 @@ namespace {
 		point.skeleton    = int(row[6]);
 		point.stress      = { row[7], row[8], 0.5 * (row[7] + row[8]), row[9] };
 		point.velocity    = { row[10], row[11] };
+		point.poreFill    = row[12];
 		return point;
 	}
 } // namespace
@@ -71,9 +73,9 @@ namespace {
 
 py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 {
-	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure", "skeleton", "stress", "velocity" };
+	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure", "skeleton", "stress", "velocity", "poreFill" };
 	MpmEngine&               self    = py::extract<MpmEngine&>(args[0]);
-	for (int i = 1; i < py::len(args) && i <= 8; i++)
+	for (int i = 1; i < py::len(args) && i <= 9; i++)
 		keywords[names[i - 1]] = args[i];
 	self.addPoints(keywords);
 	return py::object();
@@ -139,6 +141,12 @@ void MpmEngine::checkPresence() const
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
 	if (bodies && !motion) throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
 	if (water && !motion) throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
+	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
+	if (otherTransfer && !motion)
+		throw std::invalid_argument("MpmEngine.transfer is '" + transfer + "' but motion is False: rigid ground has no velocity to transfer; leave it out.");
+	if (otherTransfer && flip != MpmEngine().flip)
+		throw std::invalid_argument(
+		        "MpmEngine.flip is " + boost::lexical_cast<string>(flip) + " with transfer='" + transfer + "': only transfer='flip' keeps a fraction of the points' velocity; leave flip out.");
 	if (motion && activeSkeletons().empty())
 		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
 	for (const auto& law : activeSkeletons())
@@ -184,6 +192,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	if (motion) {
 		talik::MotionSettings<2> m;
 		m.gravity       = { gravity[0], gravity[1] };
+		m.transfer      = talik::velocityTransferFromName(transfer);
 		m.flipFraction  = flip;
 		m.localDamping  = damping;
 		m.cellAveraging = cellAveraging;

@@ -79,9 +79,10 @@ public:
 		((bool,motion,true,,"Effect: the ground moves. False: it is rigid, and only heat limits the time step."))
 		((Vector2r,gravity,Vector2r::Zero(),,"Body force per mass [m/s^2]."))
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed while running."))
-		((Real,flip,0.97,,"FLIP fraction of the solid velocity [-], 0 (PIC) to 1."))
+		((string,transfer,"flip",,"How the velocity of the solid comes back from the grid. flip: points keep the fraction flip of their own and take the grid's acceleration; apic: points carry the grid's velocity and its first moment, which keeps angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's velocity and its gradient. apic and tpic need no flip and add the field affineVelocity [1/s], zero at the start. Water keeps its own PoreWater.flip."))
+		((Real,flip,0.97,,"FLIP fraction of the solid velocity with transfer='flip' [-], 0 (PIC) to 1."))
 		((bool,cellAveraging,true,,"Cell means of div v and, transposed, of the mean stress: without them nearly incompressible ground locks."))
-		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid."))
+		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or linear (debugging only)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
@@ -102,7 +103,7 @@ public:
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
 		,/*ctor*/ ,
 		/*py*/
-		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0), velocity=(0,0)): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], stress (n,3) xx yy xy [Pa], velocity (n,2) [m/s]; all but position may be scalars. ValueError names what is wrong.")
+		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], stress (n,3) xx yy xy [Pa], velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
 		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")

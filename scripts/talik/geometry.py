@@ -24,7 +24,12 @@ def rectangle(x0, y0, x1, y1):
 def fill(mpm, polygon, pointsPerCell=4, **attributes):
 	"""Adds points that fill `polygon` to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
 
-	Attributes (temperature, porosity, ...) are numbers, arrays of one value per point, or functions f(x, y) of arrays."""
+	Attributes are those of MpmEngine.addPoints: porosity [-], poreFill (part of the pores that holds water or ice) [-], temperature
+	[degC], pressure (pore water) [Pa], stress (n, 3) [Pa], velocity (n, 2) [m/s], skeleton (index). Each is a number (a row of
+	components), an array of one value per point, or a function f(x, y) of the points' coordinates [m], arrays (n,), that returns
+	such an array:
+
+	>>> fill(mpm, slope, temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))"""
 	positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, _gridOrigin(mpm))
 	values = {name: value(positions[:, 0], positions[:, 1]) if callable(value) else value for name, value in attributes.items()}
 	return mpm.addPoints(position=positions, volume=volumes, **values)

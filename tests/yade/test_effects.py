@@ -31,6 +31,8 @@ scenes = {
 	"heat and freezing": (freezing, pointsAlone | ofContent | ofHeat | ofFreezing, nodesOfHeat, {"heat"}),
 	"motion only": (motion, pointsAlone | ofMotion, nodesOfMotion, {"wave", "velocity"}),
 	"motion and water": (water, pointsAlone | ofMotion | ofContent | ofWater, nodesOfMotion | nodesOfWater, {"wave", "velocity"}),
+	"motion with affine transfer": (
+		{**motion, "transfer": "apic"}, pointsAlone | ofMotion | {"affineVelocity"}, nodesOfMotion, {"wave", "velocity"}),
 	"everything": (
 		everything,
 		pointsAlone | ofMotion | ofContent | ofHeat | ofFreezing | ofWater,
@@ -79,6 +81,28 @@ def test_absent_effects_do_not_limit_the_time_step():
 	assert scaled < 1e-3 * steps["motion only"]
 
 
+def test_porosity_pore_fill_temperature_and_pressure_may_be_functions_of_place():
+	given = {
+		"porosity": lambda x, y: 0.3 + 0.1 * x, "temperature": lambda x, y: 1 + 4 * y, "pressure": lambda x, y: 9810 * (1 - y), "poreFill": lambda x, y: 0.2 + 0.5 * x}
+	saturated = {name: given[name] for name in ("porosity", "temperature", "pressure")}
+	mpm = engine(points=False, **everything)
+	talik.geometry.fill(mpm, square, **saturated)
+	x, y = mpm.field("position").T
+	for name, function in saturated.items():
+		error = np.abs(mpm.field(name) - function(x, y)).max() / np.abs(function(x, y)).max()
+		print(f"{name}: differs from the function by {error:.1e} of its largest value")
+		assert error < (1e-12 if name != "pressure" else 1e-9)
+	mpm = engine(points=False, **heat)
+	talik.geometry.fill(mpm, square, **{name: given[name] for name in ("porosity", "temperature", "poreFill")})
+	x, y = mpm.field("position").T
+	water = given["poreFill"](x, y) * given["porosity"](x, y) * mpm.field("volume") * 1000 * (1 - 2.1e-4 * given["temperature"](x, y))
+	print(f"water mass: differs from n S V rho_l(T) by {np.abs(mpm.field('waterMass') / water - 1).max():.1e}")
+	np.testing.assert_allclose(mpm.field("waterMass"), water, rtol=1e-12)
+	before = mpm.field("waterMass")
+	mpm.setTemperature(given["temperature"](x, y))
+	np.testing.assert_allclose(mpm.field("waterMass"), before, rtol=1e-12)
+
+
 # ---- refusals -------------------------------------------------------------------------------------------------------------
 
 nan = float("nan")
@@ -98,6 +122,13 @@ refused = {
 	"warm rain without heat": (
 		dict(**water, boundaries=lambda: [WaterFlux(region="left", flux=1e-6, temperature=8)]), "WaterFlux.temperature is set", "add heat"),
 	"ice that flows": (dict(**everything, boundaries=lambda: [WaterFlux(region="left", temperature=-8)]), "WaterFlux.temperature = -8", "leave it out"),
+	"unknown transfer": (dict(**motion, transfer="pic"), "transfer = 'pic'", "choose one of flip, apic, tpic"),
+	"transfer in rigid ground": (dict(**heat, transfer="apic"), "MpmEngine.transfer is 'apic'", "leave it out"),
+	"affine transfer on linear shape functions": (dict(**motion, transfer="apic", shapeFunction="linear"), "transfer = 'apic'", "use quadraticBSpline or gimp"),
+	"FLIP fraction of another transfer": (dict(**motion, transfer="tpic", flip=0.5), "MpmEngine.flip is 0.5", "leave flip out"),
+	"unknown shape function": (dict(**motion, shapeFunction="cubic"), "shapeFunction = 'cubic'", "choose one of quadraticBSpline, gimp, linear"),
+	"overfull pores": (dict(**heat, pointValues=[("poreFill", 1.2)]), "poreFill = 1.2", "must lie in [0, 1]"),
+	"points partly filled with flowing water": (dict(**water, pointValues=[("poreFill", 0.5)]), "poreFill = 0.5", "must be 1"),
 	"roller without motion": (dict(**heat, boundaries=lambda: [RollerBoundary(region="left")]), "RollerBoundary", "add it or leave"),
 	"no points": (dict(**motion, points=False), "no material points", "talik.geometry.fill"),
 	"spacing not a number": (dict(**motion, gridSpacing=nan), "MpmEngine.gridSpacing is nan", "positive spacing in m"),
