@@ -8,6 +8,7 @@
 #include <boost/python/numpy.hpp>
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/rve/ScenePacking.hpp>
 #include <omp.h>
 
 namespace py = boost::python;
@@ -68,11 +69,21 @@ namespace {
 	{
 		refuseWhileRunning("Changing the current scene");
 		if (!scene) raise(PyExc_ValueError, "exchangeScene: the scene is None; give a Scene.");
+		if (scene->forces.getNumAllocatedThreads() < omp_get_max_threads())
+			raise(PyExc_RuntimeError, "The scene was made to be stepped by fewer threads than O has: show a copy of it, e.g. that of RveSkeleton.scene(id).");
 		Omega& omega = Omega::instance();
 		std::lock_guard<std::mutex> undrawn(omega.renderMutex);
 		const shared_ptr<Scene>     former = omega.getScene();
 		omega.setScene(scene);
 		return former;
+	}
+
+	/// Everything that YADE saves of a scene: equal bytes mean that nothing was done to it.
+	py::object sceneBytes(const shared_ptr<Scene>& scene)
+	{
+		if (!scene) raise(PyExc_ValueError, "sceneBytes: the scene is None; give a Scene.");
+		const std::string bytes = sceneToBytes(scene);
+		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
 	}
 
 	shared_ptr<Scene> emptyScene()
@@ -125,6 +136,7 @@ BOOST_PYTHON_MODULE(_talik)
 	        "Check that the running YADE is the one this module was built for, register our classes into it and return the names of "
 	        "all of them. ImportError when YADE differs.");
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
+	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"), "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");

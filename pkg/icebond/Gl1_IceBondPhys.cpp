@@ -12,6 +12,7 @@ Real     Gl1_IceBondPhys::maxForce;
 Real     Gl1_IceBondPhys::maxRadius;
 Real     Gl1_IceBondPhys::minFraction;
 int      Gl1_IceBondPhys::slices;
+bool     Gl1_IceBondPhys::onTop;
 Vector3r Gl1_IceBondPhys::intactColor;
 Vector3r Gl1_IceBondPhys::frictionalColor;
 
@@ -19,11 +20,12 @@ namespace {
 
 	/// Colours tell the state, so light must not change them; the former drawing state returns with the scope.
 	struct PlainColor {
-		explicit PlainColor(const Vector3r& color)
+		PlainColor(const Vector3r& color, bool onTop)
 		{
 			glPushAttrib(GL_ENABLE_BIT | GL_CURRENT_BIT | GL_POLYGON_BIT);
 			glDisable(GL_LIGHTING);
 			glDisable(GL_CULL_FACE);
+			if (onTop) glDisable(GL_DEPTH_TEST);
 			glColor3d(color[0], color[1], color[2]);
 		}
 		~PlainColor() { glPopAttrib(); }
@@ -84,7 +86,7 @@ void Gl1_IceBondPhys::go(
 
 	const Vector3r   start = wrapped(first->state->se3.position);
 	const bool       intact = phys.bondState == int(talik::BondState::BONDED);
-	const PlainColor color(intact ? intactColor : frictionalColor);
+	const PlainColor color(intact ? intactColor : frictionalColor, onTop);
 	if (wire) drawLine(start, start + branch);
 	else drawRod(start, start + branch, radiusFor(phys), std::max(slices, 3));
 }

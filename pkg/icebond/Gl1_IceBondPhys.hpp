@@ -22,6 +22,7 @@ public:
 		((Real,maxRadius,0,,"Radius of the thickest rod [m]; 0: a quarter of the radius of the smaller grain of the contact drawn first."))
 		((Real,minFraction,0.1,,"Thinnest rod over the thickest [-], 0 to 1: unloaded bonds remain visible."))
 		((int,slices,8,,"Sides of a rod, >= 3."))
+		((bool,onTop,true,,"Draw over the grains, which hide the rods otherwise."))
 		((Vector3r,intactColor,Vector3r(0.9,0,0),,"Colour of intact bonds (red, green, blue from 0 to 1)."))
 		((Vector3r,frictionalColor,Vector3r(0,0,0),,"Colour of broken bonds and frictional contacts."))
 	);

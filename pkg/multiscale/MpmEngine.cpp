@@ -4,7 +4,7 @@
 #include <pkg/multiscale/MpmEngine.hpp>
 
 #include <boost/python/numpy.hpp>
-#include <omp.h>
+#include <numeric>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -276,10 +276,18 @@ int MpmEngine::subSteps(double dt) const
 
 void MpmEngine::action()
 {
+	if (inspected) throw std::runtime_error("MpmEngine: O shows one of the samples of this ground; mpm.back() returns to the ground, which steps then.");
 	initialise();
 	followAttributes();
 	const bool newLimit = watchStableStep();
-	if (bodies) return advanceAmongBodies();
+	if (watched) recordWatched();
+	if (bodies) advanceAmongBodies();
+	else advanceAlone(newLimit);
+	if (watched) recordWatched();
+}
+
+void MpmEngine::advanceAlone(bool newLimit)
+{
 	if (automaticTimeStep && newLimit) scene->dt = stableStep;
 	const int    count = subSteps(scene->dt);
 	const double dt    = scene->dt / count;
@@ -336,15 +344,26 @@ py::dict MpmEngine::timeStepLimits()
 	return result;
 }
 
+vector<string> MpmEngine::existingFields()
+{
+	vector<string> names;
+	for (const auto& info : runningGround().fields())
+		if (info.place == "points") names.push_back(info.name);
+	if (motion && deformationRecord) {
+		names.push_back("strain");
+		names.push_back("deviatoricStrain");
+	}
+	for (const auto& law : activeSkeletons())
+		for (const auto& measure : law->measures())
+			if (std::find(names.begin(), names.end(), measure) == names.end()) names.push_back(measure);
+	return names;
+}
+
 py::list MpmEngine::fieldNames()
 {
 	py::list names;
-	for (const auto& info : runningGround().fields())
-		if (info.place == "points") names.append(info.name);
-	if (motion && deformationRecord) names.append("deviatoricStrain");
-	for (const auto& law : activeSkeletons())
-		for (const auto& measure : law->measures())
-			if (names.count(measure) == 0) names.append(measure);
+	for (const auto& name : existingFields())
+		names.append(name);
 	return names;
 }
 
@@ -365,36 +384,88 @@ py::list MpmEngine::fields()
 }
 
 namespace {
-	/// Equivalent deviatoric part of the logarithmic strain in plane strain, sqrt(2/3 e:e), from F.
-	double deviatoricStrain(const Real* f)
+	/// Logarithmic strain of F in the plane: xx, yy, xy [-].
+	std::array<Real, 3> logarithmicStrain(const Real* f)
 	{
 		Eigen::Matrix2d F;
 		F << f[0], f[1], f[2], f[3];
 		const Eigen::Matrix2d b    = F * F.transpose();
 		const double          mean = 0.5 * b.trace(), radius = std::sqrt(std::max(0., mean * mean - b.determinant()));
-		const double          e1 = 0.5 * std::log(mean + radius), e2 = 0.5 * std::log(std::max(mean - radius, 1e-300)), third = (e1 + e2) / 3;
-		return std::sqrt(2. / 3 * ((e1 - third) * (e1 - third) + (e2 - third) * (e2 - third) + third * third));
+		const double          e1 = 0.5 * std::log(mean + radius), e2 = 0.5 * std::log(std::max(mean - radius, 1e-300));
+		const double          half = radius > 0 ? 0.5 * (e1 - e2) / radius : 0;
+		return { 0.5 * (e1 + e2) + 0.5 * half * (b(0, 0) - b(1, 1)), 0.5 * (e1 + e2) - 0.5 * half * (b(0, 0) - b(1, 1)), half * b(0, 1) };
+	}
+
+	/// sqrt(2/3 e:e) of the deviator in plane strain.
+	double deviatoricPart(const std::array<Real, 3>& e)
+	{
+		const double third = (e[0] + e[1]) / 3;
+		return std::sqrt(2. / 3 * ((e[0] - third) * (e[0] - third) + (e[1] - third) * (e[1] - third) + third * third + 2 * e[2] * e[2]));
+	}
+
+	vector<Real> strainOf(const string& name, const Real* f)
+	{
+		const auto e = logarithmicStrain(f);
+		if (name == "strain") return { e[0], e[1], e[2] };
+		return { deviatoricPart(e) };
+	}
+
+	bool isStrain(const string& name) { return name == "strain" || name == "deviatoricStrain"; }
+
+	/// Rows of equal length as an array (n,) or (n, components).
+	np::ndarray arrayOf(const vector<vector<Real>>& rows)
+	{
+		const std::size_t parts  = rows.empty() ? 1 : rows.front().size();
+		np::ndarray       result = np::zeros(parts == 1 ? py::make_tuple(rows.size()) : py::make_tuple(rows.size(), parts), np::dtype::get_builtin<double>());
+		Real*             data   = reinterpret_cast<Real*>(result.get_data());
+		for (const auto& row : rows)
+			data = std::copy(row.begin(), row.end(), data);
+		return result;
 	}
 }
 
-py::object MpmEngine::deviatoricStrains()
+py::object MpmEngine::strains(const string& name)
 {
-	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: deviatoricStrain needs motion and deformationRecord=True.");
-	np::ndarray f      = py::extract<np::ndarray>(field("deformationGradient"))();
-	const int   n      = f.shape(0);
-	np::ndarray result = np::zeros(py::make_tuple(n), np::dtype::get_builtin<double>());
-	for (int i = 0; i < n; i++)
-		reinterpret_cast<Real*>(result.get_data())[i] = deviatoricStrain(reinterpret_cast<const Real*>(f.get_data()) + 4 * i);
-	return result;
+	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: " + name + " needs motion and deformationRecord=True.");
+	np::ndarray          f = py::extract<np::ndarray>(field("deformationGradient"))();
+	vector<vector<Real>> rows(f.shape(0));
+	for (std::size_t i = 0; i < rows.size(); i++)
+		rows[i] = strainOf(name, reinterpret_cast<const Real*>(f.get_data()) + 4 * i);
+	return arrayOf(rows);
+}
+
+bool MpmEngine::isMeasured(const string& name) const
+{
+	for (const auto& law : activeSkeletons())
+		for (const auto& measure : law->measures())
+			if (measure == name) return true;
+	return false;
+}
+
+/// A measure of the samples, each point's from the skeleton that it has.
+py::object MpmEngine::measured(const string& name) const
+{
+	const auto           laws = activeSkeletons();
+	vector<vector<Real>> rows(pointCount());
+	vector<np::ndarray>  tables;
+	for (const auto& law : laws) {
+		const auto measures = law->measures();
+		if (std::find(measures.begin(), measures.end(), name) != measures.end()) tables.push_back(py::extract<np::ndarray>(law->values(name))());
+	}
+	for (int id = 0; id < pointCount(); id++)
+		for (const auto& table : tables) {
+			const int   parts = table.get_nd() == 1 ? 1 : table.shape(1);
+			const Real* row   = reinterpret_cast<const Real*>(table.get_data()) + id * parts;
+			if (rows[id].empty() || std::isnan(rows[id].front())) rows[id].assign(row, row + parts);
+		}
+	return arrayOf(rows);
 }
 
 py::object MpmEngine::field(const string& name)
 {
-	if (name == "deviatoricStrain") return deviatoricStrains();
-	for (const auto& law : activeSkeletons())
-		for (const auto& measure : law->measures())
-			if (measure == name) return law->values(name);
-	auto&     g     = runningGround();
+	auto& g = runningGround();
+	if (isStrain(name)) return strains(name);
+	if (isMeasured(name)) return measured(name);
 	int       parts = 1;
 	const int n     = g.points().count();
 	for (const auto& info : g.fields())
@@ -408,6 +479,112 @@ py::object MpmEngine::field(const string& name)
 			data[i * parts + c] = component[i];
 	}
 	return result;
+}
+
+// ---- points by what they suffer --------------------------------------------------------------------------------------------
+
+int MpmEngine::pick(Real x, Real y)
+{
+	const auto& points  = runningGround().points();
+	int         nearest = -1;
+	Real        least   = std::numeric_limits<Real>::infinity();
+	for (int id = 0; id < points.count(); id++) {
+		const int  place = points.place(id);
+		const Real dx = points.position(0)[place] - x, dy = points.position(1)[place] - y, square = dx * dx + dy * dy;
+		if (square >= least) continue;
+		least   = square;
+		nearest = id;
+	}
+	if (nearest < 0) throw std::invalid_argument("MpmEngine.pick: (" + boost::lexical_cast<string>(x) + ", " + boost::lexical_cast<string>(y) + ") is no place.");
+	return nearest;
+}
+
+py::list MpmEngine::most(const string& name, int count)
+{
+	if (count < 0) throw std::invalid_argument("MpmEngine.most: n is " + std::to_string(count) + ": give 0 or more.");
+	const np::ndarray            values = py::extract<np::ndarray>(field(name))();
+	const int                    points = values.shape(0), parts = values.get_nd() == 1 ? 1 : values.shape(1);
+	vector<std::pair<Real, int>> order;
+	for (int id = 0; id < points; id++) {
+		const Real* row  = reinterpret_cast<const Real*>(values.get_data()) + id * parts;
+		const Real  size = parts == 1 ? row[0] : std::sqrt(std::inner_product(row, row + parts, row, 0.));
+		if (!std::isnan(size)) order.emplace_back(-size, id);
+	}
+	std::sort(order.begin(), order.end());
+	py::list ids;
+	for (int k = 0; k < std::min(count, int(order.size())); k++)
+		ids.append(order[k].second);
+	return ids;
+}
+
+vector<Real> MpmEngine::valueAt(const string& name, int id)
+{
+	if (isMeasured(name)) {
+		vector<Real> value { NaN };
+		for (const auto& law : activeSkeletons()) {
+			const auto measures = law->measures();
+			if (std::isnan(value.front()) && std::find(measures.begin(), measures.end(), name) != measures.end()) value = law->valueAt(name, id);
+		}
+		return value;
+	}
+	const auto&  points = ground->points();
+	const auto&  stored = points.fields();
+	const string source = isStrain(name) ? "deformationGradient" : name;
+	vector<Real> value;
+	for (const auto& info : stored.list())
+		if (info.name == source)
+			for (int c = 0; c < info.components; c++)
+				value.push_back(stored.find(source, c)[points.place(id)]);
+	return isStrain(name) ? strainOf(name, value.data()) : value;
+}
+
+namespace {
+	/// What a history holds unless the user chooses: soil and sample, without what only the method knows.
+	const vector<string> toldByDefault { "position", "displacement", "velocity", "temperature", "iceSaturation", "pressure", "porosity", "stress", "strain",
+		                             "deviatoricStrain", "bondsIntact", "bondsBroken", "bondsMelted", "coordinationNumber", "samplePorosity", "fabric" };
+}
+
+void MpmEngine::watch(py::object ids, Real interval, py::object names)
+{
+	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	shared_ptr<PointWatch> wanted(new PointWatch);
+	wanted->interval         = interval;
+	const np::ndarray points = asArray(ids);
+	const Real*       data   = reinterpret_cast<const Real*>(points.get_data());
+	for (int k = 0; k < (points.get_nd() == 0 ? 1 : points.shape(0)); k++) {
+		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))
+			throw std::invalid_argument(
+			        "MpmEngine.watch: " + boost::lexical_cast<string>(data[k]) + " is no point: give ids from 0 to " + std::to_string(pointCount() - 1) + ".");
+		if (std::find(wanted->ids.begin(), wanted->ids.end(), int(data[k])) == wanted->ids.end()) wanted->ids.push_back(int(data[k]));
+	}
+	for (int k = 0; k < py::len(names); k++) {
+		const string name = py::extract<string>(names[k]);
+		if (ground && !py::list(fieldNames()).count(name)) throw std::invalid_argument("MpmEngine.watch: there is no field '" + name + "'; see fieldNames().");
+		wanted->fields.push_back(name);
+	}
+	watched = wanted->ids.empty() ? nullptr : wanted;
+	if (watched && ground) recordWatched();
+}
+
+/// Before the first step of a watch and after every one.
+void MpmEngine::recordWatched()
+{
+	if (!watched->isDue(ground->time())) return;
+	if (watched->times.empty()) {
+		const auto existing = existingFields();
+		if (watched->fields.empty()) watched->fields = toldByDefault;
+		auto& names = watched->fields;
+		names.erase(
+		        std::remove_if(names.begin(), names.end(), [&](const string& name) { return std::find(existing.begin(), existing.end(), name) == existing.end(); }),
+		        names.end());
+	}
+	watched->record(ground->time(), [this](const string& name, int id) { return valueAt(name, id); });
+}
+
+py::dict MpmEngine::history(int id) const
+{
+	if (!watched) throw std::invalid_argument("MpmEngine.history: no point is watched; call watch([ids]) first.");
+	return watched->history(id);
 }
 
 py::dict MpmEngine::balance()

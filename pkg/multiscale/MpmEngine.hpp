@@ -7,6 +7,7 @@
 #include <pkg/multiscale/BodyContact.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
+#include <pkg/multiscale/PointWatch.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
 
@@ -30,7 +31,14 @@ public:
 	::boost::python::list   fieldNames();
 	::boost::python::list   fields();
 	::boost::python::object field(const string& name);
-	::boost::python::object deviatoricStrains();
+	int                     pick(Real x, Real y);
+	::boost::python::list   most(const string& field, int count);
+	::boost::python::list   mostBroken(int count) { return most("bondsBroken", count); }
+	::boost::python::list   mostStrained(int count) { return most("deviatoricStrain", count); }
+	void                    watch(::boost::python::object ids, Real interval, ::boost::python::object names);
+	::boost::python::dict   history(int id) const;
+	/// O shows one of the samples: the ground does not step.
+	bool                    inspected = false;
 	::boost::python::dict   balance();
 	::boost::python::object grid();
 	int                     pointCount() const;
@@ -63,8 +71,15 @@ private:
 	void                     followAttributes();
 	bool                     watchStableStep();
 	int                      subSteps(double dt) const;
+	void                     advanceAlone(bool newLimit);
 	void                     advanceAmongBodies();
 	void                     advance(double dt);
+	::boost::python::object  strains(const string& name);
+	::boost::python::object  measured(const string& name) const;
+	bool                     isMeasured(const string& name) const;
+	vector<string>           existingFields();
+	vector<Real>             valueAt(const string& name, int id);
+	void                     recordWatched();
 
 	std::shared_ptr<talik::Ground<2>> ground;
 	long                              stepsUntilLimit = 0;
@@ -99,6 +114,7 @@ public:
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
+		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
 		,/*ctor*/ ,
@@ -109,7 +125,14 @@ public:
 		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")
 		.def("fieldNames",&MpmEngine::fieldNames,"Names of the fields that exist on the points, for field().")
 		.def("fields",&MpmEngine::fields,"Every field on points and nodes: a list of dictionaries with name, owner (effect), unit, place, components, bytes.")
-		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' ids; stress has the components xx, yy, zz, xy. Beside the stored fields: deviatoricStrain, sqrt(2/3 e:e) of the logarithmic strain.")
+		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' ids; stress has the components xx, yy, zz, xy. Beside the stored fields: strain, the logarithmic strain since the start (xx, yy, xy); deviatoricStrain, sqrt(2/3 e:e) of it; the measures of the samples, see RveSkeleton.values.")
+		.def("pick",&MpmEngine::pick,(::boost::python::arg("x"),::boost::python::arg("y")),"Id of the point nearest to (x, y) [m] in its present position.")
+		.def("most",&MpmEngine::most,(::boost::python::arg("field"),::boost::python::arg("n")=10),"Ids of the n points with the largest values of a field, largest first, the lower id first among equals; vectors and tensors by their length, points without a value left out.")
+		.def("mostBroken",&MpmEngine::mostBroken,(::boost::python::arg("n")=10),"Ids of the n points whose samples have lost most bonds mechanically.")
+		.def("mostStrained",&MpmEngine::mostStrained,(::boost::python::arg("n")=10),"Ids of the n points with the largest deviatoric strain.")
+		.def("watch",&MpmEngine::watch,(::boost::python::arg("ids"),::boost::python::arg("interval")=0.,::boost::python::arg("fields")=::boost::python::list()),"Record the histories of some points from now on: fields (default: all that say something of soil or sample) every interval seconds, 0 for every step. Saved with the scene; see history(). A second call begins anew, watch([]) lets go of all records.")
+		.def("history",&MpmEngine::history,(::boost::python::arg("id")),"Records of a watched point: a dictionary of NumPy arrays by instant, time [s] and the fields.")
+		.def_readwrite("inspected",&MpmEngine::inspected,"True while O shows one of the samples: the ground does not step then. Set by inspect() and back().")
 		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")

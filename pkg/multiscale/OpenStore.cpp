@@ -139,7 +139,8 @@ std::vector<double> OpenStore::measure(std::size_t number, const std::string& na
 	if (name == "bondsMelted") return { double(statistics.bondsMelted) };
 	if (name == "contacts") return { double(statistics.contacts) };
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
-	if (name == "porosity") return { statistics.porosity };
+	if (name == "samplePorosity") return { statistics.porosity };
+	if (name == "sampleIceSaturation") return { sample.awake ? sample.awake->iceSaturation() : sample.beginning->iceSaturation };
 	if (name == "fabric") return { statistics.fabric(0, 0), statistics.fabric(1, 1), statistics.fabric(0, 1) };
 	refuseMeasure(name);
 }
@@ -172,13 +173,18 @@ std::size_t OpenStore::bytes() const
 boost::shared_ptr<yade::Scene> OpenStore::scene(std::size_t number) const
 {
 	const Sample& sample = at(number);
-	return sample.awake ? copyScene(sample.awake->yadeScene()) : sceneFromBytes(sample.beginning->scene);
+	return sceneForView(sample.awake ? sceneToBytes(sample.awake->yadeScene()) : sample.beginning->scene);
 }
 
 void OpenStore::setScene(std::size_t number, const boost::shared_ptr<yade::Scene>& scene)
 {
 	auto    replacement = std::make_unique<OpenSample>(sceneToBytes(scene));
 	Sample& sample      = at(number);
+	if (!sample.awake) sample.awake = std::make_unique<OpenSample>(sample.beginning->wake());
+	const std::uint64_t before = sample.awake->statistics().bondsIntact, now = replacement->statistics().bondsIntact;
+	auto                counts = sample.awake->bondCounts();
+	if (now > before) counts[0] += now - before;
+	replacement->setBondCounts(counts);
 	sample.awake        = std::move(replacement);
 	sample.beginning.reset();
 }

@@ -27,7 +27,7 @@ void refuseMeasure(const std::string& name)
 {
 	throw std::invalid_argument(
 	        "RveSkeleton.values: there is no measure '" + name
-	        + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, porosity or fabric.");
+	        + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, samplePorosity, sampleIceSaturation or fabric.");
 }
 
 PackedStore::PackedStore(std::vector<StatePointer> p)
@@ -82,16 +82,17 @@ std::vector<double> PackedStore::measure(std::size_t sample, const std::string& 
 	if (name == "bondsBroken") return { double(s.bondsBrokenInTension + s.bondsBrokenInShear) };
 	if (name == "bondsMelted") return { double(s.bondsMelted) };
 	if (name == "contacts") return { double(s.contacts.size()) };
+	if (name == "sampleIceSaturation") return { s.iceSaturation };
 	if (name == "bondsIntact") {
 		double intact = 0;
 		for (const auto bond : s.contacts.bond)
 			intact += BondState(bond & 3) == BondState::BONDED;
 		return { intact };
 	}
-	if (name != "coordinationNumber" && name != "porosity" && name != "fabric") refuseMeasure(name);
+	if (name != "coordinationNumber" && name != "samplePorosity" && name != "fabric") refuseMeasure(name);
 	const auto statistics = PackedSample<2>(s).statistics();
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
-	if (name == "porosity") return { statistics.porosity };
+	if (name == "samplePorosity") return { statistics.porosity };
 	return { statistics.fabric(0, 0), statistics.fabric(1, 1), statistics.fabric(0, 1) };
 }
 

@@ -43,7 +43,7 @@ shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 shared_ptr<Scene> RveSample::open() const
 {
 	if (sceneBytes.empty()) throw std::runtime_error("RveSample.open: this sample was not packed from a scene.");
-	const auto scene = talik::sceneFromBytes(sceneBytes);
+	const auto scene = talik::sceneForView(sceneBytes);
 	talik::openInto(*scene, packed());
 	return scene;
 }

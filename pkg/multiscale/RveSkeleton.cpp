@@ -3,6 +3,7 @@
 
 #include <boost/python/numpy.hpp>
 #include <iostream>
+#include <map>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -120,6 +121,29 @@ void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
 	const std::size_t number = running().sampleNumber(id);
 	if (openStore) openStore->setScene(number, sample->open());
 	else packedStore->setState(number, std::make_shared<talik::PackedState<2>>(sample->packed()));
+	running().askNext(id);
+}
+
+namespace {
+	/// Bonds lost or made by hand: one whose grains still touch counts as broken in shear, else in tension.
+	void countByHand(const talik::PackedState<2>& former, talik::PackedState<2>& state)
+	{
+		using Pair = std::array<int, 4>;
+		std::map<Pair, bool> before; // bonded pairs, and whether they touch now
+		const auto pair = [](const talik::PackedContacts<2>& k, std::size_t c) { return Pair { k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] }; };
+		const auto bonded = [](const talik::PackedContacts<2>& k, std::size_t c) { return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED; };
+		for (std::size_t c = 0; c < former.contacts.size(); c++)
+			if (bonded(former.contacts, c)) before[pair(former.contacts, c)] = false;
+		for (std::size_t c = 0; c < state.contacts.size(); c++) {
+			const auto found = before.find(pair(state.contacts, c));
+			if (!bonded(state.contacts, c)) {
+				if (found != before.end()) found->second = true;
+			} else if (found != before.end()) before.erase(found);
+			else state.bondsFormed++;
+		}
+		for (const auto& [contact, touches] : before)
+			(state.iceSaturation == 0 ? state.bondsMelted : touches ? state.bondsBrokenInShear : state.bondsBrokenInTension)++;
+	}
 }
 
 void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
@@ -127,7 +151,33 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 	if (!scene) throw std::invalid_argument("RveSkeleton.replaceScene: the scene is None.");
 	const std::size_t number = running().sampleNumber(id);
 	if (openStore) openStore->setScene(number, scene);
-	else packedStore->setState(number, std::make_shared<talik::PackedState<2>>(talik::packScene(*scene, packedStore->state(number).get())));
+	else {
+		const auto former = packedStore->state(number);
+		auto       state  = std::make_shared<talik::PackedState<2>>(talik::packScene(*scene, former.get()));
+		if (state->toBytes() == former->toBytes()) return;
+		countByHand(*former, *state);
+		packedStore->setState(number, state);
+	}
+	running().askNext(id);
+}
+
+vector<string> RveSkeleton::measures() const
+{
+	return { "bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric" };
+}
+
+py::list RveSkeleton::pyMeasures() const
+{
+	py::list names;
+	for (const auto& name : measures())
+		names.append(name);
+	return names;
+}
+
+vector<Real> RveSkeleton::valueAt(const string& name, int id) const
+{
+	if (!hasSample(id)) return { NaN };
+	return running().samples().measure(running().sampleNumber(id), name);
 }
 
 py::object RveSkeleton::values(const string& name) const

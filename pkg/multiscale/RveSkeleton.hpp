@@ -25,8 +25,11 @@ public:
 	shared_ptr<Scene>       scene(int id) const;
 	void                    replaceSample(int id, const shared_ptr<RveSample>&);
 	void                    replaceScene(int id, const shared_ptr<Scene>&);
+	bool                    hasSample(int id) const { return running().has(id); }
 	::boost::python::object values(const string& name) const override;
-	vector<string>          measures() const override { return { "bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber" }; }
+	vector<Real>            valueAt(const string& name, int id) const override;
+	vector<string>          measures() const override;
+	::boost::python::list   pyMeasures() const;
 	::boost::python::dict   counters() const;
 	::boost::python::dict   blownUp() const;
 
@@ -64,9 +67,11 @@ public:
 		/*py*/
 		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see scene.")
 		.def("scene",&RveSkeleton::scene,(::boost::python::arg("id")),"A copy of the sample behind a point as a YADE scene, in either form. See talik.inspect.")
-		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point.")
-		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point.")
-		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, porosity, fabric (n,3).")
+		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point; the next step asks it. Bonds lost or made by hand are counted. ValueError if it cannot be a sample: the point keeps the one it had.")
+		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point; the next step asks it.")
+		.def("hasSample",&RveSkeleton::hasSample,(::boost::python::arg("id")),"True if a sample of this skeleton is behind the point.")
+		.def("measures",&RveSkeleton::pyMeasures,"Names that values() and MpmEngine.field() take.")
+		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, sampleIceSaturation, fabric (n,3) xx yy xy of mean n(x)n.")
 		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes.")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);

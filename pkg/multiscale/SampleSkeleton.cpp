@@ -204,10 +204,18 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 		if (isDue(a, place, iceSaturation)) flagScratch[k] = 1;
 		else predict(batch, place, a);
 	}
+	if (!changed.empty()) flagChanged(batch);
 	dueScratch.clear();
 	for (int k = 0; k < batch.count; k++)
 		if (flagScratch[k]) dueScratch.push_back(batch.place[k]);
 	if (!dueScratch.empty()) ask(batch, dueScratch, a);
+}
+
+void SampleSkeleton::flagChanged(const SkeletonBatch<2>& batch)
+{
+	for (int k = 0; k < batch.count; k++)
+		if (changed.count(batch.id[batch.place[k]])) flagScratch[k] = 1;
+	changed.clear();
 }
 
 void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a)
@@ -296,6 +304,9 @@ std::string SampleSkeleton::save() const
 		writer.number(std::uint64_t(id));
 		writer.block(reason);
 	}
+	writer.number(changed.size());
+	for (const int id : changed)
+		writer.number(std::uint64_t(id));
 	return writer.bytes();
 }
 
@@ -314,6 +325,9 @@ void SampleSkeleton::restore(const std::string& bytes)
 		const int id = int(reader.number());
 		failures[id] = reader.block();
 	}
+	changed.clear();
+	for (std::uint64_t left = reader.number(); left > 0; left--)
+		changed.insert(int(reader.number()));
 }
 
 } // namespace talik

@@ -4,6 +4,7 @@
 #include <pkg/multiscale/SampleStore.hpp>
 
 #include <map>
+#include <set>
 
 namespace talik {
 
@@ -46,6 +47,8 @@ public:
 	int         prototype(int id) const { return prototypeOf.at(id); }
 	int         points() const { return int(sampleOf.size()); }
 	const SampleStore& samples() const { return *store; }
+	/// The next update asks this point's sample, however small its increments: something was done to it from outside.
+	void askNext(int id) { changed.insert(id); }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
 	/// Gives up the samples of points that are not in the batch.
@@ -59,6 +62,7 @@ private:
 	Arrays arrays() const;
 	bool   isDue(const Arrays&, int place, double iceSaturation) const;
 	void   ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
+	void   flagChanged(const SkeletonBatch<2>&);
 	void   predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
 
 	std::shared_ptr<SampleStore> store;
@@ -68,6 +72,7 @@ private:
 	PointFields*              fields = nullptr;
 	PointFields::Handle       gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
 	std::map<int, std::string> failures;
+	std::set<int>              changed;
 	std::vector<int>                               dueScratch;
 	std::vector<char>                              flagScratch;
 };

@@ -16,6 +16,8 @@ SkeletonLaw::Pointer SkeletonLaw::build(int)
 	throw std::invalid_argument(getClassName() + " has no measure '" + name + "'.");
 }
 
+vector<Real> SkeletonLaw::valueAt(const string& name, int) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
+
 SkeletonLaw::Pointer ElasticSkeleton::build(int)
 {
 	auto model          = std::make_shared<talik::ElasticSkeleton<2>>();

@@ -27,6 +27,8 @@ public:
 	virtual vector<string> measures() const { return {}; }
 	/// One of them for all points of the ground, NaN where a point has another skeleton.
 	virtual ::boost::python::object values(const string& name) const;
+	/// One of them for one point; a single NaN for a point with another skeleton.
+	virtual vector<Real> valueAt(const string& name, int id) const;
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons.", , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
 };
 REGISTER_SERIALIZABLE(SkeletonLaw);

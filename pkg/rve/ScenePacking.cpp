@@ -532,23 +532,24 @@ std::string sceneToBytes(const shared_ptr<Scene>& scene)
 	return stream.str();
 }
 
-shared_ptr<Scene> sceneFromBytes(const std::string& bytes)
+shared_ptr<Scene> sceneFromBytes(const std::string& bytes, int threads)
 {
-	// per-thread storage inside a Scene is sized when it is made: samples are stepped by one thread each
-	const int threads = omp_get_max_threads();
-	omp_set_num_threads(1);
+	const int before = omp_get_max_threads();
+	omp_set_num_threads(threads);
 	shared_ptr<Scene> scene;
 	try {
 		std::istringstream              stream(bytes);
 		boost::archive::binary_iarchive archive(stream);
 		archive >> boost::serialization::make_nvp("scene", scene);
 	} catch (...) {
-		omp_set_num_threads(threads);
+		omp_set_num_threads(before);
 		throw;
 	}
-	omp_set_num_threads(threads);
+	omp_set_num_threads(before);
 	return scene;
 }
+
+shared_ptr<Scene> sceneForView(const std::string& bytes) { return sceneFromBytes(bytes, omp_get_max_threads()); }
 
 shared_ptr<Scene> copyScene(const shared_ptr<Scene>& scene) { return sceneFromBytes(sceneToBytes(scene)); }
 

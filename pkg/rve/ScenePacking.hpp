@@ -21,6 +21,9 @@ void openInto(yade::Scene& scene, const PackedState<2>& state);
 /// A copy of a scene with everything in it, through YADE's own archives.
 boost::shared_ptr<yade::Scene> copyScene(const boost::shared_ptr<yade::Scene>& scene);
 std::string                    sceneToBytes(const boost::shared_ptr<yade::Scene>& scene);
-boost::shared_ptr<yade::Scene> sceneFromBytes(const std::string& bytes);
+/// threads: how many may step the scene; YADE sizes the storage of its engines when they are made. Samples are stepped by one each.
+boost::shared_ptr<yade::Scene> sceneFromBytes(const std::string& bytes, int threads = 1);
+/// The same, to be shown and run in O with as many threads as yade was given.
+boost::shared_ptr<yade::Scene> sceneForView(const std::string& bytes);
 
 } // namespace talik

@@ -114,18 +114,9 @@ def __getattr__(name):
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
 
 
-@_contextmanager
-def inspect(scene):
-	"""Shows a Scene in O for the block: bodies, interactions, cell, engines and the 3-D view are its own; afterwards O is what it was.
+from .inspection import back, inspect, inspectPoint as _inspectPoint, backToGround as _backToGround
 
-	>>> with talik.inspect(mpm.skeleton.sample(12).open()):
-	...     print(len(O.bodies))
-	"""
-	former = _talik.exchangeScene(scene)
-	try:
-		yield scene
-	finally:
-		_talik.exchangeScene(former)
+MpmEngine.inspect, MpmEngine.back = _inspectPoint, _backToGround
 
 
 def resume(file):

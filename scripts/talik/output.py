@@ -80,8 +80,8 @@ def writeSegments(path, start, end, fields):
 
 
 def writeCollection(path, entries):
-	"""A .pvd file of (time, file) pairs."""
-	lines = [f'\t\t<DataSet timestep="{time:.17g}" part="0" file="{file}"/>' for time, file in entries]
+	"""A .pvd file of (time, file) or (time, file, part): several files at one time are its parts."""
+	lines = [f'\t\t<DataSet timestep="{time:.17g}" part="{part[0] if part else 0}" file="{file}"/>' for time, file, *part in entries]
 	text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n\t<Collection>\n'
 	writeWhole(path, text + "\n".join(lines) + "\n\t</Collection>\n</VTKFile>\n")
 
@@ -138,24 +138,26 @@ def _padded(vectors):
 
 
 class SampleSeries:
-	"""The scene that is current in O, a sample of grains: <name>_grains and <name>_contacts, each as .vtu files and one .pvd."""
+	"""The scene that is current in O, a sample of grains: files <name>_grains_<number>.vtu and <name>_contacts_<number>.vtu, the two
+	parts of each time of <name>.pvd. Contacts carry normalForce, shearForce [N] and state, 0 frictional, 1 bonded, 2 broken.
+
+	clock  time of the files, default O.time; that of a slope is lambda: mpm.time"""
 
 	def __init__(self, folder, name="sample", clock=None):
 		self.folder, self.name = writableFolder(folder), name
 		self.clock = clock or _sceneTime
-		self.entries = {"grains": [], "contacts": []}
+		self.entries = []
 
 	def write(self):
 		from talik.packing import sampleArrays
 
-		sample, number = sampleArrays(), len(self.entries["grains"])
-		files = {part: f"{self.name}_{part}_{number:05d}.vtu" for part in self.entries}
+		sample, number = sampleArrays(), len(self.entries) // 2
+		files = {part: f"{self.name}_{part}_{number:05d}.vtu" for part in ("grains", "contacts")}
 		writePoints(self.folder / files["grains"], sample["centre"], {"radius": sample["radius"]})
 		contactFields = {name: sample[name] for name in ("normalForce", "shearForce", "state")}
 		writeSegments(self.folder / files["contacts"], sample["start"], sample["end"], contactFields)
-		for part, file in files.items():
-			self.entries[part].append((self.clock(), file))
-			writeCollection(self.folder / f"{self.name}_{part}.pvd", self.entries[part])
+		self.entries += [(self.clock(), file, part) for part, file in enumerate(files.values())]
+		writeCollection(self.folder / f"{self.name}.pvd", self.entries)
 
 
 # --- frames for pictures ---------------------------------------------------------------------------------------------------

@@ -223,7 +223,7 @@ def test_sample_arrays_give_back_the_stress_and_serve_pictures_and_files(draftSa
 	plots.save(fig, tmp_path / "chains.png")
 	series = output.SampleSeries(tmp_path)
 	series.write()
-	assert {p.name for p in tmp_path.iterdir()} >= {"sample_grains.pvd", "sample_contacts.pvd", "sample_grains_00000.vtu", "sample_contacts_00000.vtu"}
+	assert {p.name for p in tmp_path.iterdir()} >= {"sample.pvd", "sample_grains_00000.vtu", "sample_contacts_00000.vtu"}
 
 
 def test_progress_and_output_run_as_engines(tmp_path, capsys):

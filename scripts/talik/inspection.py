@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One sample of a paused slope as the current scene of O, and back.
+
+	mpm.inspect(12)                    # O.bodies, O.interactions, O.cell, yade.utils and the 3-D view show the sample of point 12
+	O.run(1000, True)                  # a copy: run it by hand, O.save() it as a plain YADE scene
+	mpm.back()                         # the slope again, as it was
+
+	with mpm.inspect(12, live=True):   # the slope's own: what is done to it stays, the next step of the slope asks it
+		O.bodies[3].state.vel = (0, 0, 0)
+
+Scenes are shown one above the other: back() and the end of a block return by one, closing what was opened inside.
+"""
+
+import atexit
+from time import sleep
+
+from yade import O, wrapper
+
+from talik import _talik
+
+_shown = []  # views that are open, the innermost last
+
+
+class View:
+	"""A scene shown in O from its making until back() or the end of a `with` block, which gives the scene.
+
+	scene  that is shown; point  whose sample it is, None for a scene of the user's; live  whether the slope takes over what was done"""
+
+	def __init__(self, scene, mpm=None, point=None, live=False):
+		self.scene, self.mpm, self.point, self.live = scene, mpm, point, live
+		self._untouched = _talik.sceneBytes(scene) if live else None
+		self._former = _talik.exchangeScene(scene)
+		_shown.append(self)
+		self._tell()
+
+	def __enter__(self):
+		return self.scene
+
+	def __exit__(self, kind, error, trace):
+		if self not in _shown:
+			return
+		try:
+			if kind is None:
+				self._takeOver()
+		finally:
+			self._leave()
+
+	def back(self, keep=True):
+		"""Returns to what was shown before. A live sample is taken over unless keep=False; ValueError if it cannot be a sample any
+		more: it stays shown then."""
+		if self not in _shown:
+			raise RuntimeError("back(): this view was left already")
+		if keep:
+			self._takeOver()
+		self._leave()
+
+	def _takeOver(self):
+		_pause()
+		if self.live and _talik.sceneBytes(self.scene) != self._untouched:
+			_skeletonOf(self.mpm, self.point).replaceScene(self.point, self.scene)
+
+	def _leave(self):
+		_pause()
+		while _shown[-1] is not self:
+			_shown[-1]._leave()
+		_talik.exchangeScene(self._former)
+		_shown.remove(self)
+		self._tell()
+
+	def _tell(self):
+		if self.mpm is not None:
+			self.mpm.inspected = any(view.mpm is self.mpm for view in _shown)
+
+	def __repr__(self):
+		what = "a scene" if self.point is None else f"the sample of point {self.point}, {'live' if self.live else 'a copy'}"
+		where = "shown in O; back() returns" if self in _shown else "left"
+		return f"<{what}, {where}>"
+
+
+def inspect(scene):
+	"""Shows a Scene in O: bodies, interactions, cell, engines and the 3-D view are its own; afterwards O is what it was.
+
+	>>> with talik.inspect(mpm.skeleton.scene(12)):
+	...     print(len(O.bodies))
+
+	RuntimeError while a simulation runs. Without `with`, talik.back() returns."""
+	return View(scene)
+
+
+def inspectPoint(mpm, id, live=False):
+	"""inspect(id, live=False): the sample of a material point becomes the current scene of O, until back() or the end of a `with` block.
+
+	A copy unless live=True: then the slope takes over what was done to it, and its next step asks the sample. Works for samples of
+	either form, and also in a scene that was just loaded. RuntimeError while a simulation runs; ValueError for a point without sample."""
+	point = int(id)
+	if O.running:
+		raise RuntimeError("MpmEngine.inspect needs a paused simulation: call O.pause() first.")
+	mpm.initialise()
+	skeleton = _skeletonOf(mpm, point)
+	if live and any(view.live and view.mpm is mpm and view.point == point for view in _shown):
+		raise RuntimeError(f"MpmEngine.inspect: the sample of point {point} is shown live already; go back() first.")
+	return View(skeleton.scene(point), mpm, point, live)
+
+
+def backToGround(mpm, keep=True):
+	"""back(keep=True): return from the sample shown last by inspect() to what was shown before.
+
+	A sample shown with live=True is taken over unless keep=False; ValueError if it cannot be a sample any more: it stays shown then.
+	A run of the sample in the background is paused. RuntimeError if no sample of this ground is shown."""
+	own = [view for view in _shown if view.mpm is mpm]
+	if not own:
+		raise RuntimeError("MpmEngine.back: O shows no sample of this ground; see inspect().")
+	own[-1].back(keep)
+
+
+def back(keep=True):
+	"""Returns from the scene shown last, see inspect()."""
+	if not _shown:
+		raise RuntimeError("talik.back: O shows nothing but its own scene.")
+	_shown[-1].back(keep)
+
+
+def _skeletonOf(mpm, point):
+	for law in mpm.skeletons or [mpm.skeleton]:
+		if isinstance(law, wrapper.RveSkeleton) and law.hasSample(point):
+			return law
+	if not 0 <= point < mpm.pointCount:
+		raise ValueError(f"MpmEngine.inspect: there is no point {point}; ids run from 0 to {mpm.pointCount - 1}.")
+	raise ValueError(f"MpmEngine.inspect: point {point} has no sample behind it: its skeleton is no RveSkeleton.")
+
+
+def _pause():
+	if O.running:
+		O.pause()
+		while O.running:
+			sleep(0.001)
+
+
+@atexit.register
+def _backToTheFirst():
+	"""YADE ends with the scene that it began with."""
+	if _shown:
+		_shown[0]._leave()

@@ -1,0 +1,594 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Looking inside a slope: any sample in O and back with nothing changed, points found by what they suffer, histories, pictures, files."""
+
+import os
+import re
+import subprocess
+import time
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, Vector3, utils, wrapper
+
+import talik
+from talik import packing, rve
+
+forms = ("packed", "open")
+
+
+@pytest.fixture(scope="module")
+def sample(sampleCache):
+	return talik.slope.pack(rve.prepare(grains=40, porosity=0.19, cache=sampleCache))
+
+
+def thawingGround(sample, form="packed"):
+	"""16 points: frozen ground that is sheared until bonds break, and thaws from its surface."""
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), gravity=(0, -9.81), automaticTimeStep=False,
+		skeleton=wrapper.RveSkeleton(samples=[sample.copy()], form=form, strainTolerance=1e-5),
+		heat=wrapper.HeatTransfer(thermalTimeScale=3e6), freezing=wrapper.FreezingCurve(),
+		boundaries=[
+			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 0.001], values=[-1, 20]),
+		],
+	)
+	position, volume = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 1), (0, 1)], 0.5)
+	shear = np.column_stack([2.0 * position[:, 1] ** 2, 0 * position[:, 1]])
+	mpm.addPoints(position=position, volume=volume, porosity=0.4, temperature=-1.0, velocity=shear)
+	O.reset()
+	O.engines = [mpm]
+	O.dt = 2e-4
+	return mpm
+
+
+def running(sample, form="packed", steps=12):
+	mpm = thawingGround(sample, form)
+	talik._talik.runSerially(steps)
+	return mpm
+
+
+def everything(mpm):
+	"""All that a ground and its samples are, as bytes."""
+	samples = [talik._talik.sceneBytes(mpm.skeleton.scene(id)) for id in range(mpm.pointCount)]
+	return [np.array(mpm.field(name)).tobytes() for name in mpm.fieldNames()] + samples
+
+
+def bonds(state):
+	return sum(getattr(i.phys, "bondState", 0) == state for i in O.interactions if i.isReal)
+
+
+def handle():
+	"""What a curious user does to a sample: strains it, breaks bonds, throws grains out."""
+	O.cell.velGrad = Matrix3(0, 0.5, 0, 0, 0, 0, 0, 0, 0)
+	O.run(100, True)
+	for i in list(O.interactions)[:20]:
+		if i.isReal:
+			i.phys.bondState = 2
+	O.bodies[0].state.vel = Vector3(1, 2, 0)
+	O.bodies.erase(3)
+	O.run(20, True)
+
+
+# --- there and back --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", forms)
+def test_the_sample_of_a_point_is_what_O_and_yades_utilities_act_on(form, sample):
+	mpm = running(sample, form)
+	ground, id = O._sceneObj, mpm.mostBroken(1)[0]
+	with mpm.inspect(id) as scene:
+		assert O._sceneObj is scene or talik._talik.currentScene() is not None
+		stress = utils.getStress()
+		shown = dict(bodies=len(O.bodies), intact=bonds(1), contacts=sum(1 for i in O.interactions if i.isReal), engines=[type(e).__name__ for e in O.engines])
+		assert O.periodic and mpm.inspected
+		O.step()
+	point = mpm.field("skeleton0.sampleStress")[id]
+	deviation = abs(stress[0, 0] - point[0]) / np.abs(point).max()
+	print(f"\n{form}, point {id}: {shown}, stress xx {stress[0, 0]:.1f} Pa, at the point {point[0]:.1f} Pa")
+	assert O._sceneObj is ground and not mpm.inspected and type(O.engines[0]).__name__ == "MpmEngine"
+	assert shown["bodies"] == 40 and shown["intact"] == mpm.field("bondsIntact")[id] and shown["contacts"] == mpm.field("contacts")[id]
+	assert "NewtonIntegrator" in shown["engines"]
+	assert deviation < 1e-2  # an opened packed sample shows the forces at its present positions, one DEM step later
+
+
+@pytest.mark.parametrize("form", forms)
+def test_after_a_look_the_ground_is_the_same_and_goes_on_bit_for_bit(form, sample):
+	mpm = running(sample, form)
+	talik._talik.runSerially(8)
+	unseen = everything(mpm)
+	mpm = running(sample, form)
+	before, saved, clock = everything(mpm), O.sceneToString(), (O.iter, O.time, O.dt)
+	with mpm.inspect(5):
+		handle()
+	mpm.inspect(6)
+	handle()
+	mpm.back()
+	assert everything(mpm) == before and O.sceneToString() == saved and (O.iter, O.time, O.dt) == clock
+	talik._talik.runSerially(8)
+	print(f"\n{form}: {len(saved)} bytes of scene equal after two looks, {sum(map(len, unseen))} bytes of state equal 8 steps later")
+	assert everything(mpm) == unseen
+
+
+@pytest.mark.parametrize("form", forms)
+def test_a_live_look_that_does_nothing_changes_nothing(form, sample):
+	mpm = running(sample, form)
+	talik._talik.runSerially(4)
+	unseen = everything(mpm)
+	mpm = running(sample, form)
+	saved = O.sceneToString()
+	with mpm.inspect(5, live=True):
+		bonds(1), utils.getStress(), packing.sampleArrays()
+	assert O.sceneToString() == saved
+	talik._talik.runSerially(4)
+	assert everything(mpm) == unseen
+
+
+@pytest.mark.parametrize("form", forms)
+def test_what_is_done_to_a_live_sample_stays_and_its_path_goes_on(form, sample):
+	mpm = running(sample, form)
+	id = mpm.pick(0.1, 0.1)
+	others = [k for k in range(mpm.pointCount) if k != id]
+	before, elsewhere, calls = {n: mpm.field(n) for n in ("bondsIntact", "bondsBroken", "bondsFormed", "bondsMelted")}, everything(mpm), mpm.skeleton.counters["calls"]
+	with mpm.inspect(id, live=True):
+		O.cell.velGrad = Matrix3(0, 2.0, 0, 0, 0, 0, 0, 0, 0)
+		O.run(600, True)
+		O.cell.velGrad = Matrix3.Zero
+		O.run(2, True)
+		intact, strained, shape = bonds(1), O.cell.trsf, talik._talik.sceneBytes(O._sceneObj)
+	after = {n: mpm.field(n) for n in before}
+	lost = before["bondsIntact"][id] - after["bondsIntact"][id]
+	print(f"\n{form}: {lost:.0f} of {before['bondsIntact'][id]:.0f} bonds broken by hand in a shear of {strained[0, 1]:.3f}; broken now {after['bondsBroken'][id]:.0f}")
+	assert lost > 3 and after["bondsIntact"][id] == intact
+	assert after["bondsFormed"][id] == after["bondsIntact"][id] + after["bondsBroken"][id] + after["bondsMelted"][id]
+	assert all((after[n][others] == before[n][others]).all() for n in before)
+	stale = mpm.field("stress")[id]
+	with mpm.inspect(id):
+		shown = utils.getStress()
+	talik._talik.runSerially(1)
+	fresh = mpm.field("stress")[id]
+	assert mpm.skeleton.counters["calls"] > calls
+	assert np.abs(fresh - stale).max() > 0.05 * np.abs(stale).max()  # the point takes the stress of what its sample became
+	talik._talik.runSerially(5)
+	assert np.isfinite(mpm.field("stress")).all()
+
+
+def test_a_live_sample_that_can_be_one_no_more_stays_shown_until_it_is_given_up(sample):
+	mpm = running(sample)
+	before = everything(mpm)
+	ground = O._sceneObj
+	mpm.inspect(5, live=True)
+	O.engines = O.engines + [wrapper.PyRunner(command="pass", iterPeriod=10)]
+	with pytest.raises(ValueError, match="it has a PyRunner"):
+		mpm.back()
+	assert O._sceneObj is not ground and mpm.inspected
+	mpm.back(keep=False)
+	assert O._sceneObj is ground and everything(mpm) == before
+	with pytest.raises(ValueError, match="out of the plane"):
+		with mpm.inspect(5, live=True):
+			O.bodies[0].state.blockedDOFs = ""
+	assert O._sceneObj is ground and everything(mpm) == before
+
+
+def test_a_block_that_fails_leaves_a_live_sample_as_it_was(sample):
+	mpm = running(sample)
+	before = everything(mpm)
+	with pytest.raises(ZeroDivisionError):
+		with mpm.inspect(5, live=True):
+			handle()
+			1 / 0
+	assert everything(mpm) == before and not mpm.inspected
+
+
+# --- whatever happens meanwhile --------------------------------------------------------------------------------------------
+
+
+def test_views_nest_and_closing_one_closes_those_inside(sample):
+	mpm = running(sample)
+	before, ground = everything(mpm), O._sceneObj
+	outer = mpm.inspect(1)
+	first = O._sceneObj
+	with mpm.inspect(2):
+		assert O._sceneObj is not first
+		with talik.scratchScene():
+			assert len(O.bodies) == 0
+	assert O._sceneObj is first and mpm.inspected
+	inner = mpm.inspect(3, live=True)
+	with pytest.raises(RuntimeError, match="point 3 is shown live already"):
+		mpm.inspect(3, live=True)
+	outer.back()
+	assert O._sceneObj is ground and not mpm.inspected and "left" in repr(inner)
+	with pytest.raises(RuntimeError, match="shows no sample"):
+		mpm.back()
+	with pytest.raises(RuntimeError, match="left already"):
+		inner.back()
+	assert everything(mpm) == before
+
+
+def test_a_look_while_O_runs_is_refused_and_the_run_goes_on(sample):
+	mpm = thawingGround(sample)
+	O.run()
+	with pytest.raises(RuntimeError, match=r"O.pause\(\)"):
+		mpm.inspect(3)
+	at = O.iter
+	while O.iter < at + 3:
+		time.sleep(0.001)
+	O.pause()
+	O.wait()
+	with mpm.inspect(3):
+		assert len(O.bodies) == 40
+	print(f"\nrefused at step {at}, {O.iter} steps done")
+
+
+def test_a_look_from_inside_a_step_is_refused(sample):
+	mpm = thawingGround(sample)
+	caught = []
+
+	def look():
+		try:
+			mpm.inspect(3)
+		except RuntimeError as refusal:
+			caught.append(str(refusal))
+
+	O.engines = [mpm, talik.output.runner(look, iterPeriod=1)]
+	O.run(2, True)
+	O.step()
+	print(f"\n{len(caught)} times: {caught[0]}")
+	assert len(caught) == 3 and all("O.pause()" in text for text in caught) and type(O.engines[0]).__name__ == "MpmEngine"
+
+
+def test_a_run_meanwhile_is_the_samples_and_the_ground_refuses_to_step(sample):
+	mpm = running(sample)
+	before, clock = everything(mpm), (O.iter, O.time, mpm.time)
+	with mpm.inspect(3):
+		at, dt = O.iter, O.dt
+		O.run(50, True)
+		assert O.iter == at + 50
+		with pytest.raises(RuntimeError, match="mpm.back"):
+			mpm()
+		assert O.dt == dt
+		O.run()  # in the background, still running when the block ends
+		time.sleep(0.05)
+	assert not O.running and (O.iter, O.time, mpm.time) == clock and everything(mpm) == before
+	O.step()
+	assert mpm.time > clock[2]
+
+
+def test_reset_meanwhile_takes_the_sample_only(sample):
+	mpm = running(sample)
+	before = everything(mpm)
+	mpm.inspect(3)
+	O.reset()
+	assert len(O.bodies) == 0 and mpm.inspected
+	mpm.back()
+	assert everything(mpm) == before and O.iter == 12
+	O.step()
+
+
+@pytest.mark.parametrize("live", [False, True])
+def test_a_scene_loaded_meanwhile_takes_the_samples_place_only(live, sample, tmp_path):
+	mpm = running(sample)
+	before = everything(mpm)
+	with mpm.inspect(3, live=live):
+		O.save(str(tmp_path / "sample.yade.gz"))
+		O.load(str(tmp_path / "sample.yade.gz"))
+		assert len(O.bodies) == 40
+		O.run(5, True)
+		O.saveTmp()
+		O.loadTmp()
+	assert everything(mpm) == before and O.iter == 12
+	O.step()
+
+
+def test_a_ground_loaded_meanwhile_is_looked_into_on_its_own(sample, tmp_path):
+	mpm = running(sample)
+	before = everything(mpm)
+	O.save(str(tmp_path / "ground.yade.gz"))
+	mpm.inspect(3)
+	O.load(str(tmp_path / "ground.yade.gz"))
+	other = O.engines[0]
+	with other.inspect(4):
+		assert len(O.bodies) == 40
+	assert O.engines[0] is other and everything(other) == before
+	mpm.back()
+	assert O.engines[0] is mpm and everything(mpm) == before
+
+
+def test_other_scenes_of_O_meanwhile_do_no_harm(sample):
+	mpm = running(sample)
+	before = everything(mpm)
+	mpm.inspect(3)
+	O.switchToScene(O.addScene())
+	assert len(O.bodies) == 0
+	mpm.back()
+	assert O.engines[0] is mpm and everything(mpm) == before
+	O.step()
+
+
+@pytest.mark.parametrize("form, how", [("packed", ".xml"), ("packed", ".yade.gz"), ("open", ".yade.gz")])
+def test_samples_of_a_loaded_ground_are_shown_as_well(form, how, sample, tmp_path):
+	mpm = running(sample, form)
+	intact = mpm.field("bondsIntact")
+	O.save(str(tmp_path / ("ground" + how)))
+	O.reset()
+	O.load(str(tmp_path / ("ground" + how)))
+	loaded = O.engines[0]
+	with loaded.inspect(5):
+		assert len(O.bodies) == 40 and bonds(1) == intact[5]
+	assert O.engines[0] is loaded
+	O.step()
+
+
+def test_points_without_a_sample_are_refused_by_name(sample):
+	mpm = running(sample)
+	with pytest.raises(ValueError, match="no point 16; ids run from 0 to 15"):
+		mpm.inspect(16)
+	elastic = wrapper.MpmEngine(gridSpacing=0.5, skeletons=[wrapper.ElasticSkeleton(), wrapper.RveSkeleton(samples=[sample.copy()])])
+	elastic.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=0.25, skeleton=[0, 1])
+	O.reset()
+	O.engines = [elastic]
+	with pytest.raises(ValueError, match="point 0 has no sample"):
+		elastic.inspect(0)
+	with elastic.inspect(1):
+		assert len(O.bodies) == 40
+	assert np.isnan(elastic.field("contacts")[0]) and elastic.field("contacts")[1] > 0
+
+
+# --- in a yade of its own --------------------------------------------------------------------------------------------------
+
+
+def runScript(folder, body, *options, prefix=(), path=None):
+	"""Runs a script in a yade of its own; it must end by itself, with status 0. Returns its output."""
+	script = Path(folder) / "script.py"
+	script.write_text(body)
+	environment = {**os.environ, **({} if path is None else {"PYTHONPATH": path})}
+	run = subprocess.run([*prefix, "yade", *options, "-x", str(script)], capture_output=True, text=True, timeout=120, env=environment, cwd=folder)
+	assert run.returncode == 0 and "SCRIPT ENDED" in run.stdout, f"status {run.returncode}\n{run.stdout}\n{run.stderr}"
+	return run.stdout
+
+
+opening = """
+{imports}
+from yade import O, utils
+O.load({file!r})
+before = utils.getStress()
+print("OPENED", len(O.bodies), sum(getattr(i.phys, "bondState", 0) == 1 for i in O.interactions if i.isReal))
+O.run(50, True)
+print("STRESS", before[0, 0], utils.getStress()[0, 0])
+print("SCRIPT ENDED")
+"""
+
+
+@pytest.mark.parametrize("ice", [False, True])
+def test_a_sample_saved_while_shown_opens_tomorrow_in_another_yade(ice, sample, sampleCache, tmp_path):
+	if ice:
+		mpm = running(sample)
+	else:
+		frictional = talik.slope.pack(rve.prepare(grains=40, porosity=0.19, ice=False, cache=sampleCache))
+		mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[frictional]))
+		mpm.addPoints(position=[(0.25, 0.25)], volume=0.25, velocity=(0.01, 0))
+		O.reset()
+		O.engines = [mpm]
+		O.run(5, True)
+	file = str(tmp_path / "sample.yade.gz")
+	with mpm.inspect(0):
+		shown = len(O.bodies), bonds(1)
+		stress = utils.getStress()[0, 0]
+		O.save(file)
+	imports, path = ("import talik", None) if ice else ("", "/nonexistent")  # a stock yade that knows no talik
+	output = runScript(tmp_path, opening.format(imports=imports, file=file), "-n", path=path)
+	opened = tuple(map(int, re.search(r"OPENED (\d+) (\d+)", output).groups()))
+	first, later = map(float, re.search(r"STRESS (\S+) (\S+)", output).groups())
+	print(f"\n{'bonded, with' if ice else 'frictional, without'} talik: {opened[0]} grains, {opened[1]} bonds, stress xx {first:.1f} Pa, shown {stress:.1f} Pa, 50 steps later {later:.1f} Pa")
+	assert opened == shown and (shown[1] > 0) == ice
+	assert first == pytest.approx(stress, rel=1e-9) and np.isfinite(later)
+
+
+meanwhile = """
+import talik
+from yade import O, wrapper, Matrix3
+sample = talik.slope.pack({file!r})
+mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[sample], form={form!r}))
+mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=0.25, velocity=[(0.01, 0), (-0.01, 0)])
+O.engines = [mpm]
+O.run(5, True)
+for live in (False, True):
+	with mpm.inspect(0, live=live):
+		O.cell.velGrad = Matrix3(0, 0.1, 0, 0, 0, 0, 0, 0, 0)
+		O.run(300, True)
+		O.cell.velGrad = Matrix3.Zero
+		O.run(2, True)
+	O.run(5, True)
+mpm.inspect(1)
+print("THREADS", O.numThreads)
+print("SCRIPT ENDED", flush=True)
+"""
+
+
+@pytest.mark.parametrize("form", forms)
+def test_shown_samples_run_with_all_threads_of_yade_and_yade_may_end_while_one_is_shown(form, sampleCache, tmp_path):
+	file = rve.prepare(grains=40, porosity=0.19, ice=False, cache=sampleCache).path
+	output = runScript(tmp_path, meanwhile.format(file=str(file), form=form), "-n", "-j2")
+	assert "THREADS 2" in output
+
+
+# --- points by what they suffer --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", forms)
+def test_fields_of_the_samples_are_those_of_the_opened_scenes(form, sample):
+	mpm = running(sample, form)
+	names = ("bondsIntact", "bondsBroken", "bondsMelted", "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric", "stress", "strain", "iceSaturation")
+	assert set(names) <= set(mpm.fieldNames())
+	fields = {name: mpm.field(name) for name in names}
+	worst = 0
+	for id in range(mpm.pointCount):
+		with mpm.inspect(id):
+			arrays = packing.sampleArrays()
+			fabric = packing.fabricTensor(arrays["normal"])
+			porosity, contacts, intact = packing.porosity(), len(arrays["state"]), bonds(1)
+		assert intact == fields["bondsIntact"][id] and mpm.field("contacts")[id] == contacts
+		expected = [2 * contacts / 40, porosity, fabric[0, 0], fabric[1, 1], fabric[0, 1]]
+		measured = [fields["coordinationNumber"][id], fields["samplePorosity"][id], *fields["fabric"][id]]
+		worst = max(worst, np.abs(np.subtract(measured, expected)).max())
+	print(f"\n{form}: bonds intact {fields['bondsIntact'].astype(int)}, broken {fields['bondsBroken'].astype(int)}, melted {fields['bondsMelted'].astype(int)}; largest difference of the others {worst:.1e}")
+	assert fields["bondsBroken"].max() > 0 and fields["bondsMelted"].max() > 0
+	assert fields["fabric"].shape == (16, 3) and worst < 1e-9
+
+
+def test_strain_of_a_point_is_the_logarithm_of_its_stretch(sample):
+	mpm = running(sample)
+	for id, f in enumerate(mpm.field("deformationGradient")):
+		F = f.reshape(2, 2)
+		values, vectors = np.linalg.eigh(F @ F.T)
+		expected = vectors @ np.diag(0.5 * np.log(values)) @ vectors.T
+		np.testing.assert_allclose(mpm.field("strain")[id], [expected[0, 0], expected[1, 1], expected[0, 1]], atol=1e-14)
+		deviator = np.diag([expected[0, 0], expected[1, 1], 0]) - np.trace(expected) / 3 * np.eye(3)
+		deviator[0, 1] = deviator[1, 0] = expected[0, 1]
+		assert mpm.field("deviatoricStrain")[id] == pytest.approx(np.sqrt(2 / 3) * np.linalg.norm(deviator), rel=1e-10)
+
+
+def test_points_are_found_by_place_and_by_what_they_suffer(sample):
+	mpm = running(sample)
+	position, broken, strain = mpm.field("position"), mpm.field("bondsBroken"), mpm.field("deviatoricStrain")
+	for id in range(mpm.pointCount):
+		assert mpm.pick(*position[id]) == id
+	assert mpm.pick(100, 100) == np.argmin(np.linalg.norm(position - 100, axis=1))
+	found = mpm.mostBroken(4)
+	print(f"\nmost broken {found} with {broken[found]}, most strained {mpm.mostStrained(3)} with {strain[mpm.mostStrained(3)].round(5)}")
+	assert found == sorted(range(16), key=lambda id: (-broken[id], id))[:4]
+	assert mpm.mostStrained(16) == list(np.argsort(-strain, kind="stable"))
+	speeds = np.linalg.norm(mpm.field("velocity"), axis=1)
+	assert mpm.most("velocity", 1) == [np.argmax(speeds)] and len(mpm.most("velocity", 99)) == 16 and mpm.mostBroken(0) == []
+	with pytest.raises(ValueError, match="n is -1"):
+		mpm.mostBroken(-1)
+	with pytest.raises(ValueError):
+		mpm.pick(float("nan"), 0)
+
+
+# --- histories -------------------------------------------------------------------------------------------------------------
+
+
+def test_histories_of_watched_points_are_the_fields_of_every_step_and_the_ground_does_not_feel_them(sample):
+	mpm = running(sample, steps=20)
+	unwatched = everything(mpm)
+	assert mpm.watched is None
+	mpm = thawingGround(sample)
+	mpm.watch([5, 9])
+	byHand = []
+	for _ in range(20):
+		O.step()
+		byHand.append({name: mpm.field(name)[9] for name in mpm.fieldNames()})
+	assert everything(mpm) == unwatched
+	history = mpm.history(9)
+	print(f"\n{len(history['time'])} records of {sorted(history)}")
+	assert len(history["time"]) == 21 and history["time"][0] == 0 and history["time"][-1] == mpm.time
+	for name in set(history) - {"time"}:
+		np.testing.assert_array_equal(history[name][1:], [record[name] for record in byHand], err_msg=name)
+	assert {"stress", "strain", "bondsBroken", "bondsIntact", "bondsMelted", "coordinationNumber", "samplePorosity", "fabric", "iceSaturation", "temperature"} <= set(history)
+	assert history["stress"].shape == (21, 4) and history["fabric"].shape == (21, 3)
+	mpm.watch([])
+	assert mpm.watched is None
+
+
+def test_a_watch_with_an_interval_keeps_to_it_also_where_steps_are_longer(sample):
+	mpm = thawingGround(sample)
+	mpm.watch([0], interval=10e-4, fields=["position", "bondsBroken"])
+	O.run(21, True)
+	times = mpm.history(0)["time"]
+	mpm.watch([0], interval=1e-5)
+	O.run(3, True)
+	print(f"\nevery 1 ms: {times}; every 0.01 ms with steps of 0.2 ms: {np.diff(mpm.history(0)['time'])}")
+	np.testing.assert_allclose(times, [0, 0.001, 0.002, 0.003, 0.004], atol=2.1e-4)
+	assert len(times) == 5 and set(mpm.history(0)) >= {"time", "position"}
+	np.testing.assert_allclose(np.diff(mpm.history(0)["time"]), 2e-4)
+
+
+@pytest.mark.parametrize("how", [".xml", ".yade.gz"])
+def test_histories_are_saved_with_the_scene_and_go_on(how, sample, tmp_path):
+	mpm = thawingGround(sample)
+	mpm.watch([3, 4], interval=5e-4)
+	talik._talik.runSerially(20)
+	through = mpm.history(4)
+	mpm = thawingGround(sample)
+	mpm.watch([3, 4], interval=5e-4)
+	talik._talik.runSerially(9)
+	O.save(str(tmp_path / ("ground" + how)))
+	O.reset()
+	O.load(str(tmp_path / ("ground" + how)))
+	parted = O.engines[0].history(4)
+	assert len(parted["time"]) == 4 and set(parted) == set(through)
+	talik._talik.runSerially(11)
+	parted = O.engines[0].history(4)
+	assert len(parted["time"]) == len(through["time"])
+	for name in through:
+		np.testing.assert_array_equal(parted[name], through[name], err_msg=name)
+
+
+def test_impossible_watches_are_refused(sample):
+	mpm = running(sample, steps=1)
+	for ids, settings, words in [([16], {}, "16 is no point"), ([-1], {}, "-1 is no point"), ([0.5], {}, "0.5"), ([0], dict(interval=-1), "interval is -1"), ([0], dict(fields=["colour"]), "no field 'colour'")]:
+		with pytest.raises(ValueError, match=words):
+			mpm.watch(ids, **settings)
+	with pytest.raises(ValueError, match="no point is watched"):
+		mpm.history(0)
+	mpm.watch(np.array([1, 2]))
+	with pytest.raises(ValueError, match="point 3 is not watched"):
+		mpm.history(3)
+
+
+# --- files for ParaView ----------------------------------------------------------------------------------------------------
+
+
+def readSeries(path):
+	"""{part: [grid of each time]} and the times of a .pvd file."""
+	from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+	parts, times = {}, []
+	for entry in ElementTree.parse(path).getroot().iter("DataSet"):
+		reader = vtkXMLUnstructuredGridReader()
+		reader.SetFileName(str(Path(path).parent / entry.get("file")))
+		reader.Update()
+		parts.setdefault(entry.get("part"), []).append(reader.GetOutput())
+		times.append(float(entry.get("timestep")))
+	return parts, times
+
+
+def arrayOf(data, name):
+	from vtkmodules.util.numpy_support import vtk_to_numpy
+
+	return vtk_to_numpy(data.GetArray(name))
+
+
+def test_vtk_reads_points_with_all_fields_and_samples_with_grains_contacts_and_bonds(sample, tmp_path):
+	mpm = running(sample)
+	ground = talik.output.ParaViewSeries(mpm, tmp_path)
+	ground.write()
+	O.step()
+	ground.write()
+	inside = talik.output.SampleSeries(tmp_path, name="inside")
+	ids = mpm.mostBroken(2)
+	shown = []
+	for id in ids:
+		with mpm.inspect(id):
+			inside.write()
+			shown.append(packing.sampleArrays())
+	points, times = readSeries(tmp_path / "points.pvd")
+	grid = points["0"][-1]
+	assert len(times) == 2 and times[-1] == pytest.approx(O.time)
+	names = [grid.GetPointData().GetArrayName(k) for k in range(grid.GetPointData().GetNumberOfArrays())]
+	for name in mpm.fieldNames():
+		if name != "position":
+			values = mpm.field(name)
+			np.testing.assert_array_equal(arrayOf(grid.GetPointData(), name).reshape(16, -1)[:, : values.size // 16], values.reshape(16, -1), err_msg=name)
+	parts, _ = readSeries(tmp_path / "inside.pvd")
+	for k, arrays in enumerate(shown):
+		grains, contacts = parts["0"][k], parts["1"][k]
+		np.testing.assert_array_equal(arrayOf(grains.GetPointData(), "radius"), arrays["radius"])
+		np.testing.assert_array_equal(arrayOf(contacts.GetCellData(), "state"), arrays["state"])
+		np.testing.assert_array_equal(arrayOf(contacts.GetCellData(), "normalForce"), arrays["normalForce"])
+		assert grains.GetNumberOfPoints() == 40 and contacts.GetNumberOfCells() == len(arrays["state"])
+	states = np.bincount(shown[0]["state"], minlength=3)
+	print(f"\n{len(names)} fields of 16 points; of sample {ids[0]} 40 grains and {states.sum()} contacts: {states[0]} frictional, {states[1]} bonded, {states[2]} broken")
+	assert states[1] > 0 and states[0] + states[2] > 0
