@@ -69,13 +69,19 @@ namespace {
 	{
 		refuseWhileRunning("Changing the current scene");
 		if (!scene) raise(PyExc_ValueError, "exchangeScene: the scene is None; give a Scene.");
-		if (scene->forces.getNumAllocatedThreads() < omp_get_max_threads())
-			raise(PyExc_RuntimeError, "The scene was made to be stepped by fewer threads than O has: show a copy of it, e.g. that of RveSkeleton.scene(id).");
 		Omega& omega = Omega::instance();
 		std::lock_guard<std::mutex> undrawn(omega.renderMutex);
 		const shared_ptr<Scene>     former = omega.getScene();
 		omega.setScene(scene);
 		return former;
+	}
+
+	/// Stock YADE writes beyond the storage of a scene that is stepped by more threads than it was made with.
+	void refuseFewerThreads(const shared_ptr<Scene>& scene)
+	{
+		if (!scene) raise(PyExc_ValueError, "refuseFewerThreads: the scene is None; give a Scene.");
+		if (scene->forces.getNumAllocatedThreads() >= omp_get_max_threads()) return;
+		raise(PyExc_RuntimeError, "The scene was made to be stepped by fewer threads than O has: show a copy of it, e.g. that of RveSkeleton.scene(id).");
 	}
 
 	/// Everything that YADE saves of a scene: equal bytes mean that nothing was done to it.
@@ -136,6 +142,9 @@ BOOST_PYTHON_MODULE(_talik)
 	        "Check that the running YADE is the one this module was built for, register our classes into it and return the names of "
 	        "all of them. ImportError when YADE differs.");
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
+	py::def("sameObject", +[](const shared_ptr<Serializable>& first, const shared_ptr<Serializable>& second) { return first == second; },
+	        (py::arg("first"), py::arg("second")), "True if both are the same C++ object: Python may hold it by several names.");
+	py::def("refuseFewerThreads", refuseFewerThreads, py::arg("scene"), "RuntimeError if O could not run a Scene with all of its threads.");
 	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");

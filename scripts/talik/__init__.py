@@ -116,7 +116,8 @@ def __getattr__(name):
 
 from .inspection import back, inspect, inspectPoint as _inspectPoint, backToGround as _backToGround
 
-MpmEngine.inspect, MpmEngine.back = _inspectPoint, _backToGround
+_sys.modules['yade.wrapper'].MpmEngine.inspect = _inspectPoint
+_sys.modules['yade.wrapper'].MpmEngine.back = _backToGround
 
 
 def resume(file):

@@ -27,6 +27,7 @@ class View:
 	scene  that is shown; point  whose sample it is, None for a scene of the user's; live  whether the slope takes over what was done"""
 
 	def __init__(self, scene, mpm=None, point=None, live=False):
+		_talik.refuseFewerThreads(scene)
 		self.scene, self.mpm, self.point, self.live = scene, mpm, point, live
 		self._untouched = _talik.sceneBytes(scene) if live else None
 		self._former = _talik.exchangeScene(scene)
@@ -69,7 +70,7 @@ class View:
 
 	def _tell(self):
 		if self.mpm is not None:
-			self.mpm.inspected = any(view.mpm is self.mpm for view in _shown)
+			self.mpm.inspected = any(_isOf(view, self.mpm) for view in _shown)
 
 	def __repr__(self):
 		what = "a scene" if self.point is None else f"the sample of point {self.point}, {'live' if self.live else 'a copy'}"
@@ -97,7 +98,7 @@ def inspectPoint(mpm, id, live=False):
 		raise RuntimeError("MpmEngine.inspect needs a paused simulation: call O.pause() first.")
 	mpm.initialise()
 	skeleton = _skeletonOf(mpm, point)
-	if live and any(view.live and view.mpm is mpm and view.point == point for view in _shown):
+	if live and any(view.live and _isOf(view, mpm) and view.point == point for view in _shown):
 		raise RuntimeError(f"MpmEngine.inspect: the sample of point {point} is shown live already; go back() first.")
 	return View(skeleton.scene(point), mpm, point, live)
 
@@ -107,7 +108,7 @@ def backToGround(mpm, keep=True):
 
 	A sample shown with live=True is taken over unless keep=False; ValueError if it cannot be a sample any more: it stays shown then.
 	A run of the sample in the background is paused. RuntimeError if no sample of this ground is shown."""
-	own = [view for view in _shown if view.mpm is mpm]
+	own = [view for view in _shown if _isOf(view, mpm)]
 	if not own:
 		raise RuntimeError("MpmEngine.back: O shows no sample of this ground; see inspect().")
 	own[-1].back(keep)
@@ -127,6 +128,10 @@ def _skeletonOf(mpm, point):
 	if not 0 <= point < mpm.pointCount:
 		raise ValueError(f"MpmEngine.inspect: there is no point {point}; ids run from 0 to {mpm.pointCount - 1}.")
 	raise ValueError(f"MpmEngine.inspect: point {point} has no sample behind it: its skeleton is no RveSkeleton.")
+
+
+def _isOf(view, mpm):
+	return view.mpm is not None and _talik.sameObject(view.mpm, mpm)
 
 
 def _pause():

@@ -16,6 +16,7 @@ import talik
 from talik import packing, rve
 
 forms = ("packed", "open")
+same = talik._talik.sameObject
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,7 @@ def test_the_sample_of_a_point_is_what_O_and_yades_utilities_act_on(form, sample
 	mpm = running(sample, form)
 	ground, id = O._sceneObj, mpm.mostBroken(1)[0]
 	with mpm.inspect(id) as scene:
-		assert O._sceneObj is scene or talik._talik.currentScene() is not None
+		assert same(O._sceneObj, scene)
 		stress = utils.getStress()
 		shown = dict(bodies=len(O.bodies), intact=bonds(1), contacts=sum(1 for i in O.interactions if i.isReal), engines=[type(e).__name__ for e in O.engines])
 		assert O.periodic and mpm.inspected
@@ -87,7 +88,7 @@ def test_the_sample_of_a_point_is_what_O_and_yades_utilities_act_on(form, sample
 	point = mpm.field("skeleton0.sampleStress")[id]
 	deviation = abs(stress[0, 0] - point[0]) / np.abs(point).max()
 	print(f"\n{form}, point {id}: {shown}, stress xx {stress[0, 0]:.1f} Pa, at the point {point[0]:.1f} Pa")
-	assert O._sceneObj is ground and not mpm.inspected and type(O.engines[0]).__name__ == "MpmEngine"
+	assert same(O._sceneObj, ground) and not mpm.inspected and type(O.engines[0]).__name__ == "MpmEngine"
 	assert shown["bodies"] == 40 and shown["intact"] == mpm.field("bondsIntact")[id] and shown["contacts"] == mpm.field("contacts")[id]
 	assert "NewtonIntegrator" in shown["engines"]
 	assert deviation < 1e-2  # an opened packed sample shows the forces at its present positions, one DEM step later
@@ -162,13 +163,13 @@ def test_a_live_sample_that_can_be_one_no_more_stays_shown_until_it_is_given_up(
 	O.engines = O.engines + [wrapper.PyRunner(command="pass", iterPeriod=10)]
 	with pytest.raises(ValueError, match="it has a PyRunner"):
 		mpm.back()
-	assert O._sceneObj is not ground and mpm.inspected
+	assert not same(O._sceneObj, ground) and mpm.inspected
 	mpm.back(keep=False)
-	assert O._sceneObj is ground and everything(mpm) == before
+	assert same(O._sceneObj, ground) and everything(mpm) == before
 	with pytest.raises(ValueError, match="out of the plane"):
 		with mpm.inspect(5, live=True):
 			O.bodies[0].state.blockedDOFs = ""
-	assert O._sceneObj is ground and everything(mpm) == before
+	assert same(O._sceneObj, ground) and everything(mpm) == before
 
 
 def test_a_block_that_fails_leaves_a_live_sample_as_it_was(sample):
@@ -190,15 +191,15 @@ def test_views_nest_and_closing_one_closes_those_inside(sample):
 	outer = mpm.inspect(1)
 	first = O._sceneObj
 	with mpm.inspect(2):
-		assert O._sceneObj is not first
+		assert not same(O._sceneObj, first)
 		with talik.scratchScene():
 			assert len(O.bodies) == 0
-	assert O._sceneObj is first and mpm.inspected
+	assert same(O._sceneObj, first) and mpm.inspected
 	inner = mpm.inspect(3, live=True)
 	with pytest.raises(RuntimeError, match="point 3 is shown live already"):
 		mpm.inspect(3, live=True)
 	outer.back()
-	assert O._sceneObj is ground and not mpm.inspected and "left" in repr(inner)
+	assert same(O._sceneObj, ground) and not mpm.inspected and "left" in repr(inner)
 	with pytest.raises(RuntimeError, match="shows no sample"):
 		mpm.back()
 	with pytest.raises(RuntimeError, match="left already"):
@@ -290,9 +291,9 @@ def test_a_ground_loaded_meanwhile_is_looked_into_on_its_own(sample, tmp_path):
 	other = O.engines[0]
 	with other.inspect(4):
 		assert len(O.bodies) == 40
-	assert O.engines[0] is other and everything(other) == before
+	assert same(O.engines[0], other) and everything(other) == before
 	mpm.back()
-	assert O.engines[0] is mpm and everything(mpm) == before
+	assert same(O.engines[0], mpm) and everything(mpm) == before
 
 
 def test_other_scenes_of_O_meanwhile_do_no_harm(sample):
@@ -302,7 +303,7 @@ def test_other_scenes_of_O_meanwhile_do_no_harm(sample):
 	O.switchToScene(O.addScene())
 	assert len(O.bodies) == 0
 	mpm.back()
-	assert O.engines[0] is mpm and everything(mpm) == before
+	assert same(O.engines[0], mpm) and everything(mpm) == before
 	O.step()
 
 
@@ -316,7 +317,7 @@ def test_samples_of_a_loaded_ground_are_shown_as_well(form, how, sample, tmp_pat
 	loaded = O.engines[0]
 	with loaded.inspect(5):
 		assert len(O.bodies) == 40 and bonds(1) == intact[5]
-	assert O.engines[0] is loaded
+	assert same(O.engines[0], loaded)
 	O.step()
 
 
@@ -592,3 +593,75 @@ def test_vtk_reads_points_with_all_fields_and_samples_with_grains_contacts_and_b
 	states = np.bincount(shown[0]["state"], minlength=3)
 	print(f"\n{len(names)} fields of 16 points; of sample {ids[0]} 40 grains and {states.sum()} contacts: {states[0]} frictional, {states[1]} bonded, {states[2]} broken")
 	assert states[1] > 0 and states[0] + states[2] > 0
+
+
+# --- 3-D view --------------------------------------------------------------------------------------------------------------
+
+viewScript = """
+import os, sys, time
+from PyQt5.QtWidgets import QApplication
+import talik
+from yade import Matrix3, O, qt, wrapper
+
+sample = talik.slope.pack({file!r})
+sample.freeze(1)
+mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[sample]))
+mpm.addPoints(position=[(0.25, 0.25)], volume=0.25)
+O.engines = [mpm]
+O.run(2, True)
+
+def draw(seconds):
+	end = time.monotonic() + seconds
+	while time.monotonic() < end:
+		QApplication.instance().processEvents()
+		time.sleep(0.005)
+
+renderer = qt.Renderer()
+renderer.intrPhys, renderer.bgColor = True, (1, 1, 1)
+view = qt.View()
+draw(0.3)
+mpm.inspect(0)
+O.cell.velGrad = Matrix3(0, 4, 0, 0, -2, 0, 0, 0, 0)
+while sum(i.phys.bondState == 1 for i in O.interactions if i.isReal) > 25:
+	O.run(20, True)
+O.cell.velGrad = Matrix3.Zero
+O.run(2, True)
+states = [i.phys.bondState for i in O.interactions if i.isReal]
+print("STATES", states.count(1), len(states) - states.count(1))
+size = O.cell.size
+view.axes, view.viewDir, view.upVector = False, (0, 0, -1), (0, 1, 0)
+view.fitAABB((0, 0, 0), (size[0], size[1], size[2]))
+draw(0.3)
+O.engines = O.engines + [qt.SnapshotEngine(fileBase=sys.argv[1] + "/sample-", iterPeriod=1)]
+O.run(2)
+end = time.monotonic() + 60
+while O.running and time.monotonic() < end:
+	draw(0.02)
+mpm.back()
+draw(0.3)
+print("BACK", type(O.engines[0]).__name__, len(O.bodies))
+print("SCRIPT ENDED")
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def test_the_3d_view_shows_the_bonds_of_a_sample_behind_a_point_by_state(sampleCache, tmp_path):
+	from matplotlib import image
+
+	file = rve.prepare(grains=40, porosity=0.19, cache=sampleCache).path
+	script = tmp_path / "view.py"
+	script.write_text(viewScript.format(file=str(file)))
+	command = ["xvfb-run", "-a", "-s", "-screen 0 1024x768x24", "yade", "-x", str(script), str(tmp_path)]
+	run = subprocess.run(command, capture_output=True, text=True, timeout=150, env=dict(os.environ))
+	assert "SCRIPT ENDED" in run.stdout and "BACK MpmEngine 0" in run.stdout, run.stdout + run.stderr
+	intact, others = map(int, re.search(r"STATES (\d+) (\d+)", run.stdout).groups())
+	files = sorted(tmp_path.glob("sample-*.png"))
+	if "TALIK_PICTURES" in os.environ:
+		(Path(os.environ["TALIK_PICTURES"]) / "view-of-a-sample.png").write_bytes(files[-1].read_bytes())
+	picture = np.rint(255 * image.imread(files[-1])[..., :3]).astype(int)
+	red = int((np.abs(picture - (230, 0, 0)).max(axis=-1) < 3).sum())
+	black = int((picture.max(axis=-1) < 3).sum())
+	print(f"\n{intact} intact bonds in {red} red pixels, {others} broken or frictional contacts in {black} black pixels of {picture.shape[0] * picture.shape[1]}")
+	assert intact > 0 and others > 0
+	assert red > 300 and black > 300
