@@ -873,11 +873,11 @@ template <int Dim> void PackedWorkspace<Dim>::removeBonds()
 	carryBonds(false);
 }
 
-template <int Dim> void PackedWorkspace<Dim>::shrinkGrains()
+template <int Dim> void PackedWorkspace<Dim>::shrinkGrains(double saturationBefore)
 {
 	PackedThawStrain& thaw = base.thawStrain;
 	if (thaw.thawStrain == 0) return;
-	thaw.frozenSaturation = std::max(thaw.frozenSaturation, base.iceSaturation);
+	thaw.frozenSaturation = std::max({ thaw.frozenSaturation, saturationBefore, base.iceSaturation });
 	const double lost   = thaw.thawStrain * (1 - base.iceSaturation / thaw.frozenSaturation);
 	const double factor = Dim == 2 ? std::sqrt(1 - lost) : std::cbrt(1 - lost);
 	if (factor >= base.radiusFactor) return;
@@ -894,10 +894,11 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	const bool   melted = base.ice.melted(saturation), births = !melted && base.ice.formsBonds(base.iceSaturation, saturation);
 	if (carriesBonds) rescaleBonds(iceRatio, melted ? 0. : newRatio);
 	if (melted && carriesBonds) removeBonds();
-	base.iceSaturation = saturation;
-	iceRatio           = newRatio;
+	const double before = base.iceSaturation;
+	base.iceSaturation  = saturation;
+	iceRatio            = newRatio;
 	setStrengths();
-	shrinkGrains();
+	shrinkGrains(before);
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane)
 			dressLane(*lanes, lane);

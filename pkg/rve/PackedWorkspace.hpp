@@ -108,7 +108,7 @@ private:
 	void   removeBonds();
 	void   rescaleBonds(double oldRatio, double newRatio);
 	void   rescaleBond(Lanes& lanes, std::size_t lane, double oldRatio, double newRatio, double* shear, double* iceShear);
-	void   shrinkGrains();
+	void   shrinkGrains(double saturationBefore);
 	void   setStrengths();
 	void   selectKernel();
 	void   carryBonds(bool carry);

@@ -363,6 +363,18 @@ TEST(PackedSample, thawStrainTakesLoadOffTheGrainsAndIsNotUndone)
 	EXPECT_NEAR(sample.state().radiusFactor, expected, 1e-12);
 }
 
+TEST(PackedSample, thawStrainGivenToAFrozenSampleActsFromItsIceSaturation)
+{
+	State state                 = frozen(0.8);
+	state.thawStrain.thawStrain = 0.004;
+	PackedSample<2> sample(state);
+	sample.setIceSaturation(0.6);
+	EXPECT_NEAR(sample.state().radiusFactor, std::sqrt(1 - 0.004 * 0.25), 1e-15);
+	PackedSample<2> atOnce(state);
+	atOnce.setIceSaturation(0);
+	EXPECT_NEAR(atOnce.state().radiusFactor, std::sqrt(1 - 0.004), 1e-15);
+}
+
 TEST(PackedSample, blowUpIsContainedAndNamed)
 {
 	State state = packedReference::sample().state();

@@ -6,6 +6,7 @@ be compared then are curves, and the scatter of stock YADE against itself is the
 elsewhere by 1e-12 of its coordinates."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 from yade import Matrix3, O, wrapper
@@ -114,3 +115,12 @@ class Path:
 def difference(a, b):
 	"""Of two curves of stress: the largest difference of a component, mean over the path, over the largest component, mean over the path."""
 	return np.abs(a.stress - b.stress).max(axis=1).mean() / np.abs(b.stress).max(axis=1).mean()
+
+
+def mean(curves):
+	return Curve(*(np.mean([getattr(curve, name) for curve in curves], axis=0) for name in ("stress", "area", "bonds")))
+
+
+def across(first, second):
+	"""Mean difference of a curve of one set to one of the other, pairs of the same start left out."""
+	return np.mean([difference(a, b) for (i, a), (j, b) in itertools.product(enumerate(first), enumerate(second)) if i != j])

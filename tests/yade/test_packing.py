@@ -241,9 +241,39 @@ def test_a_scene_that_the_packed_form_does_not_cover_is_refused_with_the_reason(
 		print(f"\n{refusal.value}")
 
 
-@pytest.mark.parametrize("attributes, reason", [(dict(stiffnessRule="secant"), "stiffness rule secant"), (dict(healBroken=True), "heals broken bonds")])
-def test_options_of_the_ice_bond_that_only_open_samples_have_are_refused(icy, attributes, reason):
-	with talik.inspect(icy.open()):
-		set_(O.engines[2].lawDispatcher.functors[0], **attributes)
-		with pytest.raises(ValueError, match=reason):
-			wrapper.RveSample.fromScene(O._sceneObj)
+def otherRadii(rule):
+	O.engines = O.engines[:1] + [wrapper.GrainSwelling(porosity=0.19, radiusRule=rule)] + O.engines[1:]
+
+
+openOptions = {
+	"stiffness rule secant": lambda: set_(lawOfBonds(), stiffnessRule="secant"),
+	"heals broken bonds": lambda: set_(lawOfBonds(), healBroken=True),
+	"it has a GrainSwelling": lambda: otherRadii("referenceOverlap"),
+	"has a GrainSwelling": lambda: otherRadii("mechanical"),
+	"bondNewContacts": lambda: set_(O.engines[2].physDispatcher.functors[0], bondNewContacts=True),
+}
+
+
+def lawOfBonds():
+	return O.engines[2].lawDispatcher.functors[0]
+
+
+@pytest.mark.parametrize("reason", openOptions)
+def test_options_of_the_ice_bond_that_only_open_samples_have_keep_the_sample_open_and_the_user_is_told_once(icy, reason, capfd):
+	scene = icy.open()
+	with talik.inspect(scene):
+		openOptions[reason]()
+	with pytest.raises(ValueError, match=reason):
+		wrapper.RveSample.fromScene(scene)
+	skeleton = wrapper.RveSkeleton(scenes=[scene], strainTolerance=0)
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(0.5, 0.5), skeleton=skeleton, automaticTimeStep=False)
+	mpm.addPoints(position=[(0.25, 0.25)], volume=[0.25], porosity=0.4, velocity=[(0.01, 0)])
+	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")]
+	O.engines = [mpm]
+	O.dt = 1e-4
+	for _ in range(3):
+		O.step()
+	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
+	print(f"\n{told}; {skeleton.counters['steps']} steps")
+	assert len(told) == 1 and reason in told[0] and "run open" in told[0]
+	assert skeleton.counters["form"] == "open" and np.abs(mpm.field("stress")).max() > 0
