@@ -99,7 +99,7 @@ def scratchScene():
 
 def __getattr__(name):
 	"""Submodules are loaded when they are first used: the import itself stays in milliseconds."""
-	if name in ('accuracy', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'rve', 'slope', 'thawslump', 'weather'):
+	if name in ('accuracy', 'calibrate', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'rve', 'shearband', 'slope', 'slumppage', 'thawslump', 'weather'):
 		import importlib
 		return importlib.import_module('talik.' + name)
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")

@@ -91,25 +91,25 @@ def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
 	return axes.tricontour(mesh, iceSaturation, levels=[level], **{"colors": "crimson", "linewidths": 1.2, **style})
 
 
-def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), thermalTimeScale=1.0, watched=None):
+def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), thermalTimeScale=1.0, watched=None, into=None):
 	"""A figure with one row per time and one column per field, like Fig. 6 of Yu & Zhao.
 
 	frames            list of {"time": t [s], "position": (n, 2), "volume": (n,), "iceSaturation": (n,), field: array, ...}
 	thermalTimeScale  f_T, for the thaw days in the row labels
-	watched           {letter: (x, y)} marked points
+	watched           {letter: (x, y)} marked points, or {letter: id} points that are followed
+	into              figure or subfigure to draw into; default: a new one
 	All rows of a column share one colour scale; the crimson line is the thaw front S_i = 0.5."""
 	if not frames:
 		raise ValueError("frames is empty; give at least one frame of talik.output.Frames")
 	fields = [name for name in fields if name in frames[0]]
 	everything = np.vstack([frame["position"] for frame in frames])
-	extent = np.ptp(everything, axis=0)
-	fig = figure(4.2 * len(fields), 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 0.3 * len(frames) + 0.9)
+	fig = into or figure(4.2 * len(fields), historyHeight(frames))
 	grid = fig.subplots(len(frames), len(fields), squeeze=False, sharex=True, sharey=True)
 	for column, name in enumerate(fields):
 		label, colourMap, limits = slopeFields.get(name, (name, "viridis", (None, None)))
 		limits = _sharedLimits([frame[name] for frame in frames], limits)
 		for row, frame in enumerate(frames):
-			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, watched)
+			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, _placesOf(watched, frame))
 		fig.colorbar(drawn, ax=grid[:, column], label=label, location="bottom", shrink=0.85, aspect=30)
 	for row, frame in enumerate(frames):
 		grid[row, 0].set_title(timeLabel(frame["time"], thermalTimeScale), loc="left", fontsize=10)
@@ -118,6 +118,16 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 		axes.set_xlabel("x [m]")
 	metricAxes(grid[0, 0], everything)
 	return fig
+
+
+def historyHeight(frames):
+	"""Height of slopeHistory [inch] at its usual width of 4.2 for each field."""
+	extent = np.ptp(np.vstack([frame["position"] for frame in frames]), axis=0)
+	return 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 0.3 * len(frames) + 0.9
+
+
+def _placesOf(watched, frame):
+	return {letter: frame["position"][point] if np.ndim(point) == 0 else point for letter, point in (watched or {}).items()}
 
 
 def timeLabel(time, thermalTimeScale=1.0):

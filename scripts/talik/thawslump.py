@@ -8,7 +8,8 @@ slope thaws, loses its bonds and fails. The examples say where the heat comes fr
 
 import argparse
 import time
-from dataclasses import asdict, dataclass
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik import output, plots, rve, slope
+from talik import calibrate, output, plots, rve, shearband, slope, slumppage
 from talik.files import writableFolder
 from talik.progress import Progress
 
@@ -26,6 +27,7 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 
 seriesLength = 40  # states in the ParaView series
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
+bandStrain = 0.2  # deviatoric strain that marks a band in ground that has failed [-]
 
 
 def runUntil(instant, look=None, interval=0.2):
@@ -60,10 +62,14 @@ class Preset:
 	strainTolerance: float = 2e-5
 	bandThickness: float = 0.5  # of samples at the same initial stress [m]
 	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
+	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
 
+
+skeletons = ("samples", "MohrCoulomb")
+fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {
-	"test": Preset(gridSpacing=0.5, grains=60, endTime=0.6, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2),
+	"test": Preset(gridSpacing=0.5, grains=60, endTime=0.6, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2, calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3))),
 	"draft": Preset(gridSpacing=0.5, grains=100, endTime=20.0),
 	"standard": Preset(gridSpacing=0.25, grains=200, endTime=15.0),
 	"paper": Preset(gridSpacing=0.2, grains=400, endTime=15.0),
@@ -84,7 +90,7 @@ class Ground:
 	residualSaturation: float = 0.05  # S_r (O)
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
-	thawStrain: float = 0.0  # area strain that thawing grains release [-]; 0: bookkeeping of grain size, eq. (8) (O)
+	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
 	damping: float = 0.02  # local damping during failure (O)
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
@@ -96,9 +102,13 @@ class ThawSlump:
 	boundaries  function (start) -> list of thermal boundaries that begin to warm at `start` [s]
 	preset      a name in presets or a Preset
 	folder      for the results
-	frameTimes  instants at which all fields are kept, since the start of the thaw [s]; default five"""
+	frameTimes  instants at which all fields are kept, since the start of the thaw [s]; default five
+	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.calibrate"""
 
-	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True, frameTimes=None):
+	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True, frameTimes=None, skeleton="samples"):
+		if skeleton not in skeletons:
+			raise ValueError(f"skeleton is {skeleton!r}; choose one of {', '.join(skeletons)}")
+		self.skeletonName = skeleton
 		self.name, self.thermalBoundaries, self.thaws = name, boundaries, thaw
 		self.presetName = preset if isinstance(preset, str) else "own"
 		self.preset = presets[preset] if isinstance(preset, str) else preset
@@ -112,12 +122,19 @@ class ThawSlump:
 
 	def _build(self):
 		p, g = self.preset, self.ground
-		sample = slope.pack(rve.prepare(grains=p.grains, ice=True))
-		sample.thawStrain = g.thawStrain
 		positions, volumes = talik.geometry.fillPolygon(outline, p.gridSpacing, 4, (0.0, 0.0))
 		density = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)
-		samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
-		self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
+		sample = slope.pack(rve.prepare(grains=p.grains, ice=True))
+		stress = np.zeros((len(positions), 3))
+		if self.skeletonName == "samples":
+			sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
+			samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
+			self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
+		else:
+			self.calibration = calibrate.calibrate(sample, **p.calibration)
+			self.skeleton = wrapper.MohrCoulombSkeleton(**self.calibration.parameters())
+			depths = [slope.surfaceHeight(outline, x) - y for x, y in positions]
+			stress[:, :2] = [slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths]
 		height = 4 + 4 * p.gridSpacing
 		mpm = wrapper.MpmEngine(
 			gridSpacing=p.gridSpacing,
@@ -130,7 +147,7 @@ class ThawSlump:
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
 			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive),
 		)
-		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature)
+		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, stress=stress)
 		mpm.boundaries = [
 			wrapper.RollerBoundary(region="left"),
 			wrapper.RollerBoundary(region="right"),
@@ -170,8 +187,11 @@ class ThawSlump:
 		return self.mpm.time - self.preset.restTime
 
 	def _details(self):
-		counters = self.skeleton.counters
-		return {"sample calls": counters["calls"]}
+		return {"sample calls": self.counters()["calls"]}
+
+	def counters(self):
+		"""Calls, DEM steps, seconds and bytes of the samples; zeros where there are none."""
+		return self.skeleton.counters if self.skeletonName == "samples" else {"calls": 0, "steps": 0, "seconds": 0.0, "bytes": 0}
 
 	# ---- results
 
@@ -180,19 +200,36 @@ class ThawSlump:
 		if len(frames) > 1:
 			self.frames.save(self.folder / "frames.npz")
 			plots.save(plots.slopeHistory(frames[1:], thermalTimeScale=self.ground.thermalTimeScale), self.folder / "slope.png")
+			plots.save(self.page(), self.folder / "page.png", dpi=80)
 		summary = self.summary()
 		output.writeSummary(self.folder / "summary.json", **summary)
 		return summary
 
+	def page(self):
+		"""The page of figures, with samples of a frozen point A and a thawed point B."""
+		frames, watched = self.frames.frames[1:], self.watchedPoints()
+		samples = {letter: slumppage.sampleOf(self.skeleton, point) for letter, point in watched.items()}
+		return slumppage.page(frames, samples, watched, self.ground.thermalTimeScale, self.name)
+
+	def watchedPoints(self):
+		"""{"A": id, "B": id} at the end of the run; empty without samples."""
+		return shearband.watchedPoints(self.frames.frames[-1], outline, bandStrain) if self.skeletonName == "samples" else {}
+
+	def band(self):
+		"""The shear band in frozen ground at the end (talik.shearband.ShearBand) or None."""
+		return shearband.measure(self.frames.frames[-1], outline, bandStrain)
+
 	def summary(self):
 		"""Named results of the run so far."""
 		mpm = self.mpm
-		counters = self.skeleton.counters
+		counters = self.counters()
 		displacement = np.linalg.norm(mpm.field("displacement"), axis=1)
-		bonds = {name: int(np.nansum(mpm.field(name))) for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted")}
+		fields = ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted") if self.skeletonName == "samples" else ()
+		bonds = {name: int(np.nansum(mpm.field(name))) for name in fields}
 		return {
 			"case": self.name,
 			"preset": self.presetName,
+			"skeleton": self.skeletonName,
 			**{f"preset.{k}": v for k, v in asdict(self.preset).items()},
 			**{f"ground.{k}": v for k, v in asdict(self.ground).items()},
 			"wallTime [s]": time.monotonic() - self.wallStart,
@@ -209,11 +246,28 @@ class ThawSlump:
 			"largest displacement [m]": displacement.max(),
 			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
 			**bonds,
+			**self._bandSummary(),
 			"SkemptonB [-]": mpm.skemptonB(),
 			"kinetic energy after rest [J/m]": self.restKineticEnergy,
 			**{f"closure.{k}": v for k, v in self.closures().items()},
 			**{f"balance.{k}": v for k, v in mpm.balance().items()},
 		}
+
+	def _bandSummary(self):
+		if not self.frames.frames:
+			return {}
+		band, watched = self.band(), self.watchedPoints()
+		summary = {"band": shearband.describe(band)}
+		if band is not None:
+			summary.update({
+				"band.inclination [deg]": band.inclination, "band.top [m]": band.top, "band.depth [m]": band.depth,
+				"band.length [m]": band.length, "band.width [m]": band.width, "band.broken bonds [-]": band.brokenBonds,
+			})
+		last = self.frames.frames[-1]
+		for letter, point in watched.items():
+			formed, intact, broken, melted = (int(last[name][point]) for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted"))
+			summary[f"point {letter}"] = {"id": point, "bonds formed": formed, "intact": intact, "broken": broken, "melted": melted}
+		return summary
 
 	def closures(self):
 		"""What is missing in each balance since the start after all that crossed the boundary, over the size of its terms [-]."""
@@ -229,18 +283,58 @@ class ThawSlump:
 		}
 
 
-def arguments(description, defaultFolder):
-	"""Command line of an example: --preset, --output."""
+def arguments(description, defaultFolder, thawStrain=0.0):
+	"""Command line of an example."""
 	parser = argparse.ArgumentParser(description=description)
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
+	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains release: 0, a fraction, or full (eq. 8)")
+	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
+	parser.add_argument("--compare", choices=("skeleton", "thaw-strain"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
+
+
+def _thawStrain(text):
+	return text if text == fullThawStrain else float(text)
+
+
+def runCase(name, boundaries, options, duration=None):
+	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O.
+
+	duration  of the thaw [s], in place of the preset's (the preset test keeps its own)"""
+	preset = presets[options.preset]
+	if duration is not None and options.preset != "test":
+		preset = replace(preset, endTime=duration)
+	settings = {"main": dict(thawStrain=options.thaw_strain, skeleton=options.skeleton)}
+	if options.compare == "thaw-strain":
+		settings = {f"thaw strain {value}": dict(thawStrain=value, skeleton="samples") for value in (0.0, options.thaw_strain or 0.03, fullThawStrain)}
+	elif options.compare == "skeleton":
+		settings = {skeleton: dict(thawStrain=options.thaw_strain, skeleton=skeleton) for skeleton in skeletons}
+	runs = {}
+	for label, setting in settings.items():
+		folder = Path(options.output) / ("" if len(settings) == 1 else label.replace(" ", "-"))
+		ground = Ground(thawStrain=setting["thawStrain"])
+		with nullcontext() if len(settings) == 1 else talik.scratchScene():
+			slump = ThawSlump(name, boundaries, preset, folder, ground, not options.no_thaw, skeleton=setting["skeleton"])
+			slump.presetName = options.preset
+			summary = slump.run()
+		report(summary, folder)
+		runs[label] = (slump.frames.frames, summary["wallTime [s]"])
+	if len(runs) > 1:
+		figure = slumppage.sideBySide(runs, outline, Ground.thermalTimeScale)
+		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))
+	return slump
 
 
 def report(summary, folder):
 	"""Prints what a run came to, in a few lines."""
 	print(f"{summary['points']} points, {summary['steps']} steps, {summary['sample calls']} sample calls in {summary['wallTime [s]']:.0f} s")
-	print(f"largest displacement {summary['largest displacement [m]']:.3f} m; bonds intact {summary['bondsIntact']}, ", end="")
-	print(f"broken {summary['bondsBroken']}, melted {summary['bondsMelted']}")
+	print(f"largest displacement {summary['largest displacement [m]']:.3f} m", end="")
+	if "bondsIntact" in summary:
+		print(f"; bonds intact {summary['bondsIntact']}, broken {summary['bondsBroken']}, melted {summary['bondsMelted']}", end="")
+	print(f"\n{summary.get('band', '')}")
+	for letter in ("A", "B"):
+		if f"point {letter}" in summary:
+			print(f"point {letter}: " + ", ".join(f"{name} {value}" for name, value in summary[f"point {letter}"].items()))
 	print(f"pictures, ParaView files and summary.json are in {folder}")

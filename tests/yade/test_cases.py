@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What the two thaw slumps rest on and what they show, at reduced size."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from yade import Matrix3
+from yade import Matrix3, O
 
 import talik
-from talik import rve, slope
+from talik import calibrate, plots, rve, shearband, slope, slumppage, thawslump
 
 rest = Matrix3.Zero
 
@@ -62,3 +64,185 @@ def test_thaw_strain_comes_before_the_ice(sample):
 	frozen.freeze(0.9)
 	with pytest.raises(ValueError, match="before the sample freezes"):
 		frozen.thawStrain = 0.03
+
+
+def thawedColumn(sample, thawStrain, duration=5.0):
+	"""A column of frozen ground, 2 m high, between rollers, thawed from its base: settlement of its top [m] and the final fields."""
+	icy = sample.copy()
+	icy.thawStrain = thawStrain
+	assert icy.servo(-12e3, -18e3)
+	h, top = 0.5, 2.0
+	mpm = MpmEngine(
+		gridSpacing=h, lower=(0, 0), upper=(2 * h, top + 2 * h), gravity=(0, -9.81), damping=0.3, skeleton=RveSkeleton(samples=[icy]),
+		heat=HeatTransfer(thermalTimeScale=8.64e5), freezing=FreezingCurve(width=0.5, residualSaturation=0.05), water=PoreWater(conductivity=1e-4, bulkModulus=2.2e7),
+		boundaries=[
+			RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom"), DrainedBoundary(region="surface", recharge=False),
+			WallTemperature(region="bottom", times=[0, 0.3, 1.3], values=[-5, -5, 10]),
+		],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2 * h, top), temperature=-5)
+	O.engines = [mpm]
+	thawslump.runUntil(0.3)
+	mpm.resetDisplacement()
+	thawslump.runUntil(duration)
+	fields = {name: mpm.field(name) for name in ("position", "displacement", "volume", "temperature", "iceSaturation", "bondsIntact", "bondsFormed", "bondsBroken", "skeleton0.sampleIceSaturation")}
+	start = shearband.initialPosition(fields)
+	return -fields["displacement"][start[:, 1] > top - h, 1].mean(), fields
+
+
+def test_thaw_from_the_base_leaves_no_bond_and_takes_support_by_the_thaw_strain_only_slow(sample):
+	h, settled = 0.5, {}
+	for thawStrain in (0.0, 0.03):
+		O.reset()
+		settled[thawStrain], fields = thawedColumn(sample, thawStrain)
+		thawed = fields["skeleton0.sampleIceSaturation"] <= shearband.meltSaturation
+		depth = fields["volume"][thawed].sum() / (2 * h)
+		print(f"thaw strain {thawStrain}: {depth:.2f} m thawed from the base, bonds left there {fields['bondsIntact'][thawed].sum():.0f}, top settled {1e3 * settled[thawStrain]:.2f} mm")
+		assert depth > 0.9 * h and thawed[np.argmin(fields["position"][:, 1])]
+		assert not fields["bondsIntact"][thawed].any()
+	lost = np.sum((1 - fields["skeleton0.sampleIceSaturation"] / fields["skeleton0.sampleIceSaturation"].max()) * fields["volume"]) / (2 * h)
+	strain = settled[0.03] / lost
+	print(f"settlement over the depth of ground whose ice is lost ({lost:.2f} m) {100 * strain:.2f} % at a thaw strain of 3 %")
+	assert settled[0.0] < 1e-3
+	assert 0.5 * 0.03 < strain < 1.2 * 0.03
+
+
+# ---- shear band -----------------------------------------------------------------------------------------------------------
+
+block = [(0, 0), (10, 0), (10, 6), (0, 6)]
+
+
+def inclinedBand(angle, width=0.5, spacing=0.1):
+	"""Points of a block, strained within `width` of a line through its middle that falls to the right."""
+	x, y = (values.ravel() for values in np.meshgrid(np.arange(spacing / 2, 10, spacing), np.arange(spacing / 2, 6, spacing)))
+	across = (x - 5) * np.sin(np.radians(angle)) + (y - 3) * np.cos(np.radians(angle))
+	strained = (np.abs(across) < width / 2) & (y > 1)
+	n = len(x)
+	return {
+		"position": np.column_stack([x, y]) + 0.3, "displacement": np.full((n, 2), 0.3), "volume": np.full(n, spacing ** 2), "deviatoricStrain": 0.2 * strained,
+		"iceSaturation": np.full(n, 0.9), "bondsFormed": np.full(n, 100.0), "bondsBroken": 7.0 * strained, "coordinationNumber": np.full(n, 3.0),
+	}
+
+
+@pytest.mark.parametrize("angle", [35, 50, 65])
+def test_inclination_width_depth_and_broken_bonds_of_a_drawn_band_are_found(angle):
+	frame = inclinedBand(angle)
+	frame["deviatoricStrain"][0] = 0.5  # a lone point belongs to no band
+	band = shearband.measure(frame, block)
+	print(shearband.describe(band))
+	assert band.inclination == pytest.approx(angle, abs=2)
+	assert band.width == pytest.approx(0.5, abs=0.1)
+	assert (band.top, band.depth, band.descendsTowards) == (pytest.approx(0, abs=0.1), pytest.approx(5, abs=0.1), "right")
+	assert band.brokenBonds == pytest.approx(0.07)
+	assert 0 not in band.points
+
+
+def test_without_strained_frozen_ground_there_is_no_band_and_A_is_still_the_frozen_point_with_most_broken_bonds():
+	frame = inclinedBand(50)
+	frame["deviatoricStrain"][:] = 0.01
+	frame["iceSaturation"][frame["position"][:, 1] < 2] = 0
+	frame["bondsBroken"][4000] = 50
+	assert shearband.measure(frame, block) is None
+	watched = shearband.watchedPoints(frame, block)
+	assert watched["A"] == 4000 and frame["iceSaturation"][watched["B"]] == 0
+
+
+# ---- calibration ----------------------------------------------------------------------------------------------------------
+
+
+def madeUp(iceSaturation, pressure, cohesion, friction):
+	"""A test whose deviator rises linearly to the peak of Mohr and Coulomb and stays there."""
+	sine, cosine = np.sin(np.radians(friction)), np.cos(np.radians(friction))
+	peak = 2 * (cohesion * cosine + pressure * sine) / (1 - sine)
+	strain = np.arange(1, 1001) * 2e-5
+	deviator = np.minimum(peak * strain / 0.01, peak)
+	return calibrate.BiaxialTest(iceSaturation, pressure, strain, -0.25 * strain, pressure + deviator, np.full(1000, pressure))
+
+
+def test_cohesion_and_friction_of_made_up_tests_are_recovered():
+	cohesions, friction, pressures = [2e3, 60e3, 300e3], 23.0, (10e3, 50e3, 100e3)
+	saturations = np.array([0.0, 0.5, 1.0])
+	tests = [madeUp(s, p, c, friction) for s, c in zip(saturations, cohesions) for p in pressures]
+	found, sine, residuals = calibrate._fitStrength(tests, saturations)
+	young, poisson = tests[0].elasticity()
+	print(f"c {found}, phi {np.degrees(np.arcsin(sine)):.6f} deg, residuals {np.abs(residuals).max():.1e}, nu {poisson:.4f}")
+	assert found == pytest.approx(cohesions, rel=1e-6) and np.degrees(np.arcsin(sine)) == pytest.approx(friction, rel=1e-6)
+	assert poisson == pytest.approx(0.2, rel=1e-6)
+	slopeOfTest = 2 * tests[0].peak[1] / 0.01
+	assert young == pytest.approx(slopeOfTest * (1 - 0.2 ** 2), rel=1e-6)
+
+
+def test_calibrated_law_yields_where_the_sample_does_within_fifteen_per_cent(sample, tmp_path):
+	result = calibrate.calibrate(sample, iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 100e3), strain=0.012)
+	print(result.report())
+	assert np.abs(result.residuals).max() < 0.15
+	assert 15 < result.frictionAngle < 32
+	for values in (result.cohesion, result.young, result.tensileStrength):
+		assert np.all(np.diff(values) > 0)
+	assert result.tensileStrength[0] < 100  # Pa: noise of colliding grains
+	law = MohrCoulombSkeleton(**result.parameters())
+	mpm = MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), skeleton=law)
+	mpm.addPoints(position=[(0.25, 0.25)], volume=0.25, porosity=0.4)
+	mpm.initialise()
+	assert (law.cohesion, law.cohesionFrozen) == (result.cohesion[0], result.cohesion[-1])
+	middle = result.between(result.cohesion, 0.5)
+	print(f"c at S_i = 0.5: law {1e-3 * middle:.1f} kPa, tests {1e-3 * result.cohesion[1]:.1f} kPa")
+	assert middle == pytest.approx(result.cohesion[1], abs=0.1 * result.cohesion[-1])
+	picture = plots.save(result.draw(), tmp_path / "calibration.png", dpi=50)
+	assert Path(picture).stat().st_size > 5000
+
+
+def test_calibration_of_a_frozen_sample_or_at_one_pressure_is_refused(sample):
+	frozen = sample.copy()
+	frozen.freeze(0.9)
+	with pytest.raises(ValueError, match="holds ice"):
+		calibrate.calibrate(frozen)
+	with pytest.raises(ValueError, match="two or more"):
+		calibrate.calibrate(sample, pressures=(1e4,))
+	with pytest.raises(ValueError, match="0 and 1 among them"):
+		calibrate.calibrate(sample, iceSaturations=(0.0, 0.5))
+
+
+# ---- the cases ------------------------------------------------------------------------------------------------------------
+
+
+def warmBase(start):
+	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[0, start, start + 1], values=[-5, -5, 10])]
+
+
+def labels(figure):
+	"""Every label of axes and colour bars, subfigures included."""
+	return {text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel()) if text}
+
+
+def test_both_skeletons_run_the_same_case_and_stand_side_by_side_with_their_bills_slow(tmp_path):
+	runs = {}
+	for skeleton in thawslump.skeletons:
+		with talik.scratchScene():
+			slump = thawslump.ThawSlump("Case II", warmBase, "test", tmp_path / skeleton, skeleton=skeleton)
+			summary = slump.run()
+			runs[skeleton] = (slump.frames.frames, summary["wallTime [s]"])
+		print(f"{skeleton}: {summary['wallTime [s]']:.1f} s, largest displacement {1e3 * summary['largest displacement [m]']:.4f} mm")
+		assert summary["largest displacement [m]"] < 1e-3
+		assert ("bondsFormed" in summary) == (skeleton == "samples")
+		assert (tmp_path / skeleton / "page.png").stat().st_size > 10000
+	figure = slumppage.sideBySide(runs, thawslump.outline, 8.64e5)
+	found = labels(figure)
+	print(sorted(found))
+	assert {"x [m]", "y [m]", "thaw time [s]", "largest displacement [m]"} <= found
+	titles = [axes.get_title(loc="left") for axes in figure.axes]
+	assert all(any(name in title and "wall time" in title for title in titles) for name in runs)
+
+
+def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points(tmp_path):
+	with talik.scratchScene():
+		slump = thawslump.ThawSlump("Case II", warmBase, "test", tmp_path)
+		slump.run()
+		frames = slump.frames.frames
+		sample = slumppage.sampleOf(slump.skeleton, 0)
+		figure = slumppage.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, 8.64e5)
+	fields = [axes for axes in figure.axes if axes.collections and axes.name == "rectilinear"]
+	roses = [axes for axes in figure.axes if axes.name == "polar"]
+	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}")
+	assert len(roses) == 2 and len(fields) >= 12 + 2
+	assert {"ice saturation $S_i$ [-]", r"deviatoric strain $\varepsilon_d$ [-]", "displacement $|u|$ [m]"} <= labels(figure)

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""MohrCoulombSkeleton calibrated on a sample: biaxial tests at several ice saturations and pressures.
+
+	result = talik.calibrate.calibrate(talik.rve.pack(talik.rve.prepare(grains=400)))
+	mpm.skeleton = MohrCoulombSkeleton(**result.parameters())
+	scripts/calibrate --grains 400            # the same as a command: table, picture, JSON
+
+Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
+lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
+t = c cos(phi) + s' sin(phi) with s' = -(xx + yy)/2 and t the radius of Mohr's circle, by least squares of relative residuals.
+Young's modulus is the secant at half of the peak deviator, averaged over the pressures. Tensile strength comes from extension without
+lateral stress. A perfectly plastic law keeps the peak; what the brittle sample loses after it is reported as `residual`.
+
+The law interpolates between the thawed and the fully frozen values by phi = 1-(1-S_i^m)^m; its exponent m is fitted to cohesion and
+stiffness at the ice saturations in between, and what it misses there is reported.
+"""
+
+import argparse
+import dataclasses
+import json
+import math
+import time
+
+import numpy as np
+from yade import Matrix3
+
+from talik import plots, rve, slope
+from talik.files import writableFolder, writeWhole
+
+iceSaturations = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
+pressures = (10e3, 30e3, 100e3)  # [Pa]
+averaged = 20  # calls over which a peak is averaged
+
+
+@dataclasses.dataclass(frozen=True)
+class BiaxialTest:
+	"""Result of one test; stresses in Pa, compression positive, strains [-], shortening positive."""
+
+	iceSaturation: float
+	pressure: float  # constant lateral pressure
+	strain: np.ndarray  # axial
+	lateralStrain: np.ndarray
+	axial: np.ndarray
+	lateral: np.ndarray
+
+	def smooth(self, values):
+		return np.convolve(values, np.ones(averaged) / averaged, "valid")
+
+	@property
+	def deviator(self):
+		return self.smooth(self.axial - self.lateral)
+
+	@property
+	def peak(self):
+		"""(s', t) at the largest deviator."""
+		k = np.argmax(self.deviator)
+		return 0.5 * self.smooth(self.axial + self.lateral)[k], 0.5 * self.deviator[k]
+
+	@property
+	def peakStrain(self):
+		return float(self.smooth(self.strain)[np.argmax(self.deviator)])
+
+	@property
+	def residual(self):
+		"""Deviator at the end of the test over that of the peak [-]."""
+		return float(self.deviator[-averaged:].mean() / self.deviator.max())
+
+	def elasticity(self):
+		"""(E, nu) in plane strain at half of the peak deviator: E/(1-nu^2) from the axial, nu/(1-nu) from the lateral strain."""
+		deviator = self.deviator
+		k = max(1, int(np.argmax(deviator > 0.5 * deviator.max())))
+		strain, across = (self.smooth(values) for values in (self.strain, self.lateralStrain))
+		span = strain[k] - strain[0]
+		ratio = min(max(-(across[k] - across[0]) / span, 0.0), 0.8)
+		poisson = ratio / (1 + ratio)
+		return (deviator[k] - deviator[0]) / span * (1 - poisson ** 2), poisson
+
+
+def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5):
+	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa]."""
+	tested = sample.copy()
+	if not tested.servo(-pressure, -pressure):
+		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	tested.freeze(iceSaturation)
+	return _drive(tested, iceSaturation, pressure, strain, perCall)
+
+
+def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
+	"""Largest axial tension [Pa] in extension with the lateral stress let off, of a sample frozen at `pressure` [Pa]; 0 without ice."""
+	tested = sample.copy()
+	if not tested.servo(-pressure, -pressure):
+		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	tested.freeze(iceSaturation)
+	test = _drive(tested, iceSaturation, 0.0, -strain, perCall)
+	return max(0.0, float(-test.smooth(test.axial).min()))
+
+
+def _drive(tested, iceSaturation, pressure, strain, perCall):
+	stiffness = 0.6e9 * (6 if iceSaturation > 0 else 1) * 5e-3 / 0.1  # order of magnitude, for the control of the lateral stress
+	across, integral, rows = 0.0, 0.0, []
+	stress = tested.stress
+	for k in range(1, int(round(abs(strain) / perCall)) + 1):
+		error = (-pressure - stress[0]) / stiffness
+		integral += 0.05 * error
+		step = max(-3 * perCall, min(3 * perCall, 0.4 * error + integral))
+		across += step
+		down = math.copysign(perCall, -strain)
+		result = tested.apply(Matrix3(step, 0, 0, 0, down, 0, 0, 0, 0), iceSaturation)
+		if result["blewUp"]:
+			raise RuntimeError(f"calibrate: the sample blew up at strain {k * perCall:g} (S_i = {iceSaturation:g}, {pressure:g} Pa): {result['reason']}")
+		stress = result["stress"]
+		rows.append((-k * down, -across, -stress[1], -stress[0]))
+	return BiaxialTest(iceSaturation, pressure, *np.array(rows).T)
+
+
+@dataclasses.dataclass(frozen=True)
+class Calibration:
+	"""Tests and what was fitted to them. Arrays go with iceSaturation; residuals are relative, (fit - measured)/measured of t at the peak."""
+
+	tests: list
+	iceSaturation: np.ndarray
+	cohesion: np.ndarray  # [Pa]
+	frictionAngle: float  # [deg]
+	young: np.ndarray  # [Pa]
+	youngScatter: np.ndarray  # largest deviation from the mean over the pressures [-]
+	poisson: float
+	tensileStrength: np.ndarray  # [Pa]
+	residuals: np.ndarray  # of each test [-]
+	seconds: float  # wall time of the tests
+
+	def parameters(self):
+		"""Keyword arguments of MohrCoulombSkeleton."""
+		(young, youngFrozen), (cohesion, cohesionFrozen), (tension, tensionFrozen) = (
+			(float(values[0]), float(values[-1])) for values in (self.young, self.cohesion, self.tensileStrength)
+		)
+		return dict(
+			poisson=self.poisson, frictionAngle=self.frictionAngle, exponent=self.exponent, young=young, youngFrozen=youngFrozen, cohesion=cohesion,
+			cohesionFrozen=cohesionFrozen, tensileStrength=tension, tensileStrengthFrozen=tensionFrozen,
+		)
+
+	@property
+	def exponent(self):
+		"""m of phi that meets cohesion and stiffness best, both over their frozen values [-]."""
+		return min(np.arange(1.0, 4.01, 0.02), key=self._misfit).item()
+
+	def _misfit(self, exponent):
+		return sum(np.sum((self.between(values, self.iceSaturation, exponent) - values) ** 2) / values[-1] ** 2 for values in (self.cohesion, self.young))
+
+	def between(self, values, saturation, exponent=None):
+		"""What the law takes at ice saturations, from the first and the last of `values`."""
+		m = self.exponent if exponent is None else exponent
+		return values[0] + (values[-1] - values[0]) * (1 - (1 - np.asarray(saturation) ** m) ** m)
+
+	def report(self):
+		"""The fit as text."""
+		lines = [f"{len(self.tests)} tests in {self.seconds:.0f} s; friction angle {self.frictionAngle:.1f} deg, Poisson's ratio {self.poisson:.2f}, exponent of phi {self.exponent:.2f}"]
+		lines.append(f"{'S_i [-]':>8} {'c [kPa]':>9} {'E [MPa]':>9} {'+-':>5} {'tension [kPa]':>14} {'residuals of t at the pressures':>34} {'after peak/peak':>16}")
+		for k, saturation in enumerate(self.iceSaturation):
+			chosen = [i for i, test in enumerate(self.tests) if test.iceSaturation == saturation]
+			off = " ".join(f"{100 * self.residuals[i]:+6.1f} %" for i in chosen)
+			after = np.mean([self.tests[i].residual for i in chosen])
+			lines.append(
+				f"{saturation:8.2f} {1e-3 * self.cohesion[k]:9.2f} {1e-6 * self.young[k]:9.1f} {100 * self.youngScatter[k]:4.0f}% "
+				f"{1e-3 * self.tensileStrength[k]:14.1f} {off:>34} {after:16.2f}"
+			)
+		for name, values in (("c", self.cohesion), ("E", self.young)):
+			missed = np.abs(self.between(values, self.iceSaturation) - values).max() / values[-1]
+			lines.append(f"{name} of the law misses the measured one by up to {100 * missed:.1f} % of the frozen value")
+		return "\n".join(lines)
+
+	def draw(self):
+		"""Figure: stress-strain curves, peaks with the fitted lines, c and E and tensile strength over ice saturation."""
+		fig = plots.figure(11, 7)
+		(curves, peaks), (strength, stiffness) = fig.subplots(2, 2)
+		colours = {saturation: f"C{k}" for k, saturation in enumerate(self.iceSaturation)}
+		for test in self.tests:
+			colour, first = colours[test.iceSaturation], test.pressure == min(t.pressure for t in self.tests)
+			curves.plot(100 * test.smooth(test.strain), 1e-3 * test.deviator, color=colour, linewidth=0.8, label=f"$S_i$ = {test.iceSaturation:g}" if first else None)
+			peaks.plot(*(1e-3 * value for value in test.peak), "o", color=colour, markersize=4)
+		largest = max(test.peak[0] for test in self.tests)
+		mean, angle = np.array([0, largest]), math.radians(self.frictionAngle)
+		for saturation, cohesion in zip(self.iceSaturation, self.cohesion):
+			peaks.plot(1e-3 * mean, 1e-3 * (cohesion * math.cos(angle) + mean * math.sin(angle)), color=colours[saturation], linewidth=0.8)
+		curves.set(xlabel="axial strain [%]", ylabel="axial less lateral stress [kPa]", yscale="symlog")
+		curves.legend(fontsize=7, ncol=2, frameon=False)
+		peaks.set(xlabel="mean pressure $s'$ [kPa]", ylabel="shear stress $t$ [kPa]", title=rf"peaks and fit, $\varphi$ = {self.frictionAngle:.1f}°")
+		fine = np.linspace(0, 1, 101)
+		for axes, scale, marker, colour, values, label in (
+			(strength, 1e-3, "o", "black", self.cohesion, "cohesion c"), (strength, 1e-3, "s", "red", self.tensileStrength, "tensile strength"),
+			(stiffness, 1e-6, "o", "black", self.young, None),
+		):
+			axes.plot(self.iceSaturation, scale * values, marker, color=colour, label=label)
+			axes.plot(fine, scale * self.between(values, fine), color=colour, linewidth=0.8)
+		strength.set(xlabel="ice saturation $S_i$ [-]", ylabel="strength [kPa]", ylim=(0, None))
+		strength.legend(frameon=False)
+		stiffness.errorbar(self.iceSaturation, 1e-6 * self.young, 1e-6 * self.young * self.youngScatter, fmt="none", color="black", capsize=2)
+		stiffness.set(xlabel="ice saturation $S_i$ [-]", ylabel="Young's modulus E [MPa]", ylim=(0, None))
+		return fig
+
+
+def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain=0.02):
+	"""Calibration of a packed, ice-free sample (RveSample).
+
+	iceSaturations  in 0..1, both of them included
+	pressures       [Pa], > 0, two or more
+	strain          axial strain of each test [-]"""
+	if len(pressures) < 2:
+		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
+	if sample.iceSaturation > 0:
+		raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")
+	saturations = np.array(sorted(iceSaturations), dtype=float)
+	if saturations[0] != 0 or saturations[-1] != 1:
+		raise ValueError(f"iceSaturations is {iceSaturations!r}; the law needs 0 and 1 among them, and nothing outside")
+	start = time.monotonic()
+	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures]
+	tension = np.array([tensileTest(sample, s, min(pressures)) for s in saturations])
+	seconds = time.monotonic() - start
+	cohesion, sine, residuals = _fitStrength(tests, saturations)
+	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures), 2)
+	young = elastic[:, :, 0].mean(axis=1)
+	return Calibration(
+		tests=tests, iceSaturation=saturations, cohesion=cohesion, frictionAngle=math.degrees(math.asin(sine)), young=young,
+		youngScatter=np.abs(elastic[:, :, 0] / young[:, None] - 1).max(axis=1), poisson=float(np.clip(elastic[:, :, 1].mean(), 0.05, 0.45)),
+		tensileStrength=tension, residuals=residuals, seconds=seconds,
+	)
+
+
+def _fitStrength(tests, saturations):
+	"""Cohesions, sin(phi) and relative residuals: t = a(S_i) + s' sin(phi), a = c cos(phi) >= 0, each equation over its t."""
+	from scipy.optimize import lsq_linear
+
+	matrix = np.zeros((len(tests), len(saturations) + 1))
+	for row, test in enumerate(tests):
+		mean, shear = test.peak
+		matrix[row, np.searchsorted(saturations, test.iceSaturation)] = 1 / shear
+		matrix[row, -1] = mean / shear
+	scale = np.append(np.full(len(saturations), 1e5), 1.0)
+	upper = np.append(np.full(len(saturations), np.inf), 0.95)
+	fitted = lsq_linear(matrix * scale, np.ones(len(tests)), bounds=(np.zeros(len(saturations) + 1), upper / scale)).x * scale
+	sine = fitted[-1]
+	return fitted[:-1] / math.sqrt(1 - sine ** 2), float(sine), matrix @ fitted - 1
+
+
+def main():
+	parser = argparse.ArgumentParser(prog="scripts/calibrate", description="MohrCoulombSkeleton calibrated on a sample by biaxial tests.")
+	parser.add_argument("--grains", type=int, default=400, help="in the sample")
+	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
+	options = parser.parse_args()
+	folder = writableFolder(options.output)
+	result = calibrate(slope.pack(rve.prepare(grains=options.grains, ice=True)))
+	print(result.report())
+	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
+	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")
+
+
+if __name__ == "__main__":
+	main()

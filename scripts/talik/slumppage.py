@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pages of figures of a slump, to be laid beside Figs 4, 6, 7 and 8 of Yu & Zhao.
+
+	page        S_i, deviatoric strain and displacement at four times; samples of two points: force chains by bond state, contact normals
+	sideBySide  runs of one slope that differ in one thing: fields at the end, displacement over time, broken bonds, bill
+"""
+
+import numpy as np
+
+import talik
+from talik import packing, plots, shearband
+
+pageTimes = 4
+
+
+def sampleOf(skeleton, point):
+	"""Grains, contacts, forces and bond states of the sample behind a point, as talik.packing.sampleArrays gives them."""
+	with talik.inspect(skeleton.sample(point).open()):
+		return packing.sampleArrays()
+
+
+def page(frames, samples=None, watched=None, thermalTimeScale=1.0, title=None):
+	"""The page of one case.
+
+	frames   of talik.output.Frames; the last four are shown
+	samples  {letter: arrays of sampleOf}, drawn below the slope
+	watched  {letter: id} points marked on the slope
+	Returns the figure."""
+	frames, samples = frames[-pageTimes:], samples or {}
+	slopeHeight, sampleHeight = plots.historyHeight(frames), 4.0 if samples else 0.0
+	fig = plots.figure(12.6, slopeHeight + sampleHeight)
+	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, sampleHeight)) if samples else (fig.subfigures(1, 1), None)
+	plots.slopeHistory(frames, thermalTimeScale=thermalTimeScale, watched=watched, into=upper)
+	for place, (letter, sample) in enumerate(samples.items()):
+		_drawSample(lower, place, 2 * len(samples), letter, sample, frames[-1], (watched or {}).get(letter))
+	if title:
+		fig.suptitle(title)
+	return fig
+
+
+def _drawSample(fig, place, columns, letter, sample, frame, point):
+	chains, rose = fig.add_subplot(1, columns, 2 * place + 1), fig.add_subplot(1, columns, 2 * place + 2, projection="polar")
+	plots.sampleForces(chains, sample)
+	chains.set_title(f"{letter}: {_stateOf(frame, point)}", fontsize=9)
+	plots.normalRose(rose, sample["normal"], bins=24)
+
+
+def _stateOf(frame, point):
+	if point is None:
+		return "sample"
+	state = "frozen" if shearband.frozen(frame)[point] else "thawed"
+	share = frame["bondsBroken"][point] / max(frame["bondsFormed"][point], 1)
+	return f"{state}, $S_i$ = {frame['iceSaturation'][point]:.2f}, $\\varepsilon_d$ = {frame['deviatoricStrain'][point]:.2f}\n{100 * share:.0f} % of its bonds broke mechanically"
+
+
+def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "deviatoricStrain", "displacement"), threshold=0.2):
+	"""One row for each run: its fields at the end, under them all runs: largest displacement and broken bonds over time.
+
+	runs  {label: (frames, seconds of wall time)}; label says what differs
+	Returns the figure."""
+	ends = [frames[-1] for frames, _ in runs.values()]
+	slopeHeight = plots.historyHeight(ends)
+	fig = plots.figure(12.6, slopeHeight + 3.2)
+	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, 3.2))
+	plots.slopeHistory(ends, fields=fields, thermalTimeScale=thermalTimeScale, into=upper)
+	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
+	moved, broken = lower.subplots(1, 2)
+	for axes, (label, (frames, seconds)) in zip(rows, runs.items()):
+		band = shearband.measure(frames[-1], outline, threshold)
+		bill = f"{label}: {seconds:.0f} s of wall time; " + ("no band in frozen ground" if band is None else f"frozen band at {band.inclination:.0f}°, to {band.depth:.1f} m deep")
+		axes.set_title(bill, loc="left", fontsize=9)
+		times = [frame["time"] for frame in frames]
+		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=f"{label} ({seconds:.0f} s)")
+		if "bondsFormed" in frames[0]:
+			broken.plot(times, [100 * shearband.brokenShare(frame, slice(None)) for frame in frames], marker="o", markersize=3, label=label)
+	moved.set(xlabel="thaw time [s]", ylabel="largest displacement [m]", yscale="symlog")
+	moved.set_yscale("symlog", linthresh=0.01)
+	moved.legend(fontsize=8, frameon=False)
+	broken.set(xlabel="thaw time [s]", ylabel="bonds broken mechanically [%]", ylim=(0, None))
+	if not any("bondsFormed" in frames[0] for frames, _ in runs.values()):
+		broken.set_visible(False)
+	return fig
