@@ -27,6 +27,7 @@ template <int D> struct Clock {
 	long               steps       = 0;
 	long               lastSort    = 0;
 	long               sortWanted  = 0;
+	long               halfDone    = 0; ///< points have moved and the step has not ended
 	double             initialMass = 0.0;
 	double             skeletonWork = 0.0, porePressureWork = 0.0, gravityImpulseTime = 0.0;
 	Vec<D>             gravityImpulse {};
@@ -59,6 +60,14 @@ template <int D> struct Ground<D>::Parts {
 	std::vector<double>           pointFill; ///< pore fill by id; empty if it is that of the settings everywhere
 	Clock<D>                      clock {};
 	std::vector<double>           partial;
+	/// What a step adds to before points move, as it was at its beginning.
+	struct Accounts {
+		Clock<D> clock;
+		double   heatIn = 0.0, waterOut = 0.0, enthalpyOut = 0.0;
+		Vec<D>   momentumOut {};
+		void     take(const Parts&);
+		void     restore(Parts&) const;
+	} accounts;
 	std::vector<int>              bad; ///< per strip: place of the first point that cannot go on, or -1
 	mutable std::vector<double>   scratch;
 
@@ -108,6 +117,11 @@ template <int D> struct Ground<D>::Parts {
 	void locateInCells();
 	void useMeanStress(int first, int count);
 	void seep();
+	double longestPath() const;
+	bool   leavesGrid(int place, WeightBlock<D>& w) const;
+	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
+	void requirePathsInside();
+	[[noreturn]] void refuseToLeave(bool stable);
 	void checkPositions(int strip, int first, int last);
 	void refuseBadPoints();
 	void averageStrain(int first, int last);

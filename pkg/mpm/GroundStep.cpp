@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/GroundParts.hpp>
+#include <pkg/mpm/StopAfterStep.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 namespace talik {
 
@@ -156,8 +158,11 @@ template <int D> void Ground<D>::beginStep(double dt)
 	Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("step: the ground is not initialised");
 	requireSetting(std::isfinite(dt) && dt > 0.0, "dt", dt, "must be a positive time in s; stableTimeStep() proposes one");
+	if (g.clock.halfDone)
+		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.clock.dt = dt;
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
+	g.accounts.take(g);
 }
 
 template <int D> void Ground<D>::mapToGrid()
@@ -234,6 +239,8 @@ template <int D> void Ground<D>::solveMomentum()
 template <int D> void Ground<D>::mapToPoints()
 {
 	Parts& g = *parts_;
+	if (g.motion) g.requirePathsInside();
+	g.clock.halfDone = 1;
 	if (g.averaging()) g.cells->clearSums(g.clock.range);
 	const bool average = g.averaging();
 	const auto gather  = [&](int strip, int first, int last) {
@@ -284,19 +291,28 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		if (failed < 0) continue;
 		const int p = failed;
 		std::fill(g.bad.begin(), g.bad.end(), -1);
-		throw std::runtime_error(g.whereabouts(p) + " is in an impossible state: " + g.content->complaint(p));
+		throw std::runtime_error(g.whereabouts(p) + " is in an impossible state: " + g.content->complaint(p) + "; the step has ended half way: go on from a checkpoint with other settings");
 	}
 }
 
 template <int D> void Ground<D>::updateEffectiveStress()
 {
 	Parts& g = *parts_;
+	std::exception_ptr stop;
 	if (g.motion)
-		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
-			if (!g.skeletonPlaces[k].empty()) g.settings.skeletons[k]->updateStress(g.batch(k));
+		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k) {
+			if (g.skeletonPlaces[k].empty()) continue;
+			try {
+				g.settings.skeletons[k]->updateStress(g.batch(k));
+			} catch (const StopAfterStep&) {
+				stop = std::current_exception();
+			}
+		}
 	if (g.motion && g.settings.energyLedger) g.keepStrainWork(false);
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
+	g.clock.halfDone = 0;
+	if (stop) std::rethrow_exception(stop);
 }
 
 template void Ground<2>::beginStep(double);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/mpm/StopAfterStep.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 
@@ -18,12 +19,20 @@ namespace {
 
 	const char archiveMagic[] = "talik ground 3";
 
-	np::ndarray asArray(const py::object& values) { return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO); }
+	np::ndarray asArray(const string& name, const py::object& values)
+	{
+		try {
+			return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
+		} catch (const py::error_already_set&) {
+			PyErr_Clear();
+			throw std::invalid_argument("MpmEngine." + name + " is " + string(py::extract<string>(py::str(values))) + ": give a number or an array of numbers.");
+		}
+	}
 
 	/// Fills one column per component of the point table from a scalar, a row of components, or an array with a row per point.
 	void fillColumns(vector<Real>& table, int points, int first, int components, const string& name, const py::object& values)
 	{
-		const np::ndarray array = asArray(values);
+		const np::ndarray array = asArray("addPoints: " + name, values);
 		const Real*       data  = reinterpret_cast<const Real*>(array.get_data());
 		long              size  = 1;
 		for (int d = 0; d < array.get_nd(); d++)
@@ -85,7 +94,7 @@ void MpmEngine::addPoints(py::dict arrays)
 {
 	if (ground) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
 	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) [m].");
-	const np::ndarray position = asArray(arrays["position"]);
+	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
 	if (position.get_nd() != 2 || position.shape(1) != 2) throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2).");
 	const int    points = position.shape(0);
 	vector<Real> rows(points * numbersPerPoint, 0);
@@ -274,9 +283,22 @@ int MpmEngine::subSteps(double dt) const
 	return std::max(1, int(steps));
 }
 
+/// A step that fails leaves the scene between two steps: it can be looked at, saved and, with other settings, continued.
 void MpmEngine::action()
 {
 	if (inspected) throw std::runtime_error("MpmEngine: O shows one of the samples of this ground; mpm.back() returns to the ground, which steps then.");
+	failure.clear();
+	try {
+		stepGround();
+	} catch (const std::exception& problem) {
+		failure = problem.what();
+		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
+		throw;
+	}
+}
+
+void MpmEngine::stepGround()
+{
 	initialise();
 	followAttributes();
 	const bool newLimit = watchStableStep();
@@ -291,8 +313,15 @@ void MpmEngine::advanceAlone(bool newLimit)
 	if (automaticTimeStep && newLimit) scene->dt = stableStep;
 	const int    count = subSteps(scene->dt);
 	const double dt    = scene->dt / count;
-	for (int i = 0; i < count; i++)
-		advance(dt);
+	for (int i = 0; i < count; i++) {
+		try {
+			advance(dt);
+		} catch (const talik::StopAfterStep&) { // the ground has done this step, the clock of the scene follows
+			scene->time += (i + 1) * dt;
+			scene->iter++;
+			throw;
+		}
+	}
 }
 
 /// In the ground's step the bodies are where their velocities take them from their places in the scene.
@@ -633,7 +662,7 @@ double MpmEngine::skemptonB()
 void MpmEngine::setTemperature(py::object values)
 {
 	auto&             g     = runningGround();
-	const np::ndarray array = asArray(values);
+	const np::ndarray array = asArray("setTemperature: temperature", values);
 	const int         n     = g.points().count();
 	const bool        same  = array.get_nd() == 0;
 	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");

@@ -73,6 +73,7 @@ private:
 	int                      subSteps(double dt) const;
 	void                     advanceAlone(bool newLimit);
 	void                     advanceAmongBodies();
+	void                     stepGround();
 	void                     advance(double dt);
 	::boost::python::object  strains(const string& name);
 	::boost::python::object  measured(const string& name) const;
@@ -83,6 +84,7 @@ private:
 
 	std::shared_ptr<talik::Ground<2>> ground;
 	long                              stepsUntilLimit = 0;
+	string                            failure;
 	double                            stableStep      = 0;
 
 public:
@@ -141,6 +143,7 @@ public:
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
 		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
+		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 	);
 	// clang-format on

@@ -2,6 +2,8 @@
 #include <pkg/multiscale/RveSkeleton.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <map>
 
@@ -27,13 +29,26 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	return s;
 }
 
+void RveSkeleton::checkScheduling() const
+{
+	const auto require = [](bool valid, const char* attribute, double value, const char* remedy) {
+		if (!valid) throw std::invalid_argument(string("RveSkeleton.") + attribute + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
+	};
+	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
+	require(threads >= 0, "threads", threads, "0 or more");
+	require(strainTolerance >= 0, "strainTolerance", strainTolerance, "0 or more");
+	require(saturationTolerance >= 0, "saturationTolerance", saturationTolerance, "0 or more");
+	require(stressTolerance >= 0, "stressTolerance", stressTolerance, "0 or more");
+	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "a positive number, e.g. 5e-3");
+	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "a positive number, e.g. 1e-5");
+	require(minSteps >= 1, "minSteps", minSteps, "1 or more");
+	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "0 or more");
+}
+
 void RveSkeleton::checkSettings(int pointCount) const
 {
-	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
+	checkScheduling();
 	if (form != "packed" && form != "open") throw std::invalid_argument("RveSkeleton.form is '" + form + "': choose packed or open.");
-	if (threads < 0) throw std::invalid_argument("RveSkeleton.threads is " + std::to_string(threads) + ": give 0 or more.");
-	if (!(strainTolerance >= 0)) throw std::invalid_argument("RveSkeleton.strainTolerance is " + boost::lexical_cast<string>(strainTolerance) + ": give 0 or more.");
-	if (!(saturationTolerance >= 0)) throw std::invalid_argument("RveSkeleton.saturationTolerance is " + boost::lexical_cast<string>(saturationTolerance) + ": give 0 or more.");
 	for (const auto& sample : samples)
 		if (!sample) throw std::invalid_argument("RveSkeleton.samples holds None: give RveSamples only.");
 	for (const auto& scene : scenes) {
@@ -88,7 +103,26 @@ SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
 	if (packedStore) store = packedStore;
 	else store = openStore;
 	model = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? vector<int>(pointCount, 0) : sampleOf, scheduling());
+	model->onBlowUp = [this](int id) {
+		keepBlownUp(id);
+		return onBlowUp == "stop";
+	};
 	return model;
+}
+
+void RveSkeleton::keepBlownUp(int id) const
+{
+	if (blowUpFolder.empty()) return;
+	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
+	try {
+		std::filesystem::create_directories(blowUpFolder);
+		std::ofstream stream(file, std::ios::binary);
+		stream << talik::sceneToBytes(scene(id));
+		if (!stream.flush()) throw std::runtime_error("it cannot be written");
+		std::cerr << "The sample of point " << id << " blew up; its last good state is in " << file.string() << "." << std::endl;
+	} catch (const std::runtime_error& problem) {
+		std::cerr << "The sample of point " << id << " blew up and " << file.string() << " could not be written: " << problem.what() << "." << std::endl;
+	}
 }
 
 talik::SampleSkeleton& RveSkeleton::running() const

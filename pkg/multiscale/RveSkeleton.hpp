@@ -36,7 +36,9 @@ public:
 private:
 	talik::SampleSkeleton&  running() const;
 	talik::SampleScheduling scheduling() const;
+	void                    checkScheduling() const;
 	void                    checkSettings(int pointCount) const;
+	void                    keepBlownUp(int id) const;
 	string                  reasonAgainstPacking() const;
 	void                    makeStore();
 
@@ -62,7 +64,8 @@ public:
 		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it."))
-		((string,onBlowUp,"stop",,"When a sample blows up: stop (exception naming the point) or isolate (the point keeps its last stress; see blownUp). The last good state is kept in both cases."))
+		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last stress from then on; see blownUp). May be changed while running."))
+		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for O.load; empty: none is written. It can be seen by scene(id) in any case."))
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
 		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see scene.")

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/StopAfterStep.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>
 
@@ -196,7 +197,8 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 #pragma omp parallel for schedule(static)
 	for (int k = 0; k < batch.count; k++) {
 		const int place = batch.place[k];
-		Matrix    step;
+		if (!isolated.empty() && isolated.count(batch.id[place])) continue;
+		Matrix step;
 		step << batch.gradient[0][place], batch.gradient[1][place], batch.gradient[2][place], batch.gradient[3][place];
 		const Matrix h = a.accumulated(place);
 		a.setAccumulated(place, h + step * (Matrix::Identity() + h));
@@ -220,7 +222,8 @@ void SampleSkeleton::flagChanged(const SkeletonBatch<2>& batch)
 
 void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a)
 {
-	const auto start = std::chrono::steady_clock::now();
+	const auto start     = std::chrono::steady_clock::now();
+	int        stoppedBy = -1;
 	std::vector<PackedRequest<2>> requests;
 	for (const int place : due)
 		requests.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place), batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
@@ -232,8 +235,8 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		count.steps += std::uint64_t(results[r].steps);
 		if (results[r].blewUp) {
 			failures[id] = results[r].reason;
-			if (schedule.stopOnBlowUp)
-				throw std::runtime_error("The sample of point " + std::to_string(id) + " blew up: " + results[r].reason + ". Its last good state is kept.");
+			if (onBlowUp ? onBlowUp(id) : schedule.stopOnBlowUp) stoppedBy = stoppedBy < 0 ? id : stoppedBy;
+			else isolated.insert(id);
 		}
 		const Matrix predicted = a.predicted(place), before = a.lastStress(place), after = results[r].stress;
 		if (schedule.prediction && !results[r].blewUp) {
@@ -259,6 +262,10 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 	}
 	count.calls += due.size();
 	count.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	if (stoppedBy >= 0)
+		throw StopAfterStep(
+		        "The sample of point " + std::to_string(stoppedBy) + " blew up: " + failures[stoppedBy]
+		        + ". The step was completed with its last stress; look at the sample (RveSkeleton.scene), use finer maxInertialNumber or maxStrainPerStep, or go on with onBlowUp='isolate'.");
 }
 
 void SampleSkeleton::tangentModulus(const SkeletonBatch<2>& batch, double* modulus) const
@@ -303,6 +310,7 @@ std::string SampleSkeleton::save() const
 	for (const auto& [id, reason] : failures) {
 		writer.number(std::uint64_t(id));
 		writer.block(reason);
+		writer.number(isolated.count(id));
 	}
 	writer.number(changed.size());
 	for (const int id : changed)
@@ -321,9 +329,11 @@ void SampleSkeleton::restore(const std::string& bytes)
 	count.calls = reader.number();
 	count.steps = reader.number();
 	failures.clear();
+	isolated.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--) {
 		const int id = int(reader.number());
 		failures[id] = reader.block();
+		if (reader.number()) isolated.insert(id);
 	}
 	changed.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)

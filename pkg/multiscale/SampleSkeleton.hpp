@@ -3,6 +3,7 @@
 #include <pkg/mpm/SkeletonModel.hpp>
 #include <pkg/multiscale/SampleStore.hpp>
 
+#include <functional>
 #include <map>
 #include <set>
 
@@ -14,7 +15,7 @@ struct SampleScheduling {
 	double              saturationTolerance = 0.01; ///< largest accumulated change of ice saturation [-]; 0: ask in every step
 	bool                prediction          = true; ///< a tangent stands in between two calls; false: the last stress is held
 	double              stressTolerance     = 0.05; ///< relative error of the prediction that the strain tolerance of a point is steered to; 0: fixed tolerance
-	bool                stopOnBlowUp        = true; ///< false: a point whose sample blew up keeps its last stress
+	bool                stopOnBlowUp        = true; ///< the run stops when the step has ended; false: the point keeps its last stress from then on
 	int                 threads             = 0;    ///< 0: OpenMP's default
 	PackedUpdateOptions update;
 };
@@ -39,6 +40,9 @@ public:
 	void        tangentModulus(const SkeletonBatch<2>&, double* modulus) const override;
 
 	SampleScheduling&     scheduling() { return schedule; }
+	/// Called with the point's id for every sample that blew up and is in its last good state again; says whether the run has to stop.
+	/// Without it stopOnBlowUp decides.
+	std::function<bool(int)> onBlowUp;
 	const SampleCounters& counters() const { return count; }
 
 	bool        has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
@@ -73,6 +77,7 @@ private:
 	PointFields::Handle       gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
 	std::map<int, std::string> failures;
 	std::set<int>              changed;
+	std::set<int>              isolated; ///< ids of points that keep their last stress since their sample blew up
 	std::vector<int>                               dueScratch;
 	std::vector<char>                              flagScratch;
 };

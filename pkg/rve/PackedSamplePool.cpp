@@ -48,12 +48,26 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	{
 		sample->unpark(state);
 		workspace->load(state, sample->unpark(lists, state.contacts) ? &lists : nullptr);
-		PackedUpdateResult<Dim> result = updateWorkspace<Dim>(*workspace, state, request.displacementGradient, request.iceSaturation, options);
+		PackedUpdateResult<Dim> result = follow(request, options);
 		if (result.blewUp) return result;
 		workspace->store(state);
 		workspace->store(lists);
 		sample = std::make_shared<ParkedSample<Dim>>(state, &lists);
 		return result;
+	}
+
+	/// An increment that this sample cannot follow is a blow-up of this sample, not of the others.
+	PackedUpdateResult<Dim> follow(const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	{
+		try {
+			return updateWorkspace<Dim>(*workspace, state, request.displacementGradient, request.iceSaturation, options);
+		} catch (const std::invalid_argument& problem) {
+			PackedUpdateResult<Dim> result {};
+			result.stress = 0.5 * (state.stress + state.stress.transpose());
+			result.blewUp = true;
+			result.reason = problem.what();
+			return result;
+		}
 	}
 };
 

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Points that are about to leave the grid are found before the first of them has moved.
+#include <pkg/mpm/GroundParts.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+/// Upper bound of |displacement| of any point in this step, per axis [m]; infinite or not a number in a run that became unstable.
+template <int D> double Ground<D>::Parts::longestPath() const
+{
+	double most = 0.0, sum = 0.0;
+	for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
+		for (int a = 0; a < D; ++a) {
+			const double speed = std::fabs(motion->solved[i][D + a]);
+			most               = std::max(most, speed);
+			sum += speed;
+		}
+	return clock.dt * (std::isfinite(sum) ? most : sum);
+}
+
+template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) const
+{
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points->position(a);
+	shape->evaluate(grid, x, p, 1, w);
+	Vec<D> next;
+	for (int a = 0; a < D; ++a)
+		next[a] = x[a][p];
+	overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+		for (int a = 0; a < D; ++a)
+			next[a] += clock.dt * s * motion->solved[node][D + a];
+	});
+	// rounding may differ from that of the step itself
+	constexpr double rounding = 1e-13;
+	const double     size     = grid.spacing() * rounding;
+	for (int a = 0; a < D; ++a)
+		if (!(next[a] >= grid.lower()[a] - size && next[a] <= grid.upper()[a] + size)) return true;
+	return false;
+}
+
+template <int D> void Ground<D>::Parts::requirePathsInside()
+{
+	const double reach = longestPath();
+	points->strips().gather([&](int strip, int first, int last) {
+		int near = 0;
+		for (int a = 0; a < D; ++a) {
+			const double* x     = points->position(a);
+			const double  lower = grid.lower()[a], upper = grid.upper()[a];
+			for (int p = first; p < last; ++p)
+				near += !(x[p] - reach >= lower) | !(x[p] + reach <= upper);
+		}
+		if (near == 0) return;
+		WeightBlock<D> w;
+		for (int p = last - 1; p >= first; --p)
+			if (leavesGrid(p, w)) bad[strip] = p;
+	});
+	for (const int p : bad)
+		if (p >= 0) refuseToLeave(std::isfinite(reach));
+}
+
+template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
+{
+	std::fill(bad.begin(), bad.end(), -1);
+	WeightBlock<D>   w;
+	std::vector<int> leaving;
+	for (int p = 0; p < points->count(); ++p)
+		if (leavesGrid(p, w)) leaving.push_back(p);
+	const std::string place = leaving.empty() ? "a material point" : whereabouts(leaving.front());
+	std::string       names;
+	for (std::size_t k = 0; k < leaving.size() && k < 5; ++k)
+		names += (k ? ", " : "") + std::to_string(points->id(leaving[k]));
+	accounts.restore(*this);
+	throw std::runtime_error(
+	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(leaving.size())
+	        + (leaving.size() == 1 ? " point concerned: " : " points concerned: ") + names + (leaving.size() > 5 ? ", ..." : "")
+	        + "); the ground is as it was before this step: " + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
+}
+
+template <int D> void Ground<D>::Parts::Accounts::take(const Parts& g)
+{
+	clock = g.clock;
+	if (g.heat) heatIn = g.heat->heatIn;
+	if (!g.water) return;
+	waterOut    = g.water->waterOut;
+	enthalpyOut = g.water->enthalpyOut;
+	momentumOut = g.water->momentumOut;
+}
+
+template <int D> void Ground<D>::Parts::Accounts::restore(Parts& g) const
+{
+	g.clock = clock;
+	if (g.heat) g.heat->heatIn = heatIn;
+	if (!g.water) return;
+	g.water->waterOut    = waterOut;
+	g.water->enthalpyOut = enthalpyOut;
+	g.water->momentumOut = momentumOut;
+}
+
+template void Ground<2>::Parts::requirePathsInside();
+template void Ground<3>::Parts::requirePathsInside();
+template void Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);
+template void Ground<3>::Parts::Accounts::take(const Ground<3>::Parts&);
+
+} // namespace talik
