@@ -578,7 +578,7 @@ void MpmEngine::watch(py::object ids, Real interval, py::object names)
 	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
 	shared_ptr<PointWatch> wanted(new PointWatch);
 	wanted->interval         = interval;
-	const np::ndarray points = asArray(ids);
+	const np::ndarray points = asArray("watch: ids", ids);
 	const Real*       data   = reinterpret_cast<const Real*>(points.get_data());
 	for (int k = 0; k < (points.get_nd() == 0 ? 1 : points.shape(0)); k++) {
 		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))

@@ -29,12 +29,11 @@ namespace {
 		std::exception_ptr failure;
 	};
 
-	/// Throws std::invalid_argument on what no sample can follow.
+	/// Throws std::invalid_argument on ice that no sample can have.
 	template <int Dim> void checkRequest(const PackedRequest<Dim>& request)
 	{
 		if (!(request.iceSaturation >= 0 && request.iceSaturation <= 1))
 			throw std::invalid_argument("packed sample: ice saturation " + std::to_string(request.iceSaturation) + " must lie in 0..1");
-		if (!request.displacementGradient.isZero(0)) matrixRootIncrement<Dim>(request.displacementGradient, 1);
 	}
 
 } // namespace

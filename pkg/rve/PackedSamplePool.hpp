@@ -41,8 +41,8 @@ public:
 	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on
 	/// one thread: the results do not depend on their number. Requests that agree bit for bit on the same shared state are computed once
 	/// and stay shared. A sample that blows up keeps its last good state. Never more than one state per thread is held twice.
-	/// Throws std::invalid_argument on an unknown or repeated sample and on a request that no sample can follow, before anything has
-	/// changed; on one that needs 1e9 DEM steps or more after all other samples were updated.
+	/// An increment that a sample cannot follow is a blow-up of that sample. Throws std::invalid_argument on an unknown or repeated
+	/// sample and on an impossible ice saturation, before anything has changed.
 	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads = 0);
 
 	/// Distinct states held, and the bytes they and their neighbour lists hold.

@@ -19,6 +19,7 @@ from yade import O, wrapper
 from talik import _talik
 
 _shown = []  # views that are open, the innermost last
+_left = []  # the scene left last stays alive: a long step of it may still be ending in YADE's thread
 
 
 class View:
@@ -66,6 +67,7 @@ class View:
 			_shown[-1]._leave()
 		_talik.exchangeScene(self._former)
 		_shown.remove(self)
+		_left[:] = [self.scene]
 		self._tell()
 
 	def _tell(self):
@@ -135,10 +137,14 @@ def _isOf(view, mpm):
 
 
 def _pause():
-	if O.running:
-		O.pause()
-		while O.running:
-			sleep(0.001)
+	"""O rests. YADE says so while its last step is still under way: the count of steps tells when that has ended."""
+	if not O.running:
+		return
+	O.pause()
+	unchanged, steps = 0, O.iter
+	while O.running or unchanged < 20:
+		sleep(0.005)
+		unchanged, steps = (unchanged + 1, steps) if O.iter == steps else (0, O.iter)
 
 
 @atexit.register

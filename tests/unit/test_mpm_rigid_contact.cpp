@@ -74,7 +74,7 @@ template <int D> double momentumLost(Ground<D>& ground)
 	ground.bodies()->bodies = { ball };
 	RigidBody<D>& body      = ground.bodies()->bodies[0];
 	double        worst     = 0.0;
-	for (int step = 0; step < 100; ++step) {
+	for (int step = 0; step < 70; ++step) {
 		const double dt = ground.stableTimeStep().step;
 		ground.step(dt);
 		for (int a = 0; a < D; ++a)

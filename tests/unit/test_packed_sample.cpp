@@ -472,15 +472,21 @@ TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
 	}
 }
 
-TEST(SamplePool, requestThatNoSampleCanFollowIsRefusedBeforeAnythingHasChanged)
+TEST(SamplePool, incrementThatNoSampleCanFollowBlowsUpThatSampleAloneAndImpossibleIceIsRefusedBeforeAnythingHasChanged)
 {
 	SamplePool<2> pool;
 	for (int k = 0; k < 3; ++k)
 		pool.add(packedReference::sample().state());
 	const auto before = pool.parked(0);
-	EXPECT_THROW(pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(-2, 0, 0, 0), 0. } }, {}), std::invalid_argument);
 	EXPECT_THROW(pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(0, 1e-4, 0, 0), 1.5 } }, {}), std::invalid_argument);
 	EXPECT_EQ(pool.parked(0), before);
+	const auto last    = pool.parked(2);
+	const auto results = pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(-2, 0, 0, 0), 0. } }, {});
+	EXPECT_FALSE(results[0].blewUp);
+	EXPECT_NE(pool.parked(0), before);
+	EXPECT_TRUE(results[1].blewUp);
+	EXPECT_FALSE(results[1].reason.empty());
+	EXPECT_EQ(pool.parked(2), last);
 }
 
 TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)

@@ -207,7 +207,7 @@ void expectUndrained(double conductivity, double bulkModulus, double height, int
 
 } // namespace
 
-TEST(Consolidation, TightGroundStaysUndrainedAndBoundedWithTheSameTimeStepForAHundredThousandSteps)
+TEST(Consolidation, TightGroundStaysUndrainedAndBoundedWithTheSameTimeStepForAHundredThousandSteps_slow)
 {
 	expectUndrained(1e-8, 2.2e8, 0.005, 20); // so low that the layer is two cells deep after 1e5 steps
 	expectUndrained(1e-12, 2.2e8, 0.2, 10);
