@@ -86,7 +86,7 @@ class Record:
 			talik._talik.runSerially(1)
 			self.force = sum((np.array(O.forces.f(member.id))[:2] for member in self.members), np.zeros(2))
 			self.impulse += self.force * O.dt
-			self.rows.append((O.time, *self.stone.state.displ()[:2], *self.force))
+			self.rows.append((O.time, self.stone.state.displ()[0], self.stone.state.displ()[1], *self.force))
 
 	def keepState(self):
 		f = self.mpm.field
@@ -116,7 +116,7 @@ def draw(record, path):
 		axes.set_title(plots.timeLabel(state[0], thermalTimeScale), loc="left", fontsize=10)
 	panels[1].set_xlabel("x [m]")
 	rows = np.array(record.rows)
-	panels[2].plot(rows[:, 0], np.hypot(rows[:, 1], rows[:, 2]), color="black")
+	panels[2].plot(rows[:, 0], np.hypot(rows[:, 1] - rows[0, 1], rows[:, 2] - rows[0, 2]), color="black")
 	panels[2].set_xlabel("time [s]")
 	panels[2].set_ylabel("path of the boulder [m]")
 	plots.save(fig, path, dpi=100)

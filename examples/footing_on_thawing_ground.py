@@ -27,7 +27,7 @@ class Preset:
 	thawTime: float  # of the surface being warm [s], f_T seconds of heat each
 
 
-presets = {"test": Preset(0.5, 1.5), "draft": Preset(0.25, 3.0), "standard": Preset(0.125, 3.0)}
+presets = {"test": Preset(0.5, 0.3), "draft": Preset(0.25, 3.0), "standard": Preset(0.125, 3.0)}
 
 width, depth = 8.0, 3.0  # of the ground [m]
 footing = (1.6, 1.2)  # width, height [m]
@@ -60,6 +60,7 @@ def build(preset):
 		wrapper.SurfaceTemperature(region="surface", times=[0, restTime, restTime + warmingTime], values=[-2, -2, 10]),
 	]
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.4)]
+	O.step()  # sets O.dt
 	return mpm, block
 
 

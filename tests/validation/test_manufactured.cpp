@@ -216,7 +216,7 @@ TEST(Manufactured, CoupledEquationsConvergeInSecondOrderInSpace_slow)
 // successive halvings on one grid, from which the error in space drops out
 TEST(Manufactured, CoupledEquationsConvergeInFirstOrderInTime)
 {
-	const Solution coarse = computed(8, 160), medium = computed(8, 320), fine = computed(8, 640);
+	const Solution coarse = computed(8, 320), medium = computed(8, 640), fine = computed(8, 1280);
 	for (const Quantity& q : quantities) {
 		const double first = difference(coarse, medium, exact(8), q.fields), second = difference(medium, fine, exact(8), q.fields);
 		expectSmall(std::string("manufactured, ") + q.name + ": change from dt/2 to dt/4", second, 2e-2);

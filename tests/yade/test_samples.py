@@ -462,7 +462,7 @@ def test_scenes_that_cannot_be_packed_run_open_and_the_user_is_told_once_why(kin
 		O.step()
 	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
 	stress, counters = mpm.field("stress"), skeleton.counters
-	print(f"\n{told}\n{counters['calls']} calls, {counters['steps']} steps; stress {stress[0].round(1).tolist()} Pa; porosity {skeleton.values('porosity')[0]:.3f}")
+	print(f"\n{told}\n{counters['calls']} calls, {counters['steps']} steps; stress {stress[0].round(1).tolist()} Pa; porosity {skeleton.values('samplePorosity')[0]:.3f}")
 	assert len(told) == 1 and "cannot be packed" in told[0]
 	assert counters["form"] == "open" and counters["calls"] > 0 and np.isfinite(stress).all() and np.abs(stress).max() > 1e3
 
