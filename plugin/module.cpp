@@ -64,6 +64,19 @@ namespace {
 		if (Omega::instance().isRunning()) raise(PyExc_RuntimeError, std::string(what) + " needs a paused simulation: call O.pause() first.");
 	}
 
+	/// Steps in Python's own thread, of which O.running says nothing.
+	int stepsUnderWay = 0;
+	struct StepUnderWay {
+		StepUnderWay() { stepsUnderWay++; }
+		~StepUnderWay() { stepsUnderWay--; }
+	};
+
+	py::object callAsStep(const py::object& step)
+	{
+		const StepUnderWay underWay;
+		return step();
+	}
+
 	/// Makes another Scene the current one of O and returns the former; the 3-D view follows.
 	shared_ptr<Scene> exchangeScene(const shared_ptr<Scene>& scene)
 	{
@@ -125,6 +138,7 @@ namespace {
 		if (steps < 0) raise(PyExc_ValueError, "runSerially: steps is " + std::to_string(steps) + "; it must be at least 0.");
 		const auto         scene = Omega::instance().getScene();
 		const SingleThread serial;
+		const StepUnderWay underWay;
 		if (steps > 0) scene->moveToNextTimeStep(); // lets go of former engines, which Python may own
 		const WithoutInterpreterLock unlocked;
 		for (long step = 1; step < steps; step++)
@@ -148,6 +162,8 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
+	py::def("callAsStep", callAsStep, py::arg("step"), "Call *step*, a function that advances the current scene in the calling thread; stepUnderWay() is True meanwhile.");
+	py::def("stepUnderWay", +[] { return stepsUnderWay > 0; }, "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"), "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
 	exposeSampleGroup();
 	py::def("currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");

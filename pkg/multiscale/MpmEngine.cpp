@@ -520,7 +520,7 @@ int MpmEngine::pick(Real x, Real y)
 	for (int id = 0; id < points.count(); id++) {
 		const int  place = points.place(id);
 		const Real dx = points.position(0)[place] - x, dy = points.position(1)[place] - y, square = dx * dx + dy * dy;
-		if (square >= least) continue;
+		if (!(square < least)) continue; // also where (x, y) is not a number
 		least   = square;
 		nearest = id;
 	}

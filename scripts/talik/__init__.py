@@ -75,12 +75,13 @@ with _paused():
 	_renewView()
 
 
-def _makeRunsInterruptible():
+def _watchRunsAndSteps():
 	from yade import O
 	_console.makeRunsInterruptible(type(O))
+	_console.makeStepsKnown(type(O))
 
 
-_makeRunsInterruptible()
+_watchRunsAndSteps()
 
 
 @_contextmanager

@@ -13,6 +13,8 @@ import threading
 import time
 from contextlib import contextmanager
 
+from talik import _talik
+
 # --- Ctrl-C ----------------------------------------------------------------------------------------------------------------
 
 
@@ -40,6 +42,19 @@ def makeRunsInterruptible(omegaClass):
 
 	run.__doc__, wait.__doc__ = stockRun.__doc__, stockWait.__doc__
 	omegaClass.run, omegaClass.wait = run, wait
+
+
+def makeStepsKnown(omegaClass):
+	"""O.running is False during O.step(): lets _talik.stepUnderWay() tell of such a step. Doing it twice changes nothing."""
+	if hasattr(omegaClass, "_stockStep"):
+		return
+	stockStep = omegaClass._stockStep = omegaClass.step
+
+	def step(self):
+		_talik.callAsStep(lambda: stockStep(self))
+
+	step.__doc__ = stockStep.__doc__
+	omegaClass.step = step
 
 
 def _raiseFailure(omega):

@@ -94,10 +94,10 @@ def inspectPoint(mpm, id, live=False):
 	"""inspect(id, live=False): the sample of a material point becomes the current scene of O, until back() or the end of a `with` block.
 
 	A copy unless live=True: then the slope takes over what was done to it, and its next step asks the sample. Works for samples of
-	either form, and also in a scene that was just loaded. RuntimeError while a simulation runs; ValueError for a point without sample."""
+	either form, and also in a scene that was just loaded. RuntimeError while a simulation runs or from inside of a step; ValueError for a point without sample."""
 	point = int(id)
-	if O.running:
-		raise RuntimeError("MpmEngine.inspect needs a paused simulation: call O.pause() first.")
+	if O.running or _talik.stepUnderWay():
+		raise RuntimeError("MpmEngine.inspect needs a simulation that rests between two steps: call O.pause() first, and look from outside of its engines.")
 	mpm.initialise()
 	skeleton = _skeletonOf(mpm, point)
 	if live and any(view.live and _isOf(view, mpm) and view.point == point for view in _shown):
