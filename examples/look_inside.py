@@ -46,8 +46,8 @@ frozen = mpm.field("iceSaturation") > 0.1
 A = next((id for id in mpm.most("bondsBroken", mpm.pointCount) if frozen[id]), 0)
 B = next((id for id in mpm.mostStrained(mpm.pointCount) if not frozen[id]), mpm.pick(2.25, 1.25))
 
-fig = plots.figure(11, 8)
-grid = fig.add_gridspec(2, 3)
+fig = plots.figure(12, 8)
+grid = fig.add_gridspec(2, 3, width_ratios=(1.4, 1, 1))
 series = output.SampleSeries(folder, clock=lambda: mpm.time)
 for row, (letter, id) in enumerate({"A": A, "B": B}.items()):
 	with mpm.inspect(id):  # O is the sample of this point

@@ -255,6 +255,7 @@ def bondHistory(axes, strain, intact, broken, melted=None):
 		axes.plot(strain, melted, color="steelblue", label="melted")
 	axes.set_xlabel("strain [-]")
 	axes.set_ylabel("bonds")
+	axes.locator_params(axis="x", nbins=4)
 	axes.set_ylim(bottom=0)
 	axes.legend(frameon=False)
 	return axes
@@ -278,4 +279,5 @@ def _forceLegend(axes, force, bonded):
 		Line2D([], [], color="red", linewidth=2, label=f"intact bonds ({bonded.sum()})"),
 		Line2D([], [], color="black", linewidth=2, label=f"broken or frictional ({(~bonded).sum()})"),
 	]
-	axes.legend(handles=handles, title=f"widest: {largest:.3g} N", loc="upper center", bbox_to_anchor=(0.5, -0.12), ncol=2, frameon=False, fontsize=8, title_fontsize=8)
+	below = dict(loc="upper center", bbox_to_anchor=(0.5, 0), borderaxespad=4)  # in heights of its letters: clear of the label of x at any size
+	axes.legend(handles=handles, title=f"widest: {largest:.3g} N", ncol=2, frameon=False, fontsize=8, title_fontsize=8, **below)
