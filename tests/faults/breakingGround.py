@@ -45,5 +45,8 @@ def largestDifference(a, b):
 	for name in a:
 		if a[name].shape != b[name].shape or (np.isnan(a[name]) != np.isnan(b[name])).any():
 			return np.inf
-		largest = max(largest, np.abs(np.nan_to_num(a[name]) - np.nan_to_num(b[name])).max(initial=0))
+		here = np.abs(np.nan_to_num(a[name]) - np.nan_to_num(b[name])).max(initial=0)
+		if here > 0:
+			print(f"{name} differs by {here}")
+		largest = max(largest, here)
 	return largest

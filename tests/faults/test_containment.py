@@ -88,10 +88,10 @@ def flying(**settings):
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.25, lower=(0, 0), upper=(2, 2), energyLedger=True, skeleton=wrapper.ElasticSkeleton(young=5e6),
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e4, source=100), water=wrapper.PoreWater(),
-		boundaries=[wrapper.DrainedBoundary(region="surface"), wrapper.SurfaceTemperature(region="surface", temperature=20)], **settings,
+		boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=20)], **settings,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0.5, 0.5, 1, 1), 0.25)
-	mpm.addPoints(position=position, volume=volume, temperature=1.0, pressure=2e4, velocity=(20, 0))
+	mpm.addPoints(position=position, volume=volume, temperature=1.0, velocity=(20, 0))
 	O.engines = [mpm]
 	return mpm
 
