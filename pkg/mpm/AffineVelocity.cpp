@@ -23,15 +23,17 @@ namespace {
 		return arm;
 	}
 
-	/// work(n, index along each axis) for the nodes of a support, in the order of WeightBlock.
-	template <int D, class Work> void overSupport(Work&& work)
+	/// work(node, S, grad S, index along each axis) for the nodes of the support of point k of the block.
+	template <int D, class Work> void overSupport(const Grid<D>& grid, const WeightBlock<D>& w, int k, Work&& work)
 	{
-		for (int n = 0; n < supportCount<D>; ++n) {
+		int n = 0;
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
 			std::array<int, D> index;
 			for (int a = 0, rest = n; a < D; ++a, rest /= supportNodes)
 				index[a] = rest % supportNodes;
-			work(n, index);
-		}
+			work(node, s, g, index);
+			++n;
+		});
 	}
 
 	template <int D> std::array<Arm, D> armsOf(const WeightBlock<D>& w, int k, double spacing)
@@ -65,13 +67,13 @@ template <int D> void AffineVelocity<D>::map(const Grid<D>& grid, const WeightBl
 		for (int i = 0; i < D; ++i)
 			for (int j = 0; j < D; ++j)
 				momentum[i][j] = motion.mass[p] * gradient[i * D + j][p];
-		overSupport<D>([&](int n, const std::array<int, D>& index) {
-			double* r = motion.nodes[w.base[k] + w.offset[n]] + motion.momentumAt;
+		overSupport<D>(grid, w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
+			double* r = motion.nodes[node] + motion.momentumAt;
 			for (int i = 0; i < D; ++i) {
 				double sum = 0.0;
 				for (int j = 0; j < D; ++j)
 					sum += momentum[i][j] * arms[j].distance[index[j]];
-				r[i] += w.weight[n][k] * sum;
+				r[i] += s * sum;
 			}
 		});
 	}
@@ -79,20 +81,20 @@ template <int D> void AffineVelocity<D>::map(const Grid<D>& grid, const WeightBl
 
 template <int D> void AffineVelocity<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
 {
-	transfer_ == VelocityTransfer::apic ? gatherBlock<true>(w, grid.spacing(), motion) : gatherBlock<false>(w, grid.spacing(), motion);
+	transfer_ == VelocityTransfer::apic ? gatherBlock<true>(grid, w, motion) : gatherBlock<false>(grid, w, motion);
 }
 
 template <int D>
 template <bool Apic>
-void AffineVelocity<D>::gatherBlock(const WeightBlock<D>& w, double spacing, const SolidMotion<D>& motion) const
+void AffineVelocity<D>::gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
 {
 	for (int k = 0; k < w.count; ++k) {
-		const auto arms    = armsOf(w, k, spacing);
+		const auto arms    = armsOf(w, k, grid.spacing());
 		double     c[D][D] = {};
-		overSupport<D>([&](int n, const std::array<int, D>& index) {
-			const double* v = motion.solved[w.base[k] + w.offset[n]] + D;
+		overSupport<D>(grid, w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
+			const double* v = motion.solved[node] + D;
 			for (int j = 0; j < D; ++j) {
-				const double factor = Apic ? w.weight[n][k] * arms[j].distance[index[j]] / arms[j].moment : w.gradient[j][n][k];
+				const double factor = Apic ? s * arms[j].distance[index[j]] / arms[j].moment : g[j];
 				for (int i = 0; i < D; ++i)
 					c[i][j] += v[i] * factor;
 			}

@@ -23,7 +23,7 @@ public:
 	std::array<double*, D * D> gradient; ///< C_ij = dv_i/dx_j, row by row; zero at the start: a given velocity is that of the whole point
 
 private:
-	template <bool Apic> void gatherBlock(const WeightBlock<D>& w, double spacing, const SolidMotion<D>& motion) const;
+	template <bool Apic> void gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const;
 
 	VelocityTransfer    transfer_;
 	PointFields::Handle gradient_;

@@ -35,10 +35,65 @@ template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::share
 		if (region.kind == Region<D>::Kind::freeSurface) most = grid.nodeCount();
 	}
 	surface_.reserve(most);
+
+	// boxes of nodes may lie anywhere
+	for (const auto& b : boundaries) {
+		needsAll_   = needsAll_ || (b->usesSurface() && b->region().kind == Region<D>::Kind::nodeBox);
+		needsSides_ = needsSides_ || (b->usesSurface() && b->region().kind == Region<D>::Kind::side);
+	}
+	int size = 1;
+	for (int a = 0; a < D; ++a) {
+		stride_[a] = size;
+		size *= grid.cells(a) + 2 * reach;
+	}
+	needed_.assign(size, 0);
+	widened_.assign(size, 0);
+	place_.resize(grid.cellCount());
+	for (int c = 0; c < grid.cellCount(); ++c)
+		place_[c] = paddedIndex(grid, c);
+}
+
+template <int D> int FreeSurface<D>::paddedIndex(const Grid<D>& grid, int cell) const
+{
+	int index = 0;
+	for (int a = 0; a < D; ++a)
+		index += (cell / grid.cellStride(a) % grid.cells(a) + reach) * stride_[a];
+	return index;
+}
+
+template <int D> void FreeSurface<D>::widen(int stride)
+{
+	const int size = static_cast<int>(needed_.size()), margin = reach * stride;
+	for (int i = margin; i < size - margin; ++i) {
+		unsigned char any = 0;
+		for (int d = -reach; d <= reach; ++d)
+			any |= needed_[i + d * stride];
+		widened_[i] = any;
+	}
+	needed_.swap(widened_);
+}
+
+template <int D> void FreeSurface<D>::findNeeded(const Grid<D>& grid, const CellMeans<D>& cells)
+{
+	if (needsAll_) return;
+	cells_              = &cells;
+	const double enough = emptyFilling * grid.cellVolume();
+	std::fill(needed_.begin(), needed_.end(), static_cast<unsigned char>(needsSides_));
+	std::fill(widened_.begin(), widened_.end(), static_cast<unsigned char>(needsSides_));
+	for (int c = 0; c < grid.cellCount(); ++c)
+		needed_[place_[c]] = cells.cellVolume(c) < enough;
+	for (int a = 0; a < D; ++a)
+		widen(stride_[a]);
 }
 
 template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
 {
+	if (cells_) {
+		bool any = false;
+		for (int k = 0; k < w.count; ++k)
+			any |= needed_[place_[cells_->cell(w.first + k)]] != 0;
+		if (!any) return;
+	}
 	for (int k = 0; k < w.count; ++k) {
 		const double v     = volume_[w.first + k];
 		const double kappa = conductivity_ ? conductivity_[w.first + k] : 0.0;

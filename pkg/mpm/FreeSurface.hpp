@@ -25,6 +25,8 @@ public:
 	/// Ground that touches the grid's box rests against a wall there; the rest of its surface is free.
 	void setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid);
 
+	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
+	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
 	void map(const Grid<D>& grid, const WeightBlock<D>& w);
 	/// Lists the nodes of every boundary that uses the surface.
 	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
@@ -42,6 +44,16 @@ private:
 	bool nearEmptyCell(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node) const;
 	void collectSide(const Grid<D>& grid, const CellMeans<D>& cells, int boundary);
 	void collectBox(const Grid<D>& grid, int boundary);
+
+	/// Cells of the box with three more around it on all sides, as far as a shape function and the search for empty cells reach.
+	static constexpr int       reach = 3;
+	int                        paddedIndex(const Grid<D>& grid, int cell) const;
+	void                       widen(int stride);
+	std::vector<unsigned char> needed_, widened_;
+	std::vector<int>           place_; ///< of each cell of the box among them
+	std::array<int, D>         stride_ {};
+	const CellMeans<D>*        cells_     = nullptr;
+	bool                       needsAll_  = false, needsSides_ = false;
 
 	const double*                             volume_       = nullptr;
 	const double*                             conductivity_ = nullptr;

@@ -29,14 +29,14 @@ template <int D> void Ground<D>::step(double dt)
 {
 	beginStep(dt);
 	mapToGrid();
-	updateTemperature();
-	solveMomentum();
+	solveNodes();
 	mapToPoints();
 	updateStrainAndPressure();
 	updateEffectiveStress();
 }
 
 template <int D> double Ground<D>::time() const { return parts_->clock.time; }
+template <int D> bool   Ground<D>::heatRests() const { return parts_->heatRests; }
 template <int D> long   Ground<D>::steps() const { return parts_->clock.steps; }
 template <int D> double Ground<D>::dt() const { return parts_->clock.dt; }
 

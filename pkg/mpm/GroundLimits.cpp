@@ -19,6 +19,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 	const int                n = g.points->count();
 	const double*            volume = g.points->volume();
 
+	g.cost.start();
 	StableTimeStep result;
 	const auto     add = [&](const char* name, const std::function<double(int)>& limitOf) {
                 TimeStepLimit limit { name, infinity, -1 };
@@ -75,6 +76,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 			result.step      = limit.step;
 			result.governing = limit.name;
 		}
+	g.cost.lap(CostMeter::limits);
 	return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include <pkg/mpm/AffineVelocity.hpp>
 #include <pkg/mpm/CellMeans.hpp>
+#include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/DeformationRecord.hpp>
 #include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
@@ -70,6 +71,9 @@ template <int D> struct Ground<D>::Parts {
 	} accounts;
 	std::vector<int>              bad; ///< per strip: place of the first point that cannot go on, or -1
 	mutable std::vector<double>   scratch;
+	mutable CostMeter             cost;
+	bool                          heatRests      = false; ///< in this step
+	bool                          contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
 	void declareFields();
@@ -87,6 +91,18 @@ template <int D> struct Ground<D>::Parts {
 	template <class Work> void scatter(Work&& work)
 	{
 		points->strips().scatter([&](int, int first, int last) { overBlocks(first, last, work); });
+	}
+	/// The same with samples of the time that each effect takes: work(block, sample).
+	template <class Work> void scatterSampled(Work&& work)
+	{
+		points->strips().scatter([&](int strip, int first, int last) {
+			CostMeter::Sample sample = cost.sample(strip);
+			overBlocks(first, last, [&](const WeightBlock<D>& w) {
+				sample.beginBlock();
+				work(w, sample);
+			});
+		});
+		cost.lapShared();
 	}
 	template <class Work> void overBlocks(int first, int last, Work&& work)
 	{
@@ -116,6 +132,11 @@ template <int D> struct Ground<D>::Parts {
 	void afterReordering();
 	void locateInCells();
 	void useMeanStress(int first, int count);
+	bool heatMayRest();
+	bool allRests() const { return heatRests && !motion; }
+	void findFlows();
+	void updateTemperature();
+	void solveMomentum();
 	void seep();
 	double longestPath() const;
 	bool   leavesGrid(int place, WeightBlock<D>& w) const;
@@ -124,6 +145,8 @@ template <int D> struct Ground<D>::Parts {
 	[[noreturn]] void refuseToLeave(bool stable);
 	void checkPositions(int strip, int first, int last);
 	void refuseBadPoints();
+	void refuseImpossibleStates();
+	bool pays(CostMeter::Entry entry) const;
 	void averageStrain(int first, int last);
 	void keepStrainWork(bool atStart);
 	/// Pore pressure is known per cell at both ends of a step.
@@ -136,6 +159,7 @@ template <int D> struct Ground<D>::Parts {
 	SkeletonBatch<D> batch(int skeleton) const;
 	double           largestModulus() const;
 	double           liquidDensity() const { return settings.mixture.liquid.density; }
+	CostMeter::Entry base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
 };
 

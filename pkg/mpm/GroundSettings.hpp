@@ -85,6 +85,8 @@ template <int D> struct GroundSettings {
 	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
 	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
 
+	bool resting = true; ///< effects with nothing to do rest; false: they run all the same, with the same results bit by bit
+
 	/// Number of points from which on a step uses several threads; with fewer they would wait for each other longer than they
 	/// work. Results do not depend on it.
 	int parallelFrom = 4000;

@@ -11,7 +11,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 {
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
-	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion);
+	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->cellAveraging);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
@@ -67,6 +67,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		content->bind(*points, motion.get(), heat.get(), water.get());
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
+	if (heat) heat->shareRecords(motion.get(), water.get());
 	if (surface) {
 		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
 		surface->setBoundaries(settings.boundaries, grid);
@@ -83,6 +84,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	bad.assign(points->strips().count(), -1);
 	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.assign(n, 0.0);
+	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
 	if (content) {
 		const int failed = content->update(0, n);
 		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->complaint(failed));

@@ -51,6 +51,7 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 	Parts&    g = *parts_;
 	const int p = g.points->place(id);
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
+	g.contentSettled = false;
 	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id));
 	if (g.content->update(p, p + 1) != p + 1) throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->complaint(p));
 }
@@ -85,6 +86,7 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 template <int D> void Ground<D>::stateRestored()
 {
 	Parts& g = *parts_;
+	g.contentSettled = false;
 	g.points->idsRestored();
 	g.afterReordering();
 }

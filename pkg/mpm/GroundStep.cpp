@@ -14,6 +14,86 @@ namespace {
 	constexpr long stepsBetweenSorts = 200;
 } // namespace
 
+/// Heat that conduction brings to the nodes and force of the pore pressure on them, in one pass where both exist.
+template <int D> void Ground<D>::Parts::findFlows()
+{
+	const bool conducts = heat && !heatRests;
+	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, clock.time + clock.dt);
+	else if (heat && water)
+		heat->rest(clock.range);
+	cost.lap(CostMeter::heat);
+	if (water) {
+		water->nodalPressure(clock.range);
+		cost.lap(CostMeter::water);
+	}
+	if constexpr (D == 2)
+		if (conducts && water) {
+			const PlaneLoops::HeatFlow flow = heat->flow(clock.dt);
+			scatter([&](const WeightBlock<D>& w) { planeLoops().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
+			cost.lap(CostMeter::flows);
+			return;
+		}
+	if (conducts) {
+		scatter([&](const WeightBlock<D>& w) { heat->conduct(grid, w, clock.dt); });
+		cost.lap(CostMeter::heat);
+	}
+	if (water) {
+		scatter([&](const WeightBlock<D>& w) { water->pressureForce(grid, w); });
+		cost.lap(CostMeter::water);
+	}
+}
+
+template <int D> void Ground<D>::Parts::updateTemperature()
+{
+	const double time = clock.time + clock.dt;
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Boundary<D>& boundary = *settings.boundaries[b];
+		if (!boundary.heats()) continue;
+		heat->exchange(boundary.heat(time), surface->patch(b), *surface, grid.spacing(), clock.dt);
+		cost.lap(CostMeter::boundaries);
+	}
+	heat->finishNodes(clock.range, clock.dt);
+	cost.lap(CostMeter::heat);
+	if (settings.heat->source == 0.0) return;
+	const double* volume = points->volume();
+	const double  ground = sumOverStrips([&](int first, int last) {
+                double v = 0.0;
+                for (int p = first; p < last; ++p)
+                        v += volume[p];
+                return v;
+        });
+	heat->heatIn += settings.heat->source * settings.heat->thermalTimeScale * ground * clock.dt;
+}
+
+template <int D> void Ground<D>::Parts::solveMomentum()
+{
+	const double time = clock.time + clock.dt;
+	if (water) {
+		water->liquidForce(clock.range, motion->settings->gravity);
+		cost.lap(CostMeter::water);
+	}
+	momentum->addGravity(clock.range, *motion, water.get());
+	cost.lap(CostMeter::motion);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Boundary<D>& boundary = *settings.boundaries[b];
+		if (boundary.loads()) momentum->addLoad(boundary, surface->patch(b), time, *motion);
+		if (boundary.drains()) water->drainedForce(surface->patch(b), boundary.pressure(time));
+	}
+	if (surface) cost.lap(CostMeter::boundaries);
+	if (bodies) {
+		bodies->push(*shape, grid, clock.dt, *motion, clock.account.impulse);
+		cost.lap(CostMeter::bodies);
+	}
+	momentum->solve(clock.range, *motion, water.get(), clock.dt, settings.energyLedger, clock.account);
+	const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
+	for (int a = 0; a < D; ++a)
+		clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
+	cost.lap(CostMeter::motion);
+	if (!water) return;
+	seep();
+	cost.lap(CostMeter::water);
+}
+
 template <int D> void Ground<D>::Parts::seep()
 {
 	scatter([&](const WeightBlock<D>& w) { water->seep(grid, w, clock.dt, liquidDensity(), enthalpyModel()); });
@@ -153,6 +233,14 @@ template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 	if (!atStart) clock.porePressureWork += share * water->seepageWork(clock.range.firstCell, clock.range.lastCell) / liquidDensity();
 }
 
+/// Heat of ground with one temperature, in which nothing can change it, has nothing to do. That is decided anew in every step, from
+/// the state alone.
+template <int D> bool Ground<D>::Parts::heatMayRest()
+{
+	heat->setReference(points->place(0));
+	return settings.resting && heat->hasNothingToDo(settings.boundaries, clock.time + clock.dt, points->count());
+}
+
 template <int D> void Ground<D>::beginStep(double dt)
 {
 	Parts& g = *parts_;
@@ -160,138 +248,166 @@ template <int D> void Ground<D>::beginStep(double dt)
 	requireSetting(std::isfinite(dt) && dt > 0.0, "dt", dt, "must be a positive time in s; stableTimeStep() proposes one");
 	if (g.clock.halfDone)
 		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
+	g.cost.start();
 	g.clock.dt = dt;
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
+	g.cost.lap(CostMeter::sorting);
+	if (!g.heat) return;
+	const double before = g.heat->reference;
+	g.heatRests         = g.heatMayRest();
+	// an update that left all temperatures as they were would do so again
+	g.contentSettled = g.contentSettled && g.heatRests && g.heat->reference == before;
+	g.cost.lap(CostMeter::heat);
 }
 
 template <int D> void Ground<D>::mapToGrid()
 {
 	Parts& g = *parts_;
+	if (g.allRests()) return;
 	g.clearNodes();
-	g.locateInCells();
-	const bool average = g.averaging();
-	g.scatter([&](const WeightBlock<D>& w) {
+	g.cost.lap(g.base());
+	if (g.cells) {
+		g.locateInCells();
+		g.cost.lap(CostMeter::cells);
+	}
+	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
+	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;
+	const double* const share   = conducts ? g.heat->carriedShare() : nullptr;
+	g.scatterSampled([&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
 		if (g.motion) {
 			if (average)
 				for (int k = 0; k < w.count; ++k)
 					g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k);
-			else
+			else if (g.water)
 				g.useMeanStress(w.first, w.count);
-			g.motion->map(g.grid, w);
-			if (g.affine) g.affine->map(g.grid, w, *g.motion);
+			g.motion->map(g.grid, w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
+			sample.lap(CostMeter::motion);
+			if (g.affine) {
+				g.affine->map(g.grid, w, *g.motion);
+				sample.lap(CostMeter::transfer);
+			}
 		}
-		if (g.water) g.water->map(g.grid, w, g.averagingCells());
-		if (g.heat) g.heat->map(g.grid, w);
-		if (g.surface) g.surface->map(g.grid, w);
+		if (g.water) {
+			g.water->map(g.grid, w, g.averagingCells());
+			sample.lap(CostMeter::water);
+		}
+		if (conducts) {
+			g.heat->map(g.grid, w);
+			sample.lap(CostMeter::heat);
+		}
+		if (g.surface) {
+			g.surface->map(g.grid, w);
+			sample.lap(CostMeter::surface);
+		}
 	});
-	if (g.surface) g.surface->collect(g.grid, *g.cells, g.clock.range);
+	if (!g.surface) return;
+	g.surface->collect(g.grid, *g.cells, g.clock.range);
+	g.cost.lap(CostMeter::surface);
 }
 
-template <int D> void Ground<D>::updateTemperature()
+template <int D> void Ground<D>::solveNodes()
 {
 	Parts& g = *parts_;
-	if (!g.heat) return;
-	const double time = g.clock.time + g.clock.dt;
-	g.heat->nodalTemperature(g.grid, g.clock.range, g.settings.boundaries, time);
-	g.scatter([&](const WeightBlock<D>& w) { g.heat->conduct(g.grid, w, g.clock.dt); });
-	for (std::size_t b = 0; b < g.settings.boundaries.size(); ++b) {
-		const Boundary<D>& boundary = *g.settings.boundaries[b];
-		if (boundary.heats()) g.heat->exchange(boundary.heat(time), g.surface->patch(b), *g.surface, g.grid.spacing(), g.clock.dt);
-	}
-	g.heat->finishNodes(g.clock.range, g.clock.dt);
-	if (g.settings.heat->source != 0.0) {
-		const double* volume = g.points->volume();
-		const double  ground = g.sumOverStrips([&](int first, int last) {
-                        double v = 0.0;
-                        for (int p = first; p < last; ++p)
-                                v += volume[p];
-                        return v;
-                });
-		g.heat->heatIn += g.settings.heat->source * g.settings.heat->thermalTimeScale * ground * g.clock.dt;
-	}
-}
-
-template <int D> void Ground<D>::solveMomentum()
-{
-	Parts& g = *parts_;
-	if (!g.motion) return;
-	const double time = g.clock.time + g.clock.dt;
-	if (g.water) {
-		g.water->nodalPressure(g.clock.range);
-		g.scatter([&](const WeightBlock<D>& w) { g.water->pressureForce(g.grid, w); });
-		g.water->liquidForce(g.clock.range, g.motion->settings->gravity);
-	}
-	g.momentum->addGravity(g.clock.range, *g.motion, g.water.get());
-	for (std::size_t b = 0; b < g.settings.boundaries.size(); ++b) {
-		const Boundary<D>& boundary = *g.settings.boundaries[b];
-		if (boundary.loads()) g.momentum->addLoad(boundary, g.surface->patch(b), time, *g.motion);
-		if (boundary.drains()) g.water->drainedForce(g.surface->patch(b), boundary.pressure(time));
-	}
-	if (g.bodies) g.bodies->push(*g.shape, g.grid, g.clock.dt, *g.motion, g.clock.account.impulse);
-	g.momentum->solve(g.clock.range, *g.motion, g.water.get(), g.clock.dt, g.settings.energyLedger, g.clock.account);
-	const double mass = g.clock.initialMass - (g.water ? g.water->waterOut : 0.0);
-	for (int a = 0; a < D; ++a)
-		g.clock.account.impulse[a] += g.clock.dt * mass * g.motion->settings->gravity[a];
-	if (g.water) g.seep();
+	if (g.allRests()) return;
+	if (g.heat || g.water) g.findFlows();
+	if (g.heat && !g.heatRests) g.updateTemperature();
+	if (g.motion) g.solveMomentum();
 }
 
 template <int D> void Ground<D>::mapToPoints()
 {
 	Parts& g = *parts_;
-	if (g.motion) g.requirePathsInside();
+	if (g.motion) {
+		g.requirePathsInside();
+		g.cost.lap(CostMeter::motion);
+	}
 	g.clock.halfDone = 1;
+	if (g.allRests()) return;
 	if (g.averaging()) g.cells->clearSums(g.clock.range);
-	const bool average = g.averaging();
-	const auto gather  = [&](int strip, int first, int last) {
-                g.overBlocks(first, last, [&](const WeightBlock<D>& w) {
-                        if (g.heat) g.heat->gather(g.grid, w, g.clock.dt);
-                        if (g.water)
-                                g.water->gather(g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells());
-                        if (g.motion) g.motion->gather(g.grid, w, g.clock.dt);
-                        if (g.affine) g.affine->gather(g.grid, w, *g.motion);
-                });
-                if (!g.motion) return;
-                if (average) {
-                        const double* volume = g.points->volume();
-                        for (int p = first; p < last; ++p) {
-                                double trace = g.motion->gradient[0][p];
-                                for (int a = 1; a < D; ++a)
-                                        trace += g.motion->gradient[a * D + a][p];
-                                g.cells->add(p, volume[p] * trace);
-                        }
+	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, lent = D == 2 && conducts && g.water;
+	const auto gather  = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
+                double gained[blockSize];
+                if (g.water) {
+                        g.water->gather(
+                                g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), lent ? gained : nullptr);
+                        sample.lap(CostMeter::water);
                 }
-                g.checkPositions(strip, first, last);
+                if (conducts) {
+                        g.heat->gather(g.grid, w, lent ? gained : nullptr);
+                        sample.lap(CostMeter::heat);
+                }
+                if (!g.motion) return;
+                g.motion->gather(g.grid, w, g.clock.dt);
+                sample.lap(CostMeter::motion);
+                if (g.affine) {
+                        g.affine->gather(g.grid, w, *g.motion);
+                        sample.lap(CostMeter::transfer);
+                }
+                if (!average) return;
+                const double* volume = g.points->volume();
+                for (int p = w.first; p < w.first + w.count; ++p) {
+                        double trace = g.motion->gradient[0][p];
+                        for (int a = 1; a < D; ++a)
+                                trace += g.motion->gradient[a * D + a][p];
+                        g.cells->add(p, volume[p] * trace);
+                }
+                sample.lap(CostMeter::cells);
 	};
-	g.points->strips().scatter(gather);
-	if (g.motion) g.refuseBadPoints();
+	g.scatterSampled(gather);
+	if (!g.motion) return;
+	g.points->strips().gather([&](int strip, int first, int last) { g.checkPositions(strip, first, last); });
+	g.refuseBadPoints();
+	g.cost.lap(CostMeter::motion);
 }
 
 template <int D> void Ground<D>::updateStrainAndPressure()
 {
 	Parts& g = *parts_;
-	if (g.motion && g.settings.energyLedger) g.keepStrainWork(true);
+	if (g.allRests() && g.contentSettled) return;
+	if (g.motion && g.settings.energyLedger) {
+		g.keepStrainWork(true);
+		g.cost.lap(CostMeter::ledger);
+	}
 	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
 	const auto          update = [&](int strip, int first, int last) {
-                if (cells) g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
-                if (g.motion) g.averageStrain(first, last);
-                if (g.record) g.record->accumulate(first, last, g.motion->gradient);
+                CostMeter::Sample sample = g.cost.sample(strip);
+                sample.begin();
+                if (cells) {
+                        g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
+                        sample.lap(CostMeter::water);
+                }
+                if (g.motion) {
+                        g.averageStrain(first, last);
+                        sample.lap(CostMeter::motion);
+                }
+                if (g.record) {
+                        g.record->accumulate(first, last, g.motion->gradient);
+                        sample.lap(CostMeter::record);
+                }
                 if (!g.content) return;
-                const int failed = g.content->update(first, last, cells);
+                const int failed = g.content->update(first, last, cells, sample);
                 if (failed < last) g.bad[strip] = failed;
 	};
-	if (cells) {
-		g.points->strips().scatter(update);
-		if (g.cellPressure())
-			g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
-	} else
+	if (cells) g.points->strips().scatter(update);
+	else
 		g.points->strips().gather(update);
-	if (!g.content) return;
-	for (int& failed : g.bad) {
+	g.cost.lapShared();
+	if (g.cellPressure()) {
+		g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
+		g.cost.lap(CostMeter::water);
+	}
+	g.contentSettled = g.allRests();
+	if (g.content) g.refuseImpossibleStates();
+}
+
+template <int D> void Ground<D>::Parts::refuseImpossibleStates()
+{
+	for (int& failed : bad) {
 		if (failed < 0) continue;
 		const int p = failed;
-		std::fill(g.bad.begin(), g.bad.end(), -1);
-		throw std::runtime_error(g.whereabouts(p) + " is in an impossible state: " + g.content->complaint(p) + "; the step has ended half way: go on from a checkpoint with other settings");
+		std::fill(bad.begin(), bad.end(), -1);
+		throw std::runtime_error(whereabouts(p) + " is in an impossible state: " + content->complaint(p) + "; the step has ended half way: go on from a checkpoint with other settings");
 	}
 }
 
@@ -301,31 +417,65 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	std::exception_ptr stop;
 	if (g.motion)
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k) {
-			if (g.skeletonPlaces[k].empty()) continue;
 			try {
-				g.settings.skeletons[k]->updateStress(g.batch(k));
+				if (!g.skeletonPlaces[k].empty()) g.settings.skeletons[k]->updateStress(g.batch(k));
 			} catch (const StopAfterStep&) {
 				stop = std::current_exception();
 			}
+			g.cost.lapSkeleton(static_cast<int>(k));
 		}
-	if (g.motion && g.settings.energyLedger) g.keepStrainWork(false);
+	if (g.motion && g.settings.energyLedger) {
+		g.keepStrainWork(false);
+		g.cost.lap(CostMeter::ledger);
+	}
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
 	g.clock.halfDone = 0;
 	if (stop) std::rethrow_exception(stop);
 }
 
+template <int D> std::vector<std::pair<std::string, double>> Ground<D>::cost() const
+{
+	const Parts&                                g = *parts_;
+	std::vector<std::pair<std::string, double>> list;
+	for (int e = 0; e < CostMeter::entries; ++e)
+		if (g.pays(static_cast<CostMeter::Entry>(e)))
+			list.emplace_back(CostMeter::nameOf(static_cast<CostMeter::Entry>(e)), g.cost.seconds(static_cast<CostMeter::Entry>(e)));
+	for (std::size_t k = 0; g.motion && k < g.settings.skeletons.size(); ++k)
+		list.emplace_back(g.settings.skeletons[k]->name() + "[" + std::to_string(k) + "]", g.cost.secondsOfSkeleton(static_cast<int>(k)));
+	return list;
+}
+
+template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
+{
+	switch (entry) {
+		case CostMeter::motion: return bool(motion);
+		case CostMeter::transfer: return bool(affine);
+		case CostMeter::bodies: return bool(bodies);
+		case CostMeter::cells: return bool(cells);
+		case CostMeter::heat: return bool(heat);
+		case CostMeter::freezing: return content && content->iceMass;
+		case CostMeter::water: return bool(water);
+		case CostMeter::flows: return D == 2 && heat && water;
+		case CostMeter::surface:
+		case CostMeter::boundaries: return bool(surface);
+		case CostMeter::record: return bool(record);
+		case CostMeter::ledger: return motion && settings.energyLedger;
+		default: return true;
+	}
+}
+
+template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
+template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
 template void Ground<2>::beginStep(double);
 template void Ground<2>::mapToGrid();
-template void Ground<2>::updateTemperature();
-template void Ground<2>::solveMomentum();
+template void Ground<2>::solveNodes();
 template void Ground<2>::mapToPoints();
 template void Ground<2>::updateStrainAndPressure();
 template void Ground<2>::updateEffectiveStress();
 template void Ground<3>::beginStep(double);
 template void Ground<3>::mapToGrid();
-template void Ground<3>::updateTemperature();
-template void Ground<3>::solveMomentum();
+template void Ground<3>::solveNodes();
 template void Ground<3>::mapToPoints();
 template void Ground<3>::updateStrainAndPressure();
 template void Ground<3>::updateEffectiveStress();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/HeatTransfer.hpp>
-#include <pkg/mpm/PlaneLoops.hpp>
+#include <pkg/mpm/PoreWater.hpp>
+#include <pkg/mpm/SolidMotion.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -39,6 +40,24 @@ template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Gri
 	nodes.allocate(grid.nodeCount());
 	for (NodeField<1>* field : { &capacity, &mapped, &nodal, &energy, &noise, &rise })
 		field->allocate(grid.nodeCount());
+}
+
+template <int D> void HeatTransfer<D>::shareRecords([[maybe_unused]] SolidMotion<D>* motion, [[maybe_unused]] PoreWater<D>* water)
+{
+	if constexpr (D == 2) {
+		carried_ = motion;
+		if (motion) motion->nodes.lend(nodes, motion->freeAt);
+		if (water) {
+			water->nodal.lend(nodal, 3);
+			water->force.lend(energy, 2);
+			water->force.lend(noise, 3);
+			water->exchange.lend(rise, 6);
+		} else {
+			received_.allocate(static_cast<int>(capacity.bytes() / sizeof(double)));
+			received_.lend(energy, 0);
+			received_.lend(noise, 1);
+		}
+	}
 }
 
 template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int points)
@@ -84,21 +103,45 @@ template <int D> void HeatTransfer<D>::limitShares(int first, int count)
 		share[p] = std::min(std::max(share[p], heatCapacity[p]), largestShare * heatCapacity[p]);
 }
 
+template <int D>
+bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const
+{
+	if (settings->source != 0.0) return false;
+	for (const auto& b : boundaries) {
+		if (b->prescribesTemperature() && b->temperature(time) != reference) return false;
+		if (!b->heats()) continue;
+		const SurfaceHeat heat = b->heat(time);
+		if (heat.flux != 0.0 || ((heat.atSurface || heat.coefficient != 0.0) && heat.ambient != reference)) return false;
+	}
+	for (int p = 0; p < points; ++p)
+		if (temperature[p] != reference) return false;
+	return true;
+}
+
+template <int D> void HeatTransfer<D>::rest(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			mapped[i][0] = reference;
+	});
+}
+
 template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
 {
 	if (walls_) mapMoments(grid, w);
+	if (carried_) return;
 	if constexpr (D == 2) {
 		double values[2][blockSize];
 		for (int k = 0; k < w.count; ++k) {
 			values[0][k] = share[w.first + k];
-			values[1][k] = share[w.first + k] * temperature[w.first + k];
+			values[1][k] = share[w.first + k] * (temperature[w.first + k] - reference);
 		}
 		planeLoops().mapTwo(w, values, nodes[0]);
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
 		const double c  = share[w.first + k];
-		const double ct = c * temperature[w.first + k];
+		const double ct = c * (temperature[w.first + k] - reference);
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			double* r = nodes[node];
 			r[0] += s * c;
@@ -171,44 +214,34 @@ void HeatTransfer<D>::nodalTemperature(
 		for (int i = first; i < last; ++i) {
 			const double* r = nodes[i];
 			capacity[i][0]  = r[0];
-			mapped[i][0]    = r[0] > 0.0 ? r[1] / r[0] : 0.0;
-			nodal[i][0]     = mapped[i][0];
+			nodal[i][0]     = r[0] > 0.0 ? r[1] / r[0] : 0.0;
+			mapped[i][0]    = reference + nodal[i][0];
 			energy[i][0]    = 0.0;
 			noise[i][0]     = 0.0;
 		}
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
-		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time);
+		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time) - reference;
 	mirrorWalls(grid);
 	for (int i : affected_)
 		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
 	prescribe(grid);
 }
 
-template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
-{
-	std::isinf(smoothingTime) ? conductBlock<false>(grid, w, dt) : conductBlock<true>(grid, w, dt);
-}
-
-template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
+template <int D> PlaneLoops::HeatFlow HeatTransfer<D>::flow(double dt) const
 {
 	const double scaled = dt * settings->thermalTimeScale;
-	const double source = scaled * settings->source;
+	return { volume, conductivity, share, temperature, scaled, scaled * settings->source, reference };
+}
+
+template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
+{
 	if constexpr (D == 2) {
-		double ofGrid[blockSize], flux[2][blockSize], produced[blockSize], unseen[blockSize];
-		planeLoops().gatherScalar(w, nodal[0], 1, ofGrid, flux);
-		for (int k = 0; k < w.count; ++k) {
-			const int    p           = w.first + k;
-			const double conductance = -volume[p] * conductivity[p] * scaled;
-			produced[k]              = volume[p] * source;
-			unseen[k]                = share[p] * (ofGrid[k] - temperature[p]);
-			flux[0][k] *= conductance;
-			flux[1][k] *= conductance;
-		}
-		planeLoops().mapFlux(w, flux, produced, energy[0]);
-		if constexpr (Smooth) planeLoops().mapScalar(w, unseen, noise[0]);
+		planeLoops().flowHeat(w, flow(dt), nodal[0], energy[0]);
 		return;
 	}
+	const double scaled = dt * settings->thermalTimeScale;
+	const double source = scaled * settings->source;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		Vec<D>    slope {};
@@ -217,11 +250,11 @@ template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const
 			const double t = nodal[node][0];
 			for (int i = 0; i < D; ++i)
 				slope[i] += g[i] * t;
-			if constexpr (Smooth) ofGrid += s * t;
+			ofGrid += s * t;
 		});
 		const double conductance = -volume[p] * conductivity[p] * scaled;
 		const double produced    = volume[p] * source;
-		const double unseen      = share[p] * (ofGrid - temperature[p]);
+		const double unseen      = share[p] * (ofGrid - (temperature[p] - reference));
 		for (int i = 0; i < D; ++i)
 			slope[i] *= conductance;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
@@ -229,7 +262,7 @@ template <int D> template <bool Smooth> void HeatTransfer<D>::conductBlock(const
 			for (int i = 0; i < D; ++i)
 				e += g[i] * slope[i];
 			energy[node][0] += e;
-			if constexpr (Smooth) noise[node][0] += s * unseen;
+			noise[node][0] += s * unseen;
 		});
 	}
 }
@@ -283,30 +316,29 @@ template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, dou
 
 	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
 	// the gradient at a wall and the sum of C T stay
-	const double chi = smoothing(dt);
+	smoothed_        = smoothing(dt);
+	const double chi = smoothed_;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			if (capacity[i][0] > 0.0) rise[i][0] += chi * (nodal[i][0] - noise[i][0] / capacity[i][0]);
 	});
 }
 
-template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
+template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained)
 {
-	const double chi = smoothing(dt);
-	if constexpr (D == 2) {
-		double gained[blockSize], unused[2][blockSize];
-		planeLoops().gatherScalar(w, rise[0], 1, gained, unused);
-		for (int k = 0; k < w.count; ++k) {
-			const int p = w.first + k;
-			enthalpy[p] += share[p] * (gained[k] - chi * temperature[p]);
-		}
-		return;
+	double sums[blockSize];
+	if (!gained) {
+		gained = sums;
+		if constexpr (D == 2) planeLoops().gatherScalar(w, rise[0], sums);
+		else
+			for (int k = 0; k < w.count; ++k) {
+				sums[k] = 0.0;
+				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { sums[k] += s * rise[node][0]; });
+			}
 	}
 	for (int k = 0; k < w.count; ++k) {
-		const int p      = w.first + k;
-		double    gained = 0.0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { gained += s * rise[node][0]; });
-		enthalpy[p] += share[p] * (gained - chi * temperature[p]);
+		const int p = w.first + k;
+		enthalpy[p] += share[p] * (gained[k] - smoothed_ * (temperature[p] - reference));
 	}
 }
 

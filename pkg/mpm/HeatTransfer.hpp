@@ -5,6 +5,7 @@
 #include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/NodeField.hpp>
+#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 
 #include <cmath>
@@ -12,12 +13,17 @@
 
 namespace talik {
 
+template <int D> class PoreWater;
+template <int D> class SolidMotion;
+
 /// Heat: enthalpy on the points, conduction on the nodes. Nodal heat is handed to the points by partition weights, so that the
 /// sum over points changes by exactly what boundaries and sources supply.
 template <int D> class HeatTransfer {
 public:
 	HeatTransfer(PointFields& fields, const HeatSettings& settings, bool freezing);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
+	/// In 2-D nodal numbers lie in the records of other effects (null: absent), so that one pass serves all. Call when all are bound.
+	void shareRecords(SolidMotion<D>* motion, PoreWater<D>* water);
 
 	/// Collects the nodes with prescribed temperature.
 	void constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
@@ -27,6 +33,13 @@ public:
 
 	/// Shares of count points from first on, which hold dH/dT, are kept between the sensible capacity and three times that.
 	void limitShares(int first, int count);
+	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
+	/// nothing, and its heat may rest without a bit being different.
+	void setReference(int place) { reference = temperature[place]; }
+	/// True if nothing would change in a step that ends at time: one temperature at all points and boundaries, no source, no flux.
+	bool hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const;
+	/// What a step without anything to do leaves on the nodes for others.
+	void rest(const ActiveRange& range);
 
 	/// Prepares nodes [first, last) for mapping.
 	void clear(int first, int last)
@@ -34,10 +47,14 @@ public:
 		nodes.clear(first, last);
 		if (walls_) moments.clear(first, last);
 	}
-	/// Adds heat capacity and heat of a block to the nodes.
+	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
 	void nodalTemperature(const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time);
+	/// Shares, for motion to map along with the temperature, or null.
+	const double* carriedShare() const { return carried_ ? share : nullptr; }
+	/// Conduction of a step as the plane loops see it.
+	PlaneLoops::HeatFlow flow(double dt) const;
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
 	/// Heat of a surface patch, implicit in the temperature of each node.
@@ -45,17 +62,19 @@ public:
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
 	void finishNodes(const ActiveRange& range, double dt);
-	/// Enthalpy of a block.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
+	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained = nullptr);
 
 	const HeatSettings* settings;
 	double *enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
 	double* share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
 
-	NodeField<2> nodes;    ///< C, C T; near walls those of the ground and its mirror image
+	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
+
+	NodeField<2> nodes;    ///< C, C (T - T_r); near walls those of the ground and its mirror image
 	NodeField<1> capacity; ///< C of the ground alone
-	NodeField<1> mapped;   ///< T_I from the points
-	NodeField<1> nodal;    ///< T_I whose gradient conducts: prescribed at walls
+	NodeField<1> mapped;   ///< T_I from the points, absolute
+	NodeField<1> nodal;    ///< T_I - T_r whose gradient conducts: prescribed at walls
 	NodeField<1> energy;   ///< Delta E_I [J]
 	NodeField<1> noise;    ///< sum S C (T of the grid at the point - T of the point)
 	NodeField<1> rise;     ///< what points receive: Delta E_I/C_I and smoothing
@@ -65,7 +84,6 @@ public:
 	double smoothingTime = 0.0; ///< in use [s]
 
 private:
-	template <bool Smooth> void conductBlock(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
 	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
 	void                        mirrorWalls(const Grid<D>& grid);
 	void                        prescribe(const Grid<D>& grid);
@@ -78,7 +96,9 @@ private:
 	std::vector<double>          wanted_;   ///< temperature of each prescribed node
 	std::vector<double>          expected_; ///< mean temperature of the points around it that goes with this wall temperature
 	std::array<double*, D>       position_ {};
-	bool                         walls_ = false;
+	NodeField<2>                 received_; ///< energy and noise in one record, in 2-D without water
+	double                       smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
+	bool                         walls_ = false, carried_ = false;
 };
 
 extern template class HeatTransfer<2>;

@@ -13,15 +13,15 @@ struct PlaneLoops {
 
 	/// Quadratic B-spline along one axis: factors, slopes; adds node * stride to base.
 	void (*spline)(WeightBlock<2>& w, int axis, const double* x, double lower, double inverseSpacing, int stride);
-	/// Products of factors and slopes.
-	void (*multiply)(WeightBlock<2>& w);
-
-	/// Node record [mass, momentum x, y, unused, force x, y].
-	static constexpr int motionSize = 6;
+	/// Node record [mass, momentum x, y, unused, force x, y, capacity, capacity times carried].
+	static constexpr int motionSize = 8;
 	struct MotionMap {
-		const double *mass, *volume, *meanStress;
+		const double *mass, *volume;
+		const double* meanStress; ///< replaces that of the stress; may be null
 		const double* velocity[2];
 		const double* stress[4]; ///< xx, yy, zz, xy
+		const double *capacity, *carried; ///< of a quantity mapped along; may be null
+		double        carriedFrom;        ///< carried counts from here
 		double*       nodes;
 	};
 	void (*mapMotion)(const WeightBlock<2>& w, const MotionMap& a);
@@ -39,17 +39,33 @@ struct PlaneLoops {
 	void (*mapEight)(const WeightBlock<2>& w, const double (&values)[8][blockSize], double* nodes);
 	/// Adds S values to a record of 2 numbers.
 	void (*mapTwo)(const WeightBlock<2>& w, const double (&values)[2][blockSize], double* nodes);
-	/// Sums S record of 2 and of 4 numbers.
-	void (*gatherTwo)(const WeightBlock<2>& w, const double* nodes, double (&sums)[2][blockSize]);
-	void (*gatherFour)(const WeightBlock<2>& w, const double* nodes, double (&sums)[4][blockSize]);
-	/// Sums S and grad S times one number of a record of the given stride.
-	void (*gatherScalar)(const WeightBlock<2>& w, const double* nodes, int stride, double (&value)[blockSize], double (&slope)[2][blockSize]);
-	/// Adds (flux . grad S) values to a record of 4 numbers.
-	void (*mapFluxFour)(const WeightBlock<2>& w, const double (&flux)[2][blockSize], const double (&values)[4][blockSize], double* nodes);
-	/// Adds flux . grad S + S source.
-	void (*mapFlux)(const WeightBlock<2>& w, const double (&flux)[2][blockSize], const double (&source)[blockSize], double* nodes);
-	/// Adds S value.
-	void (*mapScalar)(const WeightBlock<2>& w, const double (&value)[blockSize], double* nodes);
+	/// Sums S record of 8 numbers.
+	void (*gatherEight)(const WeightBlock<2>& w, const double* nodes, double (&sums)[8][blockSize]);
+	/// Sums S number.
+	void (*gatherScalar)(const WeightBlock<2>& w, const double* nodes, double (&sums)[blockSize]);
+
+	/// Conduction in a step, temperatures of nodes relative to that of reference: heat -V kappa duration grad T . grad S + V produced S, and what the grid does not see, C (T_grid - T) S.
+	struct HeatFlow {
+		const double *volume, *conductivity, *capacity, *temperature;
+		double        duration, produced, reference;
+	};
+	/// Nodal T; receives [heat, unseen].
+	void (*flowHeat)(const WeightBlock<2>& w, const HeatFlow& h, const double* potential, double* received);
+	/// Node record [p, -, -, T]; receives [sum V S grad p (x, y), heat, unseen].
+	static constexpr int potentialSize = 4;
+	void (*flowPressure)(const WeightBlock<2>& w, const double* volume, const double* potential, double* received);
+	void (*flowHeatAndPressure)(const WeightBlock<2>& w, const HeatFlow& h, const double* potential, double* received);
+
+	/// Flux record of 2 numbers; adds mass, its enthalpy and its momentum to the first 4 numbers of a record of 8.
+	struct Seepage {
+		const double* flux;
+		const double* volume;
+		const double* velocity[2]; ///< of the liquid
+		const double* temperature; ///< null: the water carries no enthalpy
+		double        massPerFlux, specificHeat, enthalpyAtZero;
+		double*       exchange;
+	};
+	void (*seep)(const WeightBlock<2>& w, const Seepage& s);
 
 	/// Hooke's law with the midpoint rotation, count points in sequence: stress xx, yy, zz, xy and gradient at the first; Lame's
 	/// moduli of each.

@@ -242,8 +242,17 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 
 template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells) const
 {
+	std::array<double, CostMeter::entries> unused {};
+	CostMeter::Sample                      sample(unused);
+	return update(first, last, cells, sample);
+}
+
+template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const
+{
+	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : heat_ ? CostMeter::heat : CostMeter::water;
 	const double reference = settings_->mixture.referenceTemperature;
 	for (int start = first; start < last; start += blockSize) {
+		sample.beginBlock();
 		Block b;
 		b.first = start;
 		b.count = std::min(blockSize, last - start);
@@ -262,13 +271,18 @@ template <int D> int PoreContent<D>::update(int first, int last, const CellMeans
 			findPoreVolume(b);
 			if (iceMass && water_) exchangePhaseMomentum(b);
 		}
+		sample.lap(thermal);
 		updateCoefficients(b);
-		if (!water_) continue;
+		if (!water_) {
+			sample.lap(CostMeter::heat);
+			continue;
+		}
 		if (lastVolume_) updatePressureRate(b);
 		else if (cells)
 			collectPressure(b, *cells);
 		else
 			updatePressure(b);
+		sample.lap(CostMeter::water);
 	}
 	return last;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/MaterialPoints.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
@@ -26,6 +27,8 @@ public:
 	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
 	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
 	/// PoreWater::shareCellPressure (call within MaterialPoints::strips().scatter).
+	/// sample: of the time that each effect takes.
+	int update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const;
 	int update(int first, int last, const CellMeans<D>* cells = nullptr) const;
 	/// Why a point is in an impossible state.
 	std::string complaint(int place) const;

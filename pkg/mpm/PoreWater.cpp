@@ -37,6 +37,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	flux.allocate(grid.nodeCount());
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
+	if constexpr (D == 2) exchange.lend(solved, exchangeSize);
 	none_.assign(blockSize, 0.0);
 }
 
@@ -124,12 +125,7 @@ template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const WeightBlock<D>& w)
 {
 	if constexpr (D == 2) {
-		double value[blockSize], slope[2][blockSize];
-		planeLoops().gatherScalar(w, nodal[0], 3, value, slope);
-		for (int i = 0; i < 2; ++i)
-			for (int k = 0; k < w.count; ++k)
-				slope[i][k] *= volume_[w.first + k];
-		planeLoops().mapTwo(w, slope, force[0]);
+		planeLoops().flowPressure(w, volume_, nodal[0], force[0]);
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
@@ -167,20 +163,18 @@ template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, d
 template <int D>
 void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
 {
-	const double* temperature = temperature_ ? temperature_ + w.first : none_.data();
 	if constexpr (D == 2) {
-		double q[2][blockSize], values[4][blockSize];
-		planeLoops().gatherTwo(w, flux[0], q);
-		for (int k = 0; k < w.count; ++k) {
-			const double scale = dt * liquidDensity * volume_[w.first + k];
-			q[0][k] *= scale;
-			q[1][k] *= scale;
-			values[0][k] = 1.0;
-			values[1][k] = enthalpy ? enthalpy->liquidEnthalpy(temperature[k]) : 0.0;
-			values[2][k] = velocity[0][w.first + k];
-			values[3][k] = velocity[1][w.first + k];
-		}
-		planeLoops().mapFluxFour(w, q, values, exchange[0]);
+		const double slope = enthalpy ? enthalpy->properties().liquid.specificHeat : 0.0;
+		planeLoops().seep(
+		        w,
+		        { flux[0],
+		          volume_,
+		          { velocity[0], velocity[1] },
+		          enthalpy ? temperature_ : nullptr,
+		          dt * liquidDensity,
+		          slope,
+		          enthalpy ? enthalpy->liquidEnthalpy(0.0) : 0.0,
+		          exchange[0] });
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
@@ -191,7 +185,7 @@ void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt,
 				q[i] += s * flux[node][i];
 		});
 		const double scale = dt * liquidDensity * volume_[p];
-		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature[k]) : 0.0;
+		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature_[p]) : 0.0;
 		Vec<D>       v;
 		for (int i = 0; i < D; ++i) {
 			q[i] *= scale;
@@ -280,16 +274,16 @@ template <int D> void PoreWater<D>::take(int p, const double* share, double* wat
 }
 
 template <int D>
-void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells)
+void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* gained)
 {
 	const double chi = settings->flipFraction;
 	if constexpr (D == 2) {
-		double change[2][blockSize], got[exchangeSize][blockSize];
-		planeLoops().gatherTwo(w, solved[0], change);
-		planeLoops().gatherFour(w, exchange[0], got);
+		double got[gatheredSize][blockSize];
+		planeLoops().gatherEight(w, exchange[0], got);
+		if (gained) std::copy(got[6], got[6] + w.count, gained);
 		for (int i = 0; i < 2; ++i)
 			for (int k = 0; k < w.count; ++k)
-				velocity[i][w.first + k] = chi * velocity[i][w.first + k] + change[i][k];
+				velocity[i][w.first + k] = chi * velocity[i][w.first + k] + got[exchangeSize + i][k];
 		for (int k = 0; k < w.count; ++k) {
 			const int p = w.first + k;
 			if (cells) {

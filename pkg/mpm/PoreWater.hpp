@@ -22,6 +22,8 @@ public:
 	static constexpr int massAt = 0, momentumAt = 1, volumeAt = 1 + D, liquidVolumeAt = 2 + D, pressureAt = 3 + D, dragAt = 4 + D;
 	/// Exchange by seepage: mass, enthalpy, momentum; first sums, then per liquid mass of the node.
 	static constexpr int exchangeSize = 2 + D;
+	/// In 2-D records are as long as the vectors of the plane loops: numbers that water has no use for are lent to heat.
+	static constexpr int nodalSize = D == 2 ? 4 : 3, forceSize = D == 2 ? 4 : D, gatheredSize = D == 2 ? 8 : exchangeSize;
 
 	PoreWater(PointFields& fields, const WaterSettings& settings);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass);
@@ -53,7 +55,8 @@ public:
 	        const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells);
+	/// gained (2-D, may be null): sum S of the number of the record that heat borrows.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* gained = nullptr);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
 	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
 
@@ -77,12 +80,12 @@ public:
 	double *pressure, *liquidFraction, *drag;
 
 	NodeField<mapSize>      nodes;
-	NodeField<3>            nodal;  ///< pressure, liquid fraction n_I, inverse liquid mass as mapped
-	NodeField<D>            force;  ///< on the liquid
+	NodeField<nodalSize>    nodal;  ///< pressure, liquid fraction n_I, inverse liquid mass as mapped
+	NodeField<forceSize>    force;  ///< on the liquid
 	NodeField<D>            solved; ///< chi dt a + (1 - chi) v
 	NodeField<D>            flux;   ///< n_I (v_l - v_s) of the solved velocities
 	NodeField<D>            start;  ///< v_l at the start of the step
-	NodeField<exchangeSize> exchange;
+	NodeField<gatheredSize> exchange;
 
 	double waterOut = 0.0, enthalpyOut = 0.0; ///< through drained surfaces since the start [kg, J]
 	Vec<D> momentumOut {};

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 
 #include <stdexcept>
@@ -41,31 +40,24 @@ template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::
 	throw std::invalid_argument("shapeFunction = '" + name + "': choose one of " + known);
 }
 
-template <> void multiplyFactors<2>(const Grid<2>& grid, WeightBlock<2>& w)
+template <int D>
+void ShapeFunction<D>::evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& w) const
 {
-	int n = 0;
-	for (int b = 0; b < supportNodes; ++b)
-		for (int a = 0; a < supportNodes; ++a, ++n)
-			w.offset[n] = a * grid.nodeStride(0) + b * grid.nodeStride(1);
-	planeLoops().multiply(w);
+	w.first = first;
+	w.count = count;
+	for (int k = 0; k < count; ++k)
+		w.base[k] = 0;
+	for (int n = 0; n < supportCount<D>; ++n) {
+		w.offset[n] = 0;
+		for (int a = 0, rest = n; a < D; ++a, rest /= supportNodes)
+			w.offset[n] += rest % supportNodes * grid.nodeStride(a);
+	}
+	for (int a = 0; a < D; ++a)
+		along(grid, a, position[a] + first, count, w);
 }
 
-template <> void multiplyFactors<3>(const Grid<3>& grid, WeightBlock<3>& w)
-{
-	int n = 0;
-	for (int c = 0; c < supportNodes; ++c)
-		for (int b = 0; b < supportNodes; ++b)
-			for (int a = 0; a < supportNodes; ++a, ++n) {
-				w.offset[n] = a * grid.nodeStride(0) + b * grid.nodeStride(1) + c * grid.nodeStride(2);
-				for (int k = 0; k < w.count; ++k) {
-					const double nx = w.value[0][a][k], ny = w.value[1][b][k], nz = w.value[2][c][k];
-					w.weight[n][k]      = nx * ny * nz;
-					w.gradient[0][n][k] = w.slope[0][a][k] * ny * nz;
-					w.gradient[1][n][k] = nx * w.slope[1][b][k] * nz;
-					w.gradient[2][n][k] = nx * ny * w.slope[2][c][k];
-				}
-			}
-}
+template class ShapeFunction<2>;
+template class ShapeFunction<3>;
 
 template std::unique_ptr<ShapeFunction<2>> makeShapeFunction<2>(const std::string&);
 template std::unique_ptr<ShapeFunction<3>> makeShapeFunction<3>(const std::string&);

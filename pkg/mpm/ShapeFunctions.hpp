@@ -10,9 +10,6 @@
 
 namespace talik {
 
-/// Completes a block whose base, value and slope are set.
-template <int D> void multiplyFactors(const Grid<D>& grid, WeightBlock<D>& weights);
-
 /// A family of shape functions. A new one is one file: a class like those in QuadraticBSpline.cpp and Gimp.cpp, and its line in
 /// the table of ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis and covers the point's cell and
 /// at most one node behind and two ahead of the cell's lower corner.
@@ -22,16 +19,7 @@ public:
 
 	virtual std::string name() const = 0;
 	/// Weights of count <= blockSize points from place first on; position[axis] are whole arrays.
-	void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const
-	{
-		weights.first = first;
-		weights.count = count;
-		for (int k = 0; k < count; ++k)
-			weights.base[k] = 0;
-		for (int a = 0; a < D; ++a)
-			along(grid, a, position[a] + first, count, weights);
-		multiplyFactors(grid, weights);
-	}
+	void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const;
 
 protected:
 	/// Factors and slopes along one axis; adds the axis' share to base.
@@ -54,10 +42,19 @@ template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const 
 	const int base = w.base[k];
 #pragma GCC unroll 9
 	for (int n = 0; n < supportCount<D>; ++n) {
+		int at[D];
+		for (int a = 0, rest = n; a < D; ++a, rest /= supportNodes)
+			at[a] = rest % supportNodes;
+		double weight = w.value[0][at[0]][k];
+		for (int a = 1; a < D; ++a)
+			weight *= w.value[a][at[a]][k];
 		Vec<D> g;
-		for (int a = 0; a < D; ++a)
-			g[a] = w.gradient[a][n][k];
-		work(base + w.offset[n], w.weight[n][k], g);
+		for (int a = 0; a < D; ++a) {
+			g[a] = a == 0 ? w.slope[0][at[0]][k] : w.value[0][at[0]][k];
+			for (int b = 1; b < D; ++b)
+				g[a] *= a == b ? w.slope[b][at[b]][k] : w.value[b][at[b]][k];
+		}
+		work(base + w.offset[n], weight, g);
 	}
 }
 

@@ -5,7 +5,7 @@
 namespace talik {
 
 template <int D>
-SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion)
+SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool replacesMean)
         : settings(&motion)
 {
 	const char* area = D == 2 ? "m^2" : "m^3";
@@ -15,7 +15,7 @@ SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion
 	stress_          = fields.declare("stress", "motion", "Pa", S);
 	initialVolume_   = fields.declare("initialVolume", "motion", area, 1);
 	gradient_        = fields.declare("gradient", "motion", "-", D * D, false);
-	meanStress_      = fields.declare("meanStress", "motion", "Pa", 1, false);
+	if (replacesMean) meanStress_ = fields.declare("meanStress", "motion", "Pa", 1, false);
 }
 
 template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
@@ -38,12 +38,15 @@ template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid
 	solved.allocate(grid.nodeCount());
 }
 
-template <int D> void SolidMotion<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+template <int D>
+void SolidMotion<D>::map(
+        const Grid<D>& grid, const WeightBlock<D>& w, [[maybe_unused]] const double* capacity, [[maybe_unused]] const double* carried,
+        [[maybe_unused]] double carriedFrom)
 {
 	if constexpr (D == 2) {
 		planeLoops().mapMotion(
 		        w,
-		        { mass, volume, meanStress, { velocity[0], velocity[1] }, { stress[0], stress[1], stress[2], stress[3] }, nodes[0] });
+		        { mass, volume, meanStress, { velocity[0], velocity[1] }, { stress[0], stress[1], stress[2], stress[3] }, capacity, carried, carriedFrom, nodes[0] });
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
@@ -55,7 +58,7 @@ template <int D> void SolidMotion<D>::map(const Grid<D>& grid, const WeightBlock
 			momentum[i] = m * velocity[i][p];
 			mean += stress[i][p];
 		}
-		const double replace = meanStress[p] - mean * (1.0 / D);
+		const double replace = meanStress ? meanStress[p] - mean * (1.0 / D) : 0.0;
 		double       t[D][D];
 		for (int i = 0; i < D; ++i)
 			for (int j = 0; j < D; ++j)

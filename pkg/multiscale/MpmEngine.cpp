@@ -261,6 +261,7 @@ void MpmEngine::followAttributes()
 	s.waveFraction   = waveFraction;
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
+	s.resting        = resting;
 }
 
 /// Determines the stable step anew now and then; true if it did.
@@ -347,8 +348,7 @@ void MpmEngine::advance(double dt)
 {
 	ground->beginStep(dt);
 	ground->mapToGrid();               // step 1: points to grid
-	ground->updateTemperature();       // step 4, heat
-	ground->solveMomentum();           // step 4, nodal forces, implicit drag, boundaries
+	ground->solveNodes();              // step 4: nodal forces and heat flows, implicit drag, boundaries
 	ground->mapToPoints();             // step 5: grid to points
 	ground->updateStrainAndPressure(); // step 2: strain, pore pressure, saturations
 	ground->updateEffectiveStress();   // step 3: displacement gradient and ice saturation down, effective stress back
@@ -637,6 +637,16 @@ py::dict MpmEngine::balance()
 	d["dragDissipation"]    = b.dragDissipation;
 	d["dampingDissipation"] = b.dampingDissipation;
 	d["loadWork"]           = b.loadWork;
+	return d;
+}
+
+py::dict MpmEngine::cost()
+{
+	const auto& g = runningGround();
+	py::dict    d;
+	for (const auto& [effect, seconds] : g.cost())
+		d[effect] = seconds;
+	d["steps"] = g.steps();
 	return d;
 }
 

@@ -40,6 +40,7 @@ public:
 	/// O shows one of the samples: the ground does not step.
 	bool                    inspected = false;
 	::boost::python::dict   balance();
+	::boost::python::dict   cost();
 	::boost::python::object grid();
 	int                     pointCount() const;
 	::boost::python::list   skeletonNumbers() const;
@@ -115,6 +116,7 @@ public:
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
+		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))
@@ -136,6 +138,7 @@ public:
 		.def("history",&MpmEngine::history,(::boost::python::arg("id")),"Records of a watched point: a dictionary of NumPy arrays by instant, time [s] and the fields.")
 		.def_readwrite("inspected",&MpmEngine::inspected,"True while O shows one of the samples: the ground does not step then. Set by inspect() and back().")
 		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
+		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free surface', boundaries, 'deformation record', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
 		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")

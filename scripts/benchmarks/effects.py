@@ -29,11 +29,12 @@ shares = (
 	("free surface, heated and drained", "water, heat, freezing, surface", "water, heat, freezing"),
 	("Mohr-Coulomb, record, ledger, stable step", "everything", "water, heat, freezing, surface"),
 )
+resting = (("rigid: heat, freezing, at rest", "rigid: heat, freezing"), ("dry, heat, at rest", "dry, heat"))
 threaded = ("dry", "dry, cell averages", "water, heat, freezing", "everything")
 aims = {"dry": 30, "everything": 65}
 
 
-phases = ("to grid", "temperature", "momentum", "to points", "strain, pressure", "law")
+phases = ("to grid", "nodes", "to points", "strain, pressure", "law")
 
 
 def read(paths):
@@ -84,6 +85,12 @@ def effectShares(times):
 		yield Figure(f"share: {effect}", cost, "ns", terms={"of everything": f"{100 * cost / everything:.0f} %"})
 
 
+def savings(times):
+	for asleep, awake in resting:
+		spent, full = (times[name + "/1 thread"] for name in (asleep, awake))
+		yield Figure(f"{asleep}, against awake", spent / full, "x", ceiling=1.0, terms={"at rest [ns]": round(spent, 1), "awake [ns]": round(full, 1)})
+
+
 def agreements(path):
 	for run in json.load(open(path))["benchmarks"]:
 		law = ", Mohr-Coulomb" if "Mohr" in run["run_name"] else ""
@@ -93,7 +100,7 @@ def agreements(path):
 
 def main(target, agreementPath, *timesPaths):
 	times = read(timesPaths)
-	measured = [*overMinimum(times), *agreements(agreementPath), *speedUps(times), *combinations(times), *effectShares(times)]
+	measured = [*overMinimum(times), *agreements(agreementPath), *speedUps(times), *savings(times), *combinations(times), *effectShares(times)]
 	notes = [
 		"ns per point and step: 40 000 points, quadratic B-splines, double precision, one thread (CPU time of it).",
 		"The minimum has the same transfer, law and floor and nothing else: no checks, no sorting, no energies, no strips for threads.",

@@ -29,6 +29,7 @@ const Vec<2>     corner { 0.2, 0.0 }, size { 1.0, 1.0 };
 struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
 	bool record = false, ledger = false, surface = false;
+	bool uniform = false; ///< one temperature everywhere: heat rests
 	bool lookups = false; ///< of the stable time step, as often as a run does
 };
 
@@ -71,7 +72,7 @@ GroundSettings<2> settingsOf(const Effects& e)
 	return s;
 }
 
-/// Temperature falls from the top to the floor, through the freezing range; pressure is hydrostatic: nothing rests.
+/// Temperature falls from the top to the floor, through the freezing range, and pressure is hydrostatic: nothing rests; unless uniform.
 std::unique_ptr<Ground<2>> groundWith(const Effects& e)
 {
 	auto         ground = std::make_unique<Ground<2>>(settingsOf(e));
@@ -82,7 +83,7 @@ std::unique_ptr<Ground<2>> groundWith(const Effects& e)
 			point.position    = { corner[0] + (i + 0.5) * side, corner[1] + (j + 0.5) * side };
 			point.volume      = side * side;
 			point.porosity    = porosity;
-			point.temperature = -5.0 + 10.0 * point.position[1] / size[1];
+			point.temperature = e.uniform ? -5.0 : -5.0 + 10.0 * point.position[1] / size[1];
 			point.pressure    = 1000.0 * gravity * (size[1] - point.position[1]);
 			ground->addPoint(point);
 		}
@@ -168,10 +169,9 @@ struct Phases {
 		void (*call)(Ground<2>&, double step);
 		double time;
 	};
-	std::array<Phase, 6> all { {
+	std::array<Phase, 5> all { {
 		{ "to grid", [](Ground<2>& g, double step) { g.beginStep(step); g.mapToGrid(); }, 0.0 },
-		{ "temperature", [](Ground<2>& g, double) { g.updateTemperature(); }, 0.0 },
-		{ "momentum", [](Ground<2>& g, double) { g.solveMomentum(); }, 0.0 },
+		{ "nodes", [](Ground<2>& g, double) { g.solveNodes(); }, 0.0 },
 		{ "to points", [](Ground<2>& g, double) { g.mapToPoints(); }, 0.0 },
 		{ "strain, pressure", [](Ground<2>& g, double) { g.updateStrainAndPressure(); }, 0.0 },
 		{ "law", [](Ground<2>& g, double) { g.updateEffectiveStress(); }, 0.0 },
@@ -237,7 +237,9 @@ std::vector<Combination> combinations()
 		{ "dry, energy ledger", with(dry, &E::ledger) },
 		{ "rigid: heat", with(rigid, &E::heat) },
 		{ "rigid: heat, freezing", with(rigid, &E::heat, &E::freezing) },
+		{ "rigid: heat, freezing, at rest", with(rigid, &E::heat, &E::freezing, &E::uniform) },
 		{ "dry, heat", with(dry, &E::heat) },
+		{ "dry, heat, at rest", with(dry, &E::heat, &E::uniform) },
 		{ "dry, heat, freezing", with(dry, &E::heat, &E::freezing) },
 		{ "water", with(averaged, &E::water) },
 		{ "water, heat", with(averaged, &E::water, &E::heat) },

@@ -38,15 +38,14 @@ std::vector<double> resultsOf(const PlaneLoops& loops)
 		w.offset[n] = n % 3 + n / 3 * stride;
 	loops.spline(w, 0, x.data(), 0.0, 10.0, 1);
 	loops.spline(w, 1, y.data(), 0.0, 10.0, stride);
-	loops.multiply(w);
 
 	std::vector<double> all;
 	const auto          keep = [&](const double* values, std::size_t n) { all.insert(all.end(), values, values + n); };
-	for (int n = 0; n < 9; ++n) {
-		keep(w.weight[n], count);
-		keep(w.gradient[0][n], count);
-		keep(w.gradient[1][n], count);
-	}
+	for (int a = 0; a < 2; ++a)
+		for (int i = 0; i < supportNodes; ++i) {
+			keep(w.value[a][i], count);
+			keep(w.slope[a][i], count);
+		}
 	std::vector<double> grid(nodes * 8);
 	for (double& v : grid)
 		v = uniform(random);
@@ -55,29 +54,33 @@ std::vector<double> resultsOf(const PlaneLoops& loops)
 		work(copy.data());
 		keep(copy.data(), copy.size());
 	};
-	double two[2][blockSize], four[4][blockSize], eight[8][blockSize], one[blockSize];
+	double     two[2][blockSize], eight[8][blockSize], one[blockSize];
 	const auto randomise = [&](double* values, int n) {
 		for (int i = 0; i < n; ++i)
 			values[i] = uniform(random);
 	};
 	randomise(two[0], 2 * blockSize);
-	randomise(four[0], 4 * blockSize);
 	randomise(eight[0], 8 * blockSize);
-	randomise(one, blockSize);
-	onGrid([&](double* g) { loops.mapMotion(w, { at(0), at(1), at(2), { at(3), at(4) }, { at(5), at(6), at(7), at(8) }, g }); });
+	for (const bool replaced : { false, true })
+		for (const bool carried : { false, true })
+			onGrid([&](double* g) {
+				loops.mapMotion(
+				        w,
+				        { at(0), at(1), replaced ? at(2) : nullptr, { at(3), at(4) }, { at(5), at(6), at(7), at(8) }, carried ? at(11) : nullptr, at(12), 0.4, g });
+			});
 	onGrid([&](double* g) { loops.mapEight(w, eight, g); });
 	onGrid([&](double* g) { loops.mapTwo(w, two, g); });
-	onGrid([&](double* g) { loops.mapFluxFour(w, two, four, g); });
-	onGrid([&](double* g) { loops.mapFlux(w, two, one, g); });
-	onGrid([&](double* g) { loops.mapScalar(w, one, g); });
+	const PlaneLoops::HeatFlow heat { at(0), at(1), at(2), at(3), 0.7, 0.3, 0.2 };
+	onGrid([&](double* g) { loops.flowHeat(w, heat, grid.data(), g); });
+	onGrid([&](double* g) { loops.flowPressure(w, at(0), grid.data(), g); });
+	onGrid([&](double* g) { loops.flowHeatAndPressure(w, heat, grid.data(), g); });
+	onGrid([&](double* g) { loops.seep(w, { grid.data(), at(0), { at(3), at(4) }, at(5), 0.7, 4.2, 3.3, g }); });
 	loops.gatherMotion(w, { grid.data(), { at(9), at(10) }, { at(11), at(12) }, { at(13), at(14) }, { at(15), at(16), at(17), at(18) }, 0.97, 1e-3 });
-	loops.gatherTwo(w, grid.data(), two);
-	loops.gatherFour(w, grid.data(), four);
-	keep(two[0], count), keep(two[1], count);
-	for (auto& f : four)
+	loops.gatherEight(w, grid.data(), eight);
+	for (auto& f : eight)
 		keep(f, count);
-	loops.gatherScalar(w, grid.data(), 3, one, two);
-	keep(one, count), keep(two[0], count), keep(two[1], count);
+	loops.gatherScalar(w, grid.data(), one);
+	keep(one, count);
 	const double* const gradient[4] = { at(15), at(16), at(17), at(18) };
 	double* const       stress[4]   = { at(5), at(6), at(7), at(8) };
 	loops.elastic(40, at(19), at(20), gradient, stress);

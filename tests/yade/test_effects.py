@@ -258,3 +258,36 @@ def test_a_refusal_in_the_background_thread_reaches_python():
 		O.run(10, True)
 	print(failure.value)
 	assert "upper.x" in str(failure.value) and not O.running
+
+
+# ---- cost -----------------------------------------------------------------------------------------------------------------
+
+costs = {
+	"heat only": {"heat"},
+	"heat and freezing": {"heat", "freezing"},
+	"motion only": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]"},
+	"motion and water": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water"},
+	"motion with affine transfer": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "transfer"},
+	"everything": {
+		"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water", "heat", "freezing", "conduction and pore pressure"},
+}
+
+
+@pytest.mark.parametrize("scene", costs)
+def test_cost_names_exactly_the_effects_of_the_scene_and_adds_up_to_the_time_of_the_engine(scene):
+	mpm = engine(points=False, **{**scenes[scene][0], "gridSpacing": 0.02})
+	positions, volumes = talik.geometry.fillPolygon(square, 0.02)
+	mpm.addPoints(position=positions, volume=volumes, temperature=np.linspace(-2, 2, len(volumes)))
+	O.step()  # what happens once is not of the steps
+	before, O.timingEnabled, mpm.execTime = mpm.cost(), True, 0
+	for _ in range(20):
+		O.step()
+	O.timingEnabled = False
+	cost = mpm.cost()
+	assert cost.pop("steps") == 21 and before.pop("steps") == 1
+	assert set(cost) - {"sorting", "time step limits"} == costs[scene]
+	spent = {name: cost[name] - before[name] for name in cost}
+	total, measured = 1e-9 * mpm.execTime, sum(spent.values())
+	print(f"{mpm.pointCount} points: " + ", ".join(f"{name} {1e3 * value / 20:.3f}" for name, value in spent.items()) + f" ms a step; sum {measured / total:.1%} of the engine's time")
+	assert all(value >= 0 for value in spent.values())
+	assert 0.9 < measured / total <= 1.0
