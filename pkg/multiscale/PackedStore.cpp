@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/PackedStore.hpp>
 
+#include <cstring>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -20,6 +21,42 @@ namespace {
 				return;
 			}
 		known.push_back(state.grains);
+	}
+
+	void saveKeys(ByteWriter& writer, const std::vector<std::uint64_t>& keys) { writer.block(keys.data(), keys.size() * sizeof(std::uint64_t)); }
+
+	void restoreKeys(ByteReader& reader, std::vector<std::uint64_t>& keys)
+	{
+		const std::string bytes = reader.block();
+		keys.resize(bytes.size() / sizeof(std::uint64_t));
+		if (!keys.empty()) std::memcpy(keys.data(), bytes.data(), bytes.size());
+	}
+
+	/// The neighbour lists go along: lists made anew sum the same forces in another order.
+	void saveSample(ByteWriter& writer, const ParkedSample<2>& sample)
+	{
+		PackedState<2> state;
+		PackedLists<2> lists;
+		sample.unpark(state);
+		const bool listed = sample.unpark(lists, state.contacts);
+		writer.block(state.toBytes());
+		writer.number(listed);
+		if (!listed) return;
+		writer.block(static_cast<const PackedListUse<2>*>(&lists), sizeof(PackedListUse<2>));
+		saveKeys(writer, lists.inner);
+		saveKeys(writer, lists.periodic);
+	}
+
+	SamplePool<2>::Parked restoreSample(ByteReader& reader, std::vector<std::shared_ptr<const PackedGrains>>& known)
+	{
+		auto state = PackedState<2>::fromBytes(reader.block());
+		shareGrains(state, known);
+		if (!reader.number()) return std::make_shared<ParkedSample<2>>(state);
+		PackedLists<2> lists;
+		reader.block(static_cast<PackedListUse<2>*>(&lists), sizeof(PackedListUse<2>));
+		restoreKeys(reader, lists.inner);
+		restoreKeys(reader, lists.periodic);
+		return std::make_shared<ParkedSample<2>>(state, &lists);
 	}
 } // namespace
 
@@ -108,7 +145,7 @@ void PackedStore::save(ByteWriter& writer) const
 	}
 	writer.number(distinct.size());
 	for (const auto s : distinct)
-		writer.block(pool.state(s).toBytes());
+		saveSample(writer, *pool.parked(s));
 	writer.number(which.size());
 	for (const auto w : which)
 		writer.number(w);
@@ -118,11 +155,8 @@ void PackedStore::restore(ByteReader& reader)
 {
 	std::vector<SamplePool<2>::Parked>               distinct(reader.number());
 	std::vector<std::shared_ptr<const PackedGrains>> known;
-	for (auto& sample : distinct) {
-		auto state = PackedState<2>::fromBytes(reader.block());
-		shareGrains(state, known);
-		sample = std::make_shared<ParkedSample<2>>(state);
-	}
+	for (auto& sample : distinct)
+		sample = restoreSample(reader, known);
 	pool.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)
 		pool.add(distinct.at(reader.number()));
