@@ -463,24 +463,24 @@ py::object MpmEngine::strains(const string& name)
 	return arrayOf(rows);
 }
 
-bool MpmEngine::isMeasured(const string& name) const
+/// Skeletons in use that give this measure.
+vector<shared_ptr<SkeletonLaw>> MpmEngine::lawsMeasuring(const string& name) const
 {
-	for (const auto& law : activeSkeletons())
-		for (const auto& measure : law->measures())
-			if (measure == name) return true;
-	return false;
+	vector<shared_ptr<SkeletonLaw>> laws;
+	for (const auto& law : activeSkeletons()) {
+		const auto measures = law->measures();
+		if (std::find(measures.begin(), measures.end(), name) != measures.end()) laws.push_back(law);
+	}
+	return laws;
 }
 
 /// A measure of the samples, each point's from the skeleton that it has.
-py::object MpmEngine::measured(const string& name) const
+py::object MpmEngine::measured(const vector<shared_ptr<SkeletonLaw>>& laws, const string& name) const
 {
-	const auto           laws = activeSkeletons();
 	vector<vector<Real>> rows(pointCount());
 	vector<np::ndarray>  tables;
-	for (const auto& law : laws) {
-		const auto measures = law->measures();
-		if (std::find(measures.begin(), measures.end(), name) != measures.end()) tables.push_back(py::extract<np::ndarray>(law->values(name))());
-	}
+	for (const auto& law : laws)
+		tables.push_back(py::extract<np::ndarray>(law->values(name))());
 	for (int id = 0; id < pointCount(); id++)
 		for (const auto& table : tables) {
 			const int   parts = table.get_nd() == 1 ? 1 : table.shape(1);
@@ -494,7 +494,8 @@ py::object MpmEngine::field(const string& name)
 {
 	auto& g = runningGround();
 	if (isStrain(name)) return strains(name);
-	if (isMeasured(name)) return measured(name);
+	const auto laws = lawsMeasuring(name);
+	if (!laws.empty()) return measured(laws, name);
 	int       parts = 1;
 	const int n     = g.points().count();
 	for (const auto& info : g.fields())
@@ -548,12 +549,11 @@ py::list MpmEngine::most(const string& name, int count)
 
 vector<Real> MpmEngine::valueAt(const string& name, int id)
 {
-	if (isMeasured(name)) {
+	const auto laws = lawsMeasuring(name);
+	if (!laws.empty()) {
 		vector<Real> value { NaN };
-		for (const auto& law : activeSkeletons()) {
-			const auto measures = law->measures();
-			if (std::isnan(value.front()) && std::find(measures.begin(), measures.end(), name) != measures.end()) value = law->valueAt(name, id);
-		}
+		for (const auto& law : laws)
+			if (std::isnan(value.front())) value = law->valueAt(name, id);
 		return value;
 	}
 	const auto&  points = ground->points();

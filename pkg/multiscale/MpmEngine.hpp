@@ -77,8 +77,8 @@ private:
 	void                     stepGround();
 	void                     advance(double dt);
 	::boost::python::object  strains(const string& name);
-	::boost::python::object  measured(const string& name) const;
-	bool                     isMeasured(const string& name) const;
+	vector<shared_ptr<SkeletonLaw>> lawsMeasuring(const string& name) const;
+	::boost::python::object  measured(const vector<shared_ptr<SkeletonLaw>>& laws, const string& name) const;
 	vector<string>           existingFields();
 	vector<Real>             valueAt(const string& name, int id);
 	void                     recordWatched();

@@ -292,6 +292,8 @@ void SampleSkeleton::keepOnly(const SkeletonBatch<2>& batch)
 		store->release(std::size_t(sampleOf[id]));
 		sampleOf[id] = -1;
 		failures.erase(int(id));
+		isolated.erase(int(id));
+		changed.erase(int(id));
 	}
 	count.points = std::uint64_t(batch.count);
 }

@@ -73,7 +73,7 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=f"{label} ({seconds:.0f} s)")
 		if "bondsFormed" in frames[0]:
 			broken.plot(times, [100 * shearband.brokenShare(frame, slice(None)) for frame in frames], marker="o", markersize=3, label=label)
-	moved.set(xlabel="thaw time [s]", ylabel="largest displacement [m]", yscale="symlog")
+	moved.set(xlabel="thaw time [s]", ylabel="largest displacement [m]")
 	moved.set_yscale("symlog", linthresh=0.01)
 	moved.legend(fontsize=8, frameon=False)
 	broken.set(xlabel="thaw time [s]", ylabel="bonds broken mechanically [%]", ylim=(0, None))

@@ -184,8 +184,8 @@ def test_another_version_is_read_where_it_can_be_and_named_where_it_cannot(check
 	(dict(file=""), "Checkpoint.file is empty"),
 	(dict(file="/proc/none/x"), "Checkpoint.file is '/proc/none/x'"),
 	(dict(file="/tmp"), "Checkpoint.file is '/tmp', a folder"),
-	(dict(file="/tmp/talik-x", every=-1), "Checkpoint.every is -1"),
-	(dict(file="/tmp/talik-x", every=float("nan")), "Checkpoint.every is nan"),
+	(dict(file="talik.checkpoint", every=-1), "Checkpoint.every is -1"),
+	(dict(file="talik.checkpoint", every=float("nan")), "Checkpoint.every is nan"),
 ])
 def test_what_a_checkpoint_cannot_do_is_said_before_the_run(settings, what):
 	mpm = dryGround()

@@ -15,7 +15,7 @@ def blocks(language):
 
 
 def test_python_of_the_readme_runs_in_a_yade_console(tmp_path):
-	code = "\n".join(blocks("python")).replace("/tmp/sample.yade.gz", str(tmp_path / "sample.yade.gz"))
+	code = "\n".join(blocks("python")).replace("sample.yade.gz", str(tmp_path / "sample.yade.gz"))
 	names = dict(vars(yade))
 	names["O"] = yade.O
 	yade.O.reset()
