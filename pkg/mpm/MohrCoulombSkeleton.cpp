@@ -143,6 +143,40 @@ template <int D> void MohrCoulombSkeleton<D>::validate() const
 	        tensileStrengthFrozen,
 	        "must not be negative, in Pa");
 	requireSetting(std::isfinite(iceExponent) && iceExponent >= 1.0, name("iceExponent"), iceExponent, "must be 1 or more");
+	validateTable();
+}
+
+template <int D> void MohrCoulombSkeleton<D>::validateTable() const
+{
+	const auto require = [](const char* column, const std::vector<double>& values, std::size_t wanted, bool zeroAllowed) {
+		const std::string name = std::string("MohrCoulombSkeleton.table.") + column;
+		requireSetting(values.size() == wanted, name + " length", double(values.size()), "must be that of the ice saturations");
+		for (const double value : values)
+			requireSetting(std::isfinite(value) && (zeroAllowed ? value >= 0.0 : value > 0.0), name, value, zeroAllowed ? "must not be negative" : "must be positive");
+	};
+	const auto& s = table.saturation;
+	require("youngModulus", table.youngModulus, s.size(), false);
+	require("cohesion", table.cohesion, s.size(), true);
+	require("tensileStrength", table.tensileStrength, s.size(), true);
+	for (std::size_t k = 0; k < s.size(); ++k)
+		requireSetting(
+		        s[k] >= 0.0 && s[k] <= 1.0 && (k == 0 || s[k] > s[k - 1]), "MohrCoulombSkeleton.table.saturation", s[k],
+		        "must lie in 0 to 1 and above the one before it");
+}
+
+template <int D> typename MohrCoulombSkeleton<D>::AtSaturation MohrCoulombSkeleton<D>::at(double saturation) const
+{
+	const auto& s = table.saturation;
+	if (s.empty()) {
+		const double phi = iceFunction(saturation, iceExponent);
+		return { youngModulus + (youngModulusFrozen - youngModulus) * phi, cohesion + (cohesionFrozen - cohesion) * phi,
+			 tensileStrength + (tensileStrengthFrozen - tensileStrength) * phi };
+	}
+	const std::size_t above = std::upper_bound(s.begin(), s.end(), saturation) - s.begin();
+	const std::size_t j = std::min(above, s.size() - 1), i = above == 0 ? 0 : above - 1;
+	const double      part = i == j ? 0.0 : (saturation - s[i]) / (s[j] - s[i]);
+	const auto        value = [&](const std::vector<double>& column) { return column[i] + part * (column[j] - column[i]); };
+	return { value(table.youngModulus), value(table.cohesion), value(table.tensileStrength) };
 }
 
 template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
@@ -171,12 +205,16 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 {
 	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
 	const LameModuli unit(1.0, poissonRatio);
-	double           phi[pieceSize], lambda[pieceSize], shear[pieceSize];
+	AtSaturation     present[pieceSize];
+	double           lambda[pieceSize], shear[pieceSize];
+	if (b.iceSaturation)
+		for (int k = 0; k < count; ++k)
+			present[k] = at(b.iceSaturation[first + k]);
+	else
+		std::fill(present, present + count, at(0.0));
 	for (int k = 0; k < count; ++k) {
-		phi[k]         = b.iceSaturation ? iceFunction(b.iceSaturation[first + k], iceExponent) : 0.0;
-		const double e = youngModulus + (youngModulusFrozen - youngModulus) * phi[k];
-		lambda[k]      = e * unit.lambda;
-		shear[k]       = e * unit.shear;
+		lambda[k] = present[k].youngModulus * unit.lambda;
+		shear[k]  = present[k].youngModulus * unit.shear;
 	}
 	std::array<double*, stressSize<D>> stress;
 	for (int c = 0; c < stressSize<D>; ++c)
@@ -190,8 +228,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 	for (int k = 0; k < count; ++k) {
 		m.lambda          = lambda[k];
 		m.shear           = shear[k];
-		m.cohesion        = cohesion + (cohesionFrozen - cohesion) * phi[k];
-		m.tensileStrength = tensileStrength + (tensileStrengthFrozen - tensileStrength) * phi[k];
+		m.cohesion        = present[k].cohesion;
+		m.tensileStrength = present[k].tensileStrength;
 		if (m.sinFriction > 0.0) m.tensileStrength = std::min(m.tensileStrength, m.cohesion * m.cosFriction / m.sinFriction);
 		double s[stressSize<D>];
 		for (int c = 0; c < stressSize<D>; ++c)
@@ -207,10 +245,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 template <int D> void MohrCoulombSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
 {
 	const double unit = LameModuli(1.0, poissonRatio).oedometer();
-	for (int k = 0; k < b.count; ++k) {
-		const double phi    = b.iceSaturation ? iceFunction(b.iceSaturation[b.place[k]], iceExponent) : 0.0;
-		modulus[b.place[k]] = unit * (youngModulus + (youngModulusFrozen - youngModulus) * phi);
-	}
+	for (int k = 0; k < b.count; ++k)
+		modulus[b.place[k]] = unit * at(b.iceSaturation ? b.iceSaturation[b.place[k]] : 0.0).youngModulus;
 }
 
 template class MohrCoulombSkeleton<2>;

@@ -3,11 +3,14 @@
 
 #include <pkg/mpm/SkeletonModel.hpp>
 
+#include <vector>
+
 namespace talik {
 
 /// Elastic, perfectly plastic ground after Mohr and Coulomb with a tension cut-off, whose stiffness, cohesion and tensile
 /// strength follow the ice saturation: X(S_i) = X_thawed + (X_frozen - X_thawed) phi(S_i), phi = 1 - (1 - S_i^m)^m
 /// (the ice function of Yu & Zhao, eqs. 5 to 7, used here at the scale of the ground).
+/// A table, e.g. measured on samples, takes the place of the function where it is given.
 /// Trial stress by the Jaumann rate, then return to the yield surface in principal stresses (planes, edges, apex, cut-off).
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
@@ -22,6 +25,14 @@ public:
 	double tensileStrengthFrozen = 200e3; ///< at S_i = 1 [Pa], >= 0
 	double iceExponent        = 2.0;   ///< m of phi [-], >= 1
 
+	/// Values at ascending ice saturations, linear in between and constant beyond; equal lengths, all empty for the function phi.
+	struct IceTable {
+		std::vector<double> saturation;      ///< S_i [-]
+		std::vector<double> youngModulus;    ///< [Pa], > 0
+		std::vector<double> cohesion;        ///< [Pa], >= 0
+		std::vector<double> tensileStrength; ///< [Pa], >= 0
+	} table;
+
 	std::string name() const override { return "MohrCoulombSkeleton"; }
 	void        validate() const override;
 	void        declareFields(PointFields&, const std::string& prefix) override;
@@ -29,6 +40,11 @@ public:
 	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
 
 private:
+	struct AtSaturation {
+		double youngModulus, cohesion, tensileStrength;
+	};
+	AtSaturation at(double saturation) const;
+	void         validateTable() const;
 	/// count points in sequence from place first on
 	void updateRun(const SkeletonBatch<D>&, int first, int count);
 

@@ -42,11 +42,16 @@ SkeletonLaw::Pointer MohrCoulombSkeleton::build(int)
 	model->tensileStrength       = tensileStrength;
 	model->tensileStrengthFrozen = tensileStrengthFrozen;
 	model->iceExponent           = exponent;
+	model->table                 = { iceSaturations, youngs, cohesions, tensileStrengths };
 	talik::underScriptNames(
 	        { { "MohrCoulombSkeleton.youngModulusFrozen", "MohrCoulombSkeleton.youngFrozen" },
 	          { "MohrCoulombSkeleton.youngModulus", "MohrCoulombSkeleton.young" },
 	          { "MohrCoulombSkeleton.poissonRatio", "MohrCoulombSkeleton.poisson" },
-	          { "MohrCoulombSkeleton.iceExponent", "MohrCoulombSkeleton.exponent" } },
+	          { "MohrCoulombSkeleton.iceExponent", "MohrCoulombSkeleton.exponent" },
+	          { "MohrCoulombSkeleton.table.saturation", "MohrCoulombSkeleton.iceSaturations" },
+	          { "MohrCoulombSkeleton.table.youngModulus", "MohrCoulombSkeleton.youngs" },
+	          { "MohrCoulombSkeleton.table.cohesion", "MohrCoulombSkeleton.cohesions" },
+	          { "MohrCoulombSkeleton.table.tensileStrength", "MohrCoulombSkeleton.tensileStrengths" } },
 	        [&] { model->validate(); });
 	return model;
 }

@@ -51,7 +51,7 @@ public:
 	virtual ~MohrCoulombSkeleton() {};
 	Pointer build(int) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice saturation through phi(S_i) = 1-(1-S_i^m)^m. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
+	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
 		((Real,young,10e6,,"Thawed Young's modulus [Pa], > 0."))
 		((Real,youngFrozen,100e6,,"Young's modulus at full ice saturation [Pa], >= young."))
 		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
@@ -62,6 +62,10 @@ public:
 		((Real,tensileStrength,0,,"Thawed tensile strength [Pa], >= 0."))
 		((Real,tensileStrengthFrozen,200e3,,"Tensile strength at full ice saturation [Pa], >= 0."))
 		((Real,exponent,2,,"m of phi [-], >= 1."))
+		((vector<Real>,iceSaturations,,,"Ice saturations of the tables, ascending in 0..1 [-]; empty: values follow phi."))
+		((vector<Real>,youngs,,,"Young's modulus at each of iceSaturations [Pa], > 0."))
+		((vector<Real>,cohesions,,,"Cohesion at each of iceSaturations [Pa], >= 0."))
+		((vector<Real>,tensileStrengths,,,"Tensile strength at each of iceSaturations [Pa], >= 0."))
 	);
 	// clang-format on
 };

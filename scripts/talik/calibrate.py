@@ -9,10 +9,8 @@ Every test starts from the ice-free sample, brings it to an isotropic pressure, 
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
 t = c cos(phi) + s' sin(phi) with s' = -(xx + yy)/2 and t the radius of Mohr's circle, by least squares of relative residuals.
 Young's modulus is the secant at half of the peak deviator, averaged over the pressures. Tensile strength comes from extension without
-lateral stress. A perfectly plastic law keeps the peak; what the brittle sample loses after it is reported as `residual`.
-
-The law interpolates between the thawed and the fully frozen values by phi = 1-(1-S_i^m)^m; its exponent m is fitted to cohesion and
-stiffness at the ice saturations in between, and what it misses there is reported.
+lateral stress. The law takes each of them as a table over ice saturation, linear in between. A perfectly plastic law keeps the peak;
+what the brittle sample loses after it is reported as `residual`.
 """
 
 import argparse
@@ -130,30 +128,14 @@ class Calibration:
 
 	def parameters(self):
 		"""Keyword arguments of MohrCoulombSkeleton."""
-		(young, youngFrozen), (cohesion, cohesionFrozen), (tension, tensionFrozen) = (
-			(float(values[0]), float(values[-1])) for values in (self.young, self.cohesion, self.tensileStrength)
-		)
 		return dict(
-			poisson=self.poisson, frictionAngle=self.frictionAngle, exponent=self.exponent, young=young, youngFrozen=youngFrozen, cohesion=cohesion,
-			cohesionFrozen=cohesionFrozen, tensileStrength=tension, tensileStrengthFrozen=tensionFrozen,
+			poisson=self.poisson, frictionAngle=self.frictionAngle, iceSaturations=list(map(float, self.iceSaturation)), youngs=list(map(float, self.young)),
+			cohesions=list(map(float, self.cohesion)), tensileStrengths=list(map(float, self.tensileStrength)),
 		)
-
-	@property
-	def exponent(self):
-		"""m of phi that meets cohesion and stiffness best, both over their frozen values [-]."""
-		return min(np.arange(1.0, 4.01, 0.02), key=self._misfit).item()
-
-	def _misfit(self, exponent):
-		return sum(np.sum((self.between(values, self.iceSaturation, exponent) - values) ** 2) / values[-1] ** 2 for values in (self.cohesion, self.young))
-
-	def between(self, values, saturation, exponent=None):
-		"""What the law takes at ice saturations, from the first and the last of `values`."""
-		m = self.exponent if exponent is None else exponent
-		return values[0] + (values[-1] - values[0]) * (1 - (1 - np.asarray(saturation) ** m) ** m)
 
 	def report(self):
 		"""The fit as text."""
-		lines = [f"{len(self.tests)} tests in {self.seconds:.0f} s; friction angle {self.frictionAngle:.1f} deg, Poisson's ratio {self.poisson:.2f}, exponent of phi {self.exponent:.2f}"]
+		lines = [f"{len(self.tests)} tests in {self.seconds:.0f} s; friction angle {self.frictionAngle:.1f} deg, Poisson's ratio {self.poisson:.2f}"]
 		lines.append(f"{'S_i [-]':>8} {'c [kPa]':>9} {'E [MPa]':>9} {'+-':>5} {'tension [kPa]':>14} {'residuals of t at the pressures':>34} {'after peak/peak':>16}")
 		for k, saturation in enumerate(self.iceSaturation):
 			chosen = [i for i, test in enumerate(self.tests) if test.iceSaturation == saturation]
@@ -163,9 +145,6 @@ class Calibration:
 				f"{saturation:8.2f} {1e-3 * self.cohesion[k]:9.2f} {1e-6 * self.young[k]:9.1f} {100 * self.youngScatter[k]:4.0f}% "
 				f"{1e-3 * self.tensileStrength[k]:14.1f} {off:>34} {after:16.2f}"
 			)
-		for name, values in (("c", self.cohesion), ("E", self.young)):
-			missed = np.abs(self.between(values, self.iceSaturation) - values).max() / values[-1]
-			lines.append(f"{name} of the law misses the measured one by up to {100 * missed:.1f} % of the frozen value")
 		return "\n".join(lines)
 
 	def draw(self):
@@ -184,16 +163,11 @@ class Calibration:
 		curves.set(xlabel="axial strain [%]", ylabel="axial less lateral stress [kPa]", yscale="symlog")
 		curves.legend(fontsize=7, ncol=2, frameon=False)
 		peaks.set(xlabel="mean pressure $s'$ [kPa]", ylabel="shear stress $t$ [kPa]", title=rf"peaks and fit, $\varphi$ = {self.frictionAngle:.1f}°")
-		fine = np.linspace(0, 1, 101)
-		for axes, scale, marker, colour, values, label in (
-			(strength, 1e-3, "o", "black", self.cohesion, "cohesion c"), (strength, 1e-3, "s", "red", self.tensileStrength, "tensile strength"),
-			(stiffness, 1e-6, "o", "black", self.young, None),
-		):
-			axes.plot(self.iceSaturation, scale * values, marker, color=colour, label=label)
-			axes.plot(fine, scale * self.between(values, fine), color=colour, linewidth=0.8)
+		strength.plot(self.iceSaturation, 1e-3 * self.cohesion, "o-", color="black", label="cohesion c")
+		strength.plot(self.iceSaturation, 1e-3 * self.tensileStrength, "s--", color="red", label="tensile strength")
 		strength.set(xlabel="ice saturation $S_i$ [-]", ylabel="strength [kPa]", ylim=(0, None))
 		strength.legend(frameon=False)
-		stiffness.errorbar(self.iceSaturation, 1e-6 * self.young, 1e-6 * self.young * self.youngScatter, fmt="none", color="black", capsize=2)
+		stiffness.errorbar(self.iceSaturation, 1e-6 * self.young, 1e-6 * self.young * self.youngScatter, marker="o", color="black", capsize=2)
 		stiffness.set(xlabel="ice saturation $S_i$ [-]", ylabel="Young's modulus E [MPa]", ylim=(0, None))
 		return fig
 
@@ -201,7 +175,7 @@ class Calibration:
 def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain=0.02):
 	"""Calibration of a packed, ice-free sample (RveSample).
 
-	iceSaturations  in 0..1, both of them included
+	iceSaturations  in 0..1, both of them included; the law is linear between them
 	pressures       [Pa], > 0, two or more
 	strain          axial strain of each test [-]"""
 	if len(pressures) < 2:

@@ -205,6 +205,33 @@ TEST(MpmMohrCoulombSkeleton, MeltingIceLowersStrengthAndStiffness)
 	EXPECT_NEAR(modulus / ((1e7 + 9e7 * 0.4375) * 0.7 / (1.3 * 0.4)), 1.0, 1e-12);
 }
 
+TEST(MpmMohrCoulombSkeleton, TablesGiveStrengthAndStiffnessOverIceSaturation)
+{
+	auto m  = soil(1e3, 0.0);
+	m.table = { { 0.1, 0.5, 0.9 }, { 1e7, 3e7, 4e7 }, { 2e3, 10e3, 50e3 }, { 0.0, 1e3, 9e3 } };
+	m.validate();
+	const double expected[][3] = { { 0.0, 1e7, 2e3 }, { 0.1, 1e7, 2e3 }, { 0.4, 2.5e7, 8e3 }, { 0.7, 3.5e7, 30e3 }, { 0.9, 4e7, 50e3 }, { 1.0, 4e7, 50e3 } };
+	for (const auto& [ice, young, cohesion] : expected) {
+		Element<2> e;
+		e.ice       = ice;
+		e.stress[1] = -200e3;
+		e.step(m);
+		double           modulus = 0.0;
+		SkeletonBatch<2> b;
+		b.count         = 1;
+		b.place         = &e.place;
+		b.iceSaturation = &e.ice;
+		m.tangentModulus(b, &modulus);
+		std::printf("S_i = %.1f: oedometer modulus %.4g Pa, stress difference %.4g Pa\n", ice, modulus, std::abs(e.stress[0] - e.stress[1]));
+		EXPECT_NEAR(modulus / (young * 0.7 / (1.3 * 0.4)), 1.0, 1e-12);
+		EXPECT_NEAR(yieldOf(e.stress, cohesion, 0.0), 0.0, 1e-6);
+	}
+	m.table.cohesion.pop_back();
+	EXPECT_THROW(m.validate(), std::invalid_argument);
+	m.table.cohesion = { 2e3, 10e3, -1.0 };
+	EXPECT_THROW(m.validate(), std::invalid_argument);
+}
+
 TEST(MpmMohrCoulombSkeleton, BadParametersAreNamed)
 {
 	auto m          = soil(1e3, 30.0);

@@ -184,10 +184,7 @@ def test_calibrated_law_yields_where_the_sample_does_within_fifteen_per_cent_slo
 	mpm = MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), skeleton=law)
 	mpm.addPoints(position=[(0.25, 0.25)], volume=0.25, porosity=0.4)
 	mpm.initialise()
-	assert (law.cohesion, law.cohesionFrozen) == (result.cohesion[0], result.cohesion[-1])
-	middle = result.between(result.cohesion, 0.5)
-	print(f"c at S_i = 0.5: law {1e-3 * middle:.1f} kPa, tests {1e-3 * result.cohesion[1]:.1f} kPa")
-	assert middle == pytest.approx(result.cohesion[1], abs=0.1 * result.cohesion[-1])
+	assert (list(law.cohesions), list(law.youngs)) == (list(result.cohesion), list(result.young))
 	picture = plots.save(result.draw(), tmp_path / "calibration.png", dpi=50)
 	assert Path(picture).stat().st_size > 5000
 

@@ -168,6 +168,9 @@ refused = {
 	"incompressible skeleton": (dict(skeleton=lambda: ElasticSkeleton(poisson=0.5)), "ElasticSkeleton.poisson = 0.5", "must lie in"),
 	"softer when frozen": (
 		dict(skeleton=lambda: MohrCoulombSkeleton(young=1e7, youngFrozen=1e6)), "MohrCoulombSkeleton.youngFrozen = 1000000", "must not be below"),
+	"table of two lengths": (
+		dict(skeleton=lambda: MohrCoulombSkeleton(iceSaturations=[0, 1], youngs=[1e7, 1e8], cohesions=[1e3], tensileStrengths=[0, 0])),
+		"MohrCoulombSkeleton.cohesions length = 1", "must be that of"),
 	"samples forgotten": (dict(skeleton=lambda: RveSkeleton()), "RveSkeleton.samples is empty", "talik.rve.pack"),
 	"too much damping": (dict(**motion, damping=1.5), "MpmEngine.damping is 1.5", "from 0 to below 1"),
 	"gravity not a number": (dict(**motion, gravity=(0, nan)), "MpmEngine.gravity is nan", "finite components"),
