@@ -23,13 +23,21 @@ namespace {
 		known.push_back(state.grains);
 	}
 
-	void saveKeys(ByteWriter& writer, const std::vector<std::uint64_t>& keys) { writer.block(keys.data(), keys.size() * sizeof(std::uint64_t)); }
+	template <class T> void saveArray(ByteWriter& writer, const std::vector<T>& array) { writer.block(array.data(), array.size() * sizeof(T)); }
 
-	void restoreKeys(ByteReader& reader, std::vector<std::uint64_t>& keys)
+	template <class T> void restoreArray(ByteReader& reader, std::vector<T>& array)
 	{
 		const std::string bytes = reader.block();
-		keys.resize(bytes.size() / sizeof(std::uint64_t));
-		if (!keys.empty()) std::memcpy(keys.data(), bytes.data(), bytes.size());
+		array.resize(bytes.size() / sizeof(T));
+		if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), bytes.data(), array.size() * sizeof(T));
+	}
+
+	bool belongTogether(const PackedLists<2>& lists, std::size_t grains)
+	{
+		if (lists.second.size() != lists.size() || lists.inside + lists.cellDist.size() != lists.size()) return false;
+		for (std::size_t k = 0; k < lists.size(); ++k)
+			if (lists.first[k] >= grains || lists.second[k] >= grains) return false;
+		return true;
 	}
 
 	/// The neighbour lists go along: lists made anew sum the same forces in another order.
@@ -37,14 +45,15 @@ namespace {
 	{
 		PackedState<2> state;
 		PackedLists<2> lists;
-		sample.unpark(state);
-		const bool listed = sample.unpark(lists, state.contacts);
+		const bool listed = sample.unpark(state, lists);
 		writer.block(state.toBytes());
 		writer.number(listed);
 		if (!listed) return;
 		writer.block(static_cast<const PackedListUse<2>*>(&lists), sizeof(PackedListUse<2>));
-		saveKeys(writer, lists.inner);
-		saveKeys(writer, lists.periodic);
+		writer.number(lists.inside);
+		saveArray(writer, lists.first);
+		saveArray(writer, lists.second);
+		saveArray(writer, lists.cellDist);
 	}
 
 	SamplePool<2>::Parked restoreSample(ByteReader& reader, std::vector<std::shared_ptr<const PackedGrains>>& known)
@@ -54,8 +63,11 @@ namespace {
 		if (!reader.number()) return std::make_shared<ParkedSample<2>>(state);
 		PackedLists<2> lists;
 		reader.block(static_cast<PackedListUse<2>*>(&lists), sizeof(PackedListUse<2>));
-		restoreKeys(reader, lists.inner);
-		restoreKeys(reader, lists.periodic);
+		lists.inside = reader.number();
+		restoreArray(reader, lists.first);
+		restoreArray(reader, lists.second);
+		restoreArray(reader, lists.cellDist);
+		if (!belongTogether(lists, state.size())) throw std::runtime_error("the archive's neighbour lists do not belong to its samples; it is damaged");
 		return std::make_shared<ParkedSample<2>>(state, &lists);
 	}
 } // namespace

@@ -12,7 +12,7 @@ namespace talik {
 namespace {
 	using Matrix = PackedTypes<2>::Matrix;
 
-	const char archiveMagic[] = "talik samples 2";
+	const char archiveMagic[] = "talik samples 3";
 
 	constexpr double stressFloor      = 1e3;  ///< sigma_ref of the relative error [Pa]
 	constexpr double failingRatio     = 0.3;  ///< below it a point deforms plastically: no prediction, a tighter tolerance

@@ -48,9 +48,15 @@ template <int Dim> struct PackedListUse {
 	double stretch = 0;              ///< bound of any length's relative shortening since then [-]
 };
 
-/// Neighbour lists that outlive a stay in a workspace: keys of pairs inside the cell and across it, each sorted.
+/// Neighbour lists that outlive a stay in a workspace: pairs inside the cell, then pairs across it, each in the order of their keys.
+/// The contacts of the state are among them in the same order: a pair that is no contact has its grains exchanged, first > second.
 template <int Dim> struct PackedLists : PackedListUse<Dim> {
-	std::vector<std::uint64_t> inner, periodic;
+	std::vector<std::uint16_t>                first, second;
+	std::vector<std::array<std::int8_t, Dim>> cellDist;   ///< of the pairs across the cell: entry k - inside for pair k
+	std::size_t                               inside = 0; ///< number of pairs that do not cross the cell
+
+	std::size_t size() const { return first.size(); }
+	bool        contact(std::size_t k) const { return first[k] < second[k]; }
 };
 
 /// Periodic search for all pairs closer than r_1 + r_2 + skin. Keeps its buffers.

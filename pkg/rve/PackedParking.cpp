@@ -12,12 +12,12 @@ namespace {
 
 	struct Measure {
 		std::size_t bytes = 0;
-		template <class T> void array(const std::vector<T>&, std::size_t from, std::size_t to) { bytes += (to - from) * sizeof(T); }
+		template <class T> void array(const std::vector<T>&, std::size_t to, std::size_t from = 0) { bytes += (to - from) * sizeof(T); }
 	};
 
 	struct Put {
 		unsigned char* at;
-		template <class T> void array(const std::vector<T>& items, std::size_t from, std::size_t to)
+		template <class T> void array(const std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			if (to == from) return;
 			std::memcpy(at, static_cast<const void*>(items.data() + from), (to - from) * sizeof(T));
@@ -28,7 +28,7 @@ namespace {
 	/// Entries in front of `from` are zero.
 	struct Take {
 		const unsigned char* at;
-		template <class T> void array(std::vector<T>& items, std::size_t from, std::size_t to)
+		template <class T> void array(std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			items.resize(to);
 			std::fill_n(items.begin(), from, T {});
@@ -38,86 +38,66 @@ namespace {
 		}
 	};
 
-	template <int Dim> PairKey<Dim> pairOf(const PackedContacts<Dim>& c, std::size_t k) { return { c.first[k], c.second[k], c.cellDist[k] }; }
-
-	template <int Dim> void append(PackedContacts<Dim>& pairs, const PairKey<Dim>& pair)
+	/// Number of contacts in front of the first that crosses the cell.
+	template <int Dim> std::uint32_t leadingInside(const PackedContacts<Dim>& contacts)
 	{
-		pairs.first.push_back(std::uint16_t(pair.first));
-		pairs.second.push_back(std::uint16_t(pair.second));
-		pairs.cellDist.push_back(pair.cellDist);
+		const std::array<std::int8_t, Dim> none {};
+		const auto&                        c = contacts.cellDist;
+		return std::uint32_t(std::find_if(c.begin(), c.end(), [&](const auto& cells) { return cells != none; }) - c.begin());
 	}
 
-	/// Appends to `others` the keys that are not among the pairs from..to; false unless these are a part of the keys in the same order.
-	template <int Dim>
-	bool subtract(const std::vector<std::uint64_t>& keys, const PackedContacts<Dim>& pairs, std::size_t from, std::size_t to, PackedContacts<Dim>& others)
+	/// True if the contacts are those that the lists name, in the same order.
+	template <int Dim> bool namesContacts(const PackedLists<Dim>& lists, const PackedContacts<Dim>& contacts)
 	{
-		for (const std::uint64_t key : keys) {
-			if (from < to && pairOf(pairs, from).encode() == key) ++from;
-			else append(others, PairKey<Dim>::decode(key));
+		const std::array<std::int8_t, Dim> none {};
+		std::size_t                        at = 0;
+		for (std::size_t k = 0; k < lists.size(); ++k) {
+			if (!lists.contact(k)) continue;
+			if (at == contacts.size() || contacts.first[at] != lists.first[k] || contacts.second[at] != lists.second[k]) return false;
+			if (contacts.cellDist[at] != (k < lists.inside ? none : lists.cellDist[k - lists.inside])) return false;
+			++at;
 		}
-		return from == to;
+		return at == contacts.size();
 	}
 
-	/// Keys of two ranges of pairs, each sorted.
-	template <int Dim> struct KeyRange {
-		const PackedContacts<Dim>& pairs;
-		std::size_t                at, end;
-		bool                       empty() const { return at == end; }
-		std::uint64_t              key() const { return pairOf(pairs, at).encode(); }
-	};
-
-	template <int Dim> void merge(KeyRange<Dim> many, KeyRange<Dim> few, std::vector<std::uint64_t>& keys)
+	template <int Dim> void nameContacts(const PackedLists<Dim>& lists, std::size_t count, PackedContacts<Dim>& contacts)
 	{
-		keys.clear();
-		std::uint64_t next = few.empty() ? 0 : few.key();
-		for (; !many.empty(); ++many.at) {
-			const std::uint64_t key = many.key();
-			while (!few.empty() && next < key) {
-				keys.push_back(next);
-				++few.at;
-				if (!few.empty()) next = few.key();
-			}
-			keys.push_back(key);
+		contacts.first.resize(count);
+		contacts.second.resize(count);
+		contacts.cellDist.resize(count);
+		std::size_t at = 0;
+		for (std::size_t k = 0; k < lists.size(); ++k) {
+			if (!lists.contact(k)) continue;
+			contacts.first[at]    = lists.first[k];
+			contacts.second[at]   = lists.second[k];
+			contacts.cellDist[at] = k < lists.inside ? std::array<std::int8_t, Dim> {} : lists.cellDist[k - lists.inside];
+			++at;
 		}
-		for (; !few.empty(); ++few.at)
-			keys.push_back(few.key());
 	}
 
 } // namespace
 
-template <int Dim> template <class Stream, class Pairs> void ParkedSample<Dim>::streamPairs(Stream& stream, const PairCount& count, Pairs& pairs)
-{
-	stream.array(pairs.first, 0, count.all);
-	stream.array(pairs.second, 0, count.all);
-	stream.array(pairs.cellDist, count.inside, count.all);
-}
-
 /// One order for measuring, putting and taking, the widest numbers first.
-template <int Dim> template <class Stream, class State> void ParkedSample<Dim>::streamState(Stream& stream, State& s) const
+template <int Dim> template <class Stream, class State, class Lists> void ParkedSample<Dim>::stream(Stream& stream, State& s, Lists& lists) const
 {
 	auto&             c     = s.contacts;
-	const std::size_t bonds = bonded ? contactCount.all : 0;
-	stream.array(s.position, 0, grainCount);
-	stream.array(s.velocity, 0, grainCount);
-	stream.array(s.angularVelocity, 0, grainCount);
-	stream.array(s.orientation, 0, grainCount);
-	stream.array(c.shear, 0, contactCount.all);
-	stream.array(c.normal, 0, Dim == 3 ? contactCount.all : 0);
-	stream.array(c.iceShear, 0, bonds);
-	stream.array(c.iceReference, 0, bonds);
-	stream.array(c.grainReference, 0, bonds);
-	streamPairs(stream, contactCount, c);
-	stream.array(c.bond, 0, bonds);
-}
-
-template <int Dim>
-bool ParkedSample<Dim>::otherPairs(const PackedLists<Dim>& lists, const PackedContacts<Dim>& contacts, PackedContacts<Dim>& others)
-{
-	if (!subtract(lists.inner, contacts, 0, contactCount.inside, others)) return false;
-	otherCount.inside = std::uint32_t(others.size());
-	if (!subtract(lists.periodic, contacts, contactCount.inside, contactCount.all, others)) return false;
-	otherCount.all = std::uint32_t(others.size());
-	return true;
+	const std::size_t bonds = bonded ? contacts : 0, unlisted = listed ? 0 : contacts;
+	stream.array(s.position, grainCount);
+	stream.array(s.velocity, grainCount);
+	stream.array(s.angularVelocity, grainCount);
+	stream.array(s.orientation, grainCount);
+	stream.array(c.shear, contacts);
+	stream.array(c.normal, Dim == 3 ? contacts : 0);
+	stream.array(c.iceShear, bonds);
+	stream.array(c.iceReference, bonds);
+	stream.array(c.grainReference, bonds);
+	stream.array(c.first, unlisted);
+	stream.array(c.second, unlisted);
+	stream.array(lists.first, pairs);
+	stream.array(lists.second, pairs);
+	stream.array(c.cellDist, unlisted, listed ? 0 : contactsInside);
+	stream.array(lists.cellDist, pairs - pairsInside);
+	stream.array(c.bond, bonds);
 }
 
 template <int Dim>
@@ -125,50 +105,41 @@ ParkedSample<Dim>::ParkedSample(const PackedState<Dim>& state, const PackedLists
         : parameters(state)
         , grains(state.grains)
         , grainCount(std::uint32_t(state.size()))
+        , contacts(std::uint32_t(state.contacts.size()))
         , bonded(state.bonded())
+        , listed(lists && namesContacts<Dim>(*lists, state.contacts))
 {
-	const PackedContacts<Dim>& c = state.contacts;
-	contactCount.all             = std::uint32_t(c.size());
-	while (contactCount.inside < contactCount.all && !pairOf(c, contactCount.inside).crossesCell())
-		++contactCount.inside;
-	thread_local PackedContacts<Dim> others; // its memory is kept: nothing is allocated between the blocks
-	others.first.clear();
-	others.second.clear();
-	others.cellDist.clear();
-	listed = lists && otherPairs(*lists, c, others);
-	if (listed) use = *lists;
-	else otherCount = {};
+	const PackedLists<Dim> none {};
+	if (!listed) contactsInside = leadingInside<Dim>(state.contacts);
+	if (listed) {
+		use         = *lists;
+		pairs       = std::uint32_t(lists->size());
+		pairsInside = std::uint32_t(lists->inside);
+	}
 	Measure measure;
-	streamState(measure, state);
-	streamPairs(measure, otherCount, others);
+	stream(measure, state, listed ? *lists : none);
 	capacity = (measure.bytes + blockStep - 1) / blockStep * blockStep;
 	block.reset(new unsigned char[capacity]);
 	Put put { block.get() };
-	streamState(put, state);
-	streamPairs(put, otherCount, others);
+	stream(put, state, listed ? *lists : none);
 }
 
-template <int Dim> void ParkedSample<Dim>::unpark(PackedState<Dim>& state) const
+template <int Dim> bool ParkedSample<Dim>::unpark(PackedState<Dim>& state, PackedLists<Dim>& lists) const
 {
 	static_cast<PackedParameters<Dim>&>(state) = parameters;
 	state.grains                               = grains;
 	Take take { block.get() };
-	streamState(take, state);
+	stream(take, state, lists);
+	static_cast<PackedListUse<Dim>&>(lists) = use;
+	lists.inside                            = pairsInside;
+	if (listed) nameContacts<Dim>(lists, contacts, state.contacts);
+	return listed;
 }
 
-template <int Dim> bool ParkedSample<Dim>::unpark(PackedLists<Dim>& lists, const PackedContacts<Dim>& contacts) const
+template <int Dim> void ParkedSample<Dim>::unpark(PackedState<Dim>& state) const
 {
-	if (!listed) return false;
-	static_cast<PackedListUse<Dim>&>(lists) = use;
-	Measure             measure;
-	PackedState<Dim>    empty;
-	streamState(measure, empty);
-	thread_local PackedContacts<Dim> others;
-	Take                take { block.get() + measure.bytes };
-	streamPairs(take, otherCount, others);
-	merge<Dim>({ contacts, 0, contactCount.inside }, { others, 0, otherCount.inside }, lists.inner);
-	merge<Dim>({ contacts, contactCount.inside, contactCount.all }, { others, otherCount.inside, otherCount.all }, lists.periodic);
-	return true;
+	PackedLists<Dim> lists;
+	unpark(state, lists);
 }
 
 template class ParkedSample<2>;

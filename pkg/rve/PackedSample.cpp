@@ -123,6 +123,7 @@ namespace {
 			changeIce(targetIceSaturation);
 			move(remaining);
 			relax();
+			workspace.checkHealth();
 			PackedUpdateResult<Dim> result;
 			result.flipped = options.flipSkew > 0 && workspace.flip(options.flipSkew);
 			result.stress  = symmetric<Matrix>(workspace.stress());
@@ -237,6 +238,7 @@ namespace {
 			}
 			workspace.setNextVelGrad(Matrix::Zero());
 			workspace.run(2);
+			workspace.checkHealth();
 			return converged;
 		}
 
@@ -322,6 +324,7 @@ template <int Dim> void PackedSample<Dim>::advance(long steps)
 	const PackedState<Dim> before = state();
 	try {
 		workspace->run(steps);
+		workspace->checkHealth();
 	} catch (const std::runtime_error&) {
 		workspace->load(before);
 		throw;

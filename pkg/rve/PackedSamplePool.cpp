@@ -45,12 +45,11 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 
 	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
 	{
-		sample->unpark(state);
-		workspace->load(state, sample->unpark(lists, state.contacts) ? &lists : nullptr);
+		const bool listed = sample->unpark(state, lists);
+		workspace->load(state, listed ? &lists : nullptr);
 		PackedUpdateResult<Dim> result = follow(request, options);
 		if (result.blewUp) return result;
-		workspace->store(state);
-		workspace->store(lists);
+		workspace->store(state, &lists);
 		sample = std::make_shared<ParkedSample<Dim>>(state, &lists);
 		return result;
 	}

@@ -123,26 +123,13 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	loadGrains(state);
 	carriesBonds = std::any_of(state.contacts.bond.begin(), state.contacts.bond.end(), [](std::uint8_t b) { return b != bondNone; });
 	selectKernel();
-	loadContacts(state);
 	listsValid = false;
-	if (!lists) {
+	if (lists) {
+		loadListed(state.contacts, *lists);
+	} else {
+		loadContacts(state);
 		rebuildLists();
-		return;
 	}
-	std::swap(innerLanes, oldInner);
-	std::swap(periodicLanes, oldPeriodic);
-	innerLanes.keys    = lists->inner;
-	periodicLanes.keys = lists->periodic;
-	adoptKeys();
-	use            = *lists;
-	referenceKnown = false;
-}
-
-template <int Dim> void PackedWorkspace<Dim>::store(PackedLists<Dim>& lists) const
-{
-	static_cast<PackedListUse<Dim>&>(lists) = use;
-	lists.inner                             = innerLanes.keys;
-	lists.periodic                          = periodicLanes.keys;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>& state)
@@ -235,15 +222,41 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 	view.shifts           = shiftCell.size() / Dim;
 }
 
-template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t pairs, bool crosses, bool bonded)
+template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, bool crosses, bool bonded)
 {
-	const std::size_t blocks = (pairs + 3) / 4;
-	keys.resize(pairs);
+	const std::size_t blocks = (number + 3) / 4;
+	pairs = number;
 	block.resize(blocks);
 	normals.resize(Dim == 3 ? blocks : 0);
 	shift.resize(crosses ? 4 * blocks : 0);
 	ice.resize(bonded ? blocks : 0);
-	memory.resize(bonded ? pairs : 0);
+	memory.resize(bonded ? number : 0);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
+{
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		block[lane / 4].shear[d][lane % 4] = from.block[at / 4].shear[d][at % 4];
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			normals[lane / 4].n[d][lane % 4] = from.normals[at / 4].n[d][at % 4];
+	if (ice.empty()) return;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		ice[lane / 4].iceShear[d][lane % 4] = from.ice[at / 4].iceShear[d][at % 4];
+	memory[lane] = from.memory[at];
+}
+
+template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t lane)
+{
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		block[lane / 4].shear[d][lane % 4] = 0;
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			normals[lane / 4].n[d][lane % 4] = 0;
+	if (ice.empty()) return;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		ice[lane / 4].iceShear[d][lane % 4] = 0;
+	if (lane < pairs) memory[lane] = BondMemory();
 }
 
 /// History goes where a rebuild expects it: into the lanes of the "previous" list.
@@ -260,23 +273,57 @@ template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim
 		if (!std::is_sorted(sorted.begin(), sorted.end())) std::sort(sorted.begin(), sorted.end());
 		Lanes& lanes = lanesOf(crosses);
 		lanes.resize(sorted.size(), crosses, carriesBonds);
+		lanes.keys.resize(sorted.size());
 		for (std::size_t lane = 0; lane < sorted.size(); ++lane) {
-			const std::size_t k = sorted[lane].second, b = lane / 4, l = lane % 4;
 			lanes.keys[lane] = sorted[lane].first;
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				lanes.block[b].shear[d][l] = shearData(c.shear[k])[d];
-			if constexpr (Dim == 3)
-				for (int d = 0; d < 3; ++d)
-					lanes.normals[b].n[d][l] = c.normal[k][d];
-			if (!carriesBonds) continue;
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				lanes.ice[b].iceShear[d][l] = shearData(c.iceShear[k])[d];
-			lanes.memory[lane] = { c.iceReference[k], c.grainReference[k], c.bond[k] };
+			takeContact(lanes, lane, c, sorted[lane].second);
 		}
 	}
 }
 
-template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state) const
+template <int Dim>
+void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
+{
+	const std::size_t b = lane / 4, l = lane % 4;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		lanes.block[b].shear[d][l] = shearData(c.shear[k])[d];
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			lanes.normals[b].n[d][l] = c.normal[k][d];
+	if (!carriesBonds) return;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		lanes.ice[b].iceShear[d][l] = shearData(c.iceShear[k])[d];
+	lanes.memory[lane] = { c.iceReference[k], c.grainReference[k], c.bond[k] };
+}
+
+/// Lists as they were stored: nothing is searched, sorted or compared.
+template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Dim>& contacts, const PackedLists<Dim>& lists)
+{
+	use            = lists;
+	referenceKnown = false;
+	shiftCell.clear();
+	std::size_t k = 0, contact = 0;
+	for (const bool crosses : { false, true }) {
+		Lanes&            lanes = lanesOf(crosses);
+		const std::size_t pairs = crosses ? lists.size() - lists.inside : lists.inside;
+		lanes.keys.clear();
+		lanes.resize(pairs, crosses, carriesBonds);
+		for (std::size_t lane = 0; lane < pairs; ++lane, ++k) {
+			const bool   known = lists.contact(k);
+			PairKey<Dim> pair { lists.first[k], lists.second[k], {} };
+			if (!known) std::swap(pair.first, pair.second);
+			if (crosses) pair.cellDist = lists.cellDist[lane];
+			setPair(lanes, lane, pair, crosses);
+			if (known) takeContact(lanes, lane, contacts, contact++);
+			else lanes.forgetHistory(lane);
+			dressLane(lanes, lane);
+		}
+		fillUp(lanes, crosses);
+	}
+	lanesChanged();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, PackedLists<Dim>* lists) const
 {
 	using Layout = PackedLayout<Dim>;
 	static_cast<PackedParameters<Dim>&>(state) = parameters();
@@ -300,23 +347,32 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state) con
 				state.orientation[g][d] = view.orientation[4 * g + d];
 		}
 	}
-	storeContacts(state.contacts);
+	storeContacts(state.contacts, lists);
 }
 
-template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>& c) const
+/// A pair that touches, or remembers a force or a bond.
+template <int Dim> bool PackedWorkspace<Dim>::carriesHistory(const Lanes& lanes, std::size_t lane) const
 {
-	const auto keeps = [&](const Lanes& lanes, std::size_t lane) {
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-			if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
-		if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
-		return geometry(lanes, lane).overlap >= 0;
-	};
-	std::vector<std::uint32_t> kept[2];
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
+	if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
+	double       branch[Dim];
+	const double reach = lanes.block[lane / 4].sumRadius[lane % 4];
+	return pairBranch(view, pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane), branch) <= reach * reach;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>& c, PackedLists<Dim>* lists) const
+{
+	thread_local std::vector<std::uint32_t> kept[2]; // its memory is kept
 	for (const bool crosses : { false, true }) {
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
-		kept[crosses].reserve(lanes.keys.size());
-		for (std::size_t lane = 0; lane < lanes.keys.size(); ++lane)
-			if (keeps(lanes, lane)) kept[crosses].push_back(std::uint32_t(lane));
+		kept[crosses].resize(lanes.pairs);
+		std::size_t number = 0;
+		for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+			kept[crosses][number] = std::uint32_t(lane);
+			number += carriesHistory(lanes, lane);
+		}
+		kept[crosses].resize(number);
 	}
 	const std::size_t count = kept[0].size() + kept[1].size();
 	const auto        fit   = [count](auto& array, bool wanted) { array.resize(wanted ? count : 0); };
@@ -353,6 +409,29 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			}
 			++k;
 		}
+	}
+	if (lists) storeLists(*lists, kept);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const
+{
+	static_cast<PackedListUse<Dim>&>(lists) = use;
+	lists.inside                            = innerLanes.pairs;
+	lists.first.resize(innerLanes.pairs + periodicLanes.pairs);
+	lists.second.resize(lists.first.size());
+	lists.cellDist.resize(periodicLanes.pairs);
+	std::size_t k = 0;
+	for (const bool crosses : { false, true }) {
+		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
+		for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+			lists.first[k + lane]  = std::uint16_t(lanes.block[lane / 4].second[lane % 4] / 4);
+			lists.second[k + lane] = std::uint16_t(lanes.block[lane / 4].first[lane % 4] / 4);
+			for (int d = 0; crosses && d < Dim; ++d)
+				lists.cellDist[lane][d] = shiftCell[lanes.shift[lane] / 4 * Dim + d];
+		}
+		for (const std::uint32_t lane : kept[crosses])
+			std::swap(lists.first[k + lane], lists.second[k + lane]);
+		k += lanes.pairs;
 	}
 }
 
@@ -458,6 +537,8 @@ template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 {
 	checkHealth();
+	formKeys(false);
+	formKeys(true);
 	predictedCell(use.referenceCell);
 	use.skin = std::max(skinOverRadius * averageRadius, leastSkin);
 	std::swap(innerLanes, oldInner);
@@ -484,6 +565,11 @@ template <int Dim> void PackedWorkspace<Dim>::adoptKeys()
 	shiftCell.clear();
 	fillLanes(innerLanes, oldInner, false);
 	fillLanes(periodicLanes, oldPeriodic, true);
+	lanesChanged();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::lanesChanged()
+{
 	const std::size_t shifts = shiftCell.size() / Dim;
 	shiftMotion.resize(shifts * PackedLayout<Dim>::motion / 4);
 	shiftForce.resize(shifts * PackedLayout<Dim>::force / 4);
@@ -516,38 +602,57 @@ template <int Dim> unsigned PackedWorkspace<Dim>::shiftIndex(const std::array<st
 	return unsigned(count);
 }
 
+template <int Dim> void PackedWorkspace<Dim>::formKeys(bool crosses)
+{
+	Lanes& lanes = lanesOf(crosses);
+	if (lanes.keys.size() == lanes.pairs) return;
+	lanes.keys.resize(lanes.pairs);
+	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+		const PackedBlock<Dim>& block = lanes.block[lane / 4];
+		PairKey<Dim>            pair { block.first[lane % 4] / 4, block.second[lane % 4] / 4, {} };
+		for (int d = 0; crosses && d < Dim; ++d)
+			pair.cellDist[d] = shiftCell[lanes.shift[lane] / 4 * Dim + d];
+		lanes.keys[lane] = pair.encode();
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool crosses)
+{
+	lanes.block[lane / 4].first[lane % 4]  = 4 * pair.first;
+	lanes.block[lane / 4].second[lane % 4] = 4 * pair.second;
+	if (crosses) lanes.shift[lane] = 4 * shiftIndex(pair.cellDist);
+}
+
+/// Old lanes and new ones are walked together: both are in the order of their keys.
 template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lanes& old, bool crosses)
 {
-	const std::size_t pairs = lanes.keys.size();
-	lanes.resize(pairs, crosses, carriesBonds);
+	lanes.resize(lanes.keys.size(), crosses, carriesBonds);
 	std::size_t at = 0;
-	for (std::size_t lane = 0; lane < 4 * lanes.block.size(); ++lane) {
-		const std::size_t   l     = lane % 4;
-		PackedBlock<Dim>&   block = lanes.block[lane / 4];
-		const bool          idle  = lane >= pairs;
-		const PairKey<Dim>  pair  = idle ? PairKey<Dim> { std::uint32_t(rowCount), std::uint32_t(rowCount + 1), {} } : PairKey<Dim>::decode(lanes.keys[lane]);
-		block.first[l]            = 4 * pair.first;
-		block.second[l]           = 4 * pair.second;
-		if (crosses) lanes.shift[lane] = idle ? 0 : 4 * shiftIndex(pair.cellDist);
-		while (!idle && at < old.keys.size() && old.keys[at] < lanes.keys[lane])
+	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+		setPair(lanes, lane, PairKey<Dim>::decode(lanes.keys[lane]), crosses);
+		while (at < old.pairs && old.keys[at] < lanes.keys[lane])
 			++at;
-		const bool known = !idle && at < old.keys.size() && old.keys[at] == lanes.keys[lane];
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-			block.shear[d][l] = known ? old.block[at / 4].shear[d][at % 4] : 0;
-		if constexpr (Dim == 3)
-			for (int d = 0; d < 3; ++d)
-				lanes.normals[lane / 4].n[d][l] = known ? old.normals[at / 4].n[d][at % 4] : 0;
-		if (carriesBonds) {
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				lanes.ice[lane / 4].iceShear[d][l] = known ? old.ice[at / 4].iceShear[d][at % 4] : 0;
-			if (!idle) lanes.memory[lane] = known ? old.memory[at] : BondMemory();
-		}
-		if (idle) {
-			block.sumRadius[l] = block.stiffness[l] = 0;
-			if (carriesBonds) lanes.ice[lane / 4].offset[l] = lanes.ice[lane / 4].floor[l] = lanes.ice[lane / 4].cohesion[l] = lanes.ice[lane / 4].iceShare[l] = 0;
-		} else {
-			dressLane(lanes, lane);
-		}
+		if (at < old.pairs && old.keys[at] == lanes.keys[lane]) lanes.takeHistory(lane, old, at);
+		else lanes.forgetHistory(lane);
+		dressLane(lanes, lane);
+	}
+	fillUp(lanes, crosses);
+}
+
+/// The last block's free lanes hold a pair of rows that never meet.
+template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
+{
+	for (std::size_t lane = lanes.pairs; lane < 4 * lanes.block.size(); ++lane) {
+		PackedBlock<Dim>& block = lanes.block[lane / 4];
+		const std::size_t l     = lane % 4;
+		block.first[l]          = std::uint32_t(4 * rowCount);
+		block.second[l]         = std::uint32_t(4 * (rowCount + 1));
+		block.sumRadius[l] = block.stiffness[l] = 0;
+		if (crosses) lanes.shift[lane] = 0;
+		lanes.forgetHistory(lane);
+		if (!carriesBonds) continue;
+		PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
+		ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
 	}
 }
 
@@ -659,7 +764,6 @@ template <int Dim> void PackedWorkspace<Dim>::run(long steps, long averaged)
 		}
 	}
 	if (steps > 0) base.stress = sum / double(steps - first);
-	checkHealth();
 }
 
 template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
@@ -680,7 +784,7 @@ template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 	if (!(sum == 0)) throw PackedBlowUp("a grain's position or velocity is not finite");
 	if (!listsValid) return;
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane) {
+		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
 			const std::size_t         b = lane / 4, l = lane % 4;
 			const PackedPairRows<Dim> rows = pairRows(view, lanes == &innerLanes ? view.inner : view.periodic, lane);
 			double                    branch[Dim];
@@ -798,7 +902,7 @@ template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
 		lanes.ice.assign(carry ? lanes.block.size() : 0, PackedIceBlock<Dim>());
-		lanes.memory.assign(carry ? lanes.keys.size() : 0, BondMemory());
+		lanes.memory.assign(carry ? lanes.pairs : 0, BondMemory());
 	}
 	bind();
 	selectKernel();
@@ -900,7 +1004,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	setStrengths();
 	shrinkGrains(before);
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane)
+		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
 			dressLane(*lanes, lane);
 	if (births) bondAll();
 }
@@ -999,7 +1103,7 @@ template <int Dim> typename PackedWorkspace<Dim>::Geometry PackedWorkspace<Dim>:
 template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContacts(Visitor&& visit) const
 {
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->keys.size(); ++lane) {
+		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
 			const Geometry     now  = geometry(*lanes, lane);
 			const std::uint8_t bond = carriesBonds ? lanes->memory[lane].bond : bondNone;
 			if (now.overlap < 0 && bond != bondBonded) continue;

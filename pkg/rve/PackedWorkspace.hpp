@@ -24,21 +24,24 @@ public:
 	PackedWorkspace(const PackedWorkspace&) = delete;
 	PackedWorkspace& operator=(const PackedWorkspace&) = delete;
 
-	/// lists: those of exactly this state, or nullptr to build them; the results are the same.
+	/// lists: those that were stored with exactly this state, or nullptr to build them.
 	void load(const PackedState<Dim>& state, const PackedLists<Dim>* lists = nullptr);
-	void store(PackedState<Dim>& state) const;
-	void store(PackedLists<Dim>& lists) const;
+	void store(PackedState<Dim>& state, PackedLists<Dim>* lists = nullptr) const;
 
 	/// Velocity gradient that comes into force in the integrator of the next step [1/s].
 	void setNextVelGrad(const Matrix& velGrad);
 	/// Steps; the stress is that of the last step, or the mean over the last `averaged` steps if that is more than one.
-	/// Throws PackedBlowUp.
+	/// Throws PackedBlowUp when lists are due and the sample is not healthy.
 	void run(long steps, long averaged = 1);
 
 	void        setIceSaturation(double iceSaturation);
 	std::size_t bondAll();
 	void        setFriction(double tangent);
 	bool        flip(double skew);
+
+	/// Throws PackedBlowUp when a number is not finite or grains overlap by more than a radius. Lists are checked before they are built;
+	/// whoever runs steps checks once more when it is done.
+	void checkHealth() const;
 
 	Matrix                stress() const { return base.stress; }
 	void                  setStress(const Matrix& stress) { base.stress = stress; }
@@ -63,13 +66,16 @@ private:
 		std::uint8_t bond = 0;
 	};
 	struct Lanes {
-		std::vector<std::uint64_t>         keys;
+		std::size_t                        pairs = 0;
+		std::vector<std::uint64_t>         keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
 		std::vector<PackedBlock<Dim>>      block;
 		std::vector<PackedNormals>         normals;
 		std::vector<PackedIceBlock<Dim>>   ice;
 		std::vector<std::uint32_t>         shift;
 		std::vector<BondMemory>            memory;
-		void                               resize(std::size_t pairs, bool periodic, bool bonded);
+		void                               resize(std::size_t number, bool periodic, bool bonded);
+		void                               takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
+		void                               forgetHistory(std::size_t lane);
 	};
 	struct Geometry {
 		PackedPairRows<Dim> rows;
@@ -78,15 +84,23 @@ private:
 
 	void loadGrains(const PackedState<Dim>& state);
 	void loadContacts(const PackedState<Dim>& state);
-	void storeContacts(PackedContacts<Dim>& contacts) const;
+	void loadListed(const PackedContacts<Dim>& contacts, const PackedLists<Dim>& lists);
+	void takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& contacts, std::size_t k) const;
+	void storeContacts(PackedContacts<Dim>& contacts, PackedLists<Dim>* lists) const;
+	void storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const;
+	bool carriesHistory(const Lanes& lanes, std::size_t lane) const;
 	void scaleRadii();
 	void bind();
 
 	void     refreshLists();
 	void     rebuildLists(double leastSkin = 0);
 	void     adoptKeys();
+	void     lanesChanged();
+	void     formKeys(bool periodic);
 	void     keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const;
 	void     fillLanes(Lanes& lanes, const Lanes& old, bool periodic);
+	void     setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool periodic);
+	void     fillUp(Lanes& lanes, bool periodic);
 	void     dressLane(Lanes& lanes, std::size_t lane);
 	void     updateShiftRows();
 	unsigned shiftIndex(const std::array<std::int8_t, Dim>& cellDist);
@@ -98,7 +112,6 @@ private:
 	void step();
 	void moveCell();
 	void finishStress(Matrix& stress) const;
-	void checkHealth() const;
 
 	static void onBondEvent(void* owner, PackedBondEvent<Dim>* event);
 	void        settleBond(PackedBondEvent<Dim>& event);

@@ -498,19 +498,20 @@ TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)
 		workspace.run(300);
 		State          state, stateAgain = frozen(0.2); // not empty: it is reused
 		PackedLists<2> lists, listsAgain;
-		workspace.store(state);
-		workspace.store(lists);
+		workspace.store(state, &lists);
 		const ParkedSample<2> parked(state, &lists);
-		parked.unpark(stateAgain);
-		ASSERT_TRUE(parked.unpark(listsAgain, stateAgain.contacts));
+		ASSERT_TRUE(parked.unpark(stateAgain, listsAgain));
 		EXPECT_TRUE(stateAgain.toBytes() == state.toBytes());
-		EXPECT_EQ(listsAgain.inner, lists.inner);
-		EXPECT_EQ(listsAgain.periodic, lists.periodic);
+		EXPECT_EQ(listsAgain.inside, lists.inside);
+		EXPECT_EQ(listsAgain.first, lists.first);
+		EXPECT_EQ(listsAgain.second, lists.second);
+		EXPECT_EQ(listsAgain.cellDist, lists.cellDist);
 		EXPECT_EQ(listsAgain.travel, lists.travel);
 		std::printf(
 		        "%s: %zu bytes with lists of %zu pairs, %zu of them contacts; %zu without lists\n", bonds ? "bonded" : "frictional", parked.bytes(),
-		        lists.inner.size() + lists.periodic.size(), state.contacts.size(), ParkedSample<2>(state).bytes());
-		EXPECT_FALSE(ParkedSample<2>(state).unpark(listsAgain, state.contacts));
+		        lists.size(), state.contacts.size(), ParkedSample<2>(state).bytes());
+		EXPECT_FALSE(ParkedSample<2>(state).unpark(stateAgain, listsAgain));
+		EXPECT_TRUE(stateAgain.toBytes() == state.toBytes());
 	}
 }
 
