@@ -138,8 +138,12 @@ template <int D> void Ground<D>::Parts::checkPositions(int strip, int first, int
 		return;
 	}
 	const Strips& strips = points->strips();
-	const double  low    = grid.lower()[strips.axis] + (strip * Strips::rows - Strips::stray) * grid.spacing();
-	const double  high   = grid.lower()[strips.axis] + ((strip + 1) * Strips::rows + Strips::stray) * grid.spacing();
+	// neither too far from its strip nor out of the rows that are cleared in every step
+	const int    stride   = grid.cellStride(strips.axis);
+	const double firstRow = std::max(strip * Strips::rows - Strips::stray, static_cast<double>(clock.range.firstCell / stride));
+	const double lastRow  = std::min((strip + 1) * Strips::rows + Strips::stray, static_cast<double>(clock.range.lastCell / stride));
+	const double low      = grid.lower()[strips.axis] + firstRow * grid.spacing();
+	const double high     = grid.lower()[strips.axis] + lastRow * grid.spacing();
 	const double* x      = points->position(strips.axis);
 	int           strayed = 0;
 	for (int p = first; p < last; ++p)

@@ -84,10 +84,10 @@ def test_an_isolated_point_stays_so_after_resuming(tmp_path, smallSample):
 
 
 def flying(**settings):
-	"""A block that warms while it flies towards the wall of its box, unsupported."""
+	"""A wet block that warms while it flies towards the wall of its box, unsupported."""
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.25, lower=(0, 0), upper=(2, 2), energyLedger=True, skeleton=wrapper.ElasticSkeleton(young=5e6),
-		heat=wrapper.HeatTransfer(thermalTimeScale=1e4, source=100),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e4, source=100), water=wrapper.PoreWater(),
 		boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=20)], **settings,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0.5, 0.5, 1, 1), 0.25)
