@@ -46,7 +46,10 @@ template <int D> void Ground<D>::Parts::afterReordering()
 	clearNodes(0, grid.nodeCount());
 	if (cells) cells->clearAll();
 	if (water) water->clearCells(0, grid.cellCount());
-	if (motion) listSkeletons();
+	if (!motion) return;
+	listSkeletons();
+	bounds.resize(points->strips().count());
+	points->strips().gather([&](int strip, int first, int last) { boundPositions(strip, first, last); });
 }
 
 template <int D> void Ground<D>::Parts::listSkeletons()

@@ -69,6 +69,12 @@ template <int D> struct Ground<D>::Parts {
 		void     take(const Parts&);
 		void     restore(Parts&) const;
 	} accounts;
+	/// Smallest box around the points of each strip.
+	struct PositionBounds {
+		Vec<D> low, high;
+		bool   numbers; ///< false: a position is not finite
+	};
+	std::vector<PositionBounds>   bounds;
 	std::vector<int>              bad; ///< per strip: place of the first point that cannot go on, or -1
 	mutable std::vector<double>   scratch;
 	mutable CostMeter             cost;
@@ -95,12 +101,18 @@ template <int D> struct Ground<D>::Parts {
 	/// The same with samples of the time that each effect takes: work(block, sample).
 	template <class Work> void scatterSampled(Work&& work)
 	{
+		scatterSampled(work, [](int, int, int) {});
+	}
+	/// And finish(strip, firstPoint, lastPoint) when a strip's blocks are done.
+	template <class Work, class Finish> void scatterSampled(Work&& work, Finish&& finish)
+	{
 		points->strips().scatter([&](int strip, int first, int last) {
 			CostMeter::Sample sample = cost.sample(strip);
 			overBlocks(first, last, [&](const WeightBlock<D>& w) {
 				sample.beginBlock();
 				work(w, sample);
 			});
+			finish(strip, first, last);
 		});
 		cost.lapShared();
 	}
@@ -139,11 +151,14 @@ template <int D> struct Ground<D>::Parts {
 	void solveMomentum();
 	void seep();
 	double longestPath() const;
+	bool   mayLeaveGrid(int place, double reach) const;
 	bool   leavesGrid(int place, WeightBlock<D>& w) const;
 	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
 	void requirePathsInside();
 	[[noreturn]] void refuseToLeave(bool stable);
-	void checkPositions(int strip, int first, int last);
+	void boundPositions(int strip, int first, int last);
+	void checkPositions();
+	void findOutside(int strip);
 	void refuseBadPoints();
 	void refuseImpossibleStates();
 	bool pays(CostMeter::Entry entry) const;

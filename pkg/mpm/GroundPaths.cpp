@@ -2,6 +2,7 @@
 // Points that are about to leave the grid are found before the first of them has moved.
 #include <pkg/mpm/GroundParts.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace talik {
@@ -17,6 +18,15 @@ template <int D> double Ground<D>::Parts::longestPath() const
 			sum += speed;
 		}
 	return clock.dt * (std::isfinite(sum) ? most : sum);
+}
+
+template <int D> bool Ground<D>::Parts::mayLeaveGrid(int p, double reach) const
+{
+	for (int a = 0; a < D; ++a) {
+		const double x = points->position(a)[p];
+		if (!(x - reach >= grid.lower()[a] && x + reach <= grid.upper()[a])) return true;
+	}
+	return false;
 }
 
 template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) const
@@ -40,21 +50,79 @@ template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) con
 	return false;
 }
 
+template <int D> void Ground<D>::Parts::boundPositions(int strip, int first, int last)
+{
+	constexpr int   lanes = 8; // of which the compiler makes vectors
+	PositionBounds& b     = bounds[strip];
+	b.numbers             = true;
+	for (int a = 0; a < D; ++a) {
+		const double* x = points->position(a);
+		double        low[lanes], high[lanes], notFinite[lanes];
+		for (int l = 0; l < lanes; ++l) {
+			low[l] = high[l] = first < last ? x[first] : grid.lower()[a];
+			notFinite[l] = 0.0;
+		}
+		const auto include = [&](int l, double value) {
+			low[l]  = value < low[l] ? value : low[l];
+			high[l] = value > high[l] ? value : high[l];
+			notFinite[l] += value - value;
+		};
+		int p = first;
+		for (; p + lanes <= last; p += lanes)
+			for (int l = 0; l < lanes; ++l)
+				include(l, x[p + l]);
+		for (; p < last; ++p)
+			include(0, x[p]);
+		b.low[a]  = *std::min_element(low, low + lanes);
+		b.high[a] = *std::max_element(high, high + lanes);
+		for (const double n : notFinite)
+			b.numbers = b.numbers && n == 0.0;
+	}
+}
+
+/// Points outside the grid's box are noted, and sorting is asked for where points have strayed far from their strip or out of the
+/// rows that are cleared in every step.
+template <int D> void Ground<D>::Parts::checkPositions()
+{
+	const Strips& strips  = points->strips();
+	const int     stride  = grid.cellStride(strips.axis);
+	const double  origin  = grid.lower()[strips.axis], h = grid.spacing();
+	const double  cleared = clock.range.firstCell / stride, clearedEnd = clock.range.lastCell / stride;
+	for (int s = 0; s < strips.count(); ++s) {
+		if (strips.first[s] == strips.first[s + 1]) continue;
+		const PositionBounds& b = bounds[s];
+		if (!(b.numbers && grid.contains(b.low) && grid.contains(b.high))) {
+			findOutside(s);
+			continue;
+		}
+		const double low  = origin + std::max(s * Strips::rows - Strips::stray, cleared) * h;
+		const double high = origin + std::min((s + 1) * Strips::rows + Strips::stray, clearedEnd) * h;
+		if (b.low[strips.axis] < low || b.high[strips.axis] >= high) clock.sortWanted = 1;
+	}
+}
+
+template <int D> void Ground<D>::Parts::findOutside(int strip)
+{
+	for (int p = points->strips().first[strip + 1] - 1; p >= points->strips().first[strip]; --p) {
+		Vec<D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = points->position(a)[p];
+		if (!grid.contains(x)) bad[strip] = p;
+	}
+}
+
 template <int D> void Ground<D>::Parts::requirePathsInside()
 {
 	const double reach = longestPath();
 	points->strips().gather([&](int strip, int first, int last) {
-		int near = 0;
-		for (int a = 0; a < D; ++a) {
-			const double* x     = points->position(a);
-			const double  lower = grid.lower()[a], upper = grid.upper()[a];
-			for (int p = first; p < last; ++p)
-				near += !(x[p] - reach >= lower) | !(x[p] + reach <= upper);
-		}
-		if (near == 0) return;
+		const PositionBounds& b    = bounds[strip];
+		bool                  near = !b.numbers;
+		for (int a = 0; a < D; ++a)
+			near = near || !(b.low[a] - reach >= grid.lower()[a]) || !(b.high[a] + reach <= grid.upper()[a]);
+		if (!near) return;
 		WeightBlock<D> w;
 		for (int p = last - 1; p >= first; --p)
-			if (leavesGrid(p, w)) bad[strip] = p;
+			if (mayLeaveGrid(p, reach) && leavesGrid(p, w)) bad[strip] = p;
 	});
 	for (const int p : bad)
 		if (p >= 0) refuseToLeave(std::isfinite(reach));
@@ -98,6 +166,10 @@ template <int D> void Ground<D>::Parts::Accounts::restore(Parts& g) const
 	g.water->momentumOut = momentumOut;
 }
 
+template void Ground<2>::Parts::boundPositions(int, int, int);
+template void Ground<3>::Parts::boundPositions(int, int, int);
+template void Ground<2>::Parts::checkPositions();
+template void Ground<3>::Parts::checkPositions();
 template void Ground<2>::Parts::requirePathsInside();
 template void Ground<3>::Parts::requirePathsInside();
 template void Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);

@@ -116,44 +116,6 @@ template <int D> void Ground<D>::Parts::seep()
 	water->finishExchange(clock.range);
 }
 
-template <int D> void Ground<D>::Parts::checkPositions(int strip, int first, int last)
-{
-	// a point that is not a number fails the comparisons too
-	bool inside = true;
-	for (int a = 0; a < D; ++a) {
-		const double* x     = points->position(a);
-		const double  lower = grid.lower()[a], upper = grid.upper()[a];
-		int           out   = 0;
-		for (int p = first; p < last; ++p)
-			out += !(x[p] >= lower) | !(x[p] <= upper);
-		inside = inside && out == 0;
-	}
-	if (!inside) {
-		for (int p = last - 1; p >= first; --p) {
-			Vec<D> x;
-			for (int a = 0; a < D; ++a)
-				x[a] = points->position(a)[p];
-			if (!grid.contains(x)) bad[strip] = p;
-		}
-		return;
-	}
-	const Strips& strips = points->strips();
-	// neither too far from its strip nor out of the rows that are cleared in every step
-	const int    stride   = grid.cellStride(strips.axis);
-	const double firstRow = std::max(strip * Strips::rows - Strips::stray, static_cast<double>(clock.range.firstCell / stride));
-	const double lastRow  = std::min((strip + 1) * Strips::rows + Strips::stray, static_cast<double>(clock.range.lastCell / stride));
-	const double low      = grid.lower()[strips.axis] + firstRow * grid.spacing();
-	const double high     = grid.lower()[strips.axis] + lastRow * grid.spacing();
-	const double* x      = points->position(strips.axis);
-	int           strayed = 0;
-	for (int p = first; p < last; ++p)
-		strayed += (x[p] < low) | (x[p] >= high);
-	if (strayed > 0) {
-#pragma omp atomic write
-		clock.sortWanted = 1;
-	}
-}
-
 template <int D> void Ground<D>::Parts::refuseBadPoints()
 {
 	std::string names;
@@ -358,9 +320,12 @@ template <int D> void Ground<D>::mapToPoints()
                 }
                 sample.lap(CostMeter::cells);
 	};
-	g.scatterSampled(gather);
-	if (!g.motion) return;
-	g.points->strips().gather([&](int strip, int first, int last) { g.checkPositions(strip, first, last); });
+	if (!g.motion) {
+		g.scatterSampled(gather);
+		return;
+	}
+	g.scatterSampled(gather, [&](int strip, int first, int last) { g.boundPositions(strip, first, last); });
+	g.checkPositions();
 	g.refuseBadPoints();
 	g.cost.lap(CostMeter::motion);
 }

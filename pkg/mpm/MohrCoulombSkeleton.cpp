@@ -77,15 +77,21 @@ namespace {
 		return equivalentStrain(before, after, m.shear);
 	}
 
-	/// True if no principal stress passes the cut-off and no pair of them the cone, without finding their order.
-	bool isElastic(const MohrCoulombState& m, const double (&s)[4])
+	/// Strength of points in sequence.
+	struct Strengths {
+		double cohesion[pieceSize], tensileStrength[pieceSize];
+	};
+
+	/// Marks the points that cannot keep their trial stress, without finding the order of their principal stresses.
+	void findYielding(const MohrCoulombState& m, const Strengths& strengths, const std::array<double*, 4>& s, int count, long long* yielding)
 	{
-		const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
-		const double radius = std::sqrt(half * half + s[3] * s[3]);
-		const double high = std::max(centre + radius, s[2]), low = std::min(centre - radius, s[2]);
-		return (high - low) + (high + low) * m.sinFriction <= 2.0 * m.cohesion * m.cosFriction && high <= m.tensileStrength;
+		const double* const stress[4] = { s[0], s[1], s[2], s[3] };
+		planeLoops().findYielding(count, { strengths.cohesion, strengths.tensileStrength, m.sinFriction, m.cosFriction }, stress, yielding);
 	}
-	bool isElastic(const MohrCoulombState&, const double (&)[6]) { return false; }
+	void findYielding(const MohrCoulombState&, const Strengths&, const std::array<double*, 6>&, int count, long long* yielding)
+	{
+		std::fill(yielding, yielding + count, 1);
+	}
 
 	/// Elastic trial stress of points in sequence.
 	void predict(const SkeletonBatch<2>& b, int p, int count, const double* lambda, const double* shear)
@@ -205,36 +211,38 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 {
 	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
 	const LameModuli unit(1.0, poissonRatio);
-	AtSaturation     present[pieceSize];
-	double           lambda[pieceSize], shear[pieceSize];
-	if (b.iceSaturation)
-		for (int k = 0; k < count; ++k)
-			present[k] = at(b.iceSaturation[first + k]);
-	else
-		std::fill(present, present + count, at(0.0));
+	MohrCoulombState m;
+	m.sinFriction = std::sin(frictionAngle * degree);
+	m.cosFriction = std::cos(frictionAngle * degree);
+	m.sinDilation = std::sin(dilationAngle * degree);
+	Strengths    strengths;
+	double       lambda[pieceSize], shear[pieceSize];
+	AtSaturation present = at(0.0);
 	for (int k = 0; k < count; ++k) {
-		lambda[k] = present[k].youngModulus * unit.lambda;
-		shear[k]  = present[k].youngModulus * unit.shear;
+		if (b.iceSaturation) present = at(b.iceSaturation[first + k]);
+		lambda[k]                    = present.youngModulus * unit.lambda;
+		shear[k]                     = present.youngModulus * unit.shear;
+		strengths.cohesion[k]        = present.cohesion;
+		strengths.tensileStrength[k] = present.tensileStrength;
+		if (m.sinFriction > 0.0)
+			strengths.tensileStrength[k] = std::min(present.tensileStrength, present.cohesion * m.cosFriction / m.sinFriction);
 	}
 	std::array<double*, stressSize<D>> stress;
 	for (int c = 0; c < stressSize<D>; ++c)
 		stress[c] = b.stress[c] + first;
 	predict(b, first, count, lambda, shear);
 
-	MohrCoulombState m;
-	m.sinFriction = std::sin(frictionAngle * degree);
-	m.cosFriction = std::cos(frictionAngle * degree);
-	m.sinDilation = std::sin(dilationAngle * degree);
+	long long yielding[pieceSize];
+	findYielding(m, strengths, stress, count, yielding);
 	for (int k = 0; k < count; ++k) {
+		if (!yielding[k]) continue;
 		m.lambda          = lambda[k];
 		m.shear           = shear[k];
-		m.cohesion        = present[k].cohesion;
-		m.tensileStrength = present[k].tensileStrength;
-		if (m.sinFriction > 0.0) m.tensileStrength = std::min(m.tensileStrength, m.cohesion * m.cosFriction / m.sinFriction);
+		m.cohesion        = strengths.cohesion[k];
+		m.tensileStrength = strengths.tensileStrength[k];
 		double s[stressSize<D>];
 		for (int c = 0; c < stressSize<D>; ++c)
 			s[c] = stress[c][k];
-		if (isElastic(m, s)) continue;
 		const double plastic = correct(m, s);
 		for (int c = 0; c < stressSize<D>; ++c)
 			stress[c][k] = s[c];

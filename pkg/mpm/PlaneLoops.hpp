@@ -71,6 +71,14 @@ struct PlaneLoops {
 	/// moduli of each.
 	void (*elastic)(int count, const double* lambda, const double* shear, const double* const (&gradient)[4], double* const (&stress)[4]);
 
+	/// Of points in sequence with stress xx, yy, zz, xy: 1 where some principal stress passes tensileStrength or some pair of them the
+	/// cone of Mohr and Coulomb, (high - low) + (high + low) sinFriction > 2 c cosFriction; else 0.
+	struct Strength {
+		const double *cohesion, *tensileStrength;
+		double        sinFriction, cosFriction;
+	};
+	void (*findYielding)(int count, const Strength& strength, const double* const (&stress)[4], long long* yielding);
+
 	/// y = exp(x) to two units in the last place, for -700 < x < 700.
 	void (*exponential)(int count, const double* x, double* y);
 };
