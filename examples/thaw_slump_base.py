@@ -7,7 +7,7 @@ Everything as in thaw_slump_surface.py but the heat: the base between x = 2 and 
 all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above comes after. The
 surface is drained and free.
 
-Ours, where the paper is silent: the extent of the patch; the duration, 60 s (600 days of heat at f_T = 8.64e5), because the frozen roof
+Ours, where the paper is silent: the extent of the patch; the duration, 50 s (500 days of heat at f_T = 8.64e5), because the frozen roof
 must become thin before its weight passes its strength; and what thawing does to the grains. Grains that keep their size (eq. 8 as
 bookkeeping, --thaw-strain 0) keep their contacts when the ice goes: the thawed ground at depth carries what it carried, and nothing
 comes down. Support is lost by thaw strain: ice-rich grains, prepared frozen, shrink as they thaw. --thaw-strain gives the area strain
@@ -19,7 +19,7 @@ The page of figures is page.png; what to expect is described in examples/README.
 import talik
 from talik import thawslump
 
-duration = 60.0  # of the thaw [s]
+duration = 50.0  # of the thaw [s]
 
 
 def warmBase(start):

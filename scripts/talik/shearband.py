@@ -3,6 +3,10 @@
 
 	band = talik.shearband.measure(frame, outline)       # frame of talik.output.Frames
 	print(talik.shearband.describe(band))
+
+A band is where a mass that moved borders on ground that stayed. Displacement tells the two apart, by Otsu's threshold; the band is the
+line across which it passes half way between their means, in the position of the points before they moved. Strain alone does not tell:
+which points pass a strain depends on that strain, and the mass is strained itself where it slides over thawed ground.
 """
 
 import math
@@ -13,20 +17,24 @@ import numpy as np
 from talik import slope
 
 meltSaturation = 0.02  # of IceBondMat: at or below it every bond is gone
+levels = (0.25, 0.5, 0.75)  # of the way from the ground that stayed to the mass that moved; the middle one counts, the others tell how sure it is
 
 
 @dataclass(frozen=True)
 class ShearBand:
 	"""Geometry in the position of the points before they moved, so that what slid away still lies in the band."""
 
-	points: np.ndarray  # ids, ascending
-	threshold: float  # of the deviatoric strain [-]
-	inclination: float  # of the principal axis against the horizontal [deg], 0 to 90
+	points: np.ndarray  # ids, ascending, of the points on both sides
+	threshold: float  # that the displacement across the band over its width passes [-]
+	inclination: float  # of the line of best fit against the horizontal [deg], 0 to 90
+	inclinations: tuple  # smallest and largest over the levels [deg]
 	descendsTowards: str  # the face: right or left
-	length: float  # along the axis [m], of a bar of the same second moments
-	width: float  # across it [m]
-	top: float  # depth of its highest point below the surface [m]
-	depth: float  # depth of its deepest point below the surface [m]
+	length: float  # along the line [m]
+	width: float  # over which the displacement changes [m]; not below the distance of the points
+	opening: float  # direction of the displacement across it [deg]: 0 slip along the line, 90 opening, below 0 closing
+	roughness: float  # root mean square distance of the band from the line [m]
+	top: float  # depth of its highest place below the surface [m]
+	depth: float  # depth of its deepest place below the surface [m]
 	brokenBonds: float  # bonds broken mechanically over those formed, in the band [-]; nan without samples
 
 
@@ -40,26 +48,78 @@ def initialPosition(frame):
 
 
 def measure(frame, outline, threshold=0.05, among=None):
-	"""The largest coherent set of points with a deviatoric strain above `threshold`, or None if there are fewer than three.
+	"""The longest coherent border between moved and unmoved ground across which the displacement over the width is above `threshold`;
+	None if there is none of three places or more.
 
-	frame    fields of talik.output.Frames (position, displacement, volume, deviatoricStrain, …)
+	frame    fields of talik.output.Frames (position, displacement, …)
 	outline  polygon of the ground before it moved, for depths
-	among    (n,) bool, points that may belong to it; default: those that are frozen"""
-	start = initialPosition(frame)
-	strained = frame["deviatoricStrain"] > threshold
-	points = _largestCluster(np.flatnonzero(strained & (frozen(frame) if among is None else among)), start, reach=1.6 * _spacing(start))
-	if len(points) < 3:
+	among    (n,) bool, points that may belong to it, or True for all; default: those that are frozen"""
+	start, moved = initialPosition(frame), np.linalg.norm(frame["displacement"], axis=1)
+	ground = np.flatnonzero(frozen(frame) if among is None else np.broadcast_to(among, len(moved)))
+	if len(ground) < 3 or np.ptp(moved[ground]) == 0:
 		return None
-	place, weight = start[points], frame["deviatoricStrain"][points]
-	centred = place - np.average(place, axis=0, weights=weight)
-	moments, axes = np.linalg.eigh((centred * weight[:, None]).T @ centred / weight.sum())
-	axis = axes[:, 1]
-	depth = np.array([slope.surfaceHeight(outline, x) - y for x, y in place])
+	stayed, gone = _twoClasses(moved[ground])
+	borders = [_border(ground, start, moved, stayed + level * (gone - stayed)) for level in levels]
+	if any(len(places) < 3 for _, places in borders):
+		return None
+	lines = [_line(places) for _, places in borders]
+	(pairs, places), (axis, roughness) = borders[len(levels) // 2], lines[len(levels) // 2]
+	stays, goes = np.take_along_axis(pairs, np.argsort(moved[pairs], axis=1), axis=1).T
+	normal = np.array([-axis[1], axis[0]])
+	across = (start[goes] - start[stays]) @ normal
+	gradient = (moved[goes] - moved[stays]).sum() / np.abs(across).sum()
+	if gradient < threshold:
+		return None
+	jump = (frame["displacement"][goes] - frame["displacement"][stays]).sum(axis=0)
+	opening = math.degrees(math.atan2(math.copysign(1, across.sum()) * (jump @ normal), abs(jump @ axis)))
+	inclinations = [math.degrees(math.atan2(-line[1], line[0])) for line, _ in lines]
+	points = np.unique(np.concatenate([pairs.ravel() for pairs, _ in borders]))
+	depth = np.array([slope.surfaceHeight(outline, x) - y for x, y in places])
 	return ShearBand(
-		points=points, threshold=threshold, inclination=math.degrees(math.atan2(abs(axis[1]), abs(axis[0]))),
-		descendsTowards="right" if axis[0] * axis[1] < 0 else "left", length=math.sqrt(12 * moments[1]), width=math.sqrt(12 * max(moments[0], 0)),
-		top=float(depth.min()), depth=float(depth.max()), brokenBonds=brokenShare(frame, points),
+		points=points, threshold=threshold, inclination=abs(inclinations[len(levels) // 2]), inclinations=_between(inclinations),
+		descendsTowards="right" if axis[1] < 0 else "left", length=float(np.ptp(places @ axis)), width=float((gone - stayed) / gradient),
+		opening=opening, roughness=roughness, top=float(depth.min()), depth=float(depth.max()), brokenBonds=brokenShare(frame, points),
 	)
+
+
+def _twoClasses(values):
+	"""Means of the two classes of values that Otsu's threshold parts (largest variance between them)."""
+	ordered = np.sort(values)
+	count = np.arange(1, len(ordered))
+	sums = np.cumsum(ordered)[:-1]
+	low, high = sums / count, (ordered.sum() - sums) / (len(ordered) - count)
+	best = np.argmax(count * (len(ordered) - count) * (high - low) ** 2)
+	return low[best], high[best]
+
+
+def _border(ground, position, value, level):
+	"""Where `value` passes `level` between neighbours of the ground: (pairs of ids, places) of the largest coherent group."""
+	from scipy.spatial import cKDTree
+
+	spacing = _spacing(position)
+	pairs = ground[cKDTree(position[ground]).query_pairs(1.2 * spacing, output_type="ndarray")]
+	pairs = pairs[(value[pairs] > level).sum(axis=1) == 1]
+	first, second = pairs.T
+	share = (level - value[first]) / (value[second] - value[first])
+	places = position[first] + share[:, None] * (position[second] - position[first])
+	chosen = _largestCluster(places, reach=1.6 * spacing)
+	return pairs[chosen], places[chosen]
+
+
+def _line(places):
+	"""Line of best fit: (unit vector along it, to the right; root mean square distance from it [m])."""
+	centred = places - places.mean(axis=0)
+	moments, axes = np.linalg.eigh(centred.T @ centred / len(places))
+	axis = axes[:, 1] * (1 if axes[0, 1] >= 0 else -1)
+	return axis, math.sqrt(max(moments[0], 0))
+
+
+def _between(inclinations):
+	"""Smallest and largest angle [deg] of lines that fall (> 0) or rise (< 0) to the right, all seen from the side of the first."""
+	middle = inclinations[len(inclinations) // 2]
+	seen = [math.copysign(1, middle) * angle for angle in inclinations]
+	seen = [angle if angle > -45 else angle + 180 for angle in seen]  # a line just past the vertical
+	return min(seen), max(seen)
 
 
 def brokenShare(frame, points):
@@ -69,14 +129,14 @@ def brokenShare(frame, points):
 	return float(np.nansum(frame["bondsBroken"][points]) / max(np.nansum(frame["bondsFormed"][points]), 1))
 
 
-def describe(band):
-	"""One sentence."""
+def describe(band, ground="frozen"):
+	"""One sentence; ground: frozen or all."""
 	if band is None:
-		return "no shear band in frozen ground"
+		return f"no shear band in {ground} ground"
 	return (
-		f"{len(band.points)} frozen points with a deviatoric strain above {band.threshold:g}: band inclined {band.inclination:.0f} deg, down to the "
-		f"{band.descendsTowards}, from {band.top:.2f} to {band.depth:.2f} m below the surface, {band.length:.1f} x {band.width:.1f} m; "
-		f"{100 * band.brokenBonds:.1f} % of its bonds broke mechanically"
+		f"shear band in {ground} ground inclined {band.inclination:.0f} deg ({band.inclinations[0]:.0f} to {band.inclinations[1]:.0f} by the share of the "
+		f"displacement), down to the {band.descendsTowards}, from {band.top:.2f} to {band.depth:.2f} m below the surface, {band.length:.1f} m long, "
+		f"displacement at {band.opening:.0f} deg to it; {100 * band.brokenBonds:.1f} % of the bonds of its {len(band.points)} points broke mechanically"
 	)
 
 
@@ -97,15 +157,15 @@ def _spacing(position):
 	return float(np.median(cKDTree(position).query(position, k=2)[0][:, 1]))
 
 
-def _largestCluster(points, position, reach):
-	"""Those of `points` that belong to the largest group of neighbours within `reach` [m]."""
+def _largestCluster(places, reach):
+	"""Indices of the largest group of neighbours within `reach` [m]."""
 	from scipy.sparse import coo_matrix
 	from scipy.sparse.csgraph import connected_components
 	from scipy.spatial import cKDTree
 
-	if len(points) == 0:
-		return points
-	pairs = cKDTree(position[points]).query_pairs(reach, output_type="ndarray")
-	links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+	if len(places) == 0:
+		return np.array([], dtype=int)
+	pairs = cKDTree(places).query_pairs(reach, output_type="ndarray")
+	links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(places), len(places)))
 	group = connected_components(links, directed=False)[1]
-	return points[group == np.argmax(np.bincount(group))]
+	return np.flatnonzero(group == np.argmax(np.bincount(group)))

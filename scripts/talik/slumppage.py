@@ -56,7 +56,7 @@ def _stateOf(frame, point):
 def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "deviatoricStrain", "displacement"), threshold=0.2):
 	"""One row for each run: its fields at the end, under them all runs: largest displacement and broken bonds over time.
 
-	runs  {label: (frames, seconds of wall time)}; label says what differs
+	runs  {label: (frames, bill)}; label says what differs, bill what the run cost
 	Returns the figure."""
 	ends = [frames[-1] for frames, _ in runs.values()]
 	slopeHeight = plots.historyHeight(ends)
@@ -65,12 +65,10 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	plots.slopeHistory(ends, fields=fields, thermalTimeScale=thermalTimeScale, into=upper)
 	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
 	moved, broken = lower.subplots(1, 2)
-	for axes, (label, (frames, seconds)) in zip(rows, runs.items()):
-		band = shearband.measure(frames[-1], outline, threshold)
-		bill = f"{label}: {seconds:.0f} s of wall time; " + ("no band in frozen ground" if band is None else f"frozen band at {band.inclination:.0f}°, to {band.depth:.1f} m deep")
-		axes.set_title(bill, loc="left", fontsize=9)
+	for axes, (label, (frames, bill)) in zip(rows, runs.items()):
+		axes.set_title(f"{label}: {bill}; {_bandOf(frames[-1], outline, threshold)}", loc="left", fontsize=9)
 		times = [frame["time"] for frame in frames]
-		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=f"{label} ({seconds:.0f} s)")
+		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=label)
 		if "bondsFormed" in frames[0]:
 			broken.plot(times, [100 * shearband.brokenShare(frame, slice(None)) for frame in frames], marker="o", markersize=3, label=label)
 	moved.set(xlabel="thaw time [s]", ylabel="largest displacement [m]")
@@ -80,3 +78,9 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	if not any("bondsFormed" in frames[0] for frames, _ in runs.values()):
 		broken.set_visible(False)
 	return fig
+
+
+def _bandOf(frame, outline, threshold):
+	bands = {ground: shearband.measure(frame, outline, threshold, among) for ground, among in (("frozen", None), ("all", True))}
+	found = [f"{band.inclination:.0f}° in {ground} ground, to {band.depth:.1f} m deep" for ground, band in bands.items() if band is not None]
+	return "slip surface " + ", ".join(found) if found else "no slip surface"

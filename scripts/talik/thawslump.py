@@ -27,7 +27,7 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 
 seriesLength = 40  # states in the ParaView series
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
-bandStrain = 0.2  # deviatoric strain that marks a band in ground that has failed [-]
+bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
 
 
 def runUntil(instant, look=None, interval=0.2):
@@ -219,6 +219,10 @@ class ThawSlump:
 		"""The shear band in frozen ground at the end (talik.shearband.ShearBand) or None."""
 		return shearband.measure(self.frames.frames[-1], outline, bandStrain)
 
+	def slipSurface(self):
+		"""The shear band in frozen and thawed ground together at the end, or None."""
+		return shearband.measure(self.frames.frames[-1], outline, bandStrain, among=True)
+
 	def summary(self):
 		"""Named results of the run so far."""
 		mpm = self.mpm
@@ -243,6 +247,7 @@ class ThawSlump:
 			"sample DEM steps": counters["steps"],
 			"sample wall time [s]": counters["seconds"],
 			"sample memory [MB]": counters["bytes"] / 1e6,
+			"calibration [s]": self.calibration.seconds if self.skeletonName == "MohrCoulomb" else None,
 			"largest displacement [m]": displacement.max(),
 			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
 			**bonds,
@@ -256,13 +261,12 @@ class ThawSlump:
 	def _bandSummary(self):
 		if not self.frames.frames:
 			return {}
-		band, watched = self.band(), self.watchedPoints()
-		summary = {"band": shearband.describe(band)}
-		if band is not None:
-			summary.update({
-				"band.inclination [deg]": band.inclination, "band.top [m]": band.top, "band.depth [m]": band.depth,
-				"band.length [m]": band.length, "band.width [m]": band.width, "band.broken bonds [-]": band.brokenBonds,
-			})
+		bands, watched, summary = {"frozen": self.band(), "all": self.slipSurface()}, self.watchedPoints(), {}
+		for ground, band in bands.items():
+			summary[f"band in {ground} ground"] = shearband.describe(band, ground)
+			if band is not None:
+				measures = {name: value for name, value in vars(band).items() if name != "points"}
+				summary.update({f"band in {ground} ground.{name}": value for name, value in measures.items()})
 		last = self.frames.frames[-1]
 		for letter, point in watched.items():
 			formed, intact, broken, melted = (int(last[name][point]) for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted"))
@@ -320,11 +324,18 @@ def runCase(name, boundaries, options, duration=None):
 			slump.presetName = options.preset
 			summary = slump.run()
 		report(summary, folder)
-		runs[label] = (slump.frames.frames, summary["wallTime [s]"])
+		runs[label] = (slump.frames.frames, bill(summary))
 	if len(runs) > 1:
 		figure = slumppage.sideBySide(runs, outline, Ground.thermalTimeScale)
 		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))
 	return slump
+
+
+def bill(summary):
+	"""What a run cost."""
+	if summary["skeleton"] == "samples":
+		return f"{summary['wallTime [s]']:.0f} s, {summary['sample calls']} sample calls, {summary['sample memory [MB]']:.0f} MB of samples"
+	return f"{summary['wallTime [s]']:.0f} s, {summary['calibration [s]']:.1f} s of them calibration, no samples"
 
 
 def report(summary, folder):
@@ -333,7 +344,9 @@ def report(summary, folder):
 	print(f"largest displacement {summary['largest displacement [m]']:.3f} m", end="")
 	if "bondsIntact" in summary:
 		print(f"; bonds intact {summary['bondsIntact']}, broken {summary['bondsBroken']}, melted {summary['bondsMelted']}", end="")
-	print(f"\n{summary.get('band', '')}")
+	print()
+	for ground in ("frozen", "all"):
+		print(summary.get(f"band in {ground} ground", ""))
 	for letter in ("A", "B"):
 		if f"point {letter}" in summary:
 			print(f"point {letter}: " + ", ".join(f"{name} {value}" for name, value in summary[f"point {letter}"].items()))
