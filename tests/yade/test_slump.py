@@ -7,7 +7,7 @@ from thaw_column import ThawColumn
 from yade import O
 
 import talik
-from talik import accuracy, thawslump
+from talik import accuracy, shearband, thawslump
 
 meltSaturation = 0.02  # of IceBondMat: at or below it every bond is gone
 atRest = 5e-3  # ground that has moved less has not yet moved [m]
@@ -147,6 +147,16 @@ def test_failure_moves_inward(draft):
 		print(f"t = {frame['time']:5.2f} s: {strained.sum()} points strained by more than {failed}, the deepest {deepest[-1]:.2f} m below the face")
 	steps = np.diff(deepest)
 	assert np.all(steps >= 0) and np.sum(steps > 0) >= 3
+
+
+def test_the_slip_surface_follows_the_face_through_thawed_ground_and_none_is_in_frozen_ground(draft):
+	surface, band = draft.slipSurface(), draft.band()
+	last = draft.frames.frames[-1]
+	print(shearband.describe(surface, "all"), f"{100 * np.mean(~shearband.frozen(last)[surface.points]):.0f} % of its points thawed", shearband.describe(band), sep="\n")
+	assert band is None
+	assert surface.inclination == pytest.approx(45, abs=10) and surface.descendsTowards == "right"
+	assert surface.roughness < 0.1 * surface.length
+	assert np.mean(shearband.frozen(last)[surface.points]) < 0.2
 
 
 def test_the_same_slope_kept_frozen_moves_less_than_a_centimetre_in_the_same_time(draft, tmp_path):
