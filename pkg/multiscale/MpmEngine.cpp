@@ -178,6 +178,7 @@ void MpmEngine::checkChangeable() const
 	require(flip >= 0 && flip <= 1, "flip", flip, "a number from 0 to 1");
 	require(waveFraction > 0 && waveFraction <= 1, "waveFraction", waveFraction, "a number above 0 and up to 1");
 	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
+	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
 	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
 }
 
@@ -217,8 +218,10 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	for (const auto& boundary : boundaries)
 		s.boundaries.push_back(boundary->build());
 	if (motion)
-		for (const auto& law : activeSkeletons())
+		for (const auto& law : activeSkeletons()) {
 			s.skeletons.push_back(law->build(pointCount()));
+			if (tolerance > 0) law->setTolerance(tolerance);
+		}
 	s.waveFraction   = waveFraction;
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
@@ -229,8 +232,9 @@ void MpmEngine::initialise()
 {
 	if (ground) return;
 	checkPresence();
-	ground          = std::make_shared<talik::Ground<2>>(buildSettings());
-	stepsUntilLimit = 0;
+	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
+	stepsUntilLimit  = 0;
+	toleranceInForce = tolerance;
 	try {
 		addPointsToGround();
 		ground->initialise();
@@ -262,6 +266,18 @@ void MpmEngine::followAttributes()
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
 	s.resting        = resting;
+	if (tolerance != toleranceInForce) followTolerance();
+}
+
+void MpmEngine::followTolerance()
+{
+	if ((tolerance == 0) != (toleranceInForce == 0))
+		throw std::invalid_argument(
+		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is " + boost::lexical_cast<string>(tolerance)
+		        + ": change it while running to other values above 0 only; begin anew to set it or to let go of it.");
+	for (const auto& law : activeSkeletons())
+		law->setTolerance(tolerance);
+	toleranceInForce = tolerance;
 }
 
 /// Determines the stable step anew now and then; true if it did.
@@ -648,6 +664,19 @@ py::dict MpmEngine::cost()
 		d[effect] = seconds;
 	d["steps"] = g.steps();
 	return d;
+}
+
+py::object MpmEngine::believedError()
+{
+	auto& g = runningGround();
+	if (toleranceInForce == 0) return py::object();
+	talik::ErrorSquares sum;
+	const auto          laws = activeSkeletons();
+	for (std::size_t k = 0; k < laws.size(); k++) {
+		const auto squares = laws[k]->errorSquares(g.skeletonBatch(int(k)));
+		sum.add(1, squares.error, squares.stress);
+	}
+	return py::object(sum.stress > 0 ? std::sqrt(sum.error / sum.stress) : 0.);
 }
 
 double MpmEngine::groundTime() const { return ground ? ground->time() : 0; }

@@ -42,6 +42,7 @@ public:
 	::boost::python::dict   balance();
 	::boost::python::dict   cost();
 	::boost::python::object grid();
+	::boost::python::object believedError();
 	int                     pointCount() const;
 	::boost::python::list   skeletonNumbers() const;
 	double                  groundTime() const;
@@ -70,6 +71,7 @@ private:
 	int                      lawOf(int id) const;
 	void                     setLawOf(int id, int number);
 	void                     followAttributes();
+	void                     followTolerance();
 	bool                     watchStableStep();
 	int                      subSteps(double dt) const;
 	void                     advanceAlone(bool newLimit);
@@ -87,6 +89,7 @@ private:
 	long                              stepsUntilLimit = 0;
 	string                            failure;
 	double                            stableStep      = 0;
+	double                            toleranceInForce = 0;
 
 public:
 	// clang-format off
@@ -115,6 +118,7 @@ public:
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
+		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see believedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
@@ -143,6 +147,7 @@ public:
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
 		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")
 		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
+		.add_property("believedError",&MpmEngine::believedError,"Error of effective stress that the samples are believed to have caused since the start, root mean square over points and steps, over that of the stress itself [-]: from the differences between predicted and sampled stress and between two rates of strain, as they were measured. None without tolerance. Error of grid and time step is not in it.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
 		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")

@@ -20,6 +20,7 @@ public:
 	std::size_t                        size() const override { return samples.size(); }
 	void                               clear() override { samples.clear(); }
 	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;
+	bool                               comparesRates() const override { return false; }
 	std::vector<double>                measure(std::size_t sample, const std::string& name) const override;
 	const void*                        identity(std::size_t sample) const override;
 	std::size_t                        distinctStates() const override;

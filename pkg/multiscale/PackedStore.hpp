@@ -19,6 +19,7 @@ public:
 	std::size_t                        size() const override { return pool.size(); }
 	void                               clear() override { pool.clear(); }
 	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;
+	bool                               comparesRates() const override { return true; }
 	std::vector<double>                measure(std::size_t sample, const std::string& name) const override;
 	const void*                        identity(std::size_t sample) const override { return pool.parked(sample).get(); }
 	std::size_t                        distinctStates() const override { return pool.distinctStates(); }

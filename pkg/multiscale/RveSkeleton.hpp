@@ -18,6 +18,8 @@ public:
 	string  savedState() const override;
 	void    restoreState(const string&) override;
 	bool    admitsPoints() const override { return !model; }
+	void    setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
+	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return running().errorSquares(batch); }
 	void    keepOnly(const talik::SkeletonBatch<2>& batch) override { running().keepOnly(batch); }
 
 	/// The sample of a point as it is now, a copy: packed, or as a scene.

@@ -17,6 +17,7 @@ namespace {
 	constexpr double stressFloor      = 1e3;  ///< sigma_ref of the relative error [Pa]
 	constexpr double failingRatio     = 0.3;  ///< below it a point deforms plastically: no prediction, a tighter tolerance
 	constexpr double failingTightness = 0.25;
+	constexpr double saturationShare  = 1. / 3; ///< saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress
 	constexpr double toleranceRange   = 10.;  ///< the steered tolerance stays within this factor of the given one
 
 	Matrix stressAt(const SkeletonBatch<2>& batch, int place)
@@ -130,6 +131,7 @@ void SampleSkeleton::declareFields(PointFields& f, const std::string& prefix)
 	toleranceField  = f.declare(prefix + "strainTolerance", name(), "-", 1);
 	ratioField      = f.declare(prefix + "tangentRatio", name(), "-", 1);
 	tangentField    = f.declare(prefix + "tangent", name(), "Pa", 9);
+	if (accuracy) accuracy->declareFields(f, prefix, name());
 }
 
 SampleSkeleton::Arrays SampleSkeleton::arrays() const
@@ -170,6 +172,7 @@ void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
 		a.tolerance[place]  = schedule.strainTolerance;
 		a.setLastStress(place, start.stress);
 		storeStress(batch, place, start.stress);
+		if (accuracy) accuracy->begin(place);
 	}
 	count.points = placeOf.size();
 }
@@ -193,6 +196,7 @@ void SampleSkeleton::predict(const SkeletonBatch<2>& batch, int place, const Arr
 void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 {
 	const Arrays a = arrays();
+	if (accuracy) accuracy->countStep();
 	flagScratch.assign(batch.count, 0);
 #pragma omp parallel for schedule(static)
 	for (int k = 0; k < batch.count; k++) {
@@ -220,16 +224,26 @@ void SampleSkeleton::flagChanged(const SkeletonBatch<2>& batch)
 	changed.clear();
 }
 
+std::vector<PackedRequest<2>> SampleSkeleton::requests(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a) const
+{
+	std::vector<PackedRequest<2>> list;
+	for (const int place : due) {
+		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place), batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
+		if (!accuracy) continue;
+		list.back().inertialNumber = accuracy->inertialNumber(place);
+		list.back().compareRates   = accuracy->comparesRates(place);
+	}
+	return list;
+}
+
 void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a)
 {
 	const auto start     = std::chrono::steady_clock::now();
 	int        stoppedBy = -1;
-	std::vector<PackedRequest<2>> requests;
-	for (const int place : due)
-		requests.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place), batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
+	const auto asked     = requests(batch, due, a);
 	PackedUpdateOptions options = schedule.update;
 	options.tangent             = schedule.prediction;
-	const auto results          = store->update(requests, options, schedule.threads);
+	const auto results          = store->update(asked, options, schedule.threads);
 	for (std::size_t r = 0; r < due.size(); r++) {
 		const int place = due[r], id = batch.id[place];
 		count.steps += std::uint64_t(results[r].steps);
@@ -246,9 +260,11 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 			const auto c   = compact(results[r].tangent);
 			for (int i = 0; i < 9; i++)
 				a.tangent[i][place] = c[i];
-			if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
-				const double error  = (after - predicted).norm() / (after.norm() + stressFloor);
-				const double factor = error > 0 ? std::sqrt(schedule.stressTolerance / error) : 2.;
+			const double error = (after - predicted).norm();
+			if (accuracy) steer(batch, place, error, results[r], a);
+			else if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
+				const double relative = error / (after.norm() + stressFloor);
+				const double factor = relative > 0 ? std::sqrt(schedule.stressTolerance / relative) : 2.;
 				const double tight  = a.ratio[place] < failingRatio ? failingTightness : 1.;
 				a.tolerance[place]  = std::min(
                                         toleranceRange * schedule.strainTolerance * tight,
@@ -257,7 +273,7 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		}
 		a.setLastStress(place, after);
 		a.setAccumulated(place, Matrix::Zero());
-		a.saturation[place] = requests[r].iceSaturation;
+		a.saturation[place] = asked[r].iceSaturation;
 		storeStress(batch, place, after);
 	}
 	count.calls += due.size();
@@ -266,6 +282,39 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		throw StopAfterStep(
 		        "The sample of point " + std::to_string(stoppedBy) + " blew up: " + failures[stoppedBy]
 		        + ". The step was completed with its last stress; look at the sample (RveSkeleton.scene), use finer maxInertialNumber or maxStrainPerStep, or go on with onBlowUp='isolate'.");
+}
+
+void SampleSkeleton::steer(const SkeletonBatch<2>& batch, int place, double predictionError, const PackedUpdateResult<2>& result, const Arrays& a)
+{
+	SampleAccuracy::Answer answer;
+	answer.place           = place;
+	answer.volume          = batch.volume[place];
+	answer.stress          = result.stress.norm();
+	answer.predictionError = predictionError;
+	answer.rateError       = result.rateError;
+	answer.strain          = a.accumulated(place).cwiseAbs().maxCoeff();
+	a.tolerance[place]     = accuracy->learn(answer, a.tolerance[place]);
+}
+
+void SampleSkeleton::setTolerance(double tolerance)
+{
+	if (!store->comparesRates())
+		throw std::invalid_argument("MpmEngine.tolerance needs packed samples, whose rates can be compared: set tolerance=0, or give samples that can be packed.");
+	if (!schedule.prediction || schedule.strainTolerance <= 0)
+		throw std::invalid_argument("MpmEngine.tolerance steers RveSkeleton.strainTolerance of every point by the error of the prediction: leave strainTolerance above 0 and prediction=True.");
+	if (!accuracy) accuracy = std::make_unique<SampleAccuracy>();
+	accuracy->setTolerance(tolerance);
+	schedule.saturationTolerance = saturationShare * tolerance;
+}
+
+ErrorSquares SampleSkeleton::errorSquares(const SkeletonBatch<2>& batch) const
+{
+	if (!accuracy) return {};
+	const Arrays a   = arrays();
+	ErrorSquares sum = accuracy->squares();
+	for (int k = 0; k < batch.count; k++)
+		accuracy->addPending(batch.place[k], batch.volume[batch.place[k]], a.lastStress(batch.place[k]).norm(), sum);
+	return sum;
 }
 
 void SampleSkeleton::tangentModulus(const SkeletonBatch<2>& batch, double* modulus) const
@@ -317,6 +366,7 @@ std::string SampleSkeleton::save() const
 	writer.number(changed.size());
 	for (const int id : changed)
 		writer.number(std::uint64_t(id));
+	if (accuracy) accuracy->save(writer);
 	return writer.bytes();
 }
 
@@ -340,6 +390,7 @@ void SampleSkeleton::restore(const std::string& bytes)
 	changed.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)
 		changed.insert(int(reader.number()));
+	if (accuracy) accuracy->restore(reader);
 }
 
 } // namespace talik

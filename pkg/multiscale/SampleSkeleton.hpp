@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <pkg/mpm/SkeletonModel.hpp>
+#include <pkg/multiscale/SampleAccuracy.hpp>
 #include <pkg/multiscale/SampleStore.hpp>
 
 #include <functional>
@@ -39,6 +40,13 @@ public:
 	void        updateStress(const SkeletonBatch<2>&) override;
 	void        tangentModulus(const SkeletonBatch<2>&, double* modulus) const override;
 
+	/// Steers strain tolerance and inertial number of each point by the relative error of effective stress that they cause, in place of
+	/// the scheduling's. Before the fields are declared, or to another tolerance > 0 at any time.
+	void setTolerance(double tolerance);
+	bool steered() const { return bool(accuracy); }
+	/// Of the error believed to have been made since the start, see setTolerance.
+	ErrorSquares errorSquares(const SkeletonBatch<2>&) const;
+
 	SampleScheduling&     scheduling() { return schedule; }
 	/// Called with the point's id for every sample that blew up and is in its last good state again; says whether the run has to stop.
 	/// Without it stopOnBlowUp decides.
@@ -66,6 +74,8 @@ private:
 	Arrays arrays() const;
 	bool   isDue(const Arrays&, int place, double iceSaturation) const;
 	void   ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
+	std::vector<PackedRequest<2>> requests(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&) const;
+	void   steer(const SkeletonBatch<2>&, int place, double predictionError, const PackedUpdateResult<2>&, const Arrays&);
 	void   flagChanged(const SkeletonBatch<2>&);
 	void   predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
 
@@ -73,6 +83,7 @@ private:
 	std::vector<int>             prototypeOf, sampleOf;
 	SampleScheduling          schedule;
 	SampleCounters            count;
+	std::unique_ptr<SampleAccuracy> accuracy; ///< only with a tolerance
 	PointFields*              fields = nullptr;
 	PointFields::Handle       gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
 	std::map<int, std::string> failures;

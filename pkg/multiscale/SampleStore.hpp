@@ -35,6 +35,9 @@ public:
 	/// their number. A sample that blows up keeps a good state.
 	virtual std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) = 0;
 
+	/// Whether requests may compare rates.
+	virtual bool comparesRates() const = 0;
+
 	/// A named measure; several numbers for tensors. Throws std::invalid_argument on an unknown name.
 	virtual std::vector<double> measure(std::size_t sample, const std::string& name) const = 0;
 	/// The same for samples that share one state.

@@ -3,6 +3,7 @@
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/ElasticSkeleton.hpp>
 #include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/multiscale/SampleAccuracy.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 
 namespace yade {
@@ -23,6 +24,9 @@ public:
 	virtual bool   admitsPoints() const { return true; }
 	/// After an exchange: forget the points that are not in the batch.
 	virtual void   keepOnly(const talik::SkeletonBatch<2>&) { }
+	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
+	virtual void                setTolerance(Real) { }
+	virtual talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>&) const { return {}; }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
 	virtual vector<string> measures() const { return {}; }
 	/// One of them for all points of the ground, NaN where a point has another skeleton.

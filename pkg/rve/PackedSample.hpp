@@ -33,6 +33,7 @@ template <int Dim> struct PackedUpdateResult {
 	bool                              blewUp  = false; ///< the state is the last good one, the stress is that state's
 	std::string                       reason;          ///< why it blew up, empty otherwise
 	PackedTangent<Dim>                tangent {};      ///< if asked for, see PackedSample::tangent
+	double                            rateError = 0;   ///< of the steps asked for, if rates were compared: norm of the stress less that of infinitely slow motion [Pa]
 };
 
 /// Drives the cell until the sample carries given stresses.

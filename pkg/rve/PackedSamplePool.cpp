@@ -20,8 +20,12 @@ namespace {
 	{
 		if (parkedA != parkedB) return std::less<const ParkedSample<Dim>*>()(parkedA, parkedB) ? -1 : 1;
 		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
-		return std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double));
+		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
+		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
+		return int(a.compareRates) - int(b.compareRates);
 	}
+
+	constexpr long rateRefinement = 4; ///< steps of the finer of two compared updates over those of the coarser
 
 	/// Requests of equal work, by their places in an order.
 	struct Task {
@@ -43,15 +47,34 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	PackedState<Dim>                      state;
 	PackedLists<Dim>                      lists;
 
-	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
 	{
-		const bool listed = sample->unpark(state, lists);
-		workspace->load(state, listed ? &lists : nullptr);
-		PackedUpdateResult<Dim> result = follow(request, options);
+		if (request.inertialNumber > 0) options.maxInertialNumber = request.inertialNumber;
+		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
 		if (result.blewUp) return result;
 		workspace->store(state, &lists);
 		sample = std::make_shared<ParkedSample<Dim>>(state, &lists);
 		return result;
+	}
+
+	PackedUpdateResult<Dim> begin(const ParkedSample<Dim>& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	{
+		const bool listed = sample.unpark(state, lists);
+		workspace->load(state, listed ? &lists : nullptr);
+		return follow(request, options);
+	}
+
+	/// The error of quasi-static motion is of first order in the rate: what is left of it beyond the finer steps is a geometric series.
+	PackedUpdateResult<Dim> compareRates(const ParkedSample<Dim>& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+	{
+		const PackedUpdateResult<Dim> coarse = begin(sample, request, options);
+		if (coarse.blewUp) return coarse;
+		sample.unpark(state, lists);
+		options.steps                = rateRefinement * substepCount<Dim>(state, request.displacementGradient, options);
+		PackedUpdateResult<Dim> fine = begin(sample, request, options);
+		fine.rateError               = (fine.stress - coarse.stress).norm() * rateRefinement / (rateRefinement - 1.);
+		fine.steps += coarse.steps;
+		return fine;
 	}
 
 	/// An increment that this sample cannot follow is a blow-up of this sample, not of the others.

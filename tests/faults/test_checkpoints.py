@@ -54,6 +54,23 @@ def test_packed_samples_in_mid_break_go_on_to_the_last_bit_with_another_number_o
 	assert difference == 0
 
 
+def test_ground_with_a_tolerance_goes_on_to_the_last_bit_with_another_number_of_threads(tmp_path, smallSample):
+	file = tmp_path / "ground.checkpoint"
+	mpm = breakingGround(smallSample)
+	mpm.tolerance = 0.03
+	run(25)
+	talik.checkpoint.write(file)
+	run(25)
+	through, believed = stateOf(mpm), mpm.believedError
+	O.reset()
+	mpm = talik.resume(file)
+	mpm.skeleton.threads = 2
+	run(25)
+	difference = largestDifference(through, stateOf(mpm))
+	print(f"largest difference over {len(through)} fields, balances and whole samples: {difference}; believed error {believed:.4f}, and {mpm.believedError:.4f}")
+	assert difference == 0 and mpm.believedError == believed > 0
+
+
 def test_the_checkpoint_that_the_engine_keeps_is_the_state_between_two_steps(tmp_path, smallSample):
 	file = tmp_path / "made" / "ground.checkpoint"
 	breakingGround(smallSample)

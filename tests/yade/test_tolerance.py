@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""MpmEngine.tolerance: error as an input, and what the engine believes of it against the error it made.
+
+The true error is that of effective stress, root mean square over points and forty instants, against the same ground whose samples are
+asked in every step at an inertial number of 2e-4, twenty-five times below that of production."""
+
+import numpy as np
+import pytest
+from yade import O, wrapper
+
+import talik
+from talik import rve, slope
+
+instants = 40
+
+
+@pytest.fixture(scope="module")
+def sample(sampleCache):
+	return slope.pack(rve.prepare(grains=60, cache=sampleCache))
+
+
+def at(sample, lateral, vertical):
+	"""The sample brought to a stress [Pa, compression positive]."""
+	brought = sample.copy()
+	assert brought.servo(-lateral, -vertical)
+	return brought
+
+
+def ground(sample, width, height, velocity=lambda x, y: (0, 0), **settings):
+	"""Dry ground, loaded by what its samples carry, on a fixed base."""
+	h = 0.25
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h, lower=(-width, 0), upper=(2 * width, height + 2 * h), skeleton=wrapper.RveSkeleton(samples=[at(sample, 50e3, 50e3)]),
+		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceLoad(region="surface", pressure=50e3)], **settings,
+	)
+	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, width, height), h)
+	mpm.addPoints(position=position, volume=volume, velocity=[velocity(x, y) for x, y in position])
+	return mpm
+
+
+def compressedColumn(sample):
+	"""A wave of compression to 0.3 % runs through a column and back."""
+	mpm = ground(sample, 0.25, 1.5, velocity=lambda x, y: (0, -0.25 * y))
+	mpm.lower, mpm.upper = (0, 0), (0.25, 2)
+	mpm.boundaries = mpm.boundaries + [wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right")]
+	return mpm, 0.15
+
+
+def shearedBlock(sample):
+	"""A block is sheared to failure, 3 %."""
+	return ground(sample, 0.75, 0.75, velocity=lambda x, y: (y, 0)), 0.03
+
+
+def thawingColumn(sample):
+	"""Ice-bonded ground thaws from its surface under its own weight."""
+	h, height = 0.25, 2.0
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h, lower=(0, 0), upper=(h, height + 2 * h), gravity=(0, -9.81), damping=0.1,
+		skeleton=wrapper.RveSkeleton(samples=[at(sample, 0.7 * p, p) for p in (3e3, 13e3, 23e3, 33e3)]),
+		heat=wrapper.HeatTransfer(thermalTimeScale=8.64e5), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(bulkModulus=2.2e7),
+		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right")]
+		+ [wrapper.DrainedBoundary(region="surface", recharge=False), wrapper.SurfaceTemperature(region="surface", times=[0, 0.1], values=[-5, 10])],
+	)
+	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, height), h)
+	mpm.skeleton.sampleOf = [int((height - y) / 0.5) for _, y in position]
+	mpm.addPoints(position=position, volume=volume, temperature=-5.0)
+	return mpm, 1.0
+
+
+def stresses(build, sample, tolerance=0.0):
+	"""Effective stress of all points at forty instants and the engine; tolerance 0: the reference."""
+	O.reset()
+	mpm, end = build(sample)
+	mpm.tolerance = tolerance
+	if tolerance == 0:
+		mpm.skeleton.strainTolerance = mpm.skeleton.saturationTolerance = 0
+		mpm.skeleton.maxInertialNumber = 2e-4
+	O.engines = [mpm]
+	records = []
+	for instant in np.linspace(0, end, instants + 1)[1:]:
+		while O.time < instant:
+			O.step()
+		records.append(mpm.field("stress")[:, [0, 1, 3, 3]])
+	return np.array(records), mpm
+
+
+@pytest.mark.parametrize("build", (compressedColumn, shearedBlock, thawingColumn))
+def test_the_believed_error_is_the_true_one_within_a_factor_of_three(build, sample):
+	exact, mpm = stresses(build, sample)
+	calls = mpm.skeleton.counters["calls"]
+	for tolerance in (0.1, 0.03):
+		reached, mpm = stresses(build, sample, tolerance)
+		error, believed = np.sqrt(np.sum((reached - exact) ** 2) / np.sum(exact**2)), mpm.believedError
+		fewer = calls / mpm.skeleton.counters["calls"]
+		print(f"{build.__name__}, tolerance {tolerance}: believed {believed:.4f}, true {error:.4f}, ratio {believed / error:.2f}, 1/{fewer:.1f} of the calls")
+		assert 1 / 3 < believed / error < 3
+		assert fewer > 1
+
+
+def test_tolerance_leaves_no_trace_where_it_is_not_set(sample):
+	fields = {}
+	for tolerance in (0, 0.03):
+		O.reset()
+		mpm, _ = shearedBlock(sample)
+		mpm.tolerance = tolerance
+		O.engines = [mpm]
+		O.step()
+		fields[tolerance] = {info["name"].split(".")[-1] for info in mpm.fields()}
+		assert (mpm.believedError is None) == (tolerance == 0)
+	added = fields[0.03] - fields[0]
+	print(f"fields with a tolerance only: {', '.join(sorted(added))}")
+	assert fields[0] < fields[0.03] and added == {"inertialNumber", "predictionError", "rateError", "stepOfLastCall", "callsOfSample"}
+
+
+@pytest.mark.parametrize("change, remedy", (
+	(dict(tolerance=-0.1), "MpmEngine.tolerance is -0.1"),
+	(dict(tolerance=2.0), "MpmEngine.tolerance is 2"),
+	(dict(tolerance=float("nan")), "MpmEngine.tolerance is nan"),
+	(dict(tolerance=0.03, strainTolerance=0.0), "strainTolerance above 0"),
+	(dict(tolerance=0.03, prediction=False), "prediction=True"),
+	(dict(tolerance=0.03, form="open"), "MpmEngine.tolerance needs packed samples"),
+))
+def test_a_tolerance_that_cannot_be_kept_is_refused(sample, change, remedy):
+	mpm, _ = shearedBlock(sample)
+	for name, value in change.items():
+		setattr(mpm if name == "tolerance" else mpm.skeleton, name, value)
+	with pytest.raises(ValueError, match=remedy):
+		mpm.initialise()
+
+
+def test_tolerance_may_be_changed_while_running_but_not_switched(sample):
+	mpm, _ = shearedBlock(sample)
+	mpm.tolerance = 0.1
+	O.engines = [mpm]
+	O.step()
+	mpm.tolerance = 0.03
+	O.step()
+	mpm.tolerance = 0
+	with pytest.raises(ValueError, match="begin anew"):
+		mpm.stableTimeStep()
+	mpm.tolerance = 0.03
+	O.step()
+	assert O.iter == 3
