@@ -37,6 +37,7 @@ template <int D> void Ground<D>::step(double dt)
 
 template <int D> double Ground<D>::time() const { return parts_->clock.time; }
 template <int D> bool   Ground<D>::heatRests() const { return parts_->heatRests; }
+template <int D> bool   Ground<D>::waterRests() const { return parts_->waterRests; }
 template <int D> long   Ground<D>::steps() const { return parts_->clock.steps; }
 template <int D> double Ground<D>::dt() const { return parts_->clock.dt; }
 

@@ -60,6 +60,8 @@ public:
 
 	/// True if heat had nothing to do in the last step and rested.
 	bool heatRests() const;
+	/// True if no water moved through the skeleton in the last step, so that nothing seeped.
+	bool waterRests() const;
 
 	// ---- state -------------------------------------------------------------------------------------------------------------
 	double time() const;  ///< [s]

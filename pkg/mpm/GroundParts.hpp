@@ -79,6 +79,7 @@ template <int D> struct Ground<D>::Parts {
 	mutable std::vector<double>   scratch;
 	mutable CostMeter             cost;
 	bool                          heatRests      = false; ///< in this step
+	bool                          waterRests     = false; ///< in this step no water moved through the skeleton
 	bool                          contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------

@@ -96,7 +96,8 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 
 template <int D> void Ground<D>::Parts::seep()
 {
-	scatter([&](const WeightBlock<D>& w) { water->seep(grid, w, clock.dt, liquidDensity(), enthalpyModel()); });
+	waterRests = settings.resting && !water->flows(clock.range);
+	if (!waterRests) scatter([&](const WeightBlock<D>& w) { water->seep(grid, w, clock.dt, liquidDensity(), enthalpyModel()); });
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.drains())

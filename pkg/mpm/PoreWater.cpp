@@ -160,6 +160,14 @@ template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, d
 			force[n.node][a] += nodal[n.node][1] * (nodal[n.node][0] - outside) * n.area[a];
 }
 
+template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
+{
+	for (int i = range.firstNode; i < range.lastNode; ++i)
+		for (int a = 0; a < D; ++a)
+			if (flux[i][a] != 0.0) return true;
+	return false;
+}
+
 template <int D>
 void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
 {

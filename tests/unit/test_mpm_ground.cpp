@@ -336,6 +336,45 @@ TEST(MpmGround, RestingHeatGivesTheSameBitsAsRunningHeatThroughAWakeUp)
 		}
 }
 
+namespace {
+
+/// Saturated ground at rest without weight, of which the surface is pressed from a certain time on.
+Ground<2> groundThatIsPressed(bool heats, bool resting, double from, double until)
+{
+	GroundSettings<2> s = sceneWith<2>({ true, heats, heats, true }, 0.1, 1.2);
+	s.resting    = resting;
+	s.boundaries = { std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")), std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface(), 0.0, false),
+		         std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, from, until }, { 0.0, 0.0, 1e4 })) };
+	Ground<2> ground(s);
+	fill<2>(ground, { 0.0, 0.0 }, { 1.2, 0.8 }, [](PointInput<2>& p) { p.temperature = 2.0; });
+	ground.initialise();
+	return ground;
+}
+
+} // namespace
+
+TEST(MpmGround, RestingWaterGivesTheSameBitsAsRunningWaterThroughALoad)
+{
+	for (const bool heats : { false, true }) {
+		const double step    = groundThatIsPressed(heats, true, 1.0, 2.0).stableTimeStep().step * 0.5;
+		Ground<2>    resting = groundThatIsPressed(heats, true, 20.5 * step, 60.0 * step);
+		Ground<2>    running = groundThatIsPressed(heats, false, 20.5 * step, 60.0 * step);
+		int          rested = 0;
+		long         different = 0;
+		for (int k = 0; k < 60; ++k) {
+			resting.step(step);
+			running.step(step);
+			rested += resting.waterRests();
+			EXPECT_FALSE(running.waterRests());
+			different += differingBytes(copyOf(running.state()), resting.state());
+		}
+		std::printf("%s: rested in %d of 60 steps, %ld bytes differ\n", heats ? "with heat" : "without heat", rested, different);
+		EXPECT_EQ(different, 0);
+		EXPECT_GE(rested, 19);
+		EXPECT_LE(rested, 21);
+	}
+}
+
 TEST(MpmGround, TimeStepLimitsAreThoseOfThePresentEffects)
 {
 	const auto names = [](const Effects& e) {
