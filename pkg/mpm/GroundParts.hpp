@@ -7,6 +7,7 @@
 #include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/DeformationRecord.hpp>
+#include <pkg/mpm/EffectPart.hpp>
 #include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/HeatTransfer.hpp>
@@ -45,17 +46,17 @@ template <int D> struct Ground<D>::Parts {
 	std::unique_ptr<MaterialPoints<D>> points;
 	std::unique_ptr<ShapeFunction<D>>  shape;
 
-	// effects; null if the scene does not have them
+	// effects; empty if the scene does not have them
 	std::unique_ptr<SolidMotion<D>>    motion;
-	std::unique_ptr<AffineVelocity<D>> affine;
-	std::unique_ptr<DeformationRecord<D>> record;
-	std::unique_ptr<HeatTransfer<D>>   heat;
-	std::unique_ptr<PoreWater<D>>      water;
-	std::unique_ptr<PoreContent<D>>    content;
-	std::unique_ptr<FreeSurface<D>>    surface;
-	std::unique_ptr<CellMeans<D>>      cells;
 	std::unique_ptr<MomentumSolver<D>> momentum;
-	std::unique_ptr<RigidContact<D>>   bodies;
+	EffectPart<AffineVelocity<D>>      affine;
+	EffectPart<DeformationRecord<D>>   record;
+	EffectPart<HeatTransfer<D>>        heat;
+	EffectPart<PoreWater<D>>           water;
+	EffectPart<PoreContent<D>>         content;
+	EffectPart<FreeSurface<D>>         surface;
+	EffectPart<CellMeans<D>>           cells;
+	EffectPart<RigidContact<D>>        bodies;
 
 	std::vector<std::vector<int>> skeletonPlaces;
 	std::vector<double>           pointFill; ///< pore fill by id; empty if it is that of the settings everywhere

@@ -5,6 +5,7 @@
 usage  effects.py <result.json> <agreement.json> <times.json>..."""
 
 import json
+import pathlib
 import statistics
 import sys
 from collections import defaultdict
@@ -91,6 +92,13 @@ def savings(times):
 		yield Figure(f"{asleep}, against awake", spent / full, "x", ceiling=1.0, terms={"at rest [ns]": round(spent, 1), "awake [ns]": round(full, 1)})
 
 
+def switchedOff(folder):
+	"""Dry ground whose effects are switched off against ground that was built without them: neighbours in time."""
+	off, never = ([next(iter(read([path]).values())) for path in sorted(folder.glob(f"{name}-*.json"))] for name in ("off", "never"))
+	terms = {"switched off [ns]": round(statistics.median(off), 1), "never had it [ns]": round(statistics.median(never), 1)}
+	yield Figure("dry: effects switched off/never built in", figures.medianRatio(off, never), "x", ceiling=1.03, terms=terms)
+
+
 def agreements(path):
 	for run in json.load(open(path))["benchmarks"]:
 		law = ", Mohr-Coulomb" if "Mohr" in run["run_name"] else ""
@@ -100,7 +108,7 @@ def agreements(path):
 
 def main(target, agreementPath, *timesPaths):
 	times = read(timesPaths)
-	measured = [*overMinimum(times), *agreements(agreementPath), *speedUps(times), *savings(times), *combinations(times), *effectShares(times)]
+	measured = [*overMinimum(times), *switchedOff(pathlib.Path(target).parent), *agreements(agreementPath), *speedUps(times), *savings(times), *combinations(times), *effectShares(times)]
 	notes = [
 		"ns per point and step: 40 000 points, quadratic B-splines, double precision, one thread (CPU time of it).",
 		"The minimum has the same transfer, law and floor and nothing else: no checks, no sorting, no energies, no strips for threads.",
