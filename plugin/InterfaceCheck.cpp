@@ -8,6 +8,7 @@
 #include <core/Scene.hpp>
 #include <core/TimeStepper.hpp>
 #include <pkg/common/Box.hpp>
+#include <pkg/common/Collider.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/GLDrawFunctors.hpp>
@@ -131,13 +132,13 @@ namespace {
 			SIZE(Engine),        SIZE(GlobalEngine), SIZE(Functor),  SIZE(IPhysFunctor), SIZE(LawFunctor), SIZE(GlIPhysFunctor),
 			SIZE(State),         SIZE(Body),         SIZE(Material), SIZE(FrictMat),     SIZE(Shape),      SIZE(Sphere),
 			SIZE(Interaction),   SIZE(NormPhys),     SIZE(FrictPhys), SIZE(ScGeom),      SIZE(Cell),       SIZE(Scene),
-			SIZE(BodyContainer), SIZE(InteractionContainer), SIZE(Wall), SIZE(Box), SIZE(Facet), SIZE(TimeStepper),
+			SIZE(BodyContainer), SIZE(InteractionContainer), SIZE(Wall), SIZE(Box), SIZE(Facet), SIZE(TimeStepper), SIZE(Collider),
 			MEMBER(Engine, dead), MEMBER(Engine, ompThreads), MEMBER(Engine, label), MEMBER(Functor, label),
 			MEMBER(Material, density), MEMBER(Material, label), MEMBER(ElastMat, young), MEMBER(ElastMat, poisson), MEMBER(FrictMat, frictionAngle),
 			MEMBER(State, vel), MEMBER(State, mass), MEMBER(State, angVel), MEMBER(State, inertia), MEMBER(State, refPos),
 			MEMBER(State, isDamped), MEMBER(State, densityScaling),
 			MEMBER(Body, id), MEMBER(Body, material), MEMBER(Body, state), MEMBER(Body, shape), MEMBER(Body, bound), MEMBER(Body, clumpId),
-			MEMBER(Body, groupMask), MEMBER(Wall, sense), MEMBER(Wall, axis), MEMBER(Box, extents), MEMBER(Facet, vertices), MEMBER(TimeStepper, active),
+			MEMBER(Body, groupMask), MEMBER(Wall, sense), MEMBER(Wall, axis), MEMBER(Box, extents), MEMBER(Facet, vertices), MEMBER(TimeStepper, active), MEMBER(Collider, avoidSelfInteractionMask),
 			MEMBER(Sphere, radius), MEMBER(Shape, color), MEMBER(Interaction, id1), MEMBER(Interaction, id2),
 			MEMBER(Interaction, geom), MEMBER(Interaction, phys), MEMBER(Interaction, cellDist), MEMBER(Interaction, iterMadeReal),
 			MEMBER(GenericSpheresContact, normal), MEMBER(GenericSpheresContact, contactPoint),
@@ -156,6 +157,7 @@ namespace {
 			VIRTUAL(FrictMat, "8FrictMat", getBaseClassIndex, "K4yade8FrictMat17getBaseClassIndexEi"),
 			VIRTUAL(FrictPhys, "9FrictPhys", getClassIndex, "K4yade9FrictPhys13getClassIndexEv"),
 			VIRTUAL(FrictPhys, "9FrictPhys", getBaseClassIndex, "K4yade9FrictPhys17getBaseClassIndexEi"),
+			VIRTUAL(Collider, "8Collider", invalidatePersistentData, "4yade8Collider24invalidatePersistentDataEv"),
 			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", renders, "K4yade14GlIPhysFunctor7rendersB5cxx11Ev"),
 			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", initgl, "4yade14GlIPhysFunctor6initglEv"),
 		};
@@ -170,8 +172,8 @@ std::string interfaceMismatch()
 	for (const auto& expectation : expectations()) {
 		const std::string violation = expectation.violation();
 		if (violation.empty()) continue;
-		return "This YADE (" + yadeVersion() + ") differs from 2023.02a, for which Talik was built: " + expectation.subject + " " + violation
-		        + ". Install Debian 12's package yade 2023.02a, or rebuild Talik for this YADE.";
+		return "This YADE (" + yadeVersion() + ") differs from " TALIK_YADE_VERSION ", for which Talik was built: " + expectation.subject + " " + violation
+		        + ". Install Debian's package yade " TALIK_YADE_VERSION ", or rebuild Talik for this YADE.";
 	}
 	return "";
 }

@@ -55,7 +55,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSkeleton,SkeletonLaw,"A periodic sample of grains with ice bonds behind every material point: the displacement gradient and the ice saturation go down, effective stress comes back, history is kept. Samples that were never asked share one state. Example: RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=100))]).",
 		((vector<shared_ptr<RveSample>>,samples,,,"Prepared samples, ice-free; the first step freezes them to the ice saturation of their points, free of stress."))
 		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that stock YADE runs."))
-		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot be packed all run open, which is said once."))
+		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot be packed all run open, which is said once; a call then takes about 20 times as long."))
 		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: the first one for all. See talik.slope.depthBands."))
 		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the reference)."))
 		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change."))

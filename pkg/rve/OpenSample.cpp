@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/common/Collider.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/NormShearPhys.hpp>
 #include <pkg/common/Sphere.hpp>
@@ -42,7 +43,6 @@ namespace {
 			if (const auto& body = (*scene.bodies)[id]) visit(*body);
 	}
 
-	bool isClump(const Body& body) { return body.clumpId == body.id; }
 	bool isClumpMember(const Body& body) { return body.clumpId >= 0 && body.clumpId != body.id; }
 
 	/// The rigid body that a contact acts on: a grain or the clump that it belongs to.
@@ -108,22 +108,12 @@ namespace {
 		return "";
 	}
 
-	/// A collider that has seen nothing yet: bounds recorded in one cell mean nothing in another.
+	/// Bounds recorded in one cell mean nothing in another. (A collider from an archive would not do: it comes with a NewtonIntegrator
+	/// of its own, waits for that one to move grains, and finds no new contact ever again.)
 	void renewCollider(Scene& scene)
 	{
-		for (auto& engine : scene.engines) {
-			if (!inherits(*engine, "Collider")) continue;
-			std::stringstream stream;
-			{
-				boost::archive::binary_oarchive archive(stream);
-				archive << boost::serialization::make_nvp("engine", engine);
-			}
-			boost::archive::binary_iarchive archive(stream);
-			shared_ptr<Engine>              fresh;
-			archive >> boost::serialization::make_nvp("engine", fresh);
-			fresh->scene = &scene;
-			engine       = fresh;
-		}
+		for (const auto& engine : scene.engines)
+			if (auto* collider = dynamic_cast<Collider*>(engine.get())) collider->invalidatePersistentData();
 		scene.interactions->dirty = true;
 	}
 

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenes of a user's own as samples, of any law and shape that stock YADE runs: held against stock YADE on the same path."""
+
+import functools
+import itertools
+import math
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, Vector3, pack, utils, wrapper
+
+import talik
+from talik import packing
+
+radius, pressure = 5e-3, 10e3
+contact = dict(young=5e7, poisson=0.3, frictionAngle=0.5, density=2650)
+
+
+def material(kind):
+	if kind == "cohesive":
+		return wrapper.CohFrictMat(isCohesive=True, normalCohesion=2e6, shearCohesion=2e6, momentRotationLaw=True, **contact)
+	return wrapper.FrictMat(**contact)
+
+
+def interactionLoop(kind):
+	if kind == "cohesive":
+		ip2 = wrapper.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionOnNewContacts=True)
+		return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom6D()], [ip2], [wrapper.Law2_ScGeom6D_CohFrictPhys_CohesionMoment()])
+	if kind == "Hertz-Mindlin":
+		return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_MindlinPhys()], [wrapper.Law2_ScGeom_MindlinPhys_Mindlin()])
+	return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()])
+
+
+def addGrains(kind, side):
+	cloud = pack.SpherePack()
+	cloud.makeCloud(Vector3(0, 0, radius), Vector3(side, side, radius), rMean=radius, rRelFuzz=0.3, num=24, periodic=True, seed=1)
+	for centre, r in cloud:
+		if kind == "clumps":
+			clump, _ = O.bodies.appendClumped([utils.sphere(Vector3(*centre) + Vector3(d * r, 0, 0), 0.7 * r) for d in (-0.3, 0.3)])
+			O.bodies[clump].state.blockedDOFs = "zXY"
+		else:
+			id = O.bodies.append(utils.sphere(centre, r))
+			O.bodies[id].state.blockedDOFs = "zXY"
+
+
+@functools.lru_cache(maxsize=None)
+def ownScene(kind):
+	"""Grains in one layer, compacted by stock YADE and left at rest."""
+	with talik.scratchScene():
+		O.periodic = True
+		side = 2.4 * radius * math.sqrt(24)
+		O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, 10 * radius)
+		O.materials.append(material(kind))
+		addGrains(kind, side)
+		triax = wrapper.PeriTriaxController(goal=(-pressure, -pressure, 0), stressMask=3, dynCell=True, mass=0.2, maxStrainRate=(3, 3, 0), maxUnbalanced=1e9)
+		O.engines = [
+			wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), interactionLoop(kind), triax,
+			wrapper.NewtonIntegrator(damping=0.3),
+		]
+		O.dt = 0.3 * utils.PWaveTimeStep()
+		for _ in range(100):
+			packing.advance(500)
+			if utils.unbalancedForce() < 0.01 and abs(utils.getStress().trace() / 2 + pressure) < 0.05 * pressure:
+				break
+		O.engines = [engine for engine in O.engines if not isinstance(engine, wrapper.PeriTriaxController)]
+		O.cell.velGrad = Matrix3.Zero
+		packing.advance(2000)
+		O.cell.trsf = Matrix3.Identity
+		return O._sceneObj
+
+
+def inPlane(xx, xy, yx, yy):
+	return Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
+
+
+def stressAcrossTheCell():
+	"""Of the forces that cross the boundary of the cell: in equilibrium the stress, wherever inside a body they act."""
+	total = np.zeros((3, 3))
+	for i in O.interactions:
+		if i.isReal:
+			total -= np.outer(i.phys.normalForce + i.phys.shearForce, O.cell.hSize * Vector3(*i.cellDist)) / O.cell.volume
+	return 0.5 * (total + total.T)
+
+
+def touchingPairs():
+	"""Pairs of spheres of different bodies that overlap, by looking at every pair and every image."""
+	h, pairs = np.array(O.cell.hSize), set()
+	images = [h @ (i, j, 0) for i in range(-2, 3) for j in range(-2, 3)]
+	spheres = [(body.id, np.array(O.cell.wrap(body.state.pos)), body.shape.radius, body.clumpId) for body in O.bodies if isinstance(body.shape, wrapper.Sphere)]
+	for (a, x, r, c), (b, y, s, d) in itertools.combinations(spheres, 2):
+		if (c < 0 or c != d) and min(np.linalg.norm(y - x + image) for image in images) < (r + s) * (1 - 1e-9):
+			pairs.add((a, b))
+	return pairs
+
+
+kinds = ("Cundall-Strack", "cohesive", "Hertz-Mindlin", "clumps")
+
+
+@pytest.mark.parametrize("kind", kinds)
+def test_stress_and_every_grain_are_those_of_stock_yade_on_the_same_path(kind):
+	"""Also where clumps lose all contacts and their stress: open samples do what YADE does."""
+	opened = wrapper.OpenRveSample(source=ownScene(kind))
+	path = [inPlane(0, 2e-3, 0, 0), inPlane(-1e-3, 0, 1e-3, 1e-3), inPlane(5e-3, 0, 0, 5e-3)]
+	results = [opened.apply(gradient, 0) for gradient in path]
+	with talik.inspect(opened.scene):
+		ours = np.array([body.state.pos for body in O.bodies])
+		across, byYade, contacts = stressAcrossTheCell(), np.array(utils.getStress()), sum(i.isReal for i in O.interactions)
+	with talik.scratchScene():
+		O.stringToScene(textOf(ownScene(kind)))
+		for gradient, result in zip(path, results):
+			steps = result["steps"] - 1
+			rate = np.zeros((3, 3))
+			rate[:2, :2] = rootIncrement(np.eye(2) + np.array(gradient)[:2, :2], steps) / O.dt
+			O.cell.velGrad = Matrix3(*rate.ravel())
+			packing.advance(steps)
+			O.cell.velGrad = Matrix3.Zero
+			packing.advance(1)
+		theirs, stock = np.array([body.state.pos for body in O.bodies]), np.array(utils.getStress())
+	apart, scale = np.abs(ours - theirs).max(), pressure
+	print(
+		f"\n{kind}: {sum(r['steps'] for r in results)} steps, stresses {[round(-r['stress'].trace() / 2) for r in results]} Pa, {contacts} contacts left; grains {apart:.1e} m from stock YADE's, "
+		f"stress off stock YADE's by {np.abs(byYade - stock).max() / scale:.1e}, off the forces across the cell by {np.abs(np.array(opened.stress) - across).max() / scale:.1e} of {scale:g} Pa"
+	)
+	assert apart < 1e-9 and np.abs(byYade - stock).max() < 1e-4 * scale
+	assert not any(r["blewUp"] for r in results) and -results[0]["stress"].trace() / 2 > 0.3 * pressure
+	assert np.abs(np.array(opened.stress) - across).max() < 2e-2 * scale
+
+
+def textOf(scene):
+	with talik.inspect(scene):
+		return O.sceneToString()
+
+
+def rootIncrement(matrix, steps):
+	"""(1 + H)^(1/steps) - 1."""
+	import scipy.linalg
+
+	return scipy.linalg.fractional_matrix_power(matrix, 1 / steps) - np.eye(2)
+
+
+@pytest.mark.parametrize("kind", kinds)
+def test_after_a_flip_of_its_cell_a_sample_goes_on_finding_all_contacts(kind):
+	opened = wrapper.OpenRveSample(source=ownScene(kind), maxStrainPerStep=1e-4, maxInertialNumber=1e9)
+	flips, found = 0, 0
+	for k in range(50):
+		result = opened.apply(inPlane(-5e-4 if k < 25 else 0, 4e-2, 0, -5e-4 if k < 25 else 0), 0)
+		assert not result["blewUp"]
+		flips += result["flipped"]
+		if flips == 0 or k % 4:
+			continue
+		with talik.inspect(opened.scene):
+			touching = touchingPairs()
+			known = {tuple(sorted((i.id1, i.id2))) for i in O.interactions if i.isReal}
+		found += len(touching)
+		assert touching <= known, f"after step {k} pairs {sorted(touching - known)} overlap without a contact"
+	print(f"\n{kind}: {flips} flips, {found} touching pairs looked at after them, each is a contact")
+	assert flips >= 2 and found > 100
+
+
+@pytest.mark.parametrize("kind", kinds[1:])
+def test_the_user_is_told_once_that_samples_run_open_and_what_that_costs(kind, capfd):
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(scenes=[ownScene(kind)]))
+	mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=0.25, velocity=[(0.1, 0), (-0.1, 0)])
+	O.engines = [mpm]
+	O.run(30, True)
+	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
+	print(f"\n{told[0]}\n{mpm.skeleton.counters['calls']} calls")
+	assert len(told) == 1 and "run open" in told[0] and "times as long" in told[0] and "cannot be packed" in told[0]
+	assert mpm.skeleton.counters["form"] == "open" and mpm.skeleton.counters["calls"] > 0 and np.isfinite(mpm.field("stress")).all()
