@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A bank of ground behind whose points stand samples of your own: any YADE scene with a periodic cell, whatever its law.
+
+	scripts/run own_sample [--preset test|draft]
+
+Two samples of discs are made with YADE's own classes and engines, and with nothing of Talik: one with the cohesive-frictional law
+(CohFrictMat, Law2_ScGeom6D_CohFrictPhys_CohesionMoment), one with Hertz-Mindlin contacts (MindlinPhys). The same vertical bank
+stands on the first and slides on the second. Laws that the packed form does not know run open: a YADE scene behind every point,
+stepped by its own engines; RveSkeleton says so once. What that costs is measured here, with discs that can run in both forms.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+from yade import Matrix3, O, Vector3, pack, utils, wrapper
+
+import talik
+from talik import output, packing, plots
+from talik.files import writableFolder
+from talik.thawslump import runUntil
+
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--preset", default="draft", choices=("test", "draft"), help="size of the job")
+parser.add_argument("--output", default="output/own_sample", help="folder for the results")
+options = parser.parse_args()
+folder = writableFolder(Path(options.output))
+grains, spacing, endTime, calls = {"test": (20, 0.5, 0.02, 10), "draft": (30, 0.25, 0.6, 100)}[options.preset]
+
+radius, pressure = 5e-3, 10e3  # mean radius [m]; what the samples are compacted to [Pa]
+contact = dict(young=5e7, poisson=0.3, frictionAngle=0.5, density=2650)
+
+
+# --- two scenes of your own ------------------------------------------------------------------------------------------------
+
+
+def cohesive():
+	material = wrapper.CohFrictMat(isCohesive=True, normalCohesion=2e6, shearCohesion=2e6, momentRotationLaw=True, **contact)
+	contacts = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom6D()],
+		[wrapper.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionOnNewContacts=True)],
+		[wrapper.Law2_ScGeom6D_CohFrictPhys_CohesionMoment()],
+	)
+	return material, contacts
+
+
+def hertzMindlin():
+	contacts = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_MindlinPhys()], [wrapper.Law2_ScGeom_MindlinPhys_Mindlin()]
+	)
+	return wrapper.FrictMat(**contact), contacts
+
+
+def frictional():
+	"""Cundall and Strack's law: the one that runs packed as well as open."""
+	contacts = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
+	)
+	return wrapper.FrictMat(**contact), contacts
+
+
+def ownScene(law):
+	"""Discs in a periodic cell, compacted by PeriTriaxController and left at rest: a Scene."""
+	with talik.scratchScene():
+		O.periodic = True
+		side = 2.4 * radius * np.sqrt(grains)
+		O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, 10 * radius)
+		material, contacts = law()
+		O.materials.append(material)
+		cloud = pack.SpherePack()
+		cloud.makeCloud(Vector3(0, 0, radius), Vector3(side, side, radius), rMean=radius, rRelFuzz=0.3, num=grains, periodic=True, seed=1)
+		cloud.toSimulation()
+		for body in O.bodies:
+			body.state.blockedDOFs = "zXY"
+		triax = wrapper.PeriTriaxController(goal=(-pressure, -pressure, 0), stressMask=3, dynCell=True, mass=0.2, maxStrainRate=(3, 3, 0), maxUnbalanced=1e9, relStressTol=1e-2)
+		O.engines = [
+			wrapper.ForceResetter(),
+			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),
+			contacts,
+			triax,
+			wrapper.NewtonIntegrator(damping=0.3),
+		]
+		O.dt = 0.3 * utils.PWaveTimeStep()
+		for _ in range(200):
+			packing.advance(500)
+			if utils.unbalancedForce() < 0.01 and abs(utils.getStress().trace() / 2 + pressure) < 0.05 * pressure:
+				break
+		O.engines = [engine for engine in O.engines if not isinstance(engine, wrapper.PeriTriaxController)]
+		O.cell.velGrad = Matrix3.Zero
+		packing.advance(2000)
+		O.cell.trsf = Matrix3.Identity
+		print(f"{law.__name__}: {len(O.bodies)} discs, porosity {packing.porosity():.3f}, pressure {-utils.getStress().trace() / 2e3:.2f} kPa")
+		return O._sceneObj
+
+
+# --- the price -------------------------------------------------------------------------------------------------------------
+
+
+def secondsPerCall(sample):
+	"""Of a sample sheared to 2 % in small calls, as a ground makes them."""
+	steps, begin = 0, time.perf_counter()
+	for _ in range(calls):
+		steps += sample.apply(Matrix3(0, 2e-2 / calls, 0, 0, 0, 0, 0, 0, 0), 0)["steps"]
+	return (time.perf_counter() - begin) / calls, steps / calls
+
+
+def price():
+	scene = ownScene(frictional)
+	packed, steps = secondsPerCall(wrapper.RveSample.fromScene(scene))
+	opened, _ = secondsPerCall(wrapper.OpenRveSample(source=scene))
+	print(f"a call of {steps:.0f} DEM steps of {grains} discs: {1e3 * packed:.2f} ms packed, {1e3 * opened:.2f} ms open, {opened / packed:.1f} times as long")
+	return packed, opened
+
+
+# --- the same bank on both -------------------------------------------------------------------------------------------------
+
+
+def bank(scene):
+	"""A vertical bank, 1 m high; nothing else than its samples decides whether it stands."""
+	O.reset()
+	mpm = wrapper.MpmEngine(
+		gridSpacing=spacing, lower=(0, 0), upper=(4, 2), gravity=(0, -9.81), damping=0.1,
+		skeleton=wrapper.RveSkeleton(scenes=[scene]),
+		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
+	)
+	talik.geometry.fill(mpm, [(0, 0), (1.5, 0), (1.5, 1), (0, 1)], pointsPerCell=4, porosity=0.2)
+	O.engines = [mpm]
+	runUntil(endTime)
+	return mpm
+
+
+def drawBank(axes, mpm, title, widest):
+	position = mpm.field("position")
+	plots.slopeField(axes, position, np.linalg.norm(mpm.field("displacement"), axis=1), mpm.field("volume"), "displacement [m]", "viridis", (0, widest))
+	axes.set_title(title)
+
+
+packed, opened = price()
+laws = {"cohesive-frictional": cohesive, "Hertz-Mindlin": hertzMindlin}
+drawn, summary = [], {}
+for name, law in laws.items():
+	mpm = bank(ownScene(law))
+	moved, counters = np.linalg.norm(mpm.field("displacement"), axis=1), mpm.skeleton.counters
+	perCall = counters["seconds"] / max(counters["calls"], 1)
+	toe = mpm.pick(1.4, 0.1)
+	with mpm.inspect(toe):
+		drawn.append((name, mpm, moved, packing.sampleArrays()))
+	print(f"{name}: largest displacement {moved.max():.3f} m after {mpm.time:.2f} s; {counters['calls']} calls of {counters['steps'] / max(counters['calls'], 1):.0f} DEM steps, {counters['form']}, {1e3 * perCall:.2f} ms each")
+	summary[name] = {"displacement [m]": moved.max(), "calls": counters["calls"], "DEM steps": counters["steps"], "seconds per call": perCall}
+
+fig = plots.figure(11, 7.5)
+panels = fig.subplots(2, 2, height_ratios=(1, 1.5))
+widest = max(moved.max() for _, _, moved, _ in drawn)
+for (name, mpm, moved, sample), (above, below) in zip(drawn, panels.T):
+	drawBank(above, mpm, f"{name}, {mpm.time:.2g} s", widest)
+	plots.sampleForces(below, sample, widest=4, legend=False).set_title(f"sample at the toe, widest force {np.abs(sample['normalForce']).max(initial=0):.2g} N")
+picture = plots.save(fig, folder / "own_sample.png", dpi=80)
+output.writeSummary(
+	folder / "summary.json",
+	**{"seconds per call, packed": packed, "seconds per call, open": opened, "open over packed": opened / packed, **summary},
+)
+print(f"picture and summary are in {folder}")
+if not drawn[0][2].max() < drawn[1][2].max():
+	raise SystemExit("cohesion should hold the bank better than friction alone")
