@@ -22,5 +22,5 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "thawing and freezing ground at two scales,
  grains and ice bonds behind every point, loaded by the stock yade: import talik.")
 # the binary interface is that of one release; the module checks it again when it is loaded
 set(CPACK_DEBIAN_PACKAGE_DEPENDS
-	"yade (>= 2023.02a), yade (<< 2023.02b), python3-numpy, python3-scipy, python3-matplotlib, python3-tqdm, python3-vtk9, libgomp1, libboost-python1.74.0, libboost-serialization1.74.0")
+	"yade (>= ${yadeVersion}), yade (<< ${yadeVersion}.1), python3-numpy, python3-scipy, python3-matplotlib, python3-tqdm, python3-vtk9, libgomp1, libboost-python${Boost_VERSION_STRING}, libboost-serialization${Boost_VERSION_STRING}")
 include(CPack)

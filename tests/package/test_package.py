@@ -2,6 +2,7 @@
 """The Debian package is made, installs with its dependencies met, works in the stock yade, and leaves nothing when it goes."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -44,7 +45,12 @@ def installedFiles(root):
 def test_the_package_names_the_yade_that_it_needs(package):
 	depends = run("dpkg-deb", "--field", package, "Depends")
 	print(f"{package.name}, {package.stat().st_size / 1e6:.1f} MB, depends on {depends.strip()}")
-	assert "yade (>= 2023.02a)" in depends and "yade (<< 2023.02b)" in depends
+	version = run("dpkg-query", "-W", "-f=${Version}", "yade")
+	lower, upper = re.search(r"yade \(>= (\S+)\), yade \(<< (\S+)\)", depends).groups()
+	assert version.startswith(lower)
+	for allowed, accepted in ((version, True), (version + "+deb12u1", True), ("2024.1", False), ("2022.01a", False)):
+		fits = all(subprocess.run(["dpkg", "--compare-versions", allowed, relation, bound]).returncode == 0 for relation, bound in (("ge", lower), ("lt", upper)))
+		assert fits == accepted, allowed
 
 
 def test_it_installs_works_in_the_stock_yade_and_leaves_nothing_behind(package, scratchRoot):
