@@ -16,14 +16,16 @@ from . import _talik, console as _console
 
 
 def _publishClasses():
-	"""YADE's own way: constructors of all classes are builtins."""
+	"""YADE's own way: constructors of all classes are builtins. Returns the classes."""
 	import builtins
 	from yade import wrapper
-	for name in _talik.registerClasses():
+	names = _talik.registerClasses()
+	for name in names:
 		constructor = getattr(wrapper, name)
 		_console.nameAttributesInErrors(constructor)
 		globals()[name] = constructor
 		setattr(builtins, name, constructor)
+	return [getattr(wrapper, name) for name in names]
 
 
 def _renewDispatchers():
@@ -69,8 +71,13 @@ def _renewView():
 		_talik.renewRenderer(qt.Renderer())
 
 
+def _teachInspector(classes):
+	qt = _sys.modules.get('yade.qt')
+	_console.teachInspector(classes, getattr(qt, 'SerializableEditor', None))
+
+
 with _paused():
-	_publishClasses()
+	_teachInspector(_publishClasses())
 	_renewDispatchers()
 	_renewView()
 

@@ -160,3 +160,33 @@ def _remedy(cls, name):
 	if held:
 		return f"a list of {held.group(2)}" if held.group(1) else f"a {held.group(2)} or None"
 	return _wanted.get(kind, f"a {kind or 'value of the type that help() names'}")
+
+
+# --- inspector -------------------------------------------------------------------------------------------------------------
+
+ownList = re.compile(r":yattrtype:`vector<shared_ptr<(\w+)>>`")
+
+
+def _ownListClass(cls, attribute):
+	"""Name of the class of which an attribute is a list, None for anything else."""
+	found = ownList.search(getattr(cls, attribute).__doc__ or "")
+	return found and found.group(1)
+
+
+def teachInspector(classes, editor):
+	"""YADE's inspector knows lists of YADE's own classes only, and an empty list of another ends it with an error.
+
+	editor  yade.qt's SerializableEditor, which learns ours; None: there is no inspector yet, one made later passes over such lists"""
+	if editor is None:
+		for cls in classes:
+			cls.qtHide = " ".join(name for name, member in vars(cls).items() if isinstance(member, property) and _ownListClass(cls, name))
+		return
+	from yade import wrapper
+
+	stockGuess = editor.getListTypeFromDocstring
+
+	def guess(self, attribute):
+		element = getattr(wrapper, _ownListClass(type(self.ser), attribute) or "", None)
+		return (element,) if element else stockGuess(self, attribute)
+
+	editor.getListTypeFromDocstring = guess
