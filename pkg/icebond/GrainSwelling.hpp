@@ -32,7 +32,7 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(GrainSwelling,GlobalEngine,"Equivalent grain radius with pore ice, Yu & Zhao eq. (8): r_eq = r_0 [(1-n0+(n0+volumetricStrain) S_i)/(1-n0)]^(1/dimension), for spheres of :yref:`IceBondMat`. Put it before the collider. Mass, inertia, stiffness and bond area keep r_0 under every rule. Example: O.engines=[ForceResetter(),GrainSwelling(porosity=0.18,radiusRule='mechanical',thawStrain=0.03),InsertionSortCollider([Bo1_Sphere_Aabb()]),…].",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(GrainSwelling,GlobalEngine,"Equivalent grain radius with pore ice, Yu & Zhao eq. (8): r_eq = r_0 [(1-n0+(n0+volumetricStrain) S_i)/(1-n0)]^(1/dimension), for spheres of :yref:`IceBondMat`. Put it before the collider. Mass, inertia, stiffness and bond area keep r_0 under every rule. Example: O.engines=[ForceResetter(),GrainSwelling(porosity=0.18,radiusRule='mechanical',thawStrain=0.03),InsertionSortCollider([Bo1_Sphere_Aabb()]),NewtonIntegrator()].",
 		((string,radiusRule,"bookkeeping",Attr::triggerPostLoad,"bookkeeping: grains keep r_0, equivalentRadius is only reported (default). referenceOverlap: grains take r_eq; what they grow is subtracted from the overlap of their contacts, so no force appears, and at S_i = 0 they are back at r_0. mechanical: ice-rich ground; the grains were prepared frozen with the radii that they have in the first step; thaw shrinks them and contacts open, growth on refreezing is subtracted from the overlap."))
 		((Real,porosity,0.18,Attr::triggerPostLoad,"n0, porosity of the sample of grains [-], above 0 and below 1."))
 		((Real,volumetricStrain,0,Attr::triggerPostLoad,"Volumetric strain of the sample, extension positive [-], > -porosity."))

@@ -20,12 +20,12 @@ protected:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries.",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries. Example: mpm.boundaries=[RollerBoundary(region='left'),FixedBoundary(region='bottom')].",
 		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface; box: all nodes inside lower..upper."))
 		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region [m]."))
 		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region [m]."))
 		((vector<Real>,times,,,"Instants of a value that changes in time [s], increasing; linear in between, constant outside. Empty: the value is constant."))
-		((vector<Real>,values,,,"Values at these instants, in the unit of the attribute that they replace."))
+		((vector<Real>,values,,,"Values at these instants, in the unit [that of the attribute that they replace]."))
 		,talik::SequenceConverter<GroundBoundary>::registerOnce();
 	);
 	// clang-format on
@@ -52,7 +52,7 @@ class ImpermeableBoundary : public GroundBoundary {
 public:
 	virtual ~ImpermeableBoundary() {};
 	Pointer build() const override;
-	YADE_CLASS_BASE_DOC(ImpermeableBoundary, GroundBoundary, "Water does not cross this side, whose grains are free to move.");
+	YADE_CLASS_BASE_DOC(ImpermeableBoundary, GroundBoundary, "Water does not cross this side, whose grains are free to move. Example: ImpermeableBoundary(region='top').");
 };
 REGISTER_SERIALIZABLE(ImpermeableBoundary);
 
@@ -61,7 +61,7 @@ public:
 	virtual ~DrainedBoundary() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Examples: DrainedBoundary(region='surface'); a pond that fills to 2 m within a day: DrainedBoundary(region='left',times=[0,86400],values=[0,19620]).",
+	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example, a pond that fills to 2 m within a day: DrainedBoundary(region='left',times=[0,86400],values=[0,19620]).",
 		((Real,pressure,0,,"Water pressure outside [Pa], compression positive; times and values may replace it."))
 		((bool,recharge,true,,"Water may also come in."))
 	);
@@ -73,7 +73,7 @@ class InsulatedBoundary : public GroundBoundary {
 public:
 	virtual ~InsulatedBoundary() {};
 	Pointer build() const override;
-	YADE_CLASS_BASE_DOC(InsulatedBoundary, GroundBoundary, "No heat crosses: what happens anyway where no thermal boundary acts; refused where another one heats the same side.");
+	YADE_CLASS_BASE_DOC(InsulatedBoundary, GroundBoundary, "No heat crosses: what happens anyway where no thermal boundary acts; refused where another one heats the same side. Example: InsulatedBoundary(region='right').");
 };
 REGISTER_SERIALIZABLE(InsulatedBoundary);
 
@@ -94,7 +94,7 @@ public:
 	virtual ~SurfaceTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. Examples: SurfaceTemperature(region='surface',times=[0,1],values=[-5,10]); a weather series, see talik.weather: times,values=talik.weather.airTemperature('station.csv'); SurfaceTemperature(region='surface',heatTransferCoefficient=15,times=times,values=values).",
+	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,1],values=[-5,10]).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, scaled by the thermal time scale; infinite: the surface itself has the temperature."))
 	);

@@ -37,7 +37,7 @@ public:
 	virtual ~HeatTransfer() {};
 	talik::HeatSettings build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it there is no temperature. Example: MpmEngine(heat=HeatTransfer(thermalTimeScale=8.64e5),...).",
+	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it there is no temperature. Example: MpmEngine(gridSpacing=0.5,heat=HeatTransfer(thermalTimeScale=8.64e5)).",
 		((Real,thermalTimeScale,1,,"f_T [-], > 0: conduction, surface coefficients, heat fluxes and sources are multiplied by it, so that heat's time is f_T times the scene's."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
 		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s]; NaN: chosen from the grid, infinite: none."))
@@ -84,7 +84,7 @@ public:
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
 		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
-		((Real,flip,0.9,,"FLIP fraction of the liquid velocity, 0 (PIC) to 1."))
+		((Real,flip,0.9,,"FLIP fraction of the liquid velocity [-], 0 (PIC) to 1."))
 	);
 	// clang-format on
 };

@@ -93,7 +93,7 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine,GlobalEngine,"Thawing and freezing ground: a material point method whose effects are objects that the scene has or has not (heat, freezing, water, motion), with a skeleton law behind every material point, Yu & Zhao section 2.3. All quantities per metre of thickness, SI units, degrees Celsius; stress positive in tension, pressure positive in compression. Example: mpm=MpmEngine(gridSpacing=0.2,lower=(0,0),upper=(10,5),gravity=(0,-9.81),skeleton=ElasticSkeleton()); talik.geometry.fill(mpm,[(0,0),(10,0),(10,1),(0,1)]); O.engines=[mpm]; O.run(100).",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine,GlobalEngine,"Thawing and freezing ground: a material point method whose effects are objects that the scene has or has not (heat, freezing, water, motion), with a skeleton law behind every material point, Yu & Zhao section 2.3. All quantities per metre of thickness, SI units, degrees Celsius; stress positive in tension, pressure positive in compression. Example: mpm=MpmEngine(gridSpacing=0.2,lower=(0,0),upper=(10,5),gravity=(0,-9.81),skeleton=ElasticSkeleton()); talik.geometry.fill(mpm,[(0,0),(10,0),(10,1),(0,1)]); O.engines=[mpm]; O.run(100,True).",
 		((Real,gridSpacing,NaN,,"Spacing h of the square grid [m], > 0."))
 		((Vector2r,lower,Vector2r(NaN,NaN),,"Lower left corner of the grid's box [m]; its sides are where boundaries act. NaN: around the points."))
 		((Vector2r,upper,Vector2r(NaN,NaN),,"Upper right corner of the grid's box [m], a whole number of spacings away. NaN: around the points."))

@@ -26,7 +26,7 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(OpenRveSample,Serializable,"A periodic YADE scene of any grains and contact law as a sample, advanced by its own engines; for those of discs RveSample does the same, faster. Works on a copy of the scene given. Example: s=OpenRveSample(source=O._sceneObj); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1)['stress'].",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(OpenRveSample,Serializable,"A periodic YADE scene of any grains and contact law as a sample, advanced by its own engines; for those of discs RveSample does the same, faster. Works on a copy of the scene given. Example: s=OpenRveSample(source=talik.slope.openScene(talik.rve.prepare(grains=40))); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1)['stress'].",
 		((shared_ptr<Scene>,source,,,"Scene that the sample is a copy of, taken when it is first used."))
 		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
@@ -39,7 +39,7 @@ public:
 		.def("statistics",&OpenRveSample::statistics,"Dictionary: contacts, bondsIntact, bondsFormed, bondsBroken, bondsMelted, coordinationNumber, porosity, fabric (Matrix3), unbalancedForce, kineticEnergy.")
 		.add_property("scene",&OpenRveSample::runningScene,"The Scene that runs, not a copy. See talik.inspect.")
 		.add_property("stress",&OpenRveSample::stress,"Love-Weber stress (Matrix3) of the last step [Pa], tension positive.")
-		.add_property("trsf",&OpenRveSample::deformation,"Accumulated deformation gradient.")
+		.add_property("trsf",&OpenRveSample::deformation,"Accumulated deformation gradient [-].")
 		.add_property("iceSaturation",&OpenRveSample::iceSaturation,"Ice saturation of the grains' material [-], 0 without IceBondMat.")
 	);
 	// clang-format on

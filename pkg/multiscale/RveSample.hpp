@@ -78,7 +78,7 @@ public:
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
 		.add_property("path",&RveSample::path,"What the steps of samples run on here: avx2 or portable.")
 		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")
-		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient.")
+		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient [-].")
 	);
 	// clang-format on
 };

@@ -33,7 +33,7 @@ public:
 	virtual ::boost::python::object values(const string& name) const;
 	/// One of them for one point; a single NaN for a point with another skeleton.
 	virtual vector<Real> valueAt(const string& name, int id) const;
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons.", , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons. Example: mpm.skeletons=[ElasticSkeleton(),MohrCoulombSkeleton()].", , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
 };
 REGISTER_SERIALIZABLE(SkeletonLaw);
 
@@ -42,7 +42,7 @@ public:
 	virtual ~ElasticSkeleton() {};
 	Pointer build(int) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: MpmEngine(skeleton=ElasticSkeleton(young=10e6,poisson=0.3),...).",
+	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
 		((Real,young,10e6,,"Young's modulus E [Pa], > 0."))
 		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
 	);
