@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Thaw slump from a heated patch of the base: Case II of Yu & Zhao, section 3.2.
 
-	scripts/run thaw_slump_base [--preset draft|standard|paper] [--thaw-strain 0|0.03|full] [--compare thaw-strain|skeleton]
+	scripts/run thaw_slump_base [--preset draft|standard|paper] [--thaw-strain 0|0.03|full] [--compare thaw-strain|skeleton|both]
 
 Everything as in thaw_slump_surface.py but the heat: the base between x = 2 and 6 m is held at +10 °C from the start of the thaw on,
 all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above comes after. The
@@ -12,7 +12,7 @@ must become thin before its weight passes its strength; and what thawing does to
 bookkeeping, --thaw-strain 0) keep their contacts when the ice goes: the thawed ground at depth carries what it carried, and nothing
 comes down. Support is lost by thaw strain: ice-rich grains, prepared frozen, shrink as they thaw. --thaw-strain gives the area strain
 that they release, `full` is all of eq. (8), the porosity of the sample. --compare thaw-strain shows 0, this and full side by side,
---compare skeleton the samples beside a Mohr-Coulomb law calibrated on the same sample, both with their wall time.
+--compare skeleton the samples beside a Mohr-Coulomb law calibrated on the same sample, --compare both all four, with what each costs.
 The page of figures is page.png; what to expect is described in examples/README.md.
 """
 

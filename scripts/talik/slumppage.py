@@ -66,7 +66,7 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
 	moved, broken = lower.subplots(1, 2)
 	for axes, (label, (frames, bill)) in zip(rows, runs.items()):
-		axes.set_title(f"{label}: {bill}; {_bandOf(frames[-1], outline, threshold)}", loc="left", fontsize=9)
+		axes.set_title(f"{label}: {bill}; {slipSurfaces(frames[-1], outline, threshold)}", loc="left", fontsize=9)
 		times = [frame["time"] for frame in frames]
 		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=label)
 		if "bondsFormed" in frames[0]:
@@ -80,7 +80,8 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	return fig
 
 
-def _bandOf(frame, outline, threshold):
+def slipSurfaces(frame, outline, threshold=0.2):
+	"""Inclination and depth of the shear bands in frozen and in all ground, in words."""
 	bands = {ground: shearband.measure(frame, outline, threshold, among) for ground, among in (("frozen", None), ("all", True))}
 	found = [f"{band.inclination:.0f}° in {ground} ground, to {band.depth:.1f} m deep" for ground, band in bands.items() if band is not None]
 	return "slip surface " + ", ".join(found) if found else "no slip surface"

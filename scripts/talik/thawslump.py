@@ -209,7 +209,8 @@ class ThawSlump:
 		"""The page of figures, with samples of a frozen point A and a thawed point B."""
 		frames, watched = self.frames.frames[1:], self.watchedPoints()
 		samples = {letter: slumppage.sampleOf(self.skeleton, point) for letter, point in watched.items()}
-		return slumppage.page(frames, samples, watched, self.ground.thermalTimeScale, self.name)
+		title = f"{self.name}; {slumppage.slipSurfaces(frames[-1], outline, bandStrain)}"
+		return slumppage.page(frames, samples, watched, self.ground.thermalTimeScale, title)
 
 	def watchedPoints(self):
 		"""{"A": id, "B": id} at the end of the run; empty without samples."""
@@ -293,9 +294,9 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
-	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains release: 0, a fraction, or full (eq. 8)")
+	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
-	parser.add_argument("--compare", choices=("skeleton", "thaw-strain"), help="also run the alternatives, side by side in one figure")
+	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
 
@@ -310,11 +311,7 @@ def runCase(name, boundaries, options, duration=None):
 	preset = presets[options.preset]
 	if duration is not None and options.preset != "test":
 		preset = replace(preset, endTime=duration)
-	settings = {"main": dict(thawStrain=options.thaw_strain, skeleton=options.skeleton)}
-	if options.compare == "thaw-strain":
-		settings = {f"thaw strain {value}": dict(thawStrain=value, skeleton="samples") for value in (0.0, options.thaw_strain or 0.03, fullThawStrain)}
-	elif options.compare == "skeleton":
-		settings = {skeleton: dict(thawStrain=options.thaw_strain, skeleton=skeleton) for skeleton in skeletons}
+	settings = comparison(options)
 	runs = {}
 	for label, setting in settings.items():
 		folder = Path(options.output) / ("" if len(settings) == 1 else label.replace(" ", "-"))
@@ -329,6 +326,17 @@ def runCase(name, boundaries, options, duration=None):
 		figure = slumppage.sideBySide(runs, outline, Ground.thermalTimeScale)
 		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))
 	return slump
+
+
+def comparison(options):
+	"""{label: thawStrain and skeleton} of the runs that a command line asks for. A law has no thaw strain: it belongs to the grains."""
+	law = {"MohrCoulomb": dict(thawStrain=0.0, skeleton="MohrCoulomb")}
+	strains = (0.0, options.thaw_strain if options.thaw_strain not in (0.0, fullThawStrain) else 0.03, fullThawStrain)
+	sideBySide = {f"thaw strain {value}": dict(thawStrain=value, skeleton="samples") for value in strains}
+	given = {"samples": dict(thawStrain=options.thaw_strain, skeleton="samples")}
+	return {
+		None: law if options.skeleton == "MohrCoulomb" else given, "thaw-strain": sideBySide, "skeleton": {**given, **law}, "both": {**sideBySide, **law}
+	}[options.compare]
 
 
 def bill(summary):

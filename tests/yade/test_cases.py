@@ -246,6 +246,10 @@ def test_command_lines_are_read_and_impossible_ones_refused(monkeypatch):
 	assert (options.thaw_strain, options.compare, options.skeleton) == ("full", "thaw-strain", "MohrCoulomb")
 	monkeypatch.setattr(sys, "argv", ["example"])
 	assert thawslump.arguments("example", "output", thawStrain=0.03).thaw_strain == 0.03
+	runs = {name: list(thawslump.comparison(argparse.Namespace(compare=name, skeleton="samples", thaw_strain=0.05)).values()) for name in (None, "thaw-strain", "skeleton", "both")}
+	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
+	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
+	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
 	for wrong in (["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"]):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):
