@@ -101,3 +101,37 @@ def test_homogeneous_block_under_biaxial_compression_follows_its_sample(sample):
 		"biaxial", "Biaxial compression at 100 kPa: block of ground, and its sample", "vertical strain [1e-3]", "deviator [kPa]",
 		[("block", "computed", 1e3 * strain, 1e-3 * (lateral - vertical)), ("sample", "reference", 1e3 * reference[0], 1e-3 * (reference[1] - reference[2]))],
 	)
+
+
+# ---- collapse of a dry column ---------------------------------------------------------------------------------------------
+
+
+def test_dry_column_of_samples_collapses_to_the_run_out_of_lube_slow(sample):
+	"""A column as wide as high let go at once, 20 cells wide: run-out over width 1.2 a (Lube et al. 2005, a < 1.8, any grain).
+
+	Samples are asked after 1e-4 and strained by up to 5e-5 a step (I up to 0.02): a collapse is not quasi-static at any rate."""
+	report = Report("Samples.DryCollapse", "Lube et al. 2005")
+	width, h, density = 2.0, 0.1, 0.6 * 2650
+	outline = talik.geometry.rectangle(0, 0, width, width)
+	position, volume = talik.geometry.fillPolygon(outline, h, 4, (0.0, 0.0))
+	samples, sampleOf = slope.depthBands(position, outline, sample, density, bandThickness=0.5, lateralRatio=0.6)
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h, lower=(0, 0), upper=(7.5, 2.6), gravity=(0, -9.81),
+		skeleton=wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0, maxStrainPerStep=5e-5, maxInertialNumber=2e-2),
+		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
+	)
+	mpm.addPoints(position=position, volume=volume, porosity=0.4)
+	O.engines = [mpm]
+	fall, toes = np.sqrt(width / 9.81), [0.0]
+	instants = np.linspace(0, 4.5, 10)
+	for instant in instants[1:]:
+		thawslump.runUntil(instant * fall)
+		toes.append(np.quantile(mpm.field("position")[:, 0], 0.999) / width - 1)  # a few points may roll ahead of the deposit
+	report.draw(
+		"lube_samples", "Dry column of samples, as wide as high", "time over sqrt(H/g) [-]", "run-out over initial width [-]",
+		[("samples", "computed", instants, toes), ("deposit", "reference", [3.3, 4.5], [1.2, 1.2])],
+	)
+	balance = mpm.balance()
+	speed = np.sqrt(2 * balance["kineticEnergy"] / balance["solidMass"] / (9.81 * width))
+	report.expectScaled("dry collapse, samples: speed left over sqrt(g H)", speed, 0.0, 1.0, 0.05)
+	report.expectRelative("dry collapse, samples: run-out over width, a = 1", toes[-1], 1.2, 0.25)
