@@ -7,7 +7,8 @@
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
-t = c cos(phi) + s' sin(phi) with s' = -(xx + yy)/2 and t the radius of Mohr's circle, by least squares of relative residuals.
+t = c cos(phi) + s' sin(phi) with s' = -(xx + yy)/2 and t the radius of Mohr's circle, by least squares of relative residuals. Ground
+without bonds has no cohesion: what a line through its curved envelope leaves at no pressure, 1.5 kPa, would carry a metre of it.
 Young's modulus is the secant at half of the peak deviator, averaged over the pressures. Tensile strength comes from extension without
 lateral stress. The law takes each of them as a table over ice saturation, linear in between. A perfectly plastic law keeps the peak;
 what the brittle sample loses after it is reported as `residual`.
@@ -40,6 +41,7 @@ class BiaxialTest:
 	lateralStrain: np.ndarray
 	axial: np.ndarray
 	lateral: np.ndarray
+	bonds: int  # at the start
 
 	def smooth(self, values):
 		return np.convolve(values, np.ones(averaged) / averaged, "valid")
@@ -96,7 +98,7 @@ def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5)
 def _drive(tested, iceSaturation, pressure, strain, perCall):
 	stiffness = 0.6e9 * (6 if iceSaturation > 0 else 1) * 5e-3 / 0.1  # order of magnitude, for the control of the lateral stress
 	across, integral, rows = 0.0, 0.0, []
-	stress = tested.stress
+	stress, bonds = tested.stress, tested.statistics()["bondsIntact"]
 	for k in range(1, int(round(abs(strain) / perCall)) + 1):
 		error = (-pressure - stress[0]) / stiffness
 		integral += 0.05 * error
@@ -108,7 +110,7 @@ def _drive(tested, iceSaturation, pressure, strain, perCall):
 			raise RuntimeError(f"calibrate: the sample blew up at strain {k * perCall:g} (S_i = {iceSaturation:g}, {pressure:g} Pa): {result['reason']}")
 		stress = result["stress"]
 		rows.append((-k * down, -across, -stress[1], -stress[0]))
-	return BiaxialTest(iceSaturation, pressure, *np.array(rows).T)
+	return BiaxialTest(iceSaturation, pressure, *np.array(rows).T, bonds)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -200,19 +202,20 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 
 
 def _fitStrength(tests, saturations):
-	"""Cohesions, sin(phi) and relative residuals: t = a(S_i) + s' sin(phi), a = c cos(phi) >= 0, each equation over its t."""
+	"""Cohesions, sin(phi) and relative residuals: t = a(S_i) + s' sin(phi), a = c cos(phi) >= 0, without bonds 0, each equation over its t."""
 	from scipy.optimize import lsq_linear
 
+	mean, shear = np.array([test.peak for test in tests]).T
+	bonded = np.array([test.bonds > 0 for test in tests])
 	matrix = np.zeros((len(tests), len(saturations) + 1))
-	for row, test in enumerate(tests):
-		mean, shear = test.peak
-		matrix[row, np.searchsorted(saturations, test.iceSaturation)] = 1 / shear
-		matrix[row, -1] = mean / shear
+	matrix[np.arange(len(tests)), np.searchsorted(saturations, [test.iceSaturation for test in tests])] = bonded / shear
+	matrix[:, -1] = mean / shear
 	scale = np.append(np.full(len(saturations), 1e5), 1.0)
 	upper = np.append(np.full(len(saturations), np.inf), 0.95)
 	fitted = lsq_linear(matrix * scale, np.ones(len(tests)), bounds=(np.zeros(len(saturations) + 1), upper / scale)).x * scale
+	cohesive = np.abs(matrix[:, :-1]).sum(axis=0) > 0
 	sine = fitted[-1]
-	return fitted[:-1] / math.sqrt(1 - sine ** 2), float(sine), matrix @ fitted - 1
+	return np.where(cohesive, fitted[:-1], 0.0) / math.sqrt(1 - sine ** 2), float(sine), matrix @ fitted - 1
 
 
 def main():

@@ -134,4 +134,4 @@ def test_dry_column_of_samples_collapses_to_the_run_out_of_lube_slow(sample):
 	balance = mpm.balance()
 	speed = np.sqrt(2 * balance["kineticEnergy"] / balance["solidMass"] / (9.81 * width))
 	report.expectScaled("dry collapse, samples: speed left over sqrt(g H)", speed, 0.0, 1.0, 0.05)
-	report.expectRelative("dry collapse, samples: run-out over width, a = 1", toes[-1], 1.2, 0.25)
+	report.expectRelative("dry collapse, samples: run-out over width, a = 1", toes[-1], 1.2, 0.2)  # 8 cells across: 0.78, 20: 1.01
