@@ -152,7 +152,7 @@ template <int D> struct Ground<D>::Parts {
 	void updateTemperature();
 	void solveMomentum();
 	void seep();
-	double longestPath() const;
+	double longestPath();
 	bool   mayLeaveGrid(int place, double reach) const;
 	bool   leavesGrid(int place, WeightBlock<D>& w) const;
 	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.

@@ -7,17 +7,30 @@
 
 namespace talik {
 
-/// Upper bound of |displacement| of any point in this step, per axis [m]; infinite or not a number in a run that became unstable.
-template <int D> double Ground<D>::Parts::longestPath() const
+namespace {
+	/// The larger number, or what is not a number.
+	double larger(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+} // namespace
+
+/// Upper bound of |displacement| of any point in this step, per axis [m]; not a number in a run that became unstable.
+template <int D> double Ground<D>::Parts::longestPath()
 {
-	double most = 0.0, sum = 0.0;
-	for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
-		for (int a = 0; a < D; ++a) {
-			const double speed = std::fabs(motion->solved[i][D + a]);
-			most               = std::max(most, speed);
-			sum += speed;
-		}
-	return clock.dt * (std::isfinite(sum) ? most : sum);
+	partial.assign(clock.range.chunks(), 0.0);
+	clock.range.overNodes([&](int chunk, int first, int last) {
+		Vec<D> most {}, notFinite {};
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a) {
+				const double speed = std::fabs(motion->solved[i][D + a]);
+				most[a]            = speed > most[a] ? speed : most[a];
+				notFinite[a] += speed - speed;
+			}
+		for (int a = 0; a < D; ++a)
+			partial[chunk] = larger(partial[chunk], most[a] + notFinite[a]);
+	});
+	double longest = 0.0;
+	for (const double chunk : partial)
+		longest = larger(longest, chunk);
+	return clock.dt * longest;
 }
 
 template <int D> bool Ground<D>::Parts::mayLeaveGrid(int p, double reach) const
