@@ -1,22 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every test begins with an empty scene; one small sample serves all tests of a run."""
-
 import pytest
-from yade import O
+from fixtures import emptyScene, sampleCache  # noqa: F401: pytest finds them here
 
 import talik
 from talik import rve
 
 
-@pytest.fixture(autouse=True)
-def emptyScene():
-	O.reset()
-	O.engines = []
-	yield
-	O.reset()
-
-
 @pytest.fixture(scope="session")
-def smallSample(tmp_path_factory):
+def smallSample(sampleCache):
 	"""Thirty grains, packed."""
-	return talik.slope.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
+	return talik.slope.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))

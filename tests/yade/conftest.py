@@ -1,23 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every test begins with an empty scene; samples are prepared once for all tests of a run, in a cache of its own."""
-
 import pytest
-from yade import O
+from fixtures import emptyScene, sampleCache  # noqa: F401: pytest finds them here
 
 from talik import rve
-
-
-@pytest.fixture(autouse=True)
-def emptyScene():
-	O.reset()
-	O.engines = []
-	yield
-	O.reset()
-
-
-@pytest.fixture(scope="session")
-def sampleCache(tmp_path_factory):
-	return tmp_path_factory.mktemp("samples")
 
 
 @pytest.fixture(scope="session")
