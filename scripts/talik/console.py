@@ -74,7 +74,7 @@ def _pausedBySignal(omega, signals):
 	try:
 		yield
 	except KeyboardInterrupt:
-		_awaitEndOfStep(omega)
+		awaitEndOfStep(omega)
 		raise
 	finally:
 		signal.set_wakeup_fd(former)
@@ -96,9 +96,23 @@ def _watcher():
 	return writer
 
 
-def _awaitEndOfStep(omega):
-	while omega.subStep >= 0 and not omega.subStepping:
+def awaitEndOfStep(omega, quiet=0.02, patience=60):
+	"""Returns when no engine of a run that was paused is at work any more: YADE says that it rests while its last step is still under way.
+
+	quiet     time for which nothing may stir [s]: a step that was about to begin when the pause came
+	patience  [s]: after an engine's error YADE believes its step to be under way for good"""
+	if omega.subStepping:
+		return
+	began = still = time.monotonic()
+	step = omega.iter
+	while time.monotonic() < still + quiet and time.monotonic() < began + patience and not _failed(omega):
 		time.sleep(0.001)
+		if omega.running or omega.subStep >= 0 or omega.iter != step:
+			still, step = time.monotonic(), omega.iter
+
+
+def _failed(omega):
+	return any(getattr(engine, "failure", "") for engine in omega.engines)
 
 
 # --- attributes ------------------------------------------------------------------------------------------------------------

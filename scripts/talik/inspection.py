@@ -12,11 +12,11 @@ Scenes are shown one above the other: back() and the end of a block return by on
 """
 
 import atexit
-from time import sleep
 
 from yade import O, wrapper
 
 from talik import _talik
+from talik.console import awaitEndOfStep
 
 _shown = []  # views that are open, the innermost last
 _left = []  # the scene left last stays alive: a long step of it may still be ending in YADE's thread
@@ -137,14 +137,10 @@ def _isOf(view, mpm):
 
 
 def _pause():
-	"""O rests. YADE says so while its last step is still under way: the count of steps tells when that has ended."""
-	if not O.running:
+	if _talik.stepUnderWay() or not (O.running or O.subStep >= 0):
 		return
 	O.pause()
-	unchanged, steps = 0, O.iter
-	while O.running or unchanged < 20:
-		sleep(0.005)
-		unchanged, steps = (unchanged + 1, steps) if O.iter == steps else (0, O.iter)
+	awaitEndOfStep(O)
 
 
 @atexit.register
