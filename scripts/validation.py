@@ -120,6 +120,7 @@ def draw(folder):
 
 	matplotlib.use("Agg")
 	from matplotlib import pyplot
+	from PIL import Image
 
 	files = sorted(Path(folder, "curves").glob("*.csv"))
 	for file in files:
@@ -132,13 +133,15 @@ def draw(folder):
 	rows = math.ceil(len(files) / columns)
 	pyplot.rcParams.update({"font.size": 6})
 	figure, grid = pyplot.subplots(rows, columns, figsize=(12, 2.4 * rows), squeeze=False)
-	figure.subplots_adjust(left=0.05, right=0.99, bottom=0.15 / rows, top=1 - 0.25 / rows, wspace=0.25, hspace=0.45)
+	figure.subplots_adjust(left=0.05, right=0.99, bottom=0.15 / rows, top=1 - 0.35 / rows, wspace=0.25, hspace=0.45)
 	for axes in grid.flat[len(files):]:
 		axes.axis("off")
 	for axes, file in zip(grid.flat, files):
 		drawCurve(axes, file, small=True)
-	figure.suptitle("Computed (markers) against reference (lines)", fontsize=9)
-	figure.savefig(Path(folder, "overview.png"), dpi=80)
+	figure.suptitle("Computed (markers) against reference (lines)", fontsize=9, y=1 - 0.06 / rows)
+	overview = Path(folder, "overview.png")
+	figure.savefig(overview, dpi=80)
+	Image.open(overview).convert("P", palette=Image.Palette.ADAPTIVE, colors=48).save(overview, optimize=True)
 	return files
 
 
