@@ -182,7 +182,9 @@ class Frames:
 	def save(self, path):
 		"""All frames in one compressed NumPy file; loadFrames(path) reads it back."""
 		arrays = {f"{index}/{name}": value for index, frame in enumerate(self.frames) for name, value in frame.items()}
-		np.savez_compressed(path, **arrays)
+		beside = Path(path).with_suffix(".part.npz")
+		np.savez_compressed(beside, **arrays)
+		beside.replace(path)
 
 
 def loadFrames(path):
@@ -201,14 +203,15 @@ def loadFrames(path):
 def writeSummary(path, **values):
 	"""A JSON file of named results; NumPy values are converted, numbers that are not finite become null."""
 	writableFolder(Path(path).parent)
-	writeWhole(path, json.dumps(_plain(values), indent="\t", allow_nan=False) + "\n")
+	writeWhole(path, json.dumps(plain(values), indent="\t", allow_nan=False) + "\n")
 
 
-def _plain(value):
+def plain(value):
+	"""As JSON knows it: lists and dictionaries of numbers and texts; null for numbers that are not finite."""
 	if isinstance(value, dict):
-		return {str(key): _plain(item) for key, item in value.items()}
+		return {str(key): plain(item) for key, item in value.items()}
 	if isinstance(value, (list, tuple, np.ndarray)):
-		return [_plain(item) for item in value]
+		return [plain(item) for item in value]
 	if isinstance(value, (bool, np.bool_)):
 		return bool(value)
 	if isinstance(value, (int, np.integer)):

@@ -7,6 +7,8 @@ slope thaws, loses its bonds and fails. The examples say where the heat comes fr
 """
 
 import argparse
+import base64
+import json
 import time
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field, replace
@@ -17,7 +19,8 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik import calibrate, output, plots, rve, shearband, slope, slumppage
+from talik import calibrate, checkpoint, output, plots, rve, shearband, slope, slumppage
+from talik.console import awaitEndOfStep
 from talik.files import writableFolder
 from talik.progress import Progress
 
@@ -26,6 +29,9 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 
 
 seriesLength = 40  # states in the ParaView series
+framesName, checkpointName, memoryTag = "frames.npz", "slope.checkpoint", "thawSlump"
+checkpointInterval = 60  # wall time [s]
+remembered = ("name", "presetName", "skeletonName", "thaws", "frameTimes", "restKineticEnergy", "calibrationSeconds", "reached")  # attributes of a run
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
 bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
 
@@ -48,6 +54,7 @@ def runUntil(instant, look=None, interval=0.2):
 				nextLook = time.monotonic() + interval
 	except KeyboardInterrupt:
 		O.pause()
+		awaitEndOfStep(O)
 		raise
 	O.wait()
 
@@ -116,7 +123,21 @@ class ThawSlump:
 		self.frameTimes = [part * self.preset.endTime for part in frameParts] if frameTimes is None else sorted(frameTimes)
 		self.folder = writableFolder(folder)
 		self.wallStart = time.monotonic()
+		self.calibrationSeconds = None
 		self.mpm = self._build()
+		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
+		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.thawTime)
+		self.reached = None  # last instant of the thaw whose state was kept
+
+	@classmethod
+	def resumed(cls, folder):
+		"""The run whose checkpoint lies in `folder`, as it was then; run() goes on with it, to the same last bit as if it had not been stopped."""
+		run, folder = cls.__new__(cls), writableFolder(folder)
+		run.folder, run.wallStart = folder, time.monotonic()
+		run.mpm = checkpoint.resume(folder / checkpointName)
+		run.skeleton = run.mpm.skeleton
+		run._remember(json.loads(base64.b64decode(O.tags[memoryTag])))
+		return run
 
 	# ---- building
 
@@ -131,8 +152,9 @@ class ThawSlump:
 			samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
 			self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
 		else:
-			self.calibration = calibrate.calibrate(sample, **p.calibration)
-			self.skeleton = wrapper.MohrCoulombSkeleton(**self.calibration.parameters())
+			calibration = calibrate.calibrate(sample, **p.calibration)
+			self.calibrationSeconds = calibration.seconds
+			self.skeleton = wrapper.MohrCoulombSkeleton(**calibration.parameters())
 			depths = [slope.surfaceHeight(outline, x) - y for x, y in positions]
 			stress[:, :2] = [slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths]
 		height = 4 + 4 * p.gridSpacing
@@ -159,28 +181,74 @@ class ThawSlump:
 	# ---- running
 
 	def run(self):
-		"""Rest, thaw, results. Returns the summary."""
-		mpm, p = self.mpm, self.preset
-		O.engines = [mpm]
-		self.initialBalance = mpm.balance()
-		runUntil(p.restTime)
-		self.restKineticEnergy = mpm.balance()["kineticEnergy"]
-		mpm.resetDisplacement()
-		mpm.damping = self.ground.damping
-		self.frames = output.Frames(mpm, self.frameTimes, clock=self.thawTime)
-		series = output.ParaViewSeries(mpm, self.folder / "paraview", clock=self.thawTime)
-		progress = Progress(endTime=p.endTime, thermalTimeScale=self.ground.thermalTimeScale, clock=self.thawTime, details=self._details)
+		"""Rest, thaw, results. Returns the summary.
+
+		A checkpoint is kept in the folder every minute, and when the run is interrupted by Ctrl-C: see resumed()."""
+		if self.reached is None:
+			self._rest()
+		progress = Progress(endTime=self.preset.endTime, thermalTimeScale=self.ground.thermalTimeScale, clock=self.thawTime, details=self._details)
 		try:
-			seriesTimes = np.linspace(0, p.endTime, seriesLength + 1)
-			for instant in np.union1d(seriesTimes, self.frameTimes):
-				runUntil(p.restTime + instant, progress.update)
-				if instant in seriesTimes:
-					series.write()
-				self.frames.take()
+			self._thaw(progress.update)
+		except KeyboardInterrupt:
+			self._keep()
+			raise
 		finally:
 			progress.close()
 			summary = self._results()
 		return summary
+
+	def _rest(self):
+		O.engines = [self.mpm]
+		self.initialBalance = self.mpm.balance()
+		runUntil(self.preset.restTime)
+		self.restKineticEnergy = self.mpm.balance()["kineticEnergy"]
+		self.mpm.resetDisplacement()
+		self.mpm.damping = self.ground.damping
+		self.reached = -1.0
+
+	def _thaw(self, look):
+		seriesTimes, kept = np.linspace(0, self.preset.endTime, seriesLength + 1), time.monotonic()
+		for instant in np.union1d(seriesTimes, self.frameTimes):
+			if instant <= self.reached:
+				continue
+			runUntil(self.preset.restTime + instant, look)
+			if instant in seriesTimes:
+				self.series.write()
+			self.frames.take()
+			self.reached = float(instant)
+			if time.monotonic() > kept + checkpointInterval:
+				self._keep()
+				kept = time.monotonic()
+
+	# ---- stopped and gone on with
+
+	def _keep(self):
+		"""Frames first: a checkpoint never lacks one."""
+		self.frames.save(self.folder / framesName)
+		O.tags[memoryTag] = base64.b64encode(json.dumps(self._memory()).encode()).decode()
+		checkpoint.write(self.folder / checkpointName)
+
+	def _memory(self):
+		"""What a run knows beside its scene."""
+		return {
+			**{name: getattr(self, name) for name in remembered},
+			"preset": asdict(self.preset),
+			"ground": asdict(self.ground),
+			"initialBalance": output.plain(self.initialBalance),
+			"series": self.series.entries,
+			"seconds": time.monotonic() - self.wallStart,
+		}
+
+	def _remember(self, memory):
+		for name in remembered:
+			setattr(self, name, memory[name])
+		self.preset, self.ground = Preset(**memory["preset"]), Ground(**memory["ground"])
+		self.initialBalance = memory["initialBalance"]
+		self.wallStart -= memory["seconds"]
+		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
+		self.frames.frames = [frame for frame in output.loadFrames(self.folder / framesName) if frame["time"] <= self.thawTime()]
+		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.thawTime)
+		self.series.entries = [tuple(entry) for entry in memory["series"]]
 
 	def thawTime(self):
 		"""Time since the start of the thaw [s]."""
@@ -198,7 +266,7 @@ class ThawSlump:
 	def _results(self):
 		frames = self.frames.frames
 		if len(frames) > 1:
-			self.frames.save(self.folder / "frames.npz")
+			self.frames.save(self.folder / framesName)
 			plots.save(plots.slopeHistory(frames[1:], thermalTimeScale=self.ground.thermalTimeScale), self.folder / "slope.png")
 			plots.save(self.page(), self.folder / "page.png", dpi=80)
 		summary = self.summary()
@@ -248,7 +316,7 @@ class ThawSlump:
 			"sample DEM steps": counters["steps"],
 			"sample wall time [s]": counters["seconds"],
 			"sample memory [MB]": counters["bytes"] / 1e6,
-			"calibration [s]": self.calibration.seconds if self.skeletonName == "MohrCoulomb" else None,
+			"calibration [s]": self.calibrationSeconds,
 			"largest displacement [m]": displacement.max(),
 			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
 			**bonds,
@@ -293,6 +361,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser = argparse.ArgumentParser(description=description)
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
+	parser.add_argument("--resume", action="store_true", help="go on with the run that was stopped, from its checkpoint in the folder of the results")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
@@ -308,6 +377,10 @@ def runCase(name, boundaries, options, duration=None):
 	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O.
 
 	duration  of the thaw [s], in place of the preset's (the preset test keeps its own)"""
+	if options.resume:
+		slump = ThawSlump.resumed(options.output)
+		report(slump.run(), slump.folder)
+		return slump
 	preset = presets[options.preset]
 	if duration is not None and options.preset != "test":
 		preset = replace(preset, endTime=duration)

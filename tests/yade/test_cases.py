@@ -12,7 +12,7 @@ import pytest
 from yade import Matrix3, O
 
 import talik
-from talik import calibrate, plots, rve, shearband, slope, slumppage, thawslump
+from talik import calibrate, output, plots, rve, shearband, slope, slumppage, thawslump
 
 rest = Matrix3.Zero
 
@@ -241,7 +241,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
 
 
 def summaries(folder):
@@ -335,3 +335,32 @@ def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points(tmp
 	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}")
 	assert len(roses) == 2 and len(fields) >= 12 + 2
 	assert {"ice saturation $S_i$ [-]", r"deviatoric strain $\varepsilon_d$ [-]", "displacement $|u|$ [m]"} <= labels(figure)
+
+
+def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit(tmp_path, monkeypatch):
+	preset = thawslump.Preset(gridSpacing=0.5, grains=60, endTime=0.1, strainTolerance=5e-5, bandThickness=1.0, restTime=0.05)
+	whole = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path / "whole")
+	whole.run()
+	wanted, counted = output.allFields(whole.mpm), whole.counters()
+	O.reset()
+
+	def writeUntilThePowerFails(series):
+		if len(series.entries) == 17:
+			raise SystemError("the power fails")
+		stockWrite(series)
+
+	stockWrite = output.ParaViewSeries.write
+	with monkeypatch.context() as patched:
+		patched.setattr(output.ParaViewSeries, "write", writeUntilThePowerFails)
+		patched.setattr(thawslump, "checkpointInterval", 0)
+		with pytest.raises(SystemError):
+			thawslump.ThawSlump("Case II", warmBase, preset, tmp_path / "stopped").run()
+	O.reset()
+	slump = thawslump.runCase("Case II", warmBase, asCommanded(tmp_path / "stopped", resume=True))
+	found = output.allFields(slump.mpm)
+	different = sum(int(np.sum(~((found[name] == wanted[name]) | (np.isnan(found[name]) & np.isnan(wanted[name]))))) for name in wanted)
+	print(f"\n{len(wanted)} fields of {slump.mpm.pointCount} points: {different} numbers differ; {len(slump.frames.frames)} frames, {len(slump.series.entries)} states for ParaView")
+	assert found.keys() == wanted.keys() and different == 0
+	assert [frame["time"] for frame in slump.frames.frames] == [frame["time"] for frame in whole.frames.frames]
+	assert slump.series.entries == whole.series.entries
+	assert {name: slump.counters()[name] for name in ("calls", "steps")} == {name: counted[name] for name in ("calls", "steps")}
