@@ -16,12 +16,14 @@ import talik
 from talik import output, packing, plots
 from talik.thawslump import runUntil
 
+presets = {"test": (40, 1.0), "draft": (150, 6.0)}  # grains of a sample, end time [s]
+
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("--preset", default="draft", choices=("test", "draft"), help="size of the job")
+parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 parser.add_argument("--output", default="output/look_inside", help="folder for the results")
 options = parser.parse_args()
 folder = Path(options.output)
-grains, endTime = {"test": (40, 1.0), "draft": (150, 6.0)}[options.preset]
+grains, endTime = presets[options.preset]
 
 mpm = MpmEngine(
 	gridSpacing=0.25,

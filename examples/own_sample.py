@@ -21,12 +21,14 @@ from talik import output, packing, plots
 from talik.files import writableFolder
 from talik.thawslump import runUntil
 
+presets = {"test": (20, 0.5, 0.02, 10), "draft": (30, 0.25, 0.6, 100)}  # grains, grid spacing [m], end time [s], calls that are timed
+
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("--preset", default="draft", choices=("test", "draft"), help="size of the job")
+parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 parser.add_argument("--output", default="output/own_sample", help="folder for the results")
 options = parser.parse_args()
 folder = writableFolder(Path(options.output))
-grains, spacing, endTime, calls = {"test": (20, 0.5, 0.02, 10), "draft": (30, 0.25, 0.6, 100)}[options.preset]
+grains, spacing, endTime, calls = presets[options.preset]
 
 radius, pressure = 5e-3, 10e3  # mean radius [m]; what the samples are compacted to [Pa]
 contact = dict(young=5e7, poisson=0.3, frictionAngle=0.5, density=2650)

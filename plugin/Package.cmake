@@ -5,7 +5,7 @@ if(NOT TARGET _talik OR YADE_SOURCE_DIR)
 endif()
 set(talikPackage lib/python3/dist-packages/talik) # on the search path of /usr/bin/python3, where yade's own package lies
 install(TARGETS _talik LIBRARY DESTINATION ${talikPackage})
-install(FILES ${pythonSources} DESTINATION ${talikPackage})
+install(DIRECTORY scripts/talik/ DESTINATION ${talikPackage} FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY examples/ DESTINATION share/doc/talik/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "*.md" PATTERN "*.png")
 install(FILES README.md DESTINATION share/doc/talik)
 install(FILES LICENSE DESTINATION share/doc/talik RENAME copyright)

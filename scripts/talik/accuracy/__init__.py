@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What accuracy costs: error over computing time for every knob, on problems with a reference. scripts/accuracy runs it.
+
+	study        runs what is planned, row by row into a file; table gives the rows with their errors
+	problem      what a problem is; one file each: neumann, terzaghi, biaxial, wave, collapse, slump
+	presets      presets of the examples as rows
+	report       tables, Pareto front, advice, pictures, misses
+	stability    a loaded saturated column over hydraulic conductivity and time step
+
+A new problem is one file and its entry in `problems`."""
+
+from talik.accuracy import biaxial, collapse, neumann, slump, terzaghi, wave
+from talik.accuracy.neumann import neumannFront
+from talik.accuracy.presets import presetRows, presetsOf
+from talik.accuracy.report import column, drawStudy, printTable, saveTable
+from talik.accuracy.stability import drawStability, loadedColumn, stability
+from talik.accuracy.study import Results, runStudy, table
+
+problems = tuple(module.problem for module in (neumann, terzaghi, biaxial, wave, collapse, slump))

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The thaw slump of the examples, at a reduced end time, against its finest affordable run."""
+
+import tempfile
+from dataclasses import replace
+
+import numpy as np
+from yade import O, wrapper
+
+from talik import thawslump
+from talik.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
+
+
+def warmAir(start, scale):
+	"""Air at -5 °C, warm within ten days of heat."""
+	return [wrapper.SurfaceTemperature(region="surface", times=[0, start, start + 8.64e5 / scale], values=[-5, -5, 10])]
+
+
+def slump(settings, folder):
+	scale = settings["thermal time scale"]
+	duration = settings["days of heat"] * 86400 / scale
+	preset = thawslump.Preset(settings["grid spacing"], settings["grains"], duration, strainTolerance=settings["sample tolerance"])
+	ground = thawslump.Ground(thermalTimeScale=scale, bulkModulus=settings["bulk modulus of water"])
+	case = thawslump.ThawSlump("accuracy", lambda start: warmAir(start, scale), preset, folder, ground)
+	case.mpm.waveFraction = settings["time-step fraction"]
+	case.mpm.tolerance = settings["tolerance"]
+	case.skeleton.maxInertialNumber = settings["inertial number"]
+	if settings["sample tolerance"] == 0:
+		case.skeleton.saturationTolerance = 0
+	return case, preset
+
+
+def run(settings):
+	watch = Stopwatch()
+	with tempfile.TemporaryDirectory() as folder:
+		case, preset = slump(settings, folder)
+	mpm = case.mpm
+	O.engines = [mpm]
+	mpm.initialise()
+	with watch:
+		thawslump.runUntil(preset.restTime)
+	mpm.resetDisplacement()
+	mpm.damping = case.ground.damping
+	frozen = mpm.field("iceSaturation").max()
+	with watch:
+		thawslump.runUntil(preset.restTime + preset.endTime)
+	runOut = np.linalg.norm(mpm.field("displacement"), axis=1).max()
+	thawed = np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume"))
+	return groundRun(mpm, (runOut, thawed), watch, O.iter)
+
+
+problem = Problem(
+	name="thaw slump",
+	title="Thaw slump, case I, 60 days of heat",
+	norm="larger of the relative errors of the largest displacement and of the thawed volume",
+	reference="finest affordable run",
+	standard={
+		"grid spacing": 0.5, "grains": 100, "sample tolerance": 2e-5, "inertial number": 5e-3, "tolerance": 0.0, "time-step fraction": 0.4,
+		"bulk modulus of water": 2.2e7, "thermal time scale": 8.64e5, "days of heat": 60,
+	},
+	sweeps={
+		"grid spacing": (0.25,), "grains": (200, 400), "sample tolerance": (5e-6,), "inertial number": (5e-4,), "tolerance": (0.01,), "time-step fraction": (0.2,),
+		"bulk modulus of water": (2.2e8,), "thermal time scale": (2.16e5,),
+	},
+	quick={
+		"grains": (60, 200), "sample tolerance": (2e-4,), "inertial number": (1e-3,), "tolerance": (0.1, 0.03), "time-step fraction": (0.8,),
+		"bulk modulus of water": (5e6,), "thermal time scale": (1.728e6,),
+	},
+	pairs=(("grid spacing", "grains"), ("grains", "tolerance")),
+	run=run,
+	error=largestRelative,
+	finest={"grid spacing": 0.25, "grains": 200, "tolerance": 0.02},
+	quickFinest={"tolerance": 0.01},
+)

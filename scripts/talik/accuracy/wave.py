@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Standing wave in an elastic column against the wave equation."""
+
+import math
+
+import numpy as np
+from yade import O, wrapper
+
+import talik
+from talik.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
+
+length, modulus, speed, porosity = 10.0, 50e6, 0.1, 0.4  # [m], [Pa], largest initial velocity [m/s]
+celerity = math.sqrt(modulus / (2650.0 * (1 - porosity)))
+period = 4 * length / celerity
+amplitude = speed * period / (2 * math.pi)
+instants = np.linspace(0, 2, 41)[1:]  # in periods
+
+
+def standingColumn(settings):
+	"""Fixed below, free above, first mode, no gravity."""
+	h = length / settings["cells"]
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, length + 2 * h),
+		waveFraction=settings["time-step fraction"],
+		transfer=settings["transfer"],
+		shapeFunction=settings["shape function"],
+		skeleton=wrapper.ElasticSkeleton(young=modulus, poisson=0),
+		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
+	)
+	if settings["transfer"] == "flip":
+		mpm.flip = settings["flip"]
+	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, length), h, settings["points per cell"])
+	mode = np.sin(math.pi * position[:, 1] / (2 * length))
+	mpm.addPoints(position=position, volume=volume, porosity=porosity, velocity=np.stack([0 * mode, speed * mode], axis=1))
+	return mpm, mode
+
+
+def run(settings):
+	mpm, mode = standingColumn(settings)
+	O.engines = [mpm]
+	mpm.initialise()
+	mass, watch, answer = mpm.field("volume"), Stopwatch(), []
+	for instant in instants * period:
+		with watch:
+			while O.time < instant - 0.5 * O.dt:
+				O.step()
+		moved = np.sum(mass * mode * mpm.field("displacement")[:, 1]) / np.sum(mass * mode**2)
+		answer.append(moved / amplitude - math.sin(2 * math.pi * O.time / period))
+	return groundRun(mpm, answer, watch, O.iter)
+
+
+problem = Problem(
+	name="elastic wave",
+	title="Two periods of a standing wave in an elastic column",
+	norm="rms over 40 instants of the first mode's displacement over its amplitude",
+	reference="wave equation",
+	standard={"cells": 20, "points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "flip": 0.97, "shape function": "quadraticBSpline"},
+	sweeps={"cells": (80,), "points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "flip": (1.0, 0.9), "shape function": ("gimp", "linear")},
+	quick={
+		"cells": (5, 10, 20, 40), "points per cell": (1, 9), "time-step fraction": (0.2, 0.8), "transfer": ("apic", "tpic"), "flip": (1.0, 0.99),
+		"shape function": ("gimp", "linear"),
+	},
+	pairs=(("cells", "flip"), ("cells", "time-step fraction")),
+	run=run,
+	error=rootMeanSquare,
+	exact=lambda: np.zeros(len(instants)),
+)
