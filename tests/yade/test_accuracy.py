@@ -66,11 +66,11 @@ def test_soft_water_is_paid_for_in_consolidation():
 
 
 def test_a_sample_compressed_fast_answers_too_stiffly(monkeypatch):
-	monkeypatch.setattr(biaxial, "grainsInAll", 120)
+	monkeypatch.setattr(biaxial, "packings", 2)
 	monkeypatch.setattr(biaxial, "strain", 0.02)
 	slow, fast = (biaxial.run({"grains": 60, "inertial number": number, "strain of a call": 1e-4}) for number in (1e-4, 2e-2))
-	excess = np.mean(np.subtract(fast.answer, slow.answer)[:10])
-	print(f"deviator over lateral pressure, mean of the first 0.4 %: {excess:+.3f} too high at I = 2e-2; steps {fast.steps} for {slow.steps}")
+	excess = fast.answer[0] - slow.answer[0]
+	print(f"deviator over lateral pressure, mean of the first 0.3 %: {excess:+.3f} too high at I = 2e-2; steps {fast.steps} for {slow.steps}")
 	assert excess > 0 and fast.steps < slow.steps
 
 

@@ -24,7 +24,7 @@ def main():
 	accuracy.runStudy(problems, results, options.quick)
 	tables = {problem: accuracy.table(problem, results, options.quick) for problem in problems}
 	accuracy.saveTable([row for rows in tables.values() for row in rows], folder / "accuracy.csv")
-	picture = plots.save(accuracy.drawStudy(tables), folder / "accuracy.png")
+	picture = plots.save(accuracy.drawStudy(tables), folder / "accuracy.png", dpi=100)
 	for problem, rows in tables.items():
 		print(f"\n{problem.title}\nerror: {problem.norm}; against: {problem.reference}")
 		accuracy.printTable(rows, report.shown)

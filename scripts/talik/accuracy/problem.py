@@ -30,6 +30,7 @@ class Problem:
 	standard   settings of a run where nothing else is said
 	sweeps     {knob: values} varied one at a time; those of `quick` in a quick study
 	pairs      (knob, knob) varied together, over the values of the sweeps
+	together   further combinations of settings, also in a quick study
 	run        function of settings -> Run
 	exact      the answer in closed form, or None: `finest` are the settings of the run that stands for it
 	error      function of answer and reference -> number"""
@@ -44,6 +45,7 @@ class Problem:
 	run: object
 	error: object
 	pairs: tuple = ()
+	together: tuple = ()
 	exact: object = None
 	finest: dict = None
 	quickFinest: dict = None
@@ -56,7 +58,7 @@ class Problem:
 		settings += [{**self.standard, knob: value} for knob, values in sweeps.items() for value in values]
 		for one, other in self.pairs if not quick else ():
 			settings += [{**self.standard, one: a, other: b} for a, b in itertools.product(sweeps[one], sweeps[other])]
-		settings += [{**self.standard, **other} for other in further]
+		settings += [{**self.standard, **other} for other in (*self.together, *further)]
 		return list({key(self.name, s): s for s in settings}.values())
 
 	def referenceSettings(self, quick=False):

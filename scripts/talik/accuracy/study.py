@@ -4,6 +4,7 @@
 import dataclasses
 import json
 import math
+import time
 from pathlib import Path
 from statistics import median
 
@@ -15,8 +16,8 @@ from talik.accuracy.presets import presetRows
 from talik.accuracy.problem import key
 from talik.files import writeWhole
 
-longRun = 3.0  # runs longer than this [s] are not repeated in a quick study, those of sixty such lengths never
-repeats = 5
+repeats = 5  # of a run, as long as they take less than this altogether:
+patience = {True: 3.0, False: 60.0}  # [s], in a quick study and in a full one
 
 
 class Results:
@@ -38,9 +39,9 @@ class Results:
 def measure(problem, settings, quick=False):
 	"""One row: the answer of a run, medians of its times; what failed says why."""
 	row = {"problem": problem.name, "settings": settings}
-	runs = []
+	runs, start = [], time.monotonic()
 	try:
-		while len(runs) < repeats and (not runs or runs[0].wall < longRun * (1 if quick else 60)):
+		while not runs or (len(runs) < repeats and time.monotonic() - start < patience[quick]):
 			with talik.scratchScene():
 				runs.append(problem.run(settings))
 	except (RuntimeError, ValueError) as failure:
