@@ -239,6 +239,7 @@ void MpmEngine::initialise()
 		addPointsToGround();
 		ground->initialise();
 		restoreSavedState();
+		stepsAtStart = ground->steps();
 	} catch (...) {
 		ground.reset();
 		throw;
@@ -309,6 +310,7 @@ void MpmEngine::action()
 		stepGround();
 	} catch (const std::exception& problem) {
 		failure = problem.what();
+		failures++;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
 		throw;
 	}
@@ -662,7 +664,7 @@ py::dict MpmEngine::cost()
 	py::dict    d;
 	for (const auto& [effect, seconds] : g.cost())
 		d[effect] = seconds;
-	d["steps"] = g.steps();
+	d["steps"] = g.steps() - stepsAtStart;
 	return d;
 }
 

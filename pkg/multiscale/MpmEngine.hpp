@@ -86,8 +86,9 @@ private:
 	void                     recordWatched();
 
 	std::shared_ptr<talik::Ground<2>> ground;
-	long                              stepsUntilLimit = 0;
+	long                              stepsUntilLimit = 0, stepsAtStart = 0;
 	string                            failure;
+	long                              failures        = 0;
 	double                            stableStep      = 0;
 	double                            toleranceInForce = 0;
 
@@ -152,6 +153,7 @@ public:
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
 		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
+		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 	);
 	// clang-format on

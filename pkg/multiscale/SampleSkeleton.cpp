@@ -20,13 +20,6 @@ namespace {
 	constexpr double saturationShare  = 1. / 3; ///< saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress
 	constexpr double toleranceRange   = 10.;  ///< the steered tolerance stays within this factor of the given one
 
-	Matrix stressAt(const SkeletonBatch<2>& batch, int place)
-	{
-		Matrix s;
-		s << batch.stress[0][place], batch.stress[3][place], batch.stress[3][place], batch.stress[1][place];
-		return s;
-	}
-
 	/// Out of plane the discs do not touch; the mean of the in-plane stresses stands there for display and invariants.
 	void storeStress(const SkeletonBatch<2>& batch, int place, const Matrix& s)
 	{

@@ -30,8 +30,11 @@ def makeRunsInterruptible(omegaClass):
 		unwaited[:] = [] if wait else [True]
 		if not wait:
 			return stockRun(self, nSteps)
+		before = _failures(self)
 		with _pausedBySignal(self, signals):
 			stockRun(self, nSteps, True)
+		if _failures(self) > before:
+			_raiseFailure(self)
 
 	def wait(self):
 		asked, unwaited[:] = bool(unwaited), []
@@ -55,6 +58,10 @@ def makeStepsKnown(omegaClass):
 
 	step.__doc__ = stockStep.__doc__
 	omegaClass.step = step
+
+
+def _failures(omega):
+	return sum(getattr(engine, "failures", 0) for engine in omega.engines if hasattr(engine, "failure"))
 
 
 def _raiseFailure(omega):

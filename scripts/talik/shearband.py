@@ -14,9 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from yade import wrapper
+
 from talik import slope
 
-meltSaturation = 0.02  # of IceBondMat: at or below it every bond is gone
+meltSaturation = wrapper.IceBondMat().meltSaturation  # at or below it every bond is gone
 levels = (0.25, 0.5, 0.75)  # of the way from the ground that stayed to the mass that moved; the middle one counts, the others tell how sure it is
 
 

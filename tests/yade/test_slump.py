@@ -9,7 +9,6 @@ from yade import O
 import talik
 from talik import accuracy, shearband, thawslump
 
-meltSaturation = 0.02  # of IceBondMat: at or below it every bond is gone
 atRest = 5e-3  # ground that has moved less has not yet moved [m]
 plateau = 1.5  # width of the column far from the face [m]
 failed = 0.05  # deviatoric strain of ground that has failed
@@ -113,7 +112,7 @@ def test_behind_the_front_there_is_no_ice_and_no_bond(draft):
 	column = start[:, 0] < plateau
 	for frame in frames[1:]:
 		thawed = frame["temperature"] > 0
-		melted = frame["skeleton0.sampleIceSaturation"] <= meltSaturation
+		melted = frame["skeleton0.sampleIceSaturation"] <= shearband.meltSaturation
 		front = thawedDepth(frame, column, plateau, frames[0]["iceSaturation"].max())
 		behind = column & (4 - start[:, 1] < front - h)
 		print(f"t = {frame['time']:5.2f} s: {thawed.sum()} points thawed, {melted.sum()} samples without bonds, front on the plateau {front:.2f} m")
@@ -126,7 +125,7 @@ def test_ahead_of_the_front_bonds_are_lost_by_breaking_only(draft):
 	frames = draft.frames.frames
 	frozen = np.ones(len(frames[0]["iceSaturation"]), bool)
 	for frame in frames:
-		frozen &= np.minimum(frame["iceSaturation"], frame["skeleton0.sampleIceSaturation"]) > meltSaturation
+		frozen &= np.minimum(frame["iceSaturation"], frame["skeleton0.sampleIceSaturation"]) > shearband.meltSaturation
 		formed, intact, broken, melted = (frame[name] for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted"))
 		lost = formed - intact
 		print(f"t = {frame['time']:5.2f} s: {frozen.sum()} points frozen all along, bonds lost {lost[frozen].sum():.0f}, broken {broken[frozen].sum():.0f}")
