@@ -447,6 +447,33 @@ TEST(SamplePool, resultsAreBitEqualForAnyNumberOfThreads)
 	EXPECT_EQ(one.distinctStates(), 12u);
 }
 
+TEST(SamplePool, comparedRatesKeepTheFinerStateAndSayHowFarTheCoarserIsFromSlowMotion)
+{
+	const State         start     = packedReference::sample().state();
+	const Matrix        increment = matrix(-4e-4, 3e-4, 0, -2e-4);
+	PackedUpdateOptions options;
+	options.maxInertialNumber = 1e-2;
+	options.maxStrainPerStep  = 1e-4;
+	options.minSteps          = 1;
+	PackedSample<2> coarse(start), fine(start), slow(start);
+	const auto      fast = coarse.apply(increment, 0, options);
+	auto            four = options;
+	four.steps           = 4 * substepCount<2>(start, increment, options);
+	const auto refined   = fine.apply(increment, 0, four);
+	SamplePool<2> pool;
+	pool.add(start);
+	options.maxInertialNumber = 1; // the request's own counts
+	const auto result         = pool.update({ { 0, increment, 0., 1e-2, true } }, options, 1).front();
+	EXPECT_EQ(result.stress, refined.stress);
+	EXPECT_TRUE(pool.state(0).toBytes() == bytes(fine));
+	EXPECT_EQ(result.steps, fast.steps + refined.steps);
+	options.steps         = 100 * four.steps;
+	const double measured = (fast.stress - slow.apply(increment, 0, options).stress).norm();
+	std::printf("%ld steps: error of stress believed %.0f Pa, measured against 100 times slower motion %.0f Pa\n", fast.steps, result.rateError, measured);
+	EXPECT_GT(result.rateError, measured / 3);
+	EXPECT_LT(result.rateError, measured * 3);
+}
+
 TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
 {
 	for (const bool bonds : { false, true }) {
