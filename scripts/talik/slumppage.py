@@ -59,10 +59,11 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	runs  {label: (frames, bill)}; label says what differs, bill what the run cost
 	Returns the figure."""
 	ends = [frames[-1] for frames, _ in runs.values()]
-	slopeHeight = plots.historyHeight(ends)
+	slopeHeight = plots.historyHeight(ends) + 0.3
 	fig = plots.figure(12.6, slopeHeight + 3.2)
 	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, 3.2))
 	plots.slopeHistory(ends, fields=fields, thermalTimeScale=thermalTimeScale, into=upper)
+	upper.suptitle(plots.timeLabel(ends[0]["time"], thermalTimeScale), fontsize=11)
 	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
 	moved, broken = lower.subplots(1, 2)
 	for axes, (label, (frames, bill)) in zip(rows, runs.items()):
