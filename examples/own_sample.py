@@ -21,7 +21,7 @@ from talik import output, packing, plots
 from talik.files import writableFolder
 from talik.thawslump import runUntil
 
-presets = {"test": (20, 0.5, 0.02, 10), "draft": (30, 0.25, 0.6, 100)}  # grains, grid spacing [m], end time [s], calls that are timed
+presets = {"test": (20, 0.5, 0.02, 10), "draft": (24, 0.25, 0.45, 100)}  # grains, grid spacing [m], end time [s], calls that are timed
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
@@ -99,18 +99,21 @@ def ownScene(law):
 # --- the price -------------------------------------------------------------------------------------------------------------
 
 
-def secondsPerCall(sample):
-	"""Of a sample sheared to 2 % in small calls, as a ground makes them."""
-	steps, begin = 0, time.perf_counter()
-	for _ in range(calls):
-		steps += sample.apply(Matrix3(0, 2e-2 / calls, 0, 0, 0, 0, 0, 0, 0), 0)["steps"]
-	return (time.perf_counter() - begin) / calls, steps / calls
+def secondsPerCall(makeSample):
+	"""Of a sample sheared to 2 % in small calls, as a ground makes them; the fastest of three, whatever else the machine does."""
+	fastest = np.inf
+	for _ in range(3):
+		sample, steps, begin = makeSample(), 0, time.perf_counter()
+		for _ in range(calls):
+			steps += sample.apply(Matrix3(0, 2e-2 / calls, 0, 0, 0, 0, 0, 0, 0), 0)["steps"]
+		fastest = min(fastest, (time.perf_counter() - begin) / calls)
+	return fastest, steps / calls
 
 
 def price():
 	scene = ownScene(frictional)
-	packed, steps = secondsPerCall(wrapper.RveSample.fromScene(scene))
-	opened, _ = secondsPerCall(wrapper.OpenRveSample(source=scene))
+	packed, steps = secondsPerCall(lambda: wrapper.RveSample.fromScene(scene))
+	opened, _ = secondsPerCall(lambda: wrapper.OpenRveSample(source=scene))
 	print(f"a call of {steps:.0f} DEM steps of {grains} discs: {1e3 * packed:.2f} ms packed, {1e3 * opened:.2f} ms open, {opened / packed:.1f} times as long")
 	return packed, opened
 
@@ -123,7 +126,7 @@ def bank(scene):
 	O.reset()
 	mpm = wrapper.MpmEngine(
 		gridSpacing=spacing, lower=(0, 0), upper=(4, 2), gravity=(0, -9.81), damping=0.1,
-		skeleton=wrapper.RveSkeleton(scenes=[scene]),
+		skeleton=wrapper.RveSkeleton(scenes=[scene], strainTolerance=1e-4, maxInertialNumber=2e-2),  # coarse, to be seen within a minute
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
 	)
 	talik.geometry.fill(mpm, [(0, 0), (1.5, 0), (1.5, 1), (0, 1)], pointsPerCell=4, porosity=0.2)

@@ -8,6 +8,7 @@
 #include <boost/python/numpy.hpp>
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/rve/RunningScene.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 #include <omp.h>
 
@@ -131,12 +132,20 @@ namespace {
 		~WithoutInterpreterLock() { PyEval_RestoreThread(state); }
 	};
 
+	/// What would end the whole process is said before it does.
+	void refuseToAbort(const Scene& scene)
+	{
+		const std::string reason = reasonAgainstRunning(scene);
+		if (!reason.empty()) raise(PyExc_RuntimeError, "The scene cannot run: " + reason + ".");
+	}
+
 	/// Small scenes lose by YADE's threads, and by sleeping until O.run has ended; and one thread gives the same bits for every -j.
 	void runSerially(long steps)
 	{
 		refuseWhileRunning("runSerially");
 		if (steps < 0) raise(PyExc_ValueError, "runSerially: steps is " + std::to_string(steps) + "; it must be at least 0.");
-		const auto         scene = Omega::instance().getScene();
+		const auto scene = Omega::instance().getScene();
+		refuseToAbort(*scene);
 		const SingleThread serial;
 		const StepUnderWay underWay;
 		if (steps > 0) scene->moveToNextTimeStep(); // lets go of former engines, which Python may own
@@ -162,6 +171,7 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
+	py::def("refuseToAbort", +[] { refuseToAbort(*Omega::instance().getScene()); }, "RuntimeError if the next step would end the process on an assert of stock YADE: bodies without material or state, cells shorter than bodies, contacts without functor.");
 	py::def("callAsStep", callAsStep, py::arg("step"), "Call *step*, a function that advances the current scene in the calling thread; stepUnderWay() is True meanwhile.");
 	py::def("stepUnderWay", +[] { return stepsUnderWay > 0; }, "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"), "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the validation tests left in a folder (rows/*.csv, curves/*.csv), as table, drawings and page of the README."""
+"""What the validation tests left in a folder (rows/*.csv, curves/*.csv), as table, drawings and page."""
 
 import argparse
 import csv

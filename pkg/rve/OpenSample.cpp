@@ -9,6 +9,7 @@
 #include <pkg/rve/CellReduction.hpp>
 #include <pkg/rve/OpenSample.hpp>
 #include <pkg/rve/PackedProtocol.hpp>
+#include <pkg/rve/RunningScene.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 
 #include <omp.h>
@@ -181,7 +182,7 @@ std::string reasonAgainstSample(const Scene& scene)
 		const std::string reason = reasonOfEngine(*engine);
 		if (!reason.empty()) return reason;
 	}
-	return moves ? "" : "it has no NewtonIntegrator";
+	return moves ? reasonAgainstRunning(scene) : "it has no NewtonIntegrator";
 }
 
 // ---------------------------------------------------------------------------------------------- making

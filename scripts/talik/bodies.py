@@ -12,7 +12,10 @@ edgesOfBox = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)], dtype=floa
 
 
 def outline(body, corners=60):
-	"""Polyline (n, 2) [m] in which the body meets the ground; None for a wall, which has no end, and for what has no outline."""
+	"""Polyline (n, 2) [m] in which the body meets the ground; None for a wall, which has no end, and for what has no outline.
+
+	>>> talik.bodies.outline(utils.sphere((0, 1, 0), 0.5)).shape
+	(60, 2)"""
 	shape, position, turned = body.shape, np.array(body.state.pos), body.state.ori.toRotationMatrix()
 	rotation = np.array([[turned[i, j] for j in range(3)] for i in range(3)])
 	if hasattr(shape, "radius"):
@@ -27,7 +30,9 @@ def outline(body, corners=60):
 
 
 def draw(axes, bodies, **style):
-	"""Outlines of all bodies, with a radius that shows how a sphere has turned; walls as lines across."""
+	"""Outlines of all bodies, with a radius that shows how a sphere has turned; walls as lines across.
+
+	>>> talik.bodies.draw(axes, O.bodies)"""
 	style = {"color": "black", "linewidth": 1.0, **style}
 	for body in bodies:
 		line = outline(body)

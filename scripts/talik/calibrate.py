@@ -33,7 +33,11 @@ averaged = 20  # calls over which a peak is averaged
 
 @dataclasses.dataclass(frozen=True)
 class BiaxialTest:
-	"""Result of one test; stresses in Pa, compression positive, strains [-], shortening positive."""
+	"""Result of one test; stresses in Pa, compression positive, strains [-], shortening positive.
+
+	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=1, pressure=100e3, strain=2e-4)
+	>>> test.axial[-1] > 100e3
+	True"""
 
 	iceSaturation: float
 	pressure: float  # constant lateral pressure
@@ -77,7 +81,9 @@ class BiaxialTest:
 
 
 def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5):
-	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa]."""
+	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa].
+
+	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=0.5, pressure=100e3, strain=2e-4)"""
 	tested = sample.copy()
 	if not tested.servo(-pressure, -pressure):
 		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
@@ -86,7 +92,9 @@ def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5):
 
 
 def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
-	"""Largest axial tension [Pa] in extension with the lateral stress let off, of a sample frozen at `pressure` [Pa]; 0 without ice."""
+	"""Largest axial tension [Pa] in extension with the lateral stress let off, of a sample frozen at `pressure` [Pa]; 0 without ice.
+
+	>>> tension = talik.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
 	tested = sample.copy()
 	if not tested.servo(-pressure, -pressure):
 		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
@@ -115,7 +123,10 @@ def _drive(tested, iceSaturation, pressure, strain, perCall):
 
 @dataclasses.dataclass(frozen=True)
 class Calibration:
-	"""Tests and what was fitted to them. Arrays go with iceSaturation; residuals are relative, (fit - measured)/measured of t at the peak."""
+	"""Tests and what was fitted to them. Arrays go with iceSaturation; residuals are relative, (fit - measured)/measured of t at the peak.
+
+	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)
+	>>> law = MohrCoulombSkeleton(**result.parameters())"""
 
 	tests: list
 	iceSaturation: np.ndarray
@@ -179,7 +190,9 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 
 	iceSaturations  in 0..1, both of them included; the law is linear between them
 	pressures       [Pa], > 0, two or more
-	strain          axial strain of each test [-]"""
+	strain          axial strain of each test [-]
+
+	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
 		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
 	if sample.iceSaturation > 0:

@@ -20,26 +20,37 @@ from talik import _talik
 
 
 def keep(file, every=600.0):
-	"""Writes the scene into `file` every so many seconds of wall time [s]; returns the engine, a Checkpoint, which is now the first of O.engines."""
+	"""Writes the scene into `file` every so many seconds of wall time [s]; returns the engine, a Checkpoint, which is now the first of O.engines.
+
+	>>> keeper = talik.checkpoint.keep(folder + "/slope.checkpoint", every=600)"""
 	engine = wrapper.Checkpoint(file=os.path.abspath(os.fspath(file)), every=every)
 	O.engines = [engine] + [other for other in O.engines if not isinstance(other, wrapper.Checkpoint)]
 	return engine
 
 
 def write(file):
-	"""Writes the scene into `file` now."""
+	"""Writes the scene into `file` now.
+
+	>>> talik.checkpoint.write(folder + "/slope.checkpoint")"""
 	wrapper.Checkpoint.write(os.path.abspath(os.fspath(file)))
 
 
 def describe(file):
-	"""{format, written, step, time, bytes} of a checkpoint; ValueError tells what is wrong with a file that is none."""
+	"""{format, written, step, time, bytes} of a checkpoint; ValueError tells what is wrong with a file that is none.
+
+	>>> talik.checkpoint.write(folder + "/slope.checkpoint")
+	>>> talik.checkpoint.describe(folder + "/slope.checkpoint")["step"] == O.iter
+	True"""
 	return wrapper.Checkpoint.describe(os.fspath(file))
 
 
 def resume(file):
 	"""Makes the scene in a checkpoint the current one of O and returns its ground, an MpmEngine (None if it has none).
 
-	If the scene was keeping checkpoints it goes on doing so, in this file. Refused while O runs; an unreadable file leaves O as it is."""
+	If the scene was keeping checkpoints it goes on doing so, in this file. Refused while O runs; an unreadable file leaves O as it is.
+
+	>>> talik.checkpoint.write(folder + "/slope.checkpoint")
+	>>> mpm = talik.checkpoint.resume(folder + "/slope.checkpoint")"""
 	file = os.path.abspath(os.fspath(file))
 	former = _talik.exchangeScene(wrapper.Checkpoint.read(file))
 	try:

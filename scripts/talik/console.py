@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What Talik adds to YADE's console: Ctrl-C that works, and mistyped settings that are answered by name.
+"""What Talik adds to YADE's console: Ctrl-C that works, mistyped settings that are answered by name, an exception where stock YADE
+would end the process, and lists of our classes in the inspector.
 
 Stock YADE notices Ctrl-C during O.run(n, True) and O.wait() only when the run has ended by itself. With Talik the run stops between
 two steps and KeyboardInterrupt comes up; the scene can be looked at, saved and run on.
@@ -27,6 +28,8 @@ def makeRunsInterruptible(omegaClass):
 	unwaited = []  # a run was started and nobody has asked yet how it ended
 
 	def run(self, nSteps=-1, wait=False):
+		if not self.running:
+			_talik.refuseToAbort()
 		unwaited[:] = [] if wait else [True]
 		if not wait:
 			return stockRun(self, nSteps)
@@ -54,6 +57,7 @@ def makeStepsKnown(omegaClass):
 	stockStep = omegaClass._stockStep = omegaClass.step
 
 	def step(self):
+		_talik.refuseToAbort()
 		_talik.callAsStep(lambda: stockStep(self))
 
 	step.__doc__ = stockStep.__doc__

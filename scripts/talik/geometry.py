@@ -17,7 +17,10 @@ smallestPart = 0.2  # parts smaller than this fraction of a lattice square join 
 
 
 def rectangle(x0, y0, x1, y1):
-	"""Corners of an axis-aligned rectangle, counter-clockwise."""
+	"""Corners of an axis-aligned rectangle, counter-clockwise.
+
+	>>> talik.geometry.rectangle(0, 0, 4, 2)
+	[(0, 0), (4, 0), (4, 2), (0, 2)]"""
 	return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 
 
@@ -29,7 +32,8 @@ def fill(mpm, polygon, pointsPerCell=4, **attributes):
 	components), an array of one value per point, or a function f(x, y) of the points' coordinates [m], arrays (n,), that returns
 	such an array:
 
-	>>> fill(mpm, slope, temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))"""
+	>>> mpm = MpmEngine(gridSpacing=0.5, heat=HeatTransfer())
+	>>> added = talik.geometry.fill(mpm, [(0, 0), (4, 0), (0, 2)], temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))"""
 	positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, _gridOrigin(mpm))
 	values = {name: value(positions[:, 0], positions[:, 1]) if callable(value) else value for name, value in attributes.items()}
 	return mpm.addPoints(position=positions, volume=volumes, **values)
@@ -41,7 +45,11 @@ def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
 	polygon        corners (m, 2), m >= 3, either orientation, not self-intersecting
 	gridSpacing    cell size [m], > 0
 	pointsPerCell  a square number: 1, 4, 9, 16
-	origin         of the grid [m]"""
+	origin         of the grid [m]
+
+	>>> position, volume = talik.geometry.fillPolygon([(0, 0), (4, 0), (0, 2)], gridSpacing=0.5)
+	>>> round(volume.sum(), 9)
+	4.0"""
 	corners = checkedPolygon(polygon)
 	side = _latticeSide(gridSpacing, pointsPerCell)
 	centres = _latticeCentres(corners, side, np.asarray(origin, dtype=float))
@@ -57,7 +65,11 @@ def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
 
 
 def polygonArea(corners):
-	"""Area and centroid of a polygon: (area >= 0, (x, y))."""
+	"""Area and centroid of a polygon: (area >= 0, (x, y)).
+
+	>>> area, centroid = talik.geometry.polygonArea([(0, 0), (3, 0), (0, 3)])
+	>>> float(area)
+	4.5"""
 	corners = np.asarray(corners, dtype=float)
 	base = corners[0]
 	x, y = (corners - base).T
@@ -71,7 +83,10 @@ def polygonArea(corners):
 
 
 def checkedPolygon(polygon):
-	"""The corners as array (n, 2); ValueError with what is wrong otherwise."""
+	"""The corners as array (n, 2); ValueError with what is wrong otherwise.
+
+	>>> talik.geometry.checkedPolygon([(0, 0), (3, 0), (0, 3)]).shape
+	(3, 2)"""
 	try:
 		corners = np.array([tuple(float(c) for c in corner) for corner in polygon])
 	except (TypeError, ValueError):

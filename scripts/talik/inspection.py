@@ -25,7 +25,12 @@ _left = []  # the scene left last stays alive: a long step of it may still be en
 class View:
 	"""A scene shown in O from its making until back() or the end of a `with` block, which gives the scene.
 
-	scene  that is shown; point  whose sample it is, None for a scene of the user's; live  whether the slope takes over what was done"""
+	scene  that is shown; point  whose sample it is, None for a scene of the user's; live  whether the slope takes over what was done
+
+	>>> view = mpm.inspect(5)
+	>>> len(O.bodies)
+	30
+	>>> view.back()"""
 
 	def __init__(self, scene, mpm=None, point=None, live=False):
 		_talik.refuseFewerThreads(scene)
@@ -85,6 +90,7 @@ def inspect(scene):
 
 	>>> with talik.inspect(mpm.skeleton.scene(12)):
 	...     print(len(O.bodies))
+	30
 
 	RuntimeError while a simulation runs. Without `with`, talik.back() returns."""
 	return View(scene)
@@ -94,7 +100,10 @@ def inspectPoint(mpm, id, live=False):
 	"""inspect(id, live=False): the sample of a material point becomes the current scene of O, until back() or the end of a `with` block.
 
 	A copy unless live=True: then the slope takes over what was done to it, and its next step asks the sample. Works for samples of
-	either form, and also in a scene that was just loaded. RuntimeError while a simulation runs or from inside of a step; ValueError for a point without sample."""
+	either form, and also in a scene that was just loaded. RuntimeError while a simulation runs or from inside of a step; ValueError for a point without sample.
+
+	>>> with mpm.inspect(5):
+	...     stress = utils.getStress()"""
 	point = int(id)
 	if O.running or _talik.stepUnderWay():
 		raise RuntimeError("MpmEngine.inspect needs a simulation that rests between two steps: call O.pause() first, and look from outside of its engines.")
@@ -109,7 +118,10 @@ def backToGround(mpm, keep=True):
 	"""back(keep=True): return from the sample shown last by inspect() to what was shown before.
 
 	A sample shown with live=True is taken over unless keep=False; ValueError if it cannot be a sample any more: it stays shown then.
-	A run of the sample in the background is paused. RuntimeError if no sample of this ground is shown."""
+	A run of the sample in the background is paused. RuntimeError if no sample of this ground is shown.
+
+	>>> view = mpm.inspect(5)
+	>>> mpm.back()"""
 	own = [view for view in _shown if _isOf(view, mpm)]
 	if not own:
 		raise RuntimeError("MpmEngine.back: O shows no sample of this ground; see inspect().")
@@ -117,7 +129,10 @@ def backToGround(mpm, keep=True):
 
 
 def back(keep=True):
-	"""Returns from the scene shown last, see inspect()."""
+	"""Returns from the scene shown last, see inspect().
+
+	>>> view = talik.inspect(packed.open())
+	>>> talik.back()"""
 	if not _shown:
 		raise RuntimeError("talik.back: O shows nothing but its own scene.")
 	_shown[-1].back(keep)

@@ -26,12 +26,17 @@ _callbacks = []
 
 
 def call(place):
-	"""Called by the engines that runner() made."""
+	"""Called by the engines that runner() made.
+
+	>>> talik.output.runner(lambda: None, iterPeriod=10).command.startswith("import talik.output; talik.output.call(")
+	True"""
 	_callbacks[place]()
 
 
 def runner(function, **period):
-	"""A YADE PyRunner that calls a Python function; period: iterPeriod, virtPeriod or realPeriod."""
+	"""A YADE PyRunner that calls a Python function; period: iterPeriod, virtPeriod or realPeriod.
+
+	>>> O.engines = O.engines + [talik.output.runner(lambda: print(O.time), iterPeriod=100)]"""
 	from yade.wrapper import PyRunner
 
 	_callbacks.append(function)
@@ -39,7 +44,10 @@ def runner(function, **period):
 
 
 def allFields(mpm):
-	"""{name: array} of every field that the engine has."""
+	"""{name: array} of every field that the engine has.
+
+	>>> talik.output.allFields(mpm)["temperature"].shape
+	(16,)"""
 	return {name: np.array(mpm.field(name)) for name in mpm.fieldNames()}
 
 
@@ -47,7 +55,9 @@ def allFields(mpm):
 
 
 class ParaViewSeries:
-	"""Files <name>_<number>.vtu and <name>.pvd in `folder`; open the .pvd in ParaView. Times are those of `clock`, default O.time."""
+	"""Files <name>_<number>.vtu and <name>.pvd in `folder`; open the .pvd in ParaView. Times are those of `clock`, default O.time.
+
+	>>> file = talik.output.ParaViewSeries(mpm, folder).write()"""
 
 	def __init__(self, mpm, folder, name="points", clock=None):
 		self.mpm, self.name = mpm, name
@@ -66,21 +76,27 @@ class ParaViewSeries:
 
 
 def writePoints(path, position, fields):
-	"""One .vtu file of points (n, 2) or (n, 3) with fields {name: array}."""
+	"""One .vtu file of points (n, 2) or (n, 3) with fields {name: array}.
+
+	>>> talik.output.writePoints(folder + "/points.vtu", mpm.field("position"), {"temperature": mpm.field("temperature")})"""
 	position = np.asarray(position, dtype=float)
 	cells = np.arange(len(position)).reshape(-1, 1)
 	_writeGrid(path, position, cells, VTK_VERTEX, pointFields=fields, cellFields={})
 
 
 def writeSegments(path, start, end, fields):
-	"""One .vtu file of line segments, for contacts: start and end (n, 2) or (n, 3), fields one value per segment."""
+	"""One .vtu file of line segments, for contacts: start and end (n, 2) or (n, 3), fields one value per segment.
+
+	>>> talik.output.writeSegments(folder + "/lines.vtu", [(0, 0)], [(1, 1)], {"force": np.array([3.0])})"""
 	points = np.vstack([np.asarray(start, dtype=float), np.asarray(end, dtype=float)])
 	count = len(points) // 2
 	_writeGrid(path, points, np.column_stack([np.arange(count), np.arange(count) + count]), VTK_LINE, pointFields={}, cellFields=fields)
 
 
 def writeCollection(path, entries):
-	"""A .pvd file of (time, file) or (time, file, part): several files at one time are its parts."""
+	"""A .pvd file of (time, file) or (time, file, part): several files at one time are its parts.
+
+	>>> talik.output.writeCollection(folder + "/points.pvd", [(0.0, "points_0.vtu"), (0.1, "points_1.vtu")])"""
 	lines = [f'\t\t<DataSet timestep="{time:.17g}" part="{part[0] if part else 0}" file="{file}"/>' for time, file, *part in entries]
 	text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n\t<Collection>\n'
 	writeWhole(path, text + "\n".join(lines) + "\n\t</Collection>\n</VTKFile>\n")
@@ -141,7 +157,11 @@ class SampleSeries:
 	"""The scene that is current in O, a sample of grains: files <name>_grains_<number>.vtu and <name>_contacts_<number>.vtu, the two
 	parts of each time of <name>.pvd. Contacts carry normalForce, shearForce [N] and state, 0 frictional, 1 bonded, 2 broken.
 
-	clock  time of the files, default O.time; that of a slope is lambda: mpm.time"""
+	clock  time of the files, default O.time; that of a slope is lambda: mpm.time
+
+	>>> series = talik.output.SampleSeries(folder)
+	>>> with mpm.inspect(5):
+	...     files = series.write()"""
 
 	def __init__(self, folder, name="sample", clock=None):
 		self.folder, self.name = writableFolder(folder), name
@@ -164,7 +184,10 @@ class SampleSeries:
 
 
 class Frames:
-	"""Keeps all fields at given simulated times, for talik.plots; `frames` is a list of {"time": t, field: array}."""
+	"""Keeps all fields at given simulated times, for talik.plots; `frames` is a list of {"time": t, field: array}.
+
+	>>> frames = talik.output.Frames(mpm, times=[0.1, 0.2])
+	>>> O.engines = O.engines + [frames.runner()]"""
 
 	def __init__(self, mpm, times, clock=None):
 		self.mpm, self.clock = mpm, clock or _sceneTime
@@ -188,7 +211,13 @@ class Frames:
 
 
 def loadFrames(path):
-	"""The list of frames that Frames.save wrote."""
+	"""The list of frames that Frames.save wrote.
+
+	>>> frames = talik.output.Frames(mpm, times=[0])
+	>>> frames.take()
+	>>> frames.save(folder + "/frames.npz")
+	>>> len(talik.output.loadFrames(folder + "/frames.npz"))
+	1"""
 	frames = {}
 	with np.load(path) as file:
 		for key in file.files:
@@ -201,7 +230,9 @@ def loadFrames(path):
 
 
 def writeSummary(path, **values):
-	"""A JSON file of named results; NumPy values are converted, numbers that are not finite become null."""
+	"""A JSON file of named results; NumPy values are converted, numbers that are not finite become null.
+
+	>>> talik.output.writeSummary(folder + "/summary.json", points=mpm.pointCount, time=mpm.time)"""
 	writableFolder(Path(path).parent)
 	writeWhole(path, json.dumps(plain(values), indent="\t", allow_nan=False) + "\n")
 

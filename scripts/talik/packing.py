@@ -27,12 +27,19 @@ restSteps = 2000  # steps with a cell at rest before the stress counts as reache
 
 
 class PackingError(RuntimeError):
-	"""A packing cannot be made or brought to the wanted state."""
+	"""A packing cannot be made or brought to the wanted state.
+
+	>>> issubclass(talik.packing.PackingError, RuntimeError)
+	True"""
 
 
 @dataclass(frozen=True)
 class Grains:
-	"""What a packing is made of. Lengths in m, young in Pa, density in kg/m3."""
+	"""What a packing is made of. Lengths in m, young in Pa, density in kg/m3.
+
+	>>> grains = talik.packing.Grains(100, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
+	>>> grains.radiusMean
+	0.005"""
 
 	number: int
 	radiusMin: float
@@ -78,7 +85,10 @@ class Grains:
 
 
 def iceBondAvailable():
-	"""True when the ice-bond classes of Talik are registered in the running YADE."""
+	"""True when the ice-bond classes of Talik are registered in the running YADE.
+
+	>>> talik.packing.iceBondAvailable()
+	True"""
 	return all(
 		hasattr(wrapper, name) for name in ("IceBondMat", "Ip2_IceBondMat_IceBondMat_IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond")
 	)
@@ -88,7 +98,10 @@ def iceBondAvailable():
 
 
 def advance(steps):
-	"""Advances the current scene; with one thread, so that a sample does not depend on how many yade was given."""
+	"""Advances the current scene; with one thread, so that a sample does not depend on how many yade was given.
+
+	>>> with talik.inspect(packed.open()):
+	...     talik.packing.advance(10)"""
 	talik._talik.runSerially(steps)
 
 
@@ -96,35 +109,54 @@ def advance(steps):
 
 
 def inPlaneCell():
+	"""Matrix (2, 2) [m] of the in-plane cell, its vectors the columns.
+
+	>>> with talik.inspect(packed.open()):
+	...     size = talik.packing.inPlaneCell()"""
 	h = O.cell.hSize
 	return np.array([[h[0, 0], h[0, 1]], [h[1, 0], h[1, 1]]])
 
 
 def porosity():
-	"""Two-dimensional porosity of the current scene: 1 - area of discs / area of the cell."""
+	"""Two-dimensional porosity of the current scene: 1 - area of discs / area of the cell.
+
+	>>> with talik.inspect(packed.open()):
+	...     n = talik.packing.porosity()"""
 	discs = math.pi * sum(body.shape.radius ** 2 for body in O.bodies)
 	return 1 - discs / abs(np.linalg.det(inPlaneCell()))
 
 
 def stress():
-	"""Love-Weber stress (xx, yy, xy) of the current scene [Pa], tension positive, symmetrised."""
+	"""Love-Weber stress (xx, yy, xy) of the current scene [Pa], tension positive, symmetrised.
+
+	>>> with talik.inspect(packed.open()):
+	...     xx, yy, xy = talik.packing.stress()"""
 	s = utils.getStress()
 	return np.array([s[0, 0], s[1, 1], 0.5 * (s[0, 1] + s[1, 0])])
 
 
 def contactNormals():
-	"""Unit normals of all contacts that exist, array (n, 2)."""
+	"""Unit normals of all contacts that exist, array (n, 2).
+
+	>>> with talik.inspect(packed.open()):
+	...     normals = talik.packing.contactNormals()"""
 	return _planar(i.geom.normal for i in O.interactions if i.isReal)
 
 
 def fabricTensor(normals):
-	"""Contact fabric F = mean of n (x) n, array (2, 2); the zero matrix without contacts."""
+	"""Contact fabric F = mean of n (x) n, array (2, 2); the zero matrix without contacts.
+
+	>>> talik.packing.fabricTensor(np.array([(1.0, 0.0), (0.0, 1.0)])).tolist()
+	[[0.5, 0.0], [0.0, 0.5]]"""
 	normals = np.asarray(normals, dtype=float).reshape(-1, 2)
 	return normals.T @ normals / max(len(normals), 1)
 
 
 def fabricAnisotropy(fabric):
-	"""F1 - F2, difference of the principal values of a fabric tensor: 0 isotropic, 1 all contacts parallel."""
+	"""F1 - F2, difference of the principal values of a fabric tensor: 0 isotropic, 1 all contacts parallel.
+
+	>>> float(talik.packing.fabricAnisotropy(np.array([[0.5, 0.0], [0.0, 0.5]])))
+	0.0"""
 	return float(math.hypot(fabric[0, 0] - fabric[1, 1], 2 * fabric[0, 1]))
 
 
@@ -132,7 +164,10 @@ def sampleArrays():
 	"""The current scene as plain arrays, for pictures and files. With m grains and n contacts:
 
 	centre (m, 2) [m] inside the cell, radius (m,) [m]; start, end (n, 2) [m] ends of the branch vectors, start inside the cell;
-	normal (n, 2); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken."""
+	normal (n, 2); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken.
+
+	>>> with mpm.inspect(5):
+	...     forces = talik.packing.sampleArrays()["normalForce"]"""
 	contacts = [i for i in O.interactions if i.isReal]
 	bodies, h = O.bodies, O.cell.hSize
 	first = [bodies[i.id1].state.pos for i in contacts]
@@ -158,7 +193,11 @@ def _planar(vectors):
 
 
 def fillCloud(grains, friction, seed):
-	"""Grains without contacts, placed at random in a square periodic cell, and engines to move them."""
+	"""Grains without contacts, placed at random in a square periodic cell, and engines to move them.
+
+	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
+	>>> with talik.scratchScene():
+	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)"""
 	meanSquare = (grains.radiusMin ** 2 + grains.radiusMin * grains.radiusMax + grains.radiusMax ** 2) / 3
 	side = math.sqrt(grains.number * math.pi * meanSquare / cloudDensity)
 	O.periodic = True
@@ -171,7 +210,11 @@ def fillCloud(grains, friction, seed):
 
 
 def fillPair(grains):
-	"""Two grains that touch, the smallest scene in which everything of a sample occurs."""
+	"""Two grains that touch, the smallest scene in which everything of a sample occurs.
+
+	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
+	>>> with talik.scratchScene():
+	...     talik.packing.fillPair(grains)"""
 	radius, middle = grains.radiusMean, 0.5 * grains.thickness
 	O.periodic = True
 	O.cell.hSize = Matrix3(10 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, grains.thickness)
@@ -205,7 +248,12 @@ def _disc(centre, radius, grains):
 
 
 def compact(grains, pressure, maxSteps=400_000):
-	"""Isotropic compression of a cloud to `pressure` [Pa, > 0] with YADE's PeriTriaxController."""
+	"""Isotropic compression of a cloud to `pressure` [Pa, > 0] with YADE's PeriTriaxController.
+
+	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
+	>>> with talik.scratchScene():
+	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)
+	...     talik.packing.compact(grains, pressure=100e3)"""
 	triax = wrapper.PeriTriaxController(
 		goal=(-pressure, -pressure, 0),
 		stressMask=3,
@@ -227,7 +275,10 @@ def compact(grains, pressure, maxSteps=400_000):
 
 
 def setFriction(friction):
-	"""Sets the friction coefficient of the material and of every contact that exists."""
+	"""Sets the friction coefficient of the material and of every contact that exists.
+
+	>>> with talik.inspect(packed.open()):
+	...     talik.packing.setFriction(0.3)"""
 	for material in O.materials:
 		material.frictionAngle = math.atan(friction)
 	for interaction in O.interactions:
@@ -236,19 +287,28 @@ def setFriction(friction):
 
 
 def stopCell():
-	"""No motion of the cell; the present shape becomes the reference."""
+	"""No motion of the cell; the present shape becomes the reference.
+
+	>>> with talik.inspect(packed.open()):
+	...     talik.packing.stopCell()"""
 	O.cell.velGrad = Matrix3.Zero
 	O.cell.trsf = Matrix3.Identity
 
 
 def strainLimit(grains, pressure):
-	"""Largest strain of one DEM step [-] that keeps the motion quasi-static at `pressure` [Pa]."""
+	"""Largest strain of one DEM step [-] that keeps the motion quasi-static at `pressure` [Pa].
+
+	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
+	>>> limit = talik.packing.strainLimit(grains, pressure=100e3)"""
 	pressure = max(pressure, 1e3)
 	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean))
 
 
 def strainSince(cell):
-	"""Largest strain component between an earlier in-plane cell matrix and the present one [-]."""
+	"""Largest strain component between an earlier in-plane cell matrix and the present one [-].
+
+	>>> with talik.inspect(packed.open()):
+	...     strain = talik.packing.strainSince(talik.packing.inPlaneCell())"""
 	gradient = inPlaneCell() @ np.linalg.inv(cell) - np.eye(2)
 	return float(np.abs(0.5 * (gradient + gradient.T)).max())
 
@@ -259,7 +319,11 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
 	Proportional-integral control of all three in-plane components: the strain of one step is (error + integral)/(50 M) with M the
 	stiffness E r/t_z of the packing, limited so that the motion stays quasi-static. The integral part is needed near yield, where
 	a proportional control creeps. `tolerance` is in units of the mean pressure. A stress beyond the strength of the packing is
-	refused when the strain passes `maxStrain`."""
+	refused when the strain passes `maxStrain`.
+
+	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
+	>>> with talik.inspect(talik.slope.openScene(sample)):
+	...     talik.packing.servoStress(grains, (-95e3, -100e3, 0), tolerance=0.02)"""
 	goal = np.asarray(goal, dtype=float)
 	pressure = max(-0.5 * (goal[0] + goal[1]), 1.0)
 	gain = grains.thickness / (servoSteps * grains.young * grains.radiusMean)

@@ -32,12 +32,16 @@ slopeFields = {
 
 
 def figure(width, height):
-	"""A figure of width x height inches that needs no display; add axes with fig.subplots(...)."""
+	"""A figure of width x height inches that needs no display; add axes with fig.subplots(...).
+
+	>>> axes = talik.plots.figure(6, 4).subplots()"""
 	return Figure(figsize=(width, height), layout="constrained")
 
 
 def save(fig, path, dpi=150):
-	"""Writes a picture, making its folder if need be."""
+	"""Writes a picture, making its folder if need be.
+
+	>>> picture = talik.plots.save(talik.plots.figure(6, 4), folder + "/picture.png")"""
 	path = Path(path)
 	writableFolder(path.parent)
 	fig.savefig(path, dpi=dpi)
@@ -51,7 +55,9 @@ def slopeField(axes, position, values, volume, label=None, colourMap="viridis", 
 	"""Material points as squares of their own volume, coloured by `values` (vectors by their length).
 
 	position (n, 2) [m], values (n,) or (n, 2), volume (n,) [m2]; label of a colour bar, None: no bar; watched {letter: (x, y)} marked
-	points. Returns the axes."""
+	points. Returns the axes.
+
+	>>> drawn = talik.plots.slopeField(axes, mpm.field("position"), mpm.field("displacement"), mpm.field("volume"), "displacement [m]")"""
 	collection = _squares(axes, position, values, volume, colourMap, limits)
 	axes.set_xlabel("x [m]")
 	axes.set_ylabel("y [m]")
@@ -62,7 +68,9 @@ def slopeField(axes, position, values, volume, label=None, colourMap="viridis", 
 
 
 def markPoints(axes, points):
-	"""Rings with letters at watched points, {letter: (x, y)} [m]. Returns the axes."""
+	"""Rings with letters at watched points, {letter: (x, y)} [m]. Returns the axes.
+
+	>>> drawn = talik.plots.markPoints(axes, {"A": (0.5, 0.5)})"""
 	for letter, (x, y) in points.items():
 		axes.plot(x, y, "o", markersize=4, markerfacecolor="white", markeredgecolor="black")
 		axes.annotate(str(letter), (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold", path_effects=[withStroke(linewidth=2, foreground="white")])
@@ -82,7 +90,9 @@ def _squares(axes, position, values, volume, colourMap, limits):
 
 
 def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
-	"""The line where the ice saturation is `level`; nothing where there is no front. Returns the contour set or None."""
+	"""The line where the ice saturation is `level`; nothing where there is no front. Returns the contour set or None.
+
+	>>> front = talik.plots.thawFront(axes, mpm.field("position"), mpm.field("iceSaturation"), mpm.field("volume"))"""
 	position, iceSaturation = np.asarray(position, dtype=float), np.asarray(iceSaturation, dtype=float)
 	if len(position) < 3 or not iceSaturation.min() < level < iceSaturation.max():
 		return None
@@ -98,7 +108,11 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 	thermalTimeScale  f_T, for the thaw days in the row labels
 	watched           {letter: (x, y)} marked points, or {letter: id} points that are followed
 	into              figure or subfigure to draw into; default: a new one
-	All rows of a column share one colour scale; the crimson line is the thaw front S_i = 0.5."""
+	All rows of a column share one colour scale; the crimson line is the thaw front S_i = 0.5.
+
+	>>> frames = talik.output.Frames(mpm, times=[0])
+	>>> frames.take()
+	>>> fig = talik.plots.slopeHistory(frames.frames, thermalTimeScale=1e8)"""
 	if not frames:
 		raise ValueError("frames is empty; give at least one frame of talik.output.Frames")
 	fields = [name for name in fields if name in frames[0]]
@@ -121,7 +135,11 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 
 
 def historyHeight(frames):
-	"""Height of slopeHistory [inch] at its usual width of 4.2 for each field."""
+	"""Height of slopeHistory [inch] at its usual width of 4.2 for each field.
+
+	>>> frames = talik.output.Frames(mpm, times=[0])
+	>>> frames.take()
+	>>> height = talik.plots.historyHeight(frames.frames)"""
 	extent = np.ptp(np.vstack([frame["position"] for frame in frames]), axis=0)
 	return 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 0.3 * len(frames) + 0.9
 
@@ -131,13 +149,18 @@ def _placesOf(watched, frame):
 
 
 def timeLabel(time, thermalTimeScale=1.0):
-	"""Simulated time and, where heat runs faster than motion, the thaw days that it stands for."""
+	"""Simulated time and, where heat runs faster than motion, the thaw days that it stands for.
+
+	>>> talik.plots.timeLabel(2.0, thermalTimeScale=8.64e5)
+	't = 2 s (20 thaw days)'"""
 	days = "" if thermalTimeScale == 1 else f" ({time * thermalTimeScale / 86400:.3g} thaw days)"
 	return f"t = {time:.3g} s{days}"
 
 
 def metricAxes(axes, position):
-	"""Equal scales and limits around the points."""
+	"""Equal scales and limits around the points.
+
+	>>> talik.plots.metricAxes(axes, mpm.field("position"))"""
 	position = np.asarray(position, dtype=float)
 	low, high = position.min(axis=0), position.max(axis=0)
 	margin = 0.03 * max((high - low).max(), 1e-12)
@@ -147,13 +170,19 @@ def metricAxes(axes, position):
 
 
 def magnitude(values):
-	"""Vectors by their length, numbers as they are."""
+	"""Vectors by their length, numbers as they are.
+
+	>>> talik.plots.magnitude([(3, 4), (0, 1)]).tolist()
+	[5.0, 1.0]"""
 	values = np.asarray(values, dtype=float)
 	return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
 
 
 def finiteRange(values):
-	"""Smallest and largest finite value; (0, 1) when there is none."""
+	"""Smallest and largest finite value; (0, 1) when there is none.
+
+	>>> talik.plots.finiteRange([1.0, float("nan"), 3.0])
+	(1.0, 3.0)"""
 	finite = np.asarray(values)[np.isfinite(values)]
 	return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
 
@@ -186,7 +215,9 @@ def forceChains(axes, start, end, force, state, centre=None, radius=None, widest
 	start, end  (n, 2) [m] ends of the branch vectors; force (n,) [N], its size is drawn; state (n,) 0 frictional, 1 bonded, 2 broken
 	centre      (m, 2) and radius (m,) [m] of the grains, drawn pale behind
 	widest      width in points of the largest force; contacts without force keep a hair line
-	Returns the axes."""
+	Returns the axes.
+
+	>>> drawn = talik.plots.forceChains(axes, start=[(0, 0)], end=[(0.01, 0)], force=[5.0], state=[1])"""
 	start, end = np.asarray(start, dtype=float).reshape(-1, 2), np.asarray(end, dtype=float).reshape(-1, 2)
 	force, state = np.abs(np.asarray(force, dtype=float)), np.asarray(state, dtype=int)
 	_grains(axes, centre, radius)
@@ -206,13 +237,18 @@ def forceChains(axes, start, end, force, state, centre=None, radius=None, widest
 
 
 def sampleForces(axes, sample, **style):
-	"""forceChains of a sample as talik.packing.sampleArrays() gives it: normal forces, bond states, grains. Returns the axes."""
+	"""forceChains of a sample as talik.packing.sampleArrays() gives it: normal forces, bond states, grains. Returns the axes.
+
+	>>> with mpm.inspect(5):
+	...     drawn = talik.plots.sampleForces(axes, talik.packing.sampleArrays())"""
 	return forceChains(axes, sample["start"], sample["end"], sample["normalForce"], sample["state"], sample["centre"], sample["radius"], **style)
 
 
 def normalRose(axes, normals, bins=36, colour="steelblue"):
 	"""Rose diagram of contact normals in polar axes, each contact counted in both directions; the line is the second-order
-	fit of the contact fabric, 1 + a cos 2(theta - theta0), with anisotropy F1 - F2 = a/2 in the title. Returns the axes."""
+	fit of the contact fabric, 1 + a cos 2(theta - theta0), with anisotropy F1 - F2 = a/2 in the title. Returns the axes.
+
+	>>> drawn = talik.plots.normalRose(talik.plots.figure(4, 4).add_subplot(projection="polar"), [(1, 0), (0, 1)])"""
 	normals = np.asarray(normals, dtype=float).reshape(-1, 2)
 	angles = np.arctan2(normals[:, 1], normals[:, 0])
 	both = np.concatenate([angles, angles + np.pi]) % (2 * np.pi)
@@ -233,7 +269,9 @@ def normalRose(axes, normals, bins=36, colour="steelblue"):
 
 def stressPath(axes, stress, label=None, **style):
 	"""Path in the plane of mean pressure s' = -(xx + yy)/2 and shear t = radius of Mohr's circle; stress (n, 3) [Pa], xx, yy, xy, or
-	(n, 4), xx, yy, zz, xy, as MpmEngine.history() has it; tension positive. The ring marks the beginning. Drawn in kPa. Returns the axes."""
+	(n, 4), xx, yy, zz, xy, as MpmEngine.history() has it; tension positive. The ring marks the beginning. Drawn in kPa. Returns the axes.
+
+	>>> drawn = talik.plots.stressPath(axes, [(-100e3, -100e3, 0), (-120e3, -80e3, 10e3)])"""
 	stress = np.asarray(stress, dtype=float)
 	if stress.ndim != 2 or stress.shape[1] not in (3, 4):
 		raise ValueError(f"stressPath: stress has shape {stress.shape}; give (n, 3) xx, yy, xy or (n, 4) xx, yy, zz, xy")
@@ -248,7 +286,9 @@ def stressPath(axes, stress, label=None, **style):
 
 
 def bondHistory(axes, strain, intact, broken, melted=None):
-	"""Numbers of intact, mechanically broken and melted bonds over the strain [-]. Returns the axes."""
+	"""Numbers of intact, mechanically broken and melted bonds over the strain [-]. Returns the axes.
+
+	>>> drawn = talik.plots.bondHistory(axes, strain=[0, 0.01], intact=[50, 45], broken=[0, 5])"""
 	axes.plot(strain, intact, color="red", label="intact")
 	axes.plot(strain, broken, color="black", label="broken")
 	if melted is not None:

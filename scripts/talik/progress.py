@@ -19,7 +19,11 @@ _running = []  # bars that PyRunner commands refer to by their place here
 
 
 def update(place):
-	"""Called by the engines that Progress.runner made."""
+	"""Called by the engines that Progress.runner made.
+
+	>>> progress = talik.progress.Progress(endTime=15)
+	>>> progress.runner().command.startswith("import talik.progress")
+	True"""
 	_running[place].update()
 
 
@@ -30,7 +34,10 @@ class Progress:
 	interval          [s of wall time] between two lines when the output is not a terminal
 	details           function returning {name: value} shown at the end of the line
 	clock, step       functions for simulated time [s] and step number; default those of O
-	stream            default sys.stderr"""
+	stream            default sys.stderr
+
+	>>> progress = talik.progress.Progress(endTime=15, thermalTimeScale=8.64e5)
+	>>> O.engines = O.engines + [progress.runner()]"""
 
 	def __init__(self, endTime=None, endStep=None, thermalTimeScale=1.0, interval=10.0, details=None, clock=None, step=None, stream=None):
 		if (endTime is None) == (endStep is None):

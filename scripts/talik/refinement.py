@@ -22,7 +22,10 @@ largestStrain = 2e-4  # of a trial; the sample cuts it into steps of its own
 
 
 class StressNotReached(ValueError):
-	"""A sample cannot carry the stress of its point."""
+	"""A sample cannot carry the stress of its point.
+
+	>>> issubclass(talik.refinement.StressNotReached, ValueError)
+	True"""
 
 
 def refine(mpm, where, sample, **attributes):
@@ -33,7 +36,9 @@ def refine(mpm, where, sample, **attributes):
 	attributes  of the RveSkeleton, e.g. strainTolerance=1e-5
 
 	Points with samples already keep them. StressNotReached (a ValueError) names a point whose stress the sample cannot carry;
-	the ground is then as before."""
+	the ground is then as before.
+
+	>>> law = talik.refine(elastic, where=lambda x, y: y > 0.5, sample=packed)"""
 	from talik import slope
 
 	laws, numbers = _laws(mpm), _numbers(mpm)
@@ -51,7 +56,9 @@ def refine(mpm, where, sample, **attributes):
 def coarsen(mpm, where, skeleton):
 	"""Gives the points of a running ground that `where` names (as in refine) the analytic law `skeleton`, new or one in use.
 
-	They keep their stress. Samples that stand behind no point any more are given up."""
+	They keep their stress. Samples that stand behind no point any more are given up.
+
+	>>> talik.coarsen(mpm, where=[0, 1], skeleton=ElasticSkeleton())"""
 	laws, numbers = _laws(mpm), _numbers(mpm)
 	if isinstance(skeleton, _class("RveSkeleton")):
 		raise ValueError("coarsen: skeleton is an RveSkeleton; give an analytic law, or use refine")
@@ -68,7 +75,9 @@ def coarsen(mpm, where, skeleton):
 def bringTo(sample, stress, iceSaturation=0.0):
 	"""Brings an ice-free sample to the stress (xx, yy, xy) [Pa] and freezes it to an ice saturation; the sample is changed.
 
-	StressNotReached if neither grains nor bonds can carry it."""
+	StressNotReached if neither grains nor bonds can carry it.
+
+	>>> talik.refinement.bringTo(packed.copy(), (-80e3, -100e3, 0))"""
 	goal = np.asarray(stress, dtype=float)
 	_load(sample, goal if iceSaturation == 0 else _carriedByGrains(goal))
 	if iceSaturation > 0:

@@ -39,7 +39,11 @@ frictionsToTry = 6
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-	"""A saved periodic scene and what was measured in it."""
+	"""A saved periodic scene and what was measured in it.
+
+	>>> sample = talik.rve.prepare(grains=30, porosity=0.19)
+	>>> sample.grains
+	30"""
 
 	path: str  # the YADE scene file
 	parameters: dict  # everything it was made from
@@ -100,7 +104,9 @@ def prepare(
 	cache           True: the user's cache; a folder; False: make it anew
 	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9
 
-	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure."""
+	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure.
+
+	>>> sample = talik.rve.prepare(grains=30, porosity=0.19, pressure=100e3)"""
 	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond)
 	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
 	_require("porosity", porosity, 0.10 <= porosity <= 0.23, "a two-dimensional porosity between 0.10 and 0.23 (dense and loose limits of discs)")
@@ -116,7 +122,9 @@ def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True):
 	"""The same sample brought to another stress [Pa, tension positive, so both are negative], drained and ice-free.
 
 	For the depth bands of a slope: servo to the geostatic stress first, freeze afterwards. `tolerance` is in units of the mean
-	pressure. Works for samples that were made by prepare or servo."""
+	pressure. Works for samples that were made by prepare or servo.
+
+	>>> deep = talik.rve.servo(sample, stressX=-80e3, stressY=-110e3)"""
 	material = _grainsOf(sample)
 	for name, value in (("stressX", stressX), ("stressY", stressY)):
 		_require(name, value, value < 0, "compressive, that is negative: grains without ice carry no tension")
@@ -132,7 +140,9 @@ def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True):
 
 
 def load(path):
-	"""A sample from any saved YADE scene with a periodic cell and spheres only, also one made by somebody else's script."""
+	"""A sample from any saved YADE scene with a periodic cell and spheres only, also one made by somebody else's script.
+
+	>>> other = talik.rve.load(sample.path)"""
 	path = os.path.abspath(os.fspath(path))
 	with talik.scratchScene():
 		openFile(path)
@@ -141,7 +151,10 @@ def load(path):
 
 
 def openFile(path):
-	"""Loads a saved scene into the current scene of `O`; one exception that says what is wrong with the file."""
+	"""Loads a saved scene into the current scene of `O`; one exception that says what is wrong with the file.
+
+	>>> with talik.scratchScene():
+	...     talik.rve.openFile(sample.path)"""
 	if not os.path.isfile(path):
 		raise FileNotFoundError(f"sample file '{path}' does not exist; give the path of a scene saved by O.save")
 	try:
@@ -329,7 +342,9 @@ def _grainsOf(sample):
 
 
 def pack(sample):
-	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, see talik.slope.pack."""
+	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, see talik.slope.pack.
+
+	>>> packed = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19))"""
 	from talik import slope
 
 	return slope.pack(sample)

@@ -21,7 +21,9 @@ def pack(sample):
 	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object.
 
 	The time step is lowered to what the contacts need when they are stiffened by full ice saturation, and the work of the
-	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed."""
+	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed.
+
+	>>> packed = talik.slope.pack(sample)"""
 	if isinstance(sample, wrapper.Scene):
 		return _stable(wrapper.RveSample.fromScene(sample), None)
 	path = getattr(sample, "path", sample)
@@ -34,7 +36,9 @@ def pack(sample):
 def openScene(sample):
 	"""YADE Scene of a prepared sample or a scene file, for RveSkeleton(scenes=[…]) and OpenRveSample: samples of any grains and law.
 
-	The time step is lowered as pack() does it."""
+	The time step is lowered as pack() does it.
+
+	>>> skeleton = RveSkeleton(scenes=[talik.slope.openScene(sample)], form="open")"""
 	path = getattr(sample, "path", sample)
 	with talik.scratchScene():
 		rve.openFile(str(path))
@@ -52,13 +56,19 @@ def _stable(packed, material):
 def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3):
 	"""(sigma_h, sigma_v) [Pa, tension positive] at a depth [m] below the surface in drained ground at rest.
 
-	Above the depth where the vertical pressure reaches `smallest` [Pa] it is kept: a sample needs some confinement to be one."""
+	Above the depth where the vertical pressure reaches `smallest` [Pa] it is kept: a sample needs some confinement to be one.
+
+	>>> talik.slope.geostaticStress(depth=2.0, density=2000, gravity=10, lateralRatio=0.5)
+	(-20000.0, -40000.0)"""
 	vertical = max(density * gravity * depth, smallest / lateralRatio)
 	return -lateralRatio * vertical, -vertical
 
 
 def surfaceHeight(polygon, x):
-	"""Height of the highest edge of a polygon above x [m]."""
+	"""Height of the highest edge of a polygon above x [m].
+
+	>>> talik.slope.surfaceHeight([(0, 0), (4, 0), (4, 1), (0, 3)], 2)
+	2.0"""
 	corners = list(polygon)
 	heights = []
 	for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1]):
@@ -77,7 +87,10 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 	sample         RveSample, frictional, that is brought to the stress in the middle of each band
 	density        of the ground [kg/m3]
 	bandThickness  [m]
-	lateralRatio   horizontal over vertical stress at rest [-]"""
+	lateralRatio   horizontal over vertical stress at rest [-]
+
+	>>> position = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 2), (0, 2)], 0.5)[0]
+	>>> samples, sampleOf = talik.slope.depthBands(position, [(0, 0), (1, 0), (1, 2), (0, 2)], packed, density=2000, bandThickness=1)"""
 	depth = np.array([surfaceHeight(polygon, x) - y for x, y in position])
 	band = np.maximum(0, np.floor(depth / bandThickness)).astype(int)
 	samples = []

@@ -20,7 +20,12 @@ def airTemperature(path, thermalTimeScale=1.0, start=0.0):
 	thermalTimeScale  f_T of HeatTransfer, > 0: ground in which heat is hastened by f_T sees the series f_T times as fast
 	start             time of the series [s] at which the run begins
 
-	ValueError names file, line and fault."""
+	ValueError names file, line and fault.
+
+	>>> with open(folder + "/station.csv", "w") as file:
+	...     written = file.write("time [s],air [degC]\\n0,-10\\n86400,-5\\n")
+	>>> talik.weather.airTemperature(folder + "/station.csv")
+	([0.0, 86400.0], [-10.0, -5.0])"""
 	if not (math.isfinite(thermalTimeScale) and thermalTimeScale > 0):
 		raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}; it must be a positive number (1: real time)")
 	if not math.isfinite(start):

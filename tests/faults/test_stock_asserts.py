@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Debian's YADE is built with asserts and ends the whole process on them. Those within reach of a user of ours are answered by an
+exception before the first step: each test here would end Python otherwise, and goes on with a correct run instead."""
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, utils, wrapper
+
+import talik
+from talik import rve
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory):
+	return talik.slope.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
+
+
+def loop(parameters=None, laws=None):
+	parameters = [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(bondNewContacts=True)] if parameters is None else parameters
+	laws = [wrapper.Law2_ScGeom_IceBondPhys_IceBond()] if laws is None else laws
+	return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], parameters, laws)
+
+
+def pair(contacts=None):
+	material = O.materials.append(wrapper.IceBondMat(young=1e7, density=1000, iceSaturation=1))
+	O.bodies.append([utils.sphere((x, 1, 1), 1, material=material) for x in (1, 2.999)])
+	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), contacts or loop(), wrapper.NewtonIntegrator()]
+	O.dt = 1e-5
+
+
+def periodic(side):
+	O.periodic = True
+	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, side)
+
+
+def refusedByAll(words):
+	"""O.run, O.step and runSerially say the same, and no step is done."""
+	sentences = set()
+	for start in (lambda: O.run(3, True), O.step, lambda: talik._talik.runSerially(3)):
+		with pytest.raises(RuntimeError, match=words) as refusal:
+			start()
+		sentences.add(str(refusal.value))
+	(sentence,) = sentences
+	print(sentence)
+	assert O.iter == 0 and sentence.startswith("The scene cannot run: ")
+
+
+def goesOn():
+	O.run(3, True)
+	assert O.iter == 3 and all(np.isfinite(body.state.pos).all() for body in O.bodies if body.shape)
+
+
+def test_a_body_without_material_is_named():
+	pair()
+	material, O.bodies[1].material = O.bodies[1].material, None
+	refusedByAll(r"O.bodies\[1\] has no material")
+	O.bodies[1].material = material
+	goesOn()
+
+
+def test_a_body_without_state_is_named():
+	pair()
+	state, O.bodies[1].state = O.bodies[1].state, None
+	refusedByAll(r"O.bodies\[1\] has no state")
+	O.bodies[1].state = state
+	goesOn()
+
+
+def test_a_body_on_the_ground_without_state_is_named():
+	O.bodies.append(utils.sphere((0.5, 0.9, 0), 0.2))
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25, lower=(0, 0), upper=(2, 2), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), bodies=wrapper.BodyContact(),
+		boundaries=[wrapper.FixedBoundary(region="bottom")],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 0.5))
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator()]
+	state, O.bodies[0].state = O.bodies[0].state, None
+	refusedByAll(r"O.bodies\[0\] has no state")
+	O.bodies[0].state = state
+	goesOn()
+
+
+def test_a_position_in_a_periodic_cell_that_is_not_finite_is_named():
+	periodic(10)
+	pair()
+	place, O.bodies[0].state.pos = O.bodies[0].state.pos, (float("nan"), 0, 0)
+	refusedByAll(r"position of O.bodies\[0\] is not finite")
+	O.bodies[0].state.pos = place
+	goesOn()
+
+
+def test_a_cell_shorter_than_its_bodies_is_refused_with_its_length():
+	periodic(2.5)
+	pair()
+	refusedByAll("its cell is 2.5.* too short for spheres of radius 1")
+	periodic(10)
+	goesOn()
+
+
+def test_contacts_that_no_ip2_functor_knows_are_refused():
+	pair(loop(parameters=[]))
+	refusedByAll("no Ip2 functor for contacts of IceBondMat")
+	O.engines = O.engines[:2] + [loop()] + O.engines[3:]
+	goesOn()
+
+
+@pytest.mark.parametrize("parameters, laws", [(None, []), ("stock", None)])
+def test_contacts_that_no_law_knows_are_refused(parameters, laws):
+	pair(loop([wrapper.Ip2_FrictMat_FrictMat_FrictPhys()] if parameters else None, laws))
+	refusedByAll("no Law2 functor for what Ip2_")
+	O.engines = O.engines[:2] + [loop()] + O.engines[3:]
+	goesOn()
+
+
+def broken(change, sample):
+	"""A scene of a sample that was spoilt while it was shown."""
+	scene = sample.open()
+	with talik.inspect(scene):
+		change()
+	return scene
+
+
+@pytest.mark.parametrize(
+	"change, words",
+	[
+		(lambda: setattr(O.bodies[3], "material", None), r"O.bodies\[3\] has no material"),
+		(lambda: setattr(O.bodies[3], "shape", None), r"O.bodies\[3\] has lost its shape"),
+		(lambda: setattr(O.bodies[3].state, "pos", (float("nan"), 0, 0)), r"position of O.bodies\[3\] is not finite"),
+		(lambda: setattr(O, "engines", [loop([], []) if isinstance(e, wrapper.InteractionLoop) else e for e in O.engines]), "no Ip2 functor for contacts of IceBondMat"),
+		(lambda: setattr(O.cell, "hSize", Matrix3(0.05, 0, 0, 0, 0.05, 0, 0, 0, 0.012)), "too short for spheres of radius"),
+	],
+)
+def test_a_spoilt_scene_is_refused_as_a_sample(change, words, sample):
+	with pytest.raises(ValueError, match=words) as refusal:
+		wrapper.OpenRveSample(source=broken(change, sample)).apply(Matrix3(0, 1e-4, 0, 0, 0, 0, 0, 0, 0), 0)
+	print(refusal.value)
+	result = wrapper.OpenRveSample(source=sample.open()).apply(Matrix3(0, 1e-4, 0, 0, 0, 0, 0, 0, 0), 0)
+	assert not result["blewUp"] and np.isfinite(np.array(result["stress"])).all()
+
+
+def test_scenes_that_stock_yade_runs_are_not_refused(sample):
+	"""Clumps (whose container has no material), bodies without shape, a wall of another material beyond reach, empty scenes."""
+	talik._talik.refuseToAbort()
+	pair()
+	O.bodies.append(utils.wall(-5, axis=2, material=O.materials.append(wrapper.FrictMat())))
+	O.bodies.appendClumped([utils.sphere((8 + x, 8, 8), 0.5, material=0) for x in (0, 0.5)])
+	O.bodies.append(wrapper.Body())
+	O.bodies.erase(1)
+	goesOn()
+	O.reset()
+	with talik.inspect(sample.open()):
+		at = O.iter
+		O.run(3, True)
+		assert O.iter == at + 3
