@@ -29,11 +29,11 @@ namespace {
 	/// Bodies without shape do not collide, and a clump leaves that to its members.
 	bool collides(const Body& body) { return body.shape && body.clumpId != body.id; }
 
-	std::string reasonOfBody(const Scene& scene, const Body& body)
+	std::string reasonOfBody(const Body& body, bool meetsOthers, bool periodic)
 	{
 		if (!body.state) return named(body) + " has no state: give it one (State()) or erase the body";
-		if (collides(body) && !body.material) return named(body) + " has no material: give it one or erase the body";
-		if (!scene.isPeriodic) return "";
+		if (meetsOthers && collides(body) && !body.material) return named(body) + " has no material: give it one or erase the body";
+		if (!periodic) return "";
 		if (!body.shape && body.bound) return named(body) + " has lost its shape in a periodic cell: give it one or erase the body";
 		if (collides(body) && !body.state->se3.position.allFinite()) return "the position of " + named(body) + " is not finite: set state.pos";
 		return "";
@@ -125,12 +125,12 @@ namespace {
 
 std::string reasonAgainstRunning(const Scene& scene)
 {
+	const auto loop = liveEngine(scene, "InteractionLoop");
 	for (std::size_t id = 0; id < scene.bodies->size(); id++) {
 		const auto&       body   = (*scene.bodies)[id];
-		const std::string reason = body ? reasonOfBody(scene, *body) : "";
+		const std::string reason = body ? reasonOfBody(*body, bool(loop), scene.isPeriodic) : "";
 		if (!reason.empty()) return reason;
 	}
-	const auto loop = liveEngine(scene, "InteractionLoop");
 	if (!loop) return "";
 	if (scene.isPeriodic && scene.cell) {
 		const std::string reason = reasonOfCell(scene);
