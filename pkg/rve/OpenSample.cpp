@@ -182,7 +182,7 @@ std::string reasonAgainstSample(const Scene& scene)
 		const std::string reason = reasonOfEngine(*engine);
 		if (!reason.empty()) return reason;
 	}
-	return moves ? reasonAgainstRunning(scene) : "it has no NewtonIntegrator";
+	return moves ? reasonAgainstRunning(scene, true) : "it has no NewtonIntegrator";
 }
 
 // ---------------------------------------------------------------------------------------------- making

@@ -106,7 +106,7 @@ namespace {
 	}
 
 	/// Where nothing fits, the first contact would be the end, whichever it is.
-	std::string reasonOfContacts(const Scene& scene, const shared_ptr<Engine>& engine)
+	std::string reasonOfContacts(const Scene& scene, const shared_ptr<Engine>& engine, bool dense)
 	{
 		const auto materials = bodiesByMaterial(scene);
 		if (materials.empty()) return "";
@@ -116,6 +116,7 @@ namespace {
 		const HoldGil    held;
 		const py::object loop(engine);
 		const auto       parameters = contactParameters(materials, loop.attr("physDispatcher"));
+		if (parameters.empty() && !dense && py::len(loop.attr("physDispatcher").attr("functors")) > 0) return ""; // they may never touch
 		if (parameters.empty()) return "its InteractionLoop has no Ip2 functor for contacts of " + names + ": add one, e.g. Ip2_IceBondMat_IceBondMat_IceBondPhys()";
 		if (someLawFits(loop, parameters)) return "";
 		return "its InteractionLoop has no Law2 functor for what " + className(parameters.front()) + " makes of contacts: add one, e.g. Law2_ScGeom_IceBondPhys_IceBond()";
@@ -123,7 +124,7 @@ namespace {
 
 } // namespace
 
-std::string reasonAgainstRunning(const Scene& scene)
+std::string reasonAgainstRunning(const Scene& scene, bool dense)
 {
 	const auto loop = liveEngine(scene, "InteractionLoop");
 	for (std::size_t id = 0; id < scene.bodies->size(); id++) {
@@ -136,7 +137,22 @@ std::string reasonAgainstRunning(const Scene& scene)
 		const std::string reason = reasonOfCell(scene);
 		if (!reason.empty()) return reason;
 	}
-	return reasonOfContacts(scene, loop);
+	return reasonOfContacts(scene, loop, dense);
+}
+
+std::string contactsThatMayAbort(const Scene& scene)
+{
+	const auto loop = liveEngine(scene, "InteractionLoop");
+	if (!loop) return "";
+	const auto materials = bodiesByMaterial(scene);
+	const auto ice       = materials.find("IceBondMat");
+	if (ice == materials.end()) return "";
+	const HoldGil    held;
+	const py::object dispatcher = py::object(loop).attr("physDispatcher");
+	for (const auto& [name, body] : materials)
+		if (body != ice->second && py::object(dispatcher.attr("dispFunctor")(ice->second->material, body->material)).is_none())
+			return "bodies of IceBondMat and of " + name + " must not touch: the InteractionLoop has no Ip2 functor for them, and stock YADE would end; add Ip2_FrictMat_FrictMat_FrictPhys() and Law2_ScGeom_FrictPhys_CundallStrack()";
+	return "";
 }
 
 } // namespace talik

@@ -112,6 +112,24 @@ def test_contacts_that_no_law_knows_are_refused(parameters, laws):
 	goesOn()
 
 
+def test_materials_whose_contacts_no_functor_knows_are_warned_of_once_because_they_need_not_touch(capfd):
+	pair()
+	O.bodies.append(utils.sphere((1, 1, 9), 0.1, material=O.materials.append(wrapper.FrictMat())))
+	O.run(3, True)
+	O.step()
+	said = [line for line in capfd.readouterr().err.splitlines() if line.startswith("talik: bodies of IceBondMat")]
+	print(said[0])
+	assert O.iter == 4 and len(said) == 1 and "FrictMat must not touch" in said[0]
+	material = O.materials.append(wrapper.FrictMat(young=1e7))
+	O.bodies[1].material = O.materials[material]
+	O.interactions.clear()
+	contacts = O.engines[2]
+	contacts.physDispatcher.functors = contacts.physDispatcher.functors + [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]
+	contacts.lawDispatcher.functors = contacts.lawDispatcher.functors + [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
+	O.run(3, True)
+	assert type(O.interactions[0, 1].phys) is wrapper.FrictPhys and not capfd.readouterr().err
+
+
 def broken(change, sample):
 	"""A scene of a sample that was spoilt while it was shown."""
 	scene = sample.open()
@@ -146,6 +164,10 @@ def test_scenes_that_stock_yade_runs_are_not_refused(sample):
 	O.bodies.appendClumped([utils.sphere((8 + x, 8, 8), 0.5, material=0) for x in (0, 0.5)])
 	O.bodies.append(wrapper.Body())
 	O.bodies.erase(1)
+	goesOn()
+	O.reset()
+	O.bodies.append([utils.wall(side, axis=2) for side in (-1, 1)])
+	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Wall_Aabb()]), loop(), wrapper.NewtonIntegrator()]  # for grains to come
 	goesOn()
 	O.reset()
 	with talik.inspect(sample.open()):
