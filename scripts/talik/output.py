@@ -238,7 +238,10 @@ def writeSummary(path, **values):
 
 
 def plain(value):
-	"""As JSON knows it: lists and dictionaries of numbers and texts; null for numbers that are not finite."""
+	"""As JSON knows it: lists and dictionaries of numbers and texts; null for numbers that are not finite.
+
+	>>> talik.output.plain({"error": np.float64(0.5), "worst": float("nan")})
+	{'error': 0.5, 'worst': None}"""
 	if isinstance(value, dict):
 		return {str(key): plain(item) for key, item in value.items()}
 	if isinstance(value, (list, tuple, np.ndarray)):
