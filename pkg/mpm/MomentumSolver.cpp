@@ -194,6 +194,7 @@ void MomentumSolver<D>::solveTwoPhase(const ActiveRange& range, SolidMotion<D>& 
 			for (int a = 0; a < D; ++a) {
 				if (!(ms > 0.0)) {
 					motion.solved[i][a] = motion.solved[i][D + a] = water.solved[i][a] = water.flux[i][a] = water.start[i][a] = 0.0;
+					if constexpr (Damped) damping_[i][a] = 0.0; // not that of the ground which was here before
 					continue;
 				}
 				const double vs = r[motion.momentumAt + a] / ms;
