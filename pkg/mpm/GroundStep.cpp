@@ -18,7 +18,7 @@ namespace {
 template <int D> void Ground<D>::Parts::findFlows()
 {
 	const bool conducts = heat && !heatRests;
-	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, clock.time + clock.dt);
+	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, clock.time + clock.dt, clock.dt);
 	else if (heat && water)
 		heat->rest(clock.range);
 	cost.lap(CostMeter::heat);

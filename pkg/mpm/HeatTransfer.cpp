@@ -184,7 +184,7 @@ template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid)
 	}
 }
 
-template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid)
+template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, double dt)
 {
 	const double h = grid.spacing();
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
@@ -199,7 +199,11 @@ template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid)
 		const double ahead    = std::abs(moments[n.node][n.axis] / nodes[n.node][0] - wall);
 		if (distance < 0.5 * h || ahead > h) continue;
 		const double gradient = (nodal[n.inner][0] - wanted_[k]) / distance;
-		expected_[k]          = wanted_[k] + gradient * ahead;
+		// away from the wall's temperature no faster than what the grid does not see dies out: irregular points would drive each
+		// other up, step by step, however short the steps
+		const double mean     = nodes[n.node][1] / nodes[n.node][0];
+		const double farthest = mean + (mean - wanted_[k]) * smoothing(dt);
+		expected_[k]      = std::clamp(wanted_[k] + gradient * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
 		nodal[n.inner][0]     = wanted_[k] + gradient * h;
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
@@ -208,7 +212,7 @@ template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid)
 
 template <int D>
 void HeatTransfer<D>::nodalTemperature(
-        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time)
+        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
 {
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
@@ -225,7 +229,7 @@ void HeatTransfer<D>::nodalTemperature(
 	mirrorWalls(grid);
 	for (int i : affected_)
 		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
-	prescribe(grid);
+	prescribe(grid, dt);
 }
 
 template <int D> PlaneLoops::HeatFlow HeatTransfer<D>::flow(double dt) const

@@ -50,7 +50,7 @@ public:
 	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
-	void nodalTemperature(const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time);
+	void nodalTemperature(const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	/// Shares, for motion to map along with the temperature, or null.
 	const double* carriedShare() const { return carried_ ? share : nullptr; }
 	/// Conduction of a step as the plane loops see it.
@@ -86,7 +86,7 @@ public:
 private:
 	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
 	void                        mirrorWalls(const Grid<D>& grid);
-	void                        prescribe(const Grid<D>& grid);
+	void                        prescribe(const Grid<D>& grid, double dt);
 	double                      smoothing(double dt) const { return -std::expm1(-dt / smoothingTime); }
 
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
