@@ -11,6 +11,7 @@ namespace {
 	template <int D> class Gimp final : public ShapeFunction<D> {
 	public:
 		std::string name() const override { return "gimp"; }
+		double      steepness() const override { return 28.0 / 3.0; } // a quarter of a cell beside a node
 
 	private:
 		// Hat function averaged over [xi - l, xi + l], xi and l in cells, l <= 1/2, and its derivative with respect to xi.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/GroundParts.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -37,6 +38,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 	};
 
 	if (g.motion) {
+		const double reach = h * std::min(s.waveFraction, 2.0 / std::sqrt(D * g.shape->steepness()));
 		for (std::size_t k = 0; k < s.skeletons.size(); ++k)
 			s.skeletons[k]->tangentModulus(g.batch(k), g.scratch.data());
 		add("wave", [&](int p) {
@@ -51,7 +53,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 				c = largestWaveSpeed(s.mixture, VolumeFractions::of(porosity, sl), k, modulus);
 				v = std::max(v, speed(g.water->velocity, p));
 			}
-			return s.waveFraction * h / (c + v);
+			return reach / (c + v);
 		});
 		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });

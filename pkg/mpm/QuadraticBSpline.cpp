@@ -12,6 +12,7 @@ namespace {
 	template <int D> class QuadraticBSpline final : public ShapeFunction<D> {
 	public:
 		std::string name() const override { return "quadraticBSpline"; }
+		double      steepness() const override { return 6.0; } // next to the middle between two nodes
 
 	protected:
 		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override

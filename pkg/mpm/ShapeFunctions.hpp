@@ -18,6 +18,9 @@ public:
 	virtual ~ShapeFunction() = default;
 
 	virtual std::string name() const = 0;
+	/// Bound of h^2 sum_I (dS_I/dx)^2/S_I over all positions in one dimension [-]. By Cauchy and Schwarz no wave of speed c makes
+	/// the nodes' lumped masses swing faster than omega = c/h sqrt(D bound), wherever the points lie.
+	virtual double steepness() const = 0;
 	/// Weights of count <= blockSize points from place first on; position[axis] are whole arrays.
 	void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const;
 
