@@ -254,8 +254,34 @@ talik::Ground<2>& MpmEngine::runningGround()
 
 // ---- the step --------------------------------------------------------------------------------------------------------------
 
+/// What the ground was built with and cannot change any more: silence would leave a user with another ground than the one written.
+void MpmEngine::checkFixed() const
+{
+	const auto& s       = ground->settings();
+	const auto  require = [](bool same, const char* name, const string& value) {
+                if (!same)
+                        throw std::invalid_argument(
+                                "MpmEngine." + string(name) + " is now " + value + ", which the running ground cannot follow: set it back, or give the points to another engine.");
+	};
+	const auto effect = [&](bool had, bool has, const char* name) { require(had == has, name, has ? "there" : "None"); };
+	require(bool(s.motion) == motion, "motion", motion ? "True" : "False");
+	effect(bool(s.heat), bool(heat), "heat");
+	effect(bool(s.freezing), bool(freezing), "freezing");
+	effect(bool(s.water), bool(water), "water");
+	effect(bool(s.bodies), bool(bodies), "bodies");
+	require(s.gridSpacing == gridSpacing, "gridSpacing", boost::lexical_cast<string>(gridSpacing));
+	for (int axis = 0; axis < 2; axis++) {
+		require(std::isnan(lower[axis]) || lower[axis] == s.lower[axis], "lower", boost::lexical_cast<string>(lower[axis]));
+		require(std::isnan(upper[axis]) || upper[axis] == s.upper[axis], "upper", boost::lexical_cast<string>(upper[axis]));
+	}
+	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
+	require(!s.motion || s.motion->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
+	require(s.boundaries.size() == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
+}
+
 void MpmEngine::followAttributes()
 {
+	checkFixed();
 	checkChangeable();
 	auto& s = ground->settings();
 	if (s.motion) {
@@ -285,9 +311,21 @@ void MpmEngine::followTolerance()
 bool MpmEngine::watchStableStep()
 {
 	if (stepsUntilLimit-- > 0) return false;
-	stableStep      = ground->stableTimeStep().step;
-	stepsUntilLimit = limitInterval - 1;
+	stepsUntilLimit = findStableStep() - 1;
 	return true;
+}
+
+/// Determines the stable step and returns how many steps it may be kept. Ice stiffens the ground: where that forms, the limit is asked
+/// again before heat has crossed half a cell.
+int MpmEngine::findStableStep()
+{
+	const auto stable = ground->stableTimeStep();
+	stableStep        = stable.step;
+	Real steps        = limitInterval;
+	if (freezing)
+		for (const auto& limit : stable.limits)
+			if (limit.name == "heat") steps = std::min(steps, 0.5 * limit.step / stableStep);
+	return std::max(1, int(steps));
 }
 
 int MpmEngine::subSteps(double dt) const
@@ -327,19 +365,27 @@ void MpmEngine::stepGround()
 	if (watched) recordWatched();
 }
 
+/// A step beyond the limit takes several of the ground's, in which the limit moves on.
 void MpmEngine::advanceAlone(bool newLimit)
 {
 	if (automaticTimeStep && newLimit) scene->dt = stableStep;
-	const int    count = subSteps(scene->dt);
-	const double dt    = scene->dt / count;
-	for (int i = 0; i < count; i++) {
-		try {
-			advance(dt);
-		} catch (const talik::StopAfterStep&) { // the ground has done this step, the clock of the scene follows
-			scene->time += (i + 1) * dt;
-			scene->iter++;
-			throw;
+	Real done = 0;
+	for (bool whole = false; !whole;) {
+		const Real left = scene->dt - done;
+		const int  kept = subSteps(left) > 1 ? findStableStep() : 1;
+		const int  count = subSteps(left), now = std::min(count, kept);
+		const Real dt    = left / count;
+		for (int i = 0; i < now; i++) {
+			try {
+				advance(dt);
+			} catch (const talik::StopAfterStep&) { // the ground has done this step, the clock of the scene follows
+				scene->time += done + (i + 1) * dt;
+				scene->iter++;
+				throw;
+			}
 		}
+		done += now * dt;
+		whole = now == count;
 	}
 }
 
