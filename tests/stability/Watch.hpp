@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -32,7 +31,7 @@ struct Figures {
 /// Compares the balance of a ground with that at the start; needs GroundSettings::energyLedger for the energy.
 template <int D> class Watch {
 public:
-	explicit Watch(const Ground<D>& ground)
+	explicit Watch(Ground<D>& ground)
 	        : ground_(ground)
 	        , start_(ground.balance())
 	{
@@ -52,15 +51,13 @@ public:
 		keepFields();
 	}
 
-	/// Steps count times with the largest stable step (times fraction of the fractions set), looks every few steps. An error ends
-	/// the run and is kept.
-	void run(long count, long every = 20, const std::function<void(long)>& before = {})
+	/// Steps count times with the stable step that the ground proposes, times a factor; looks every few steps. An error ends the run
+	/// and is kept.
+	void run(long count, long every = 20, double factor = 1.0)
 	{
-		auto& ground = const_cast<Ground<D>&>(ground_);
 		try {
 			for (long k = 0; k < count && figures_.finite; ++k) {
-				if (before) before(k);
-				ground.step(ground.stableTimeStep().step);
+				ground_.step(factor * ground_.stableTimeStep().step);
 				if ((k + 1) % every == 0 || k + 1 == count) look();
 			}
 		} catch (const std::exception& error) {
@@ -71,6 +68,8 @@ public:
 	const Figures& figures() const { return figures_; }
 
 private:
+	static constexpr double slowest = 1e-3; ///< [m/s]; the scale of ground that cannot move
+
 	static double size(const Vec<D>& v)
 	{
 		double sum = 0.0;
@@ -85,7 +84,7 @@ private:
 		const double spent = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork;
 		const double turned = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
 		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork);
-		turnedOver_          = std::max(turnedOver_, turned);
+		turnedOver_          = std::max({ turnedOver_, turned, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });
 		figures_.kineticPeak = std::max(figures_.kineticPeak, b.kineticEnergy);
 		if (turnedOver_ > 0.0) figures_.energyCreated = std::max(figures_.energyCreated, (held + spent) / turnedOver_);
 		if (!std::isfinite(held + spent)) figures_.finite = false;
@@ -102,7 +101,7 @@ private:
 		keep(figures_.heatDrift, b.enthalpy + b.enthalpyOut - start_.enthalpy - b.heatIn, heatScale_);
 		const double mass = b.solidMass + b.waterMass;
 		const double weight = mass * size(ground_.settings().motion ? ground_.settings().motion->gravity : Vec<D> {});
-		momentumScale_      = std::max({ momentumScale_, weight * b.time, size(b.impulse), std::sqrt(2.0 * b.kineticEnergy * mass) });
+		momentumScale_      = std::max({ momentumScale_, weight * b.time, mass * slowest, size(b.impulse), std::sqrt(2.0 * b.kineticEnergy * mass) });
 		Vec<D> missing;
 		for (int a = 0; a < D; ++a)
 			missing[a] = b.momentum[a] - start_.momentum[a] - (b.impulse[a] - start_.impulse[a]);
@@ -126,7 +125,7 @@ private:
 			}
 	}
 
-	const Ground<D>&       ground_;
+	Ground<D>&             ground_;
 	Balance<D>             start_;
 	std::vector<FieldInfo> names_;
 	std::vector<double>    volume_; ///< at the start, by id [m^D]

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Scenes drawn at random from the ranges of every effect. TALIK_DRAWS: how many (default 200); TALIK_SEED: the first (default 1).
+// Draw n of seed s is that of seed s + n alone: TALIK_DRAWS=1 TALIK_SEED=n repeats it.
+#include "RandomScene.hpp"
+#include "Report.hpp"
+#include "Watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+using namespace talik;
+using namespace talik::stability;
+using namespace talik::validation;
+
+namespace {
+
+constexpr double energyLimit = 0.1, massLimit = 1e-12, heatLimit = 1e-11, momentumLimit = 1e-9;
+
+/// Energy from nowhere: the ledger's own error is of the first order of the step. A growing mode turns over nothing but its own
+/// energy, and comes to one. Next to nodes linear shape functions are steeper than any limit: with them no step is safe.
+double allowedEnergy(const RandomScene& scene)
+{
+	return scene.energyAccounted && scene.ground->settings().shapeFunction != "linear" ? energyLimit : INFINITY;
+}
+
+bool mayStop(const RandomScene& scene, const std::string& sentence)
+{
+	if (scene.open && sentence.find("would have left the grid's box") != std::string::npos) return true;
+	return scene.ground->settings().shapeFunction == "linear";
+}
+
+std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise)
+{
+	const char* text = std::getenv(name);
+	return text && *text ? std::strtoull(text, nullptr, 10) : otherwise;
+}
+
+/// How far temperatures may pass those given, over their span. Points that change phase take up to three times the share of heat
+/// of their sensible capacity, two spans too many if the phase change ends in that step; walls hold means of points, not points.
+double allowedExcess(const RandomScene& scene)
+{
+	const auto& s = scene.ground->settings();
+	if (!scene.temperaturesBounded) return INFINITY;
+	if (std::isinf(s.heat->smoothingTime)) return 3.0;
+	return s.freezing ? 2.0 : 0.5;
+}
+
+double temperatureExcess(const RandomScene& scene, const Figures& f)
+{
+	const auto&  s    = scene.ground->settings();
+	const double span = std::max(1.0, scene.hottest - scene.coldest);
+	// compressing partly frozen ground melts ice at 3 MJ/m^3 per per cent: 200 K of its heat for a strain of one
+	const double adiabatic = s.motion && (s.freezing || s.water) ? 200.0 * f.strain : 0.0;
+	return (std::max(scene.coldest - f.coldest, f.hottest - scene.hottest) - adiabatic) / span;
+}
+
+std::string whatIsWrong(const RandomScene& scene, const Figures& f)
+{
+	std::string wrong;
+	if (!f.finite) wrong += " not finite;";
+	if (!f.stopped.empty() && !mayStop(scene, f.stopped)) wrong += " stopped: " + f.stopped + ";";
+	if (f.energyCreated > allowedEnergy(scene)) wrong += " energy from nowhere " + std::to_string(f.energyCreated) + ";";
+	if (f.worstDrift() > massLimit) {
+		if (std::max(f.solidDrift, f.waterDrift) > massLimit) wrong += " mass;";
+		if (f.heatDrift > heatLimit) wrong += " heat;";
+		if (f.momentumDrift > momentumLimit) wrong += " momentum;";
+	}
+	if (scene.ground->settings().heat && temperatureExcess(scene, f) > allowedExcess(scene)) wrong += " temperature;";
+	return wrong;
+}
+
+struct Search {
+	Figures worst;
+	double  excess  = 0.0;
+	int     refused = 0, left = 0, failed = 0;
+
+	void keep(const RandomScene& scene, const Figures& f)
+	{
+		if (std::isfinite(allowedEnergy(scene))) worst.energyCreated = std::max(worst.energyCreated, f.energyCreated);
+		worst.solidDrift    = std::max(worst.solidDrift, std::max(f.solidDrift, f.waterDrift));
+		worst.heatDrift     = std::max(worst.heatDrift, f.heatDrift);
+		worst.momentumDrift = std::max(worst.momentumDrift, f.momentumDrift);
+		if (scene.ground->settings().heat && scene.temperaturesBounded) excess = std::max(excess, temperatureExcess(scene, f));
+	}
+};
+
+} // namespace
+
+TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence)
+{
+	const std::uint64_t first = fromEnvironment("TALIK_SEED", 1), draws = fromEnvironment("TALIK_DRAWS", 200);
+	Search              search;
+	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
+		RandomScene scene(seed);
+		try {
+			scene.ground->initialise();
+		} catch (const std::invalid_argument& refusal) {
+			++search.refused;
+			const std::string sentence = refusal.what();
+			EXPECT_NE(sentence.find(" = "), std::string::npos) << "seed " << seed << ": names no attribute with its value: " << sentence;
+			EXPECT_NE(sentence.find_first_of(":;"), std::string::npos) << "seed " << seed << ": says no remedy: " << sentence;
+			continue;
+		}
+		Watch<2> watch(*scene.ground);
+		watch.run(scene.steps, 25);
+		search.keep(scene, watch.figures());
+		search.left += !watch.figures().stopped.empty();
+		const std::string wrong = whatIsWrong(scene, watch.figures());
+		if (wrong.empty()) continue;
+		++search.failed;
+		ADD_FAILURE() << "seed " << seed << ", step " << scene.ground->steps() << ":" << wrong << "\n  scene:" << scene.described;
+	}
+	std::printf(
+	        "seeds %llu to %llu: %d refused at the start, %d stopped with a sentence (at an open side of the box, or with linear shape functions)\n", static_cast<unsigned long long>(first),
+	        static_cast<unsigned long long>(first + draws - 1), search.refused, search.left);
+	const std::string name = "random search, " + std::to_string(draws) + " draws";
+	expectSmall(name + ": draws that failed", search.failed, 0.0);
+	expectSmall(name + ": energy from nowhere", search.worst.energyCreated, energyLimit);
+	expectSmall(name + ": drift of solid and water", search.worst.solidDrift, massLimit);
+	expectSmall(name + ": drift of heat", search.worst.heatDrift, heatLimit);
+	expectSmall(name + ": momentum less impulse", search.worst.momentumDrift, momentumLimit);
+	expectSmall(name + ": temperature beyond those given, over their span", search.excess, 3.0);
+}
