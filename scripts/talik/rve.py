@@ -33,6 +33,7 @@ recipeVersion = 2  # part of the cache key: raise it whenever the recipe gives o
 porosityTolerance = 0.005
 fabricTolerance = 0.05
 shearTolerance = 0.01  # of the mean pressure
+yadesCell = 2.1  # smallest periodic cell over largest body that YADE runs
 seedsToTry = 40
 frictionsToTry = 6
 
@@ -92,7 +93,7 @@ def prepare(
 	radius          (smallest, largest) [m], distributed uniformly
 	pressure        [Pa], > 0, compression positive
 	porosity        two-dimensional, met to 0.005 by the friction used during compaction (about 0.2 for 0.18)
-	thickness       t_z, out-of-plane size of cell and discs [m], larger than two largest radii; stiffness and strength go with 1/t_z
+	thickness       t_z, out-of-plane size of cell and discs [m], larger than 2.1 times two largest radii and a smallest one, which YADE wants; stiffness and strength go with 1/t_z
 	seed            of the random positions; the next seeds are tried where fabric or porosity miss their tolerance
 	young           contact modulus E_c0 without ice [Pa]
 	stiffnessRatio  k_s/k_n (YADE's "poisson")
@@ -311,7 +312,8 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 	except (TypeError, ValueError):
 		raise ValueError(f"radius is {radius!r}; it must be a pair (smallest, largest) in m") from None
 	_require("radius", radius, 0 < smallest <= largest < math.inf, "a pair (smallest, largest) in m with 0 < smallest <= largest")
-	_require("thickness", thickness, 2 * largest < thickness < math.inf, f"in m and more than two of the largest radii ({2 * largest:g} m)")
+	thinnest = yadesCell * (2 * largest + smallest)  # a disc with the collider's margin, half a smallest radius on either side
+	_require("thickness", thickness, thinnest < thickness < math.inf, f"in m and more than {thinnest:g} m, which YADE's collider wants for these radii")
 	for name, value in (("young", young), ("stiffnessRatio", stiffnessRatio), ("density", density)):
 		_require(name, value, 0 < value < math.inf, "greater than 0 and finite")
 	_require("damping", damping, 0 < damping < 1, "between 0 and 1")

@@ -174,3 +174,91 @@ def test_scenes_that_stock_yade_runs_are_not_refused(sample):
 		at = O.iter
 		O.run(3, True)
 		assert O.iter == at + 3
+
+
+# --- disorder that is survived ---------------------------------------------------------------------------------------------
+
+
+def eraseAndAdd():
+	O.run(3, True)
+	O.bodies.erase(1)
+	O.run(3, True)
+	O.bodies.append(utils.sphere((2.999, 1, 1), 1, material=0))
+
+
+def forgetContact(attribute):
+	O.run(3, True)
+	setattr(O.interactions[0, 1], attribute, None)
+
+
+def changeCellWhileRunning():
+	O.run()
+	for _ in range(5):
+		O.cell.velGrad = Matrix3(0, 5, 0, 0, 0, 0, 0, 0, 0)
+		O.cell.hSize = Matrix3(11, 0, 0, 0, 11, 0, 0, 0, 11)
+	O.pause()
+	O.wait()
+
+
+def skewAndFlip():
+	O.cell.flipFlippable = True
+	O.cell.velGrad = Matrix3(0, 2e3, 0, 0, 0, 0, 0, 0, 0)
+	O.run(100, True)
+	O.cell.velGrad = Matrix3.Zero
+
+
+def order(*places):
+	engines = O.engines
+	O.engines = [engines[place] for place in places]
+
+
+@pytest.mark.parametrize(
+	"disorder, cell",
+	[
+		pytest.param(lambda: order(3, 0, 1, 2), None, id="integrator first"),
+		pytest.param(lambda: order(0, 2, 1, 3), None, id="contacts before collider"),
+		pytest.param(lambda: order(0, 2, 3), None, id="no collider"),
+		pytest.param(lambda: order(1, 2, 3), None, id="no resetter"),
+		pytest.param(eraseAndAdd, None, id="bodies erased and added"),
+		pytest.param(lambda: [O.bodies.erase(id) for id in (0, 1)], None, id="all bodies erased"),
+		pytest.param(lambda: forgetContact("phys"), None, id="contact without phys"),
+		pytest.param(lambda: forgetContact("geom"), None, id="contact without geom"),
+		pytest.param(lambda: periodic(10), None, id="periodic in mid-run"),
+		pytest.param(lambda: setattr(O, "periodic", False), 10, id="periodic no more"),
+		pytest.param(changeCellWhileRunning, 10, id="cell changed while running"),
+		pytest.param(skewAndFlip, 10, id="cell flipped with bonded grains"),
+	],
+)
+def test_ice_bonds_survive_disorder_that_stock_yade_survives(disorder, cell):
+	if cell:
+		periodic(cell)
+	pair()
+	O.run(3, True)
+	disorder()
+	before = O.iter
+	O.run(20, True)
+	print(f"{O.iter - before} steps afterwards, {len(O.bodies)} bodies, {sum(i.isReal for i in O.interactions)} contacts")
+	assert O.iter == before + 20
+
+
+def test_bodies_on_the_ground_may_be_erased_and_added_between_runs():
+	barrier = O.bodies.append(utils.box((0.5, -0.1, 0), (1, 0.1, 1), fixed=True))
+	mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(-1, -1), upper=(2, 2), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), bodies=wrapper.BodyContact())
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 0.5))
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
+	O.run(20, True)
+	held = O.forces.f(barrier)[1]
+	O.bodies.erase(barrier)
+	O.run(20, True)
+	O.bodies.append(utils.sphere((0.5, 0.95, 0), 0.2))
+	O.run(20, True)
+	print(f"force on the barrier {held:.1f} N; {O.iter} steps, ground now at {mpm.field('velocity')[:, 1].mean():.3f} m/s")
+	assert O.iter == 60 and held < 0 and np.isfinite(mpm.field("velocity")).all()
+
+
+def test_a_sample_strained_until_its_cell_is_too_small_for_yade_keeps_its_last_good_state(sample):
+	opened = wrapper.OpenRveSample(source=sample.open(), maxStrainPerStep=1e-4, maxInertialNumber=1e9)
+	results = [opened.apply(Matrix3(0, 0, 0, 0, 0, 0, 0, 0, -0.2), 0) for _ in range(9)]
+	print(f"call {[r['blewUp'] for r in results].index(True)}: {next(r['reason'] for r in results if r['blewUp'])}")
+	assert "Body larger than half of the cell size" in results[-1]["reason"] and not results[0]["blewUp"]
+	assert np.isfinite(np.array(opened.stress)).all() and not opened.apply(Matrix3.Zero, 0)["blewUp"]
