@@ -376,13 +376,13 @@ def _thawStrain(text):
 def runCase(name, boundaries, options, duration=None):
 	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O.
 
-	duration  of the thaw [s], in place of the preset's (the preset test keeps its own)"""
+	duration  of the thaw [s], in place of the preset's"""
 	if options.resume:
 		slump = ThawSlump.resumed(options.output)
 		report(slump.run(), slump.folder)
 		return slump
 	preset = presets[options.preset]
-	if duration is not None and options.preset != "test":
+	if duration is not None:
 		preset = replace(preset, endTime=duration)
 	settings = comparison(options)
 	runs = {}
