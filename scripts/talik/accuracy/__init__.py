@@ -5,7 +5,6 @@
 	problem      what a problem is; one file each: neumann, terzaghi, biaxial, wave, collapse, slump
 	presets      presets of the examples as rows
 	report       tables, Pareto front, advice, pictures, misses
-	stability    a loaded saturated column over hydraulic conductivity and time step
 
 A new problem is one file and its entry in `problems`."""
 
@@ -13,7 +12,6 @@ from talik.accuracy import biaxial, collapse, neumann, slump, terzaghi, wave
 from talik.accuracy.neumann import neumannFront
 from talik.accuracy.presets import presetRows, presetsOf
 from talik.accuracy.report import column, drawStudy, printTable, saveTable
-from talik.accuracy.stability import drawStability, loadedColumn, stability
 from talik.accuracy.study import Results, runStudy, table
 
 problems = tuple(module.problem for module in (neumann, terzaghi, biaxial, wave, collapse, slump))

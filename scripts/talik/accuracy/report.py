@@ -80,14 +80,6 @@ def printTable(rows, names=None):
 	_printAligned([list(names)] + [[_short(row[name]) for name in names] for row in rows])
 
 
-def printMap(rows, down, across, entry):
-	"""Rows as a table with one named number down, one across and one in the cells."""
-	text = [[f"{down} \\ {across}"] + [_short(value) for value in dict.fromkeys(row[across] for row in rows)]]
-	for value in dict.fromkeys(row[down] for row in rows):
-		text.append([_short(value)] + [_short(row[entry]) for row in rows if row[down] == value])
-	_printAligned(text)
-
-
 def _printAligned(text):
 	widths = [max(len(line[c]) for line in text) for c in range(len(text[0]))]
 	for line in text:

@@ -63,7 +63,7 @@ problem = Problem(
 		"bulk modulus of water": (2.2e8,), "thermal time scale": (2.16e5,),
 	},
 	quick={
-		"grains": (60, 200), "sample tolerance": (2e-4,), "inertial number": (1e-3,), "tolerance": (0.1, 0.03), "time-step fraction": (0.8,),
+		"grains": (60, 200), "sample tolerance": (2e-4,), "inertial number": (1e-3,), "tolerance": (0.1, 0.03), "time-step fraction": (0.55,),
 		"bulk modulus of water": (5e6,), "thermal time scale": (1.728e6,),
 	},
 	pairs=(("grid spacing", "grains"), ("grains", "tolerance")),
