@@ -36,7 +36,7 @@ class BiaxialTest:
 	"""Result of one test; stresses in Pa, compression positive, strains [-], shortening positive.
 
 	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=1, pressure=100e3, strain=2e-4)
-	>>> test.axial[-1] > 100e3
+	>>> bool(test.axial[-1] > 100e3)
 	True"""
 
 	iceSaturation: float

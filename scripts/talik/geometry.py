@@ -48,7 +48,7 @@ def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
 	origin         of the grid [m]
 
 	>>> position, volume = talik.geometry.fillPolygon([(0, 0), (4, 0), (0, 2)], gridSpacing=0.5)
-	>>> round(volume.sum(), 9)
+	>>> float(round(volume.sum(), 9))
 	4.0"""
 	corners = checkedPolygon(polygon)
 	side = _latticeSide(gridSpacing, pointsPerCell)
