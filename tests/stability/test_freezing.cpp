@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 using namespace talik;
 using namespace talik::stability;
 using namespace talik::validation;
@@ -205,4 +207,38 @@ TEST(Freezing, ASurfaceThatJumpsByEightyKelvinEveryTenStepsLeavesTheGroundBounde
 			expectSmall(name + ": temperature beyond 40 degC", std::max(0.0, std::max(-40.0 - f.coldest, f.hottest - 40.0)), 1.0);
 		}
 	}
+}
+
+// Found by the random search: prescribed anew in every step, however short, the mean of irregular points was driven away from the
+// wall's temperature, and one row of them heated and cooled itself to thousands of degrees.
+TEST(Heat, AWallOfGivenTemperatureDrivesIrregularPointsNoFurtherThanTheSpanBetweenThem)
+{
+	constexpr double initial = -5.0, wall = 10.0;
+	double           excess = 0.0, drift = 0.0;
+	for (const int rows : { 1, 3 })
+		for (const int perDirection : { 1, 2 })
+			for (const double fraction : { 1e-5, 1e-2, 0.9 })
+				for (unsigned seed = 1; seed <= 5; ++seed) {
+					GroundSettings<2> s;
+					s.gridSpacing = 1.0;
+					s.upper       = { 6.0, rows + 2.0 };
+					s.heat.emplace();
+					addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), wall);
+					Ground<2>    ground(s);
+					std::mt19937 generator(seed);
+					fillBox(ground, { 0.0, 0.0 }, { 6.0, 1.0 * rows }, [&](PointInput<2>& p) {
+						p.temperature = initial;
+						for (double& x : p.position)
+							x += (static_cast<double>(generator()) * 0x1p-32 - 0.5) * 0.7 / perDirection;
+					}, perDirection);
+					ground.initialise();
+					Watch<2> watch(ground);
+					watch.run(600, 50, fraction);
+					const Figures& f = watch.figures();
+					EXPECT_TRUE(f.finite && f.stopped.empty()) << f.stopped;
+					excess = std::max({ excess, (f.hottest - wall) / (wall - initial), (initial - f.coldest) / (wall - initial) });
+					drift  = std::max(drift, f.heatDrift);
+				}
+	expectSmall("wall that heats 1 and 3 rows of irregular points, 60 ways: temperature beyond those given, over their span", excess, 0.5);
+	expectSmall("wall that heats 1 and 3 rows of irregular points, 60 ways: drift of heat", drift, 1e-12);
 }

@@ -149,6 +149,31 @@ TEST(Motion, BlocksCrossCellsInAnyDirectionWithEveryShapeFunctionAndTransferAndK
 	expectSmall("blocks that cross cells, 36 ways: strain", strain, 1e-10);
 }
 
+// Found by the random search: the damping of nodes that ground had left behind stayed in the account of its momentum.
+TEST(Motion, DampedWetGroundThatLeavesNodesBehindKeepsTheAccountOfItsMomentum)
+{
+	GroundSettings<2> s;
+	s.gridSpacing = 0.1;
+	s.upper       = { 3.0, 3.0 };
+	s.motion.emplace();
+	s.motion->localDamping = 0.7;
+	s.motion->gravity      = { 0.0, -9.81 };
+	s.water.emplace();
+	s.water->state.liquidBulkModulus = 2.2e7;
+	s.water->state.iceBulkModulus    = 8.8e7;
+	s.skeletons.push_back(elasticOedometer(1e6));
+	s.energyLedger = true;
+	Ground<2> ground(s);
+	fillBox(ground, { 0.2, 2.5 }, { 0.6, 2.8 }, [](PointInput<2>& p) {
+		p.velocity = { 7.0, -4.0 };
+		p.pressure = 1e3;
+	}, 1);
+	ground.initialise();
+	Watch<2> watch(ground);
+	watch.run(200, 10);
+	expectHeld("damped wet block that leaves nodes behind", watch.figures(), { 0.05, 1e-12, 1e-11, 1e-12 });
+}
+
 TEST(Motion, OnePointFallsFreelyMeetsTheFloorAndStaysInTheBox)
 {
 	citing("free fall");
