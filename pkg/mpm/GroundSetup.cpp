@@ -104,7 +104,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 		if (!boundary.usesSurface() || !surface->patch(b).nodes.empty()) continue;
 		throw std::invalid_argument(
 		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
-		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box");
+		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall more than one point in height");
 	}
 }
 
