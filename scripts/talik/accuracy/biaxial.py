@@ -58,7 +58,7 @@ def run(settings):
 
 problem = Problem(
 	name="biaxial sample",
-	title="Thawed sample in biaxial compression to 10 %, 50 kPa",
+	title="Thawed sample, biaxial compression to 10 %",
 	norm="rms over five parts of the path of the mean deviator of 8 packings, over that of the reference",
 	reference="inertial number 1e-4, 400 grains",
 	standard={"grains": 100, "inertial number": 5e-3, "strain of a call": 1e-4},
