@@ -7,8 +7,8 @@ Everything as in thaw_slump_surface.py but the heat: the base between x = 2 and 
 all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above comes after. The
 surface is drained and free.
 
-Ours, where the paper is silent: the extent of the patch; the duration, 50 to 60 s (500 to 600 days of heat at f_T = 8.64e5), because the
-frozen roof must become thin before its weight passes its strength, later on a fine grid than on a coarse one; and what thawing does to
+Ours, where the paper is silent: the extent of the patch; the duration, 60 s (600 days of heat at f_T = 8.64e5), because the
+frozen roof must become thin before its weight passes its strength; and what thawing does to
 the grains. Grains that keep their size (eq. 8 as bookkeeping, --thaw-strain 0) keep their contacts when the ice goes: the thawed ground
 at depth carries what it carried, and nothing comes down. Support is lost by thaw strain: ice-rich grains, prepared frozen, shrink as they
 thaw. --thaw-strain gives the area strain that they release, `full` is all of eq. (8), the porosity of the sample. --compare thaw-strain
@@ -20,7 +20,7 @@ The page of figures is page.png; what to expect is described in examples/README.
 import talik
 from talik import thawslump
 
-durations = {"draft": 50.0, "standard": 60.0, "paper": 60.0}  # of the thaw [s]
+durations = {"draft": 60.0, "standard": 60.0, "paper": 60.0}  # of the thaw [s]
 
 
 def warmBase(start):
