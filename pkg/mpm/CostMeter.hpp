@@ -32,10 +32,10 @@ public:
 			weight_ = 1.0;
 			last_   = now();
 		}
-		/// Before one of many blocks: one in eight is stamped.
+		/// Before one of many blocks: one in sixteen is stamped.
 		void beginBlock()
 		{
-			weight_ = blocks_++ % 8 == 0 ? 8.0 : 0.0;
+			weight_ = blocks_++ % 16 == 0 ? 16.0 : 0.0;
 			if (weight_ > 0.0) last_ = now();
 		}
 		void lap(Entry e)

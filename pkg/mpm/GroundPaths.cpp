@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Points that are about to leave the grid are found before the first of them has moved.
 #include <pkg/mpm/GroundParts.hpp>
+#include <pkg/mpm/PlaneLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -65,31 +66,13 @@ template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) con
 
 template <int D> void Ground<D>::Parts::boundPositions(int strip, int first, int last)
 {
-	constexpr int   lanes = 8; // of which the compiler makes vectors
-	PositionBounds& b     = bounds[strip];
-	b.numbers             = true;
-	for (int a = 0; a < D; ++a) {
-		const double* x = points->position(a);
-		double        low[lanes], high[lanes], notFinite[lanes];
-		for (int l = 0; l < lanes; ++l) {
-			low[l] = high[l] = first < last ? x[first] : grid.lower()[a];
-			notFinite[l] = 0.0;
-		}
-		const auto include = [&](int l, double value) {
-			low[l]  = value < low[l] ? value : low[l];
-			high[l] = value > high[l] ? value : high[l];
-			notFinite[l] += value - value;
-		};
-		int p = first;
-		for (; p + lanes <= last; p += lanes)
-			for (int l = 0; l < lanes; ++l)
-				include(l, x[p + l]);
-		for (; p < last; ++p)
-			include(0, x[p]);
-		b.low[a]  = *std::min_element(low, low + lanes);
-		b.high[a] = *std::max_element(high, high + lanes);
-		for (const double n : notFinite)
-			b.numbers = b.numbers && n == 0.0;
+	PositionBounds& b = bounds[strip];
+	b.numbers         = true;
+	for (int a = 0; a < D && first < last; ++a) {
+		const PlaneLoops::Extent extent = planeLoops().extent(last - first, points->position(a) + first);
+		b.low[a]                        = extent.low;
+		b.high[a]                       = extent.high;
+		b.numbers                       = b.numbers && extent.numbers;
 	}
 }
 
@@ -128,6 +111,7 @@ template <int D> void Ground<D>::Parts::requirePathsInside()
 {
 	const double reach = longestPath();
 	points->strips().gather([&](int strip, int first, int last) {
+		if (first == last) return;
 		const PositionBounds& b    = bounds[strip];
 		bool                  near = !b.numbers;
 		for (int a = 0; a < D; ++a)

@@ -79,6 +79,13 @@ struct PlaneLoops {
 	};
 	void (*findYielding)(int count, const Strength& strength, const double* const (&stress)[4], long long* yielding);
 
+	/// The smallest and the largest of some numbers, count >= 1.
+	struct Extent {
+		double low, high;
+		bool   numbers; ///< false: one of them is not finite
+	};
+	Extent (*extent)(int count, const double* x);
+
 	/// y = exp(x) to two units in the last place, for -700 < x < 700.
 	void (*exponential)(int count, const double* x, double* y);
 };
