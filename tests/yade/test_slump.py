@@ -52,7 +52,7 @@ def thawedDepth(frame, points, width, initialIce):
 
 
 def test_reference_column_meets_neumann_where_the_freezing_curve_is_sharp():
-	column = ThawColumn(1.5, 600, lambda time: 10.0, width=0.02, residual=0.0, timeScale=1.0)
+	column = ThawColumn(1.5, 400, lambda time: 10.0, width=0.02, residual=0.0, timeScale=1.0)
 	column.march(10 * 86400.0)
 	exact = accuracy.neumannFront(10.0, -5.0, latentForm="conserved") * np.sqrt(10 * 86400.0)
 	print(f"front after 10 d {column.front():.5f} m, Neumann {exact:.5f} m, error {100 * (column.front() / exact - 1):.2f} %")
@@ -158,7 +158,7 @@ def test_the_slip_surface_follows_the_face_through_thawed_ground_and_none_is_in_
 	assert np.mean(shearband.frozen(last)[surface.points]) < 0.2
 
 
-def test_the_same_slope_kept_frozen_moves_less_than_a_centimetre_in_the_same_time(draft, tmp_path):
+def test_the_same_slope_kept_frozen_moves_less_than_a_centimetre_in_the_same_time_slow(draft, tmp_path):
 	frozen = slump(tmp_path, thaw=False)
 	moved = sizes(frozen.mpm.field("displacement")).max()
 	thawing = sizes(draft.frames.frames[-1]["displacement"]).max()
