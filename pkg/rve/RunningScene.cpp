@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/common/Sphere.hpp>
+#include <pkg/rve/HoldGil.hpp>
 #include <pkg/rve/RunningScene.hpp>
 
 #include <map>
@@ -9,13 +10,6 @@ using namespace yade;
 
 namespace talik {
 namespace {
-
-	class HoldGil {
-		PyGILState_STATE state = PyGILState_Ensure();
-
-	public:
-		~HoldGil() { PyGILState_Release(state); }
-	};
 
 	shared_ptr<Engine> liveEngine(const Scene& scene, const char* name)
 	{

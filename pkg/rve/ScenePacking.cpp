@@ -5,6 +5,7 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/rve/HoldGil.hpp>
 #include <pkg/rve/PackedNeighbours.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 
@@ -18,13 +19,6 @@ using namespace yade;
 
 namespace talik {
 namespace {
-
-	class HoldGil {
-		PyGILState_STATE state = PyGILState_Ensure();
-
-	public:
-		~HoldGil() { PyGILState_Release(state); }
-	};
 
 	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
 
