@@ -146,8 +146,22 @@ def test_the_front_the_advice_and_the_misses_are_those_of_the_rows():
 	assert "1% is not reached (best 2.0%)" in sentence and "3% take row 3: 9 s of computing (18 s of wall time)" in sentence and "10% take row 1: 2 s of computing" in sentence
 	assert report.misses(toy(), rows) == []
 	assert report.misses(toy(), rows[:2]) == ["toy: no setting has an error of 3% or less"]
+	assert [row["on the front"] for row in report.marked(rows)] == ["yes", "yes", "", "yes", ""]
 	rows[0]["failure"] = "it fell over"
 	assert report.misses(toy(), rows) == ["toy, row 0: it fell over"]
+
+
+def test_a_run_that_stands_for_the_truth_is_no_coarser_than_any_other():
+	for each in accuracy.problems:
+		if each.exact is not None:
+			continue
+		finest = each.referenceSettings()
+		presets = [row.settings for row in accuracy.presetRows() if row.problem == each.name]
+		for knob, finer in (("cells", max), ("grid spacing", min), ("grains", max), ("inertial number", min)):
+			if knob in each.finest:
+				values = [settings[knob] for settings in each.plan(further=presets)]
+				print(f"{each.referenceName()}; {knob} from {min(values):g} to {max(values):g}")
+				assert finest[knob] == finer(values)
 
 
 def test_tables_and_pictures_are_written_by_the_command(tmp_path):
@@ -159,6 +173,9 @@ def test_tables_and_pictures_are_written_by_the_command(tmp_path):
 	with open(tmp_path / "accuracy.csv", newline="") as file:
 		read = list(csv.DictReader(file))
 	assert len(read) == len(wave.problem.plan(True)) and all(float(row["error [-]"]) > 0 and float(row["memory [MB]"]) > 0 for row in read)
+	study = json.loads((tmp_path / "accuracy.json").read_text())["elastic wave"]
+	assert [row["varied"] for row in study["rows"]] == [row["varied"] for row in read] and study["advice"] in done.stdout and study["norm"]
+	assert 2 <= sum(row["on the front"] == "yes" for row in read) < len(read)
 	picture = matplotlib.image.imread(tmp_path / "accuracy.png")
 	assert picture[..., :3].std() > 0.02
 

@@ -4,6 +4,7 @@
 	study        runs what is planned, row by row into a file; table gives the rows with their errors
 	problem      what a problem is; one file each: neumann, terzaghi, biaxial, wave, collapse, slump
 	presets      presets of the examples as rows
+	ground       knobs of the march and the column of those that move
 	report       tables, Pareto front, advice, pictures, misses
 
 A new problem is one file and its entry in `problems`."""

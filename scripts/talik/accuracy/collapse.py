@@ -5,6 +5,7 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
+from talik.accuracy import ground
 from talik.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
 
 height, width, end = 1.0, 1.0, 1.2  # [m], [m], [s]
@@ -17,9 +18,7 @@ def column(settings):
 		lower=(0, 0),
 		upper=(h * round(4 / h), h * (round(height / h) + 2)),
 		gravity=(0, -9.81),
-		waveFraction=settings["time-step fraction"],
-		transfer=settings["transfer"],
-		shapeFunction=settings["shape function"],
+		**ground.march(settings),
 		skeleton=wrapper.MohrCoulombSkeleton(young=2e6, youngFrozen=2e6, poisson=0.25, cohesion=50, frictionAngle=30),
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
 	)
@@ -51,9 +50,9 @@ problem = Problem(
 	title="Collapse of a dry frictional column, 1 m by 1 m",
 	norm="largest of the relative errors of front, crest and centre of mass",
 	reference="finest run",
-	standard={"cells": 10, "points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "shape function": "quadraticBSpline"},
-	sweeps={"cells": (3, 24), "points per cell": (16,), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "shape function": ("gimp", "linear")},
-	quick={"cells": (5, 10, 20), "points per cell": (1, 9), "time-step fraction": (0.2, 0.55), "transfer": ("apic", "tpic"), "shape function": ("gimp", "linear")},
+	standard={"cells": 10, **ground.standard},
+	sweeps={"cells": (3, 24), **ground.sweeps, "points per cell": (16,)},
+	quick={"cells": (5, 20), **ground.quick},
 	pairs=(("cells", "points per cell"), ("cells", "transfer")),
 	run=run,
 	error=largestRelative,

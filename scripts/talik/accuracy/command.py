@@ -22,17 +22,18 @@ def main():
 	problems = [problem for problem in accuracy.problems if not options.problem or problem.name in options.problem]
 	results = accuracy.Results(folder / "results.json")
 	accuracy.runStudy(problems, results, options.quick)
-	tables = {problem: accuracy.table(problem, results, options.quick) for problem in problems}
+	tables = {problem: report.marked(accuracy.table(problem, results, options.quick)) for problem in problems}
 	accuracy.saveTable([row for rows in tables.values() for row in rows], folder / "accuracy.csv")
+	report.saveStudy(tables, folder / "accuracy.json", options.quick)
 	picture = plots.save(accuracy.drawStudy(tables), folder / "accuracy.png", dpi=100)
 	for problem, rows in tables.items():
-		print(f"\n{problem.title}\nerror: {problem.norm}; against: {problem.reference}")
+		print(f"\n{problem.title}\nerror: {problem.norm}; against: {problem.referenceName(options.quick)}")
 		accuracy.printTable(rows, report.shown)
 	print()
 	for problem, rows in tables.items():
 		print(report.advice(problem, rows))
 	missed = [sentence for problem, rows in tables.items() for sentence in report.misses(problem, rows)]
-	print(f"\n{picture}, {folder / 'accuracy.csv'}, {results.file}")
+	print(f"\n{picture}, {folder / 'accuracy.csv'}, {folder / 'accuracy.json'}; every run as it was: {results.file}")
 	for sentence in missed:
 		print(f"MISSED  {sentence}")
 	return 1 if missed else 0

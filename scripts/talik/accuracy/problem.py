@@ -26,11 +26,11 @@ class Problem:
 	"""A problem with knobs.
 
 	norm       what the error is
-	reference  what it is measured against
+	reference  what it is measured against; where that is a run, referenceName() says which
 	standard   settings of a run where nothing else is said
 	sweeps     {knob: values} varied one at a time; those of `quick` in a quick study
 	pairs      (knob, knob) varied together, over the values of the sweeps
-	together   further combinations of settings, also in a quick study
+	together   further combinations of settings, also in a quick study; those of togetherInFull in a full one only
 	run        function of settings -> Run
 	exact      the answer in closed form, or None: `finest` are the settings of the run that stands for it
 	error      function of answer and reference -> number"""
@@ -46,6 +46,7 @@ class Problem:
 	error: object
 	pairs: tuple = ()
 	together: tuple = ()
+	togetherInFull: tuple = ()
 	exact: object = None
 	finest: dict = None
 	quickFinest: dict = None
@@ -58,11 +59,14 @@ class Problem:
 		settings += [{**self.standard, knob: value} for knob, values in sweeps.items() for value in values]
 		for one, other in self.pairs if not quick else ():
 			settings += [{**self.standard, one: a, other: b} for a, b in itertools.product(sweeps[one], sweeps[other])]
-		settings += [{**self.standard, **other} for other in (*self.together, *further)]
+		settings += [{**self.standard, **other} for other in (*self.together, *(() if quick else self.togetherInFull), *further)]
 		return list({key(self.name, s): s for s in settings}.values())
 
 	def referenceSettings(self, quick=False):
 		return {**self.standard, **(self.quickFinest if quick and self.quickFinest else self.finest)}
+
+	def referenceName(self, quick=False):
+		return self.reference if self.exact is not None else f"{self.reference}: {varied(self.referenceSettings(quick), self.standard)}"
 
 	def referenceAnswer(self, rows, quick=False):
 		"""The answer that errors are measured against; None before the reference run is there."""
@@ -75,6 +79,12 @@ class Problem:
 def key(problem, settings):
 	"""Names a run in the results file."""
 	return f"{problem}: " + ", ".join(f"{name}={value}" for name, value in sorted(settings.items()))
+
+
+def varied(settings, standard):
+	"""What differs from the standard, in words."""
+	differing = {name: value for name, value in settings.items() if value != standard[name]}
+	return ", ".join(f"{name} {value:g}" if isinstance(value, (int, float)) else f"{name} {value}" for name, value in differing.items()) or "standard"
 
 
 class Stopwatch:

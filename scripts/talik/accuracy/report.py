@@ -2,6 +2,7 @@
 """What a study says: tables, the Pareto front, the cheapest setting for a stated error, pictures, and what missed its mark."""
 
 import csv
+import json
 import math
 from pathlib import Path
 
@@ -9,11 +10,11 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from talik import plots
-from talik.files import writableFolder
+from talik.files import writableFolder, writeWhole
 
 levels = (0.01, 0.03, 0.1)
 cost = "CPU time [s]"  # what settings are compared by: wall time hangs on what else a machine is doing
-shown = ("varied", "error [-]", "wall time [s]", "CPU time [s]", "memory [MB]", "points", "steps", "runs", "presets")
+shown = ("varied", "error [-]", "wall time [s]", "CPU time [s]", "memory [MB]", "points", "steps", "runs", "on the front", "presets")
 
 
 def usable(rows):
@@ -27,6 +28,12 @@ def paretoFront(rows):
 		if not front or row["error [-]"] < front[-1]["error [-]"]:
 			front.append(row)
 	return front
+
+
+def marked(rows):
+	"""The rows, with a column that says which of them are on the Pareto front."""
+	front = paretoFront(rows)
+	return [{**row, "on the front": "yes" if row in front else ""} for row in rows]
 
 
 def cheapest(rows, level):
@@ -56,6 +63,19 @@ def misses(problem, rows):
 	if not rows:
 		found.append(f"{problem.name}: not measured")
 	return found
+
+
+def saveStudy(tables, path, quick=False):
+	"""JSON: of each problem norm, reference, advice and rows; null where there is no number."""
+	study = {
+		problem.name: {"title": problem.title, "norm": problem.norm, "reference": problem.referenceName(quick), "advice": advice(problem, rows), "rows": [_numbersOrNull(row) for row in rows]}
+		for problem, rows in tables.items()
+	}
+	writeWhole(path, json.dumps(study, indent="\t", allow_nan=False))
+
+
+def _numbersOrNull(row):
+	return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in row.items()}
 
 
 # ---- tables ---------------------------------------------------------------------------------------------------------------

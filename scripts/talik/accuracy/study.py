@@ -13,11 +13,11 @@ from tqdm import tqdm
 
 import talik
 from talik.accuracy.presets import presetRows
-from talik.accuracy.problem import key
+from talik.accuracy.problem import key, varied
 from talik.files import writeWhole
 
 repeats = 5  # of a run, as long as they take less than this altogether:
-patience = {True: 3.0, False: 60.0}  # [s], in a quick study and in a full one
+patience = {True: 3.0, False: 20.0}  # [s], in a quick study and in a full one
 
 
 class Results:
@@ -64,8 +64,7 @@ def runStudy(problems, results, quick=False, progress=True):
 	]
 	bar = tqdm(planned, disable=not progress, unit="run")
 	for problem, settings in bar:
-		varied = {name: value for name, value in settings.items() if value != problem.standard.get(name)}
-		bar.set_postfix_str(f"{problem.name} {varied or ''}")
+		bar.set_postfix_str(f"{problem.name}: {varied(settings, problem.standard)}")
 		results.add(key(problem.name, settings), measure(problem, settings, quick))
 
 
@@ -79,13 +78,13 @@ def table(problem, results, quick=False):
 		row = results.rows.get(key(problem.name, settings))
 		if row is None or key(problem.name, settings) == own:
 			continue
-		varied = {name: value for name, value in settings.items() if value != problem.standard[name]}
+		knobs = [name for name, value in settings.items() if value != problem.standard[name]]
 		usable = not row.get("failure") and reference is not None
 		names = [f"{r.example} {r.preset}" for r in presets if r.problem == problem.name and {**problem.standard, **r.settings} == settings]
 		lines.append({
 			"problem": problem.name,
-			"varied": ", ".join(f"{name} {value:g}" if isinstance(value, (int, float)) else f"{name} {value}" for name, value in varied.items()) or "standard",
-			"knob": next(iter(varied), "standard") if len(varied) < 2 else "pair",
+			"varied": varied(settings, problem.standard),
+			"knob": "pair" if len(knobs) > 1 else knobs[0] if knobs else "standard",
 			"error [-]": problem.error(row["answer"], reference) if usable else math.nan,
 			"wall time [s]": row.get("wall", math.nan),
 			"CPU time [s]": row.get("cpu", math.nan),

@@ -7,6 +7,7 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
+from talik.accuracy import ground
 from talik.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
 
 height, modulus, load, conductivity = 1.0, 10e6, 10e3, 1e-3  # [m], [Pa], [Pa], [m/s]
@@ -25,21 +26,16 @@ def exactPressure(y, timeFactor):
 
 def loadedColumn(settings):
 	"""The water carries the whole load at first."""
-	h, water = height / settings["cells"], settings["bulk modulus of water"]
-	mpm = wrapper.MpmEngine(
-		gridSpacing=h,
-		lower=(0, 0),
-		upper=(h, height + 2 * h),
-		waveFraction=settings["time-step fraction"],
-		transfer=settings["transfer"],
-		shapeFunction=settings["shape function"],
+	water = settings["bulk modulus of water"]
+	mpm = ground.column(
+		height,
+		settings,
+		boundaries=[wrapper.DrainedBoundary(region="surface"), wrapper.SurfaceLoad(region="surface", pressure=load)],
 		damping=0.05,
 		skeleton=wrapper.ElasticSkeleton(young=modulus, poisson=0),
 		water=wrapper.PoreWater(conductivity=conductivity, bulkModulus=water, cavitationPressure=-0.01 * water),
-		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
-		+ [wrapper.DrainedBoundary(region="surface"), wrapper.SurfaceLoad(region="surface", pressure=load)],
 	)
-	rectangle = talik.geometry.rectangle(0, 0, h, height)
+	rectangle = talik.geometry.rectangle(0, 0, mpm.gridSpacing, height)
 	talik.geometry.fill(mpm, rectangle, pointsPerCell=settings["points per cell"], porosity=porosity, pressure=load)
 	return mpm
 
@@ -71,15 +67,9 @@ problem = Problem(
 	title="Consolidation of a loaded column, drained at its top",
 	norm="rms over 8 heights and T_v = 0.1, 0.2, 0.5, 0.8 of the pressure over the load",
 	reference="Terzaghi, incompressible water",
-	standard={"cells": 10, "points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "shape function": "quadraticBSpline", "bulk modulus of water": 2.2e8},
-	sweeps={
-		"cells": (40,), "points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "shape function": ("gimp", "linear"),
-		"bulk modulus of water": (2.2e9,),
-	},
-	quick={
-		"cells": (5, 10, 20), "points per cell": (1, 9), "time-step fraction": (0.2, 0.55), "transfer": ("apic",), "shape function": ("gimp", "linear"),
-		"bulk modulus of water": (2.2e7, 2.2e8),
-	},
+	standard={"cells": 10, **ground.standard, "bulk modulus of water": 2.2e8},
+	sweeps={"cells": (40,), **ground.sweeps, "bulk modulus of water": (2.2e9,)},
+	quick={"cells": (5, 20), **ground.quick, "bulk modulus of water": (2.2e7,)},
 	pairs=(("cells", "bulk modulus of water"),),
 	run=run,
 	error=rootMeanSquare,

@@ -7,6 +7,7 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
+from talik.accuracy import ground
 from talik.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
 
 length, modulus, speed, porosity = 10.0, 50e6, 0.1, 0.4  # [m], [Pa], largest initial velocity [m/s]
@@ -18,20 +19,11 @@ instants = np.linspace(0, 2, 41)[1:]  # in periods
 
 def standingColumn(settings):
 	"""Fixed below, free above, first mode, no gravity."""
-	h = length / settings["cells"]
-	mpm = wrapper.MpmEngine(
-		gridSpacing=h,
-		lower=(0, 0),
-		upper=(h, length + 2 * h),
-		waveFraction=settings["time-step fraction"],
-		transfer=settings["transfer"],
-		shapeFunction=settings["shape function"],
-		skeleton=wrapper.ElasticSkeleton(young=modulus, poisson=0),
-		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
-	)
+	mpm = ground.column(length, settings, skeleton=wrapper.ElasticSkeleton(young=modulus, poisson=0))
 	if settings["transfer"] == "flip":
 		mpm.flip = settings["flip"]
-	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, length), h, settings["points per cell"])
+	rectangle = talik.geometry.rectangle(0, 0, mpm.gridSpacing, length)
+	position, volume = talik.geometry.fillPolygon(rectangle, mpm.gridSpacing, settings["points per cell"])
 	mode = np.sin(math.pi * position[:, 1] / (2 * length))
 	mpm.addPoints(position=position, volume=volume, porosity=porosity, velocity=np.stack([0 * mode, speed * mode], axis=1))
 	return mpm, mode
@@ -56,12 +48,9 @@ problem = Problem(
 	title="Two periods of a standing wave in an elastic column",
 	norm="rms over 40 instants of the first mode's displacement over its amplitude",
 	reference="wave equation",
-	standard={"cells": 20, "points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "flip": 0.97, "shape function": "quadraticBSpline"},
-	sweeps={"cells": (80,), "points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "flip": (1.0, 0.9), "shape function": ("gimp", "linear")},
-	quick={
-		"cells": (5, 10, 20, 40), "points per cell": (1, 9), "time-step fraction": (0.2, 0.55), "transfer": ("apic", "tpic"), "flip": (1.0, 0.99),
-		"shape function": ("gimp", "linear"),
-	},
+	standard={"cells": 20, **ground.standard, "flip": 0.97},
+	sweeps={"cells": (80,), **ground.sweeps, "flip": (1.0, 0.9)},
+	quick={"cells": (5, 10, 40), **ground.quick, "flip": (1.0, 0.99)},
 	pairs=(("cells", "flip"), ("cells", "time-step fraction")),
 	run=run,
 	error=rootMeanSquare,

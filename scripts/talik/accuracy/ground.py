@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What problems of moving ground share: the knobs of its march, and a column one cell wide."""
+
+from yade import wrapper
+
+standard = {"points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "shape function": "quadraticBSpline"}
+sweeps = {"points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "shape function": ("gimp", "linear")}
+quick = {**sweeps, "time-step fraction": (0.2, 0.55)}
+
+
+def march(settings):
+	"""Attributes of an MpmEngine."""
+	return {"waveFraction": settings["time-step fraction"], "transfer": settings["transfer"], "shapeFunction": settings["shape function"]}
+
+
+def column(height, settings, boundaries=(), **attributes):
+	"""MpmEngine for a column of a height [m] with room of two cells above it; it stands on its base between walls, all of them smooth."""
+	h = height / settings["cells"]
+	walls = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
+	return wrapper.MpmEngine(gridSpacing=h, lower=(0, 0), upper=(h, height + 2 * h), boundaries=walls + list(boundaries), **march(settings), **attributes)
