@@ -256,14 +256,17 @@ def normalRose(axes, normals, bins=36, colour="steelblue"):
 	density = counts / max(counts.sum(), 1) * bins  # 1 everywhere when isotropic
 	axes.bar(edges[:-1], density, width=2 * np.pi / bins, align="edge", color=colour, edgecolor="white", linewidth=0.5)
 	axes.set_rticks([0.5, 1.0, 1.5])
-	axes.tick_params(axis="y", labelsize=7)
+	axes.set_thetagrids([0, 90, 180, 270])
+	axes.set_rlabel_position(45)
+	for label in axes.get_yticklabels():
+		label.set(fontsize=7, path_effects=[withStroke(linewidth=2, foreground="white")])
 	if not len(normals):
-		axes.set_title("no contacts")
+		axes.set_title("no contacts", fontsize=10)
 		return axes
 	second = np.exp(2j * angles).mean()
 	theta = np.linspace(0, 2 * np.pi, 181)
 	axes.plot(theta, 1 + 2 * abs(second) * np.cos(2 * theta - np.angle(second)), color="black", linewidth=1)
-	axes.set_title(f"{len(normals)} contacts, $F_1-F_2$ = {abs(second):.3f}", fontsize=10)
+	axes.set_title(f"{len(normals)} contacts, $F_1-F_2$ = {abs(second):.3f}", fontsize=10, pad=10)
 	return axes
 
 

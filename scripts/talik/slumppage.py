@@ -3,20 +3,61 @@
 
 	page        S_i, deviatoric strain and displacement at four times; samples of two points: force chains by bond state, contact normals
 	sideBySide  runs of one slope that differ in one thing: fields at the end, displacement over time, broken bonds, bill
+	draw        the pictures of a run from the files in its folder, without the run
 """
+
+import json
+from pathlib import Path
 
 import numpy as np
 
 import talik
-from talik import packing, plots, shearband
+from talik import output, packing, plots, shearband
 
 pageTimes = 4
+framesName, samplesName, summaryName = "frames.npz", "samples.npz", "summary.json"  # what a run leaves in its folder to be drawn from
 
 
 def sampleOf(skeleton, point):
 	"""Grains, contacts, forces and bond states of the sample behind a point, as talik.packing.sampleArrays gives them."""
 	with talik.inspect(skeleton.sample(point).open()):
 		return packing.sampleArrays()
+
+
+def saveSamples(path, samples, watched):
+	"""One compressed NumPy file of {letter: arrays of sampleOf} and {letter: id}; loadSamples(path) reads both back."""
+	arrays = {f"{letter}/{name}": values for letter, sample in samples.items() for name, values in sample.items()}
+	np.savez_compressed(path, **arrays, **{f"{letter}/point": point for letter, point in watched.items()})
+
+
+def loadSamples(path):
+	"""(samples, watched) that saveSamples wrote; both empty where there is no such file, as of ground without samples."""
+	samples, watched = {}, {}
+	if Path(path).exists():
+		with np.load(path) as file:
+			for key in file.files:
+				letter, name = key.split("/", 1)
+				if name == "point":
+					watched[letter] = int(file[key])
+				else:
+					samples.setdefault(letter, {})[name] = file[key]
+	return samples, watched
+
+
+def summaryOf(folder):
+	return json.loads((Path(folder) / summaryName).read_text())
+
+
+def draw(folder, outline, threshold=0.2):
+	"""slope.png and page.png from frames.npz, samples.npz and summary.json in the folder of a run.
+
+	outline, threshold  as for talik.shearband.measure"""
+	folder = Path(folder)
+	frames, (samples, watched) = output.loadFrames(folder / framesName)[1:], loadSamples(folder / samplesName)
+	summary = summaryOf(folder)
+	scale, title = summary["ground.thermalTimeScale"], f"{summary['case']}; {slipSurfaces(frames[-1], outline, threshold)}"
+	plots.save(plots.slopeHistory(frames, thermalTimeScale=scale), folder / "slope.png")
+	plots.save(page(frames, samples, watched, scale, title), folder / "page.png", dpi=80)
 
 
 def page(frames, samples=None, watched=None, thermalTimeScale=1.0, title=None):

@@ -23,13 +23,14 @@ from talik import calibrate, checkpoint, output, plots, rve, shearband, slope, s
 from talik.console import awaitEndOfStep
 from talik.files import writableFolder
 from talik.progress import Progress
+from talik.slumppage import framesName, samplesName, summaryName
 
 # Geometry [m]: ours, the paper prints none. A 45 degree face, 3 m high, above a 1 m bench.
 outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 
 
 seriesLength = 40  # states in the ParaView series
-framesName, checkpointName, memoryTag = "frames.npz", "slope.checkpoint", "thawSlump"
+checkpointName, memoryTag = "slope.checkpoint", "thawSlump"
 checkpointInterval = 60  # wall time [s]
 remembered = ("name", "presetName", "skeletonName", "thaws", "frameTimes", "restKineticEnergy", "calibrationSeconds", "reached")  # attributes of a run
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
@@ -264,21 +265,14 @@ class ThawSlump:
 	# ---- results
 
 	def _results(self):
-		frames = self.frames.frames
-		if len(frames) > 1:
-			self.frames.save(self.folder / framesName)
-			plots.save(plots.slopeHistory(frames[1:], thermalTimeScale=self.ground.thermalTimeScale), self.folder / "slope.png")
-			plots.save(self.page(), self.folder / "page.png", dpi=80)
 		summary = self.summary()
-		output.writeSummary(self.folder / "summary.json", **summary)
+		output.writeSummary(self.folder / summaryName, **summary)
+		if len(self.frames.frames) > 1:
+			watched = self.watchedPoints()
+			self.frames.save(self.folder / framesName)
+			slumppage.saveSamples(self.folder / samplesName, {letter: slumppage.sampleOf(self.skeleton, point) for letter, point in watched.items()}, watched)
+			slumppage.draw(self.folder, outline, bandStrain)
 		return summary
-
-	def page(self):
-		"""The page of figures, with samples of a frozen point A and a thawed point B."""
-		frames, watched = self.frames.frames[1:], self.watchedPoints()
-		samples = {letter: slumppage.sampleOf(self.skeleton, point) for letter, point in watched.items()}
-		title = f"{self.name}; {slumppage.slipSurfaces(frames[-1], outline, bandStrain)}"
-		return slumppage.page(frames, samples, watched, self.ground.thermalTimeScale, title)
 
 	def watchedPoints(self):
 		"""{"A": id, "B": id} at the end of the run; empty without samples."""
@@ -362,6 +356,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--resume", action="store_true", help="go on with the run that was stopped, from its checkpoint in the folder of the results")
+	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
@@ -374,31 +369,34 @@ def _thawStrain(text):
 
 
 def runCase(name, boundaries, options, duration=None):
-	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O.
+	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O; None when drawn anew.
 
 	duration  of the thaw [s], in place of the preset's"""
 	if options.resume:
 		slump = ThawSlump.resumed(options.output)
 		report(slump.run(), slump.folder)
 		return slump
-	preset = presets[options.preset]
-	if duration is not None:
-		preset = replace(preset, endTime=duration)
 	settings = comparison(options)
-	runs = {}
+	folders = {label: Path(options.output) / ("" if len(settings) == 1 else label.replace(" ", "-")) for label in settings}
+	slump = None
 	for label, setting in settings.items():
-		folder = Path(options.output) / ("" if len(settings) == 1 else label.replace(" ", "-"))
-		ground = Ground(thawStrain=setting["thawStrain"])
-		with nullcontext() if len(settings) == 1 else talik.scratchScene():
-			slump = ThawSlump(name, boundaries, preset, folder, ground, not options.no_thaw, skeleton=setting["skeleton"])
-			slump.presetName = options.preset
-			summary = slump.run()
-		report(summary, folder)
-		runs[label] = (slump.frames.frames, bill(summary))
-	if len(runs) > 1:
+		if options.redraw:
+			slumppage.draw(folders[label], outline, bandStrain)
+		else:
+			with nullcontext() if len(settings) == 1 else talik.scratchScene():
+				slump = ThawSlump(name, boundaries, _presetOf(options, duration), folders[label], Ground(thawStrain=setting["thawStrain"]), not options.no_thaw, skeleton=setting["skeleton"])
+				slump.presetName = options.preset
+				slump.run()
+		report(slumppage.summaryOf(folders[label]), folders[label])
+	if len(folders) > 1:
+		runs = {label: (output.loadFrames(folder / framesName), bill(slumppage.summaryOf(folder))) for label, folder in folders.items()}
 		figure = slumppage.sideBySide(runs, outline, Ground.thermalTimeScale)
 		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))
 	return slump
+
+
+def _presetOf(options, duration):
+	return presets[options.preset] if duration is None else replace(presets[options.preset], endTime=duration)
 
 
 def comparison(options):

@@ -241,7 +241,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
 
 
 def summaries(folder):
@@ -322,18 +322,25 @@ def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
 	assert slump.band() is None and slump.slipSurface() is None
 
 
-def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points(tmp_path):
+def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points_and_is_drawn_anew_from_the_folder(tmp_path, monkeypatch, capsys):
 	with talik.scratchScene():
-		slump = thawslump.ThawSlump("Case II", warmBase, "test", tmp_path)
-		slump.run()
+		slump = thawslump.runCase("Case II", warmBase, asCommanded(tmp_path))
 		frames = slump.frames.frames
 		sample = slumppage.sampleOf(slump.skeleton, 0)
-		figure = slumppage.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, 8.64e5)
+		slumppage.saveSamples(tmp_path / slumppage.samplesName, {"A": sample, "B": sample}, {"A": 0, "B": 1})
+	figure = slumppage.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, 8.64e5, f"Case II; {slumppage.slipSurfaces(frames[-1], thawslump.outline)}")
 	fields = [axes for axes in figure.axes if axes.collections and axes.name == "rectilinear"]
 	roses = [axes for axes in figure.axes if axes.name == "polar"]
-	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}")
+	wanted = Path(plots.save(figure, tmp_path / "wanted.png", dpi=80)).read_bytes()
+	(tmp_path / "page.png").unlink()
+	told = capsys.readouterr().out.splitlines()[-3:]
+	monkeypatch.setattr(thawslump, "ThawSlump", None)  # no run
+	thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, redraw=True))
+	assert capsys.readouterr().out.splitlines()[-3:] == told
+	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}; the page drawn anew has the same {len(wanted)} bytes")
 	assert len(roses) == 2 and len(fields) >= 12 + 2
 	assert {"ice saturation $S_i$ [-]", r"deviatoric strain $\varepsilon_d$ [-]", "displacement $|u|$ [m]"} <= labels(figure)
+	assert (tmp_path / "page.png").read_bytes() == wanted
 
 
 def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit(tmp_path, monkeypatch):
