@@ -97,7 +97,7 @@ namespace {
 	{
 		if (!scene) raise(PyExc_ValueError, "refuseFewerThreads: the scene is None; give a Scene.");
 		if (scene->forces.getNumAllocatedThreads() >= omp_get_max_threads()) return;
-		raise(PyExc_RuntimeError, "The scene was made to be stepped by fewer threads than O has: show a copy of it, e.g. that of RveSkeleton.scene(id).");
+		raise(PyExc_RuntimeError, "The scene was made to be stepped by fewer threads than O has: show a copy, as OpenRveSample.open() or RveSkeleton.scene(id) give it, or start yade with -j1.");
 	}
 
 	/// Everything that YADE saves of a scene: equal bytes mean that nothing was done to it.

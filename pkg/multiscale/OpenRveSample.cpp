@@ -36,6 +36,8 @@ py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSatu
 
 bool OpenRveSample::flip(Real skew) { return sample().flip(skew); }
 
+shared_ptr<Scene> OpenRveSample::open() const { return talik::sceneForView(talik::sceneToBytes(sample().yadeScene())); }
+
 void OpenRveSample::freeze(Real iceSaturation) { apply(Matrix3r::Zero(), iceSaturation); }
 
 py::dict OpenRveSample::statistics() const

@@ -19,6 +19,8 @@ public:
 	::boost::python::dict  statistics() const;
 	/// The scene itself: what is done to it is done to the sample.
 	shared_ptr<Scene>      runningScene() const { return sample().yadeScene(); }
+	/// A copy, to be shown and run in O.
+	shared_ptr<Scene>      open() const;
 
 private:
 	talik::OpenSample&                 sample() const;
@@ -37,7 +39,8 @@ public:
 		.def("flip",&OpenRveSample::flip,(::boost::python::arg("skew")=0.5),"Replace a skewed cell by its shortest equivalent; nothing physical changes. True if it was skewed.")
 		.def("freeze",&OpenRveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation: bonds, also across gaps within bondRange, and ice springs form stress-free.")
 		.def("statistics",&OpenRveSample::statistics,"Dictionary: contacts, bondsIntact, bondsFormed, bondsBroken, bondsMelted, coordinationNumber, porosity, fabric (Matrix3), unbalancedForce, kineticEnergy.")
-		.add_property("scene",&OpenRveSample::runningScene,"The Scene that runs, not a copy. See talik.inspect.")
+		.def("open",&OpenRveSample::open,"A copy of the Scene that runs, with as many threads as O has, for talik.inspect or O.")
+		.add_property("scene",&OpenRveSample::runningScene,"The Scene that runs, not a copy, stepped by one thread; talik.inspect shows it in a yade of one thread (-j1).")
 		.add_property("stress",&OpenRveSample::stress,"Love-Weber stress (Matrix3) of the last step [Pa], tension positive.")
 		.add_property("trsf",&OpenRveSample::deformation,"Accumulated deformation gradient [-].")
 		.add_property("iceSaturation",&OpenRveSample::iceSaturation,"Ice saturation of the grains' material [-], 0 without IceBondMat.")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from yade import Matrix3, O, Vector3, utils, wrapper
+from yade import Matrix3, O, Vector3, plot, utils, wrapper
 
 import talik
 from talik import packing, rve
@@ -254,10 +254,12 @@ def test_after_a_step_that_an_engine_ended_with_an_error_samples_can_be_looked_i
 def test_a_run_meanwhile_is_the_samples_and_the_ground_refuses_to_step(sample):
 	mpm = running(sample)
 	before, clock = everything(mpm), (O.iter, O.time, mpm.time)
+	plot.reset()
 	with mpm.inspect(3):
 		at, dt = O.iter, O.dt
+		O.engines = O.engines + [wrapper.PyRunner(command="from yade import plot, utils; plot.addData(step=O.iter, stress=utils.getStress()[0, 0])", iterPeriod=10)]
 		O.run(50, True)
-		assert O.iter == at + 50
+		assert O.iter == at + 50 and len(plot.data["step"]) == 5 and np.isfinite(plot.data["stress"]).all()
 		with pytest.raises(RuntimeError, match="mpm.back"):
 			mpm()
 		assert O.dt == dt
@@ -428,6 +430,32 @@ def test_shown_samples_run_with_all_threads_of_yade_and_yade_may_end_while_one_i
 	file = rve.prepare(grains=40, ice=False, cache=sampleCache).path
 	output = runScript(tmp_path, meanwhile.format(file=str(file), form=form), "-n", "-j2")
 	assert "THREADS 2" in output
+
+
+fewerThreads = """
+import talik
+from yade import Matrix3, O, wrapper
+sample = wrapper.OpenRveSample(source=talik.slope.openScene({file!r}))
+sample.apply(Matrix3(0, 1e-4, 0, 0, 0, 0, 0, 0, 0), 0)
+try:
+	talik.inspect(sample.scene)
+except RuntimeError as refusal:
+	print("REFUSED", refusal)
+before = sample.stress
+with talik.inspect(sample.open()):
+	print("SHOWN", len(O.bodies))
+	O.run(50, True)
+print("KEPT", sample.stress == before)
+print("SCRIPT ENDED")
+"""
+
+
+def test_the_scene_of_an_open_sample_is_refused_where_O_has_more_threads_and_the_copy_that_the_refusal_names_is_shown(sampleCache, tmp_path):
+	output = runScript(tmp_path, fewerThreads.format(file=str(rve.prepare(grains=40, ice=False, cache=sampleCache).path)), "-n", "-j2")
+	refusal = re.search("REFUSED (.*)", output).group(1)
+	print(f"\n{refusal}")
+	assert "OpenRveSample.open()" in refusal and "-j1" in refusal
+	assert "SHOWN 40" in output and "KEPT True" in output
 
 
 # --- points by what they suffer --------------------------------------------------------------------------------------------
@@ -635,6 +663,7 @@ import os, sys, time
 from PyQt5.QtWidgets import QApplication
 import talik
 from yade import Matrix3, O, qt, wrapper
+from yade.qt.Inspector import SimulationInspector
 
 sample = talik.slope.pack({file!r})
 sample.freeze(1)
@@ -654,6 +683,14 @@ renderer.intrPhys, renderer.bgColor = True, (1, 1, 1)
 view = qt.View()
 draw(0.3)
 mpm.inspect(0)
+window = SimulationInspector()
+window.show()
+window.changeBodyId(3)
+contact = next(i for i in O.interactions if i.isReal)
+window.changeIntrIds((contact.id1, contact.id2))
+draw(0.6)
+body, contact = window.bodyInspector.serEd.ser, window.intrInspector.serEd.ser
+print("INSPECTED", body.id, type(body.shape).__name__, type(contact.phys).__name__, type(window.engineInspector.serEd.getter()[0]).__name__)
 O.cell.velGrad = Matrix3(8, 0, 0, 0, -8, 0, 0, 0, 0)
 while sum(i.phys.bondState == 1 for i in O.interactions if i.isReal) > 35:
 	O.run(100, True)
@@ -679,7 +716,7 @@ os._exit(0)
 """
 
 
-def test_the_3d_view_shows_the_bonds_of_a_sample_behind_a_point_by_state(sampleCache, tmp_path):
+def test_the_inspector_and_the_3d_view_show_the_sample_behind_a_point_bonds_by_state(sampleCache, tmp_path):
 	from matplotlib import image
 
 	file = rve.prepare(grains=40, cache=sampleCache).path
@@ -688,6 +725,7 @@ def test_the_3d_view_shows_the_bonds_of_a_sample_behind_a_point_by_state(sampleC
 	command = ["xvfb-run", "-a", "-s", "-screen 0 1024x768x24", "yade", "-x", str(script), str(tmp_path)]
 	run = subprocess.run(command, capture_output=True, text=True, timeout=150, env=dict(os.environ))
 	assert "SCRIPT ENDED" in run.stdout and "BACK MpmEngine 0" in run.stdout, run.stdout + run.stderr
+	assert "INSPECTED 3 Sphere IceBondPhys ForceResetter" in run.stdout, run.stdout
 	intact, others = map(int, re.search(r"STATES (\d+) (\d+)", run.stdout).groups())
 	files = sorted(tmp_path.glob("sample-*.png"))
 	if "TALIK_PICTURES" in os.environ:
