@@ -71,13 +71,8 @@ def _renewView():
 		_talik.renewRenderer(qt.Renderer())
 
 
-def _teachInspector(classes):
-	qt = _sys.modules.get('yade.qt')
-	_console.teachInspector(classes, getattr(qt, 'SerializableEditor', None))
-
-
 with _paused():
-	_teachInspector(_publishClasses())
+	_console.teachInspector(_publishClasses())
 	_renewDispatchers()
 	_renewView()
 

@@ -10,6 +10,7 @@ import difflib
 import os
 import re
 import signal
+import sys
 import threading
 import time
 from contextlib import contextmanager
@@ -198,17 +199,32 @@ def _ownListClass(cls, attribute):
 	return found and found.group(1)
 
 
-def teachInspector(classes, editor):
-	"""YADE's inspector knows lists of YADE's own classes only, and an empty list of another ends it with an error.
+class _Learning:
+	"""qtHide of a class of ours: the names of attributes that the inspector is to pass over, which it asks for before it shows the first.
 
-	editor  yade.qt's SerializableEditor, which learns ours; None: there is no inspector yet, one made later passes over such lists"""
-	if editor is None:
-		for cls in classes:
-			cls.qtHide = " ".join(name for name, member in vars(cls).items() if isinstance(member, property) and _ownListClass(cls, name))
+	There are none; but an inspector that came after us learns here."""
+
+	def __get__(self, shown, cls):
+		editor = getattr(sys.modules.get("yade.qt"), "SerializableEditor", None)
+		if editor is not None:
+			_teach(editor)
+		return ""
+
+
+def teachInspector(classes):
+	"""YADE's inspector knows lists of YADE's own classes only, and an empty list of another ends it with an error: it learns ours.
+
+	Also where yade.qt is imported later."""
+	for cls in classes:
+		cls.qtHide = _Learning()
+
+
+def _teach(editor):
+	if hasattr(editor, "_stockGuess"):
 		return
 	from yade import wrapper
 
-	stockGuess = editor.getListTypeFromDocstring
+	stockGuess = editor._stockGuess = editor.getListTypeFromDocstring
 
 	def guess(self, attribute):
 		element = getattr(wrapper, _ownListClass(type(self.ser), attribute) or "", None)

@@ -269,7 +269,7 @@ for part in parts:
 	print("EDITOR", type(part).__name__, len(shown))
 	assert shown, type(part)
 	if part is mpm:
-		assert {"gridSpacing", "gravity", "damping", "flip"} <= shown, shown
+		assert {"gridSpacing", "gravity", "damping", "flip", "boundaries", "skeletons"} <= shown, shown
 		entry = next(entry for entry in editor.entries if entry.name == "damping")
 		entry.widget.setText("0.25")
 		entry.widget.update()
@@ -283,6 +283,35 @@ draw(0.2)
 	shown = re.findall(r"EDITOR (\w+) (\d+)", output)
 	print(", ".join(f"{name} {count}" for name, count in shown), "attributes shown")
 	assert len(shown) == 12 and "DAMPING 0.25" in output
+
+
+lateInspector = """
+import os, sys, talik
+import yade.runtime
+from PyQt5.QtWidgets import QApplication
+from yade import wrapper
+
+assert "yade.qt" not in sys.modules
+yade.runtime.hasDisplay = True
+application = QApplication.instance() or QApplication(sys.argv)
+from yade.qt.SerializableEditor import SerializableEditor
+editor = SerializableEditor(wrapper.MpmEngine(boundaries=[wrapper.FixedBoundary()]))
+editor.show()
+editor.refreshEvent()
+print("SHOWN", *(entry.name for entry in editor.entries), "END")
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def test_an_inspector_that_is_imported_after_us_shows_our_lists_as_well(tmp_path):
+	script = tmp_path / "script.py"
+	script.write_text(lateInspector)
+	run = subprocess.run(["xvfb-run", "-a", "yade", "-n", "-x", str(script)], capture_output=True, text=True, timeout=60, env=dict(os.environ))
+	shown = re.search("SHOWN (.*) END", run.stdout)
+	assert shown, run.stdout + run.stderr
+	print(f"{len(shown.group(1).split())} attributes shown")
+	assert {"gridSpacing", "boundaries", "skeletons"} <= set(shown.group(1).split())
 
 
 batchScript = """
