@@ -45,6 +45,7 @@ def loadSamples(path):
 
 
 def summaryOf(folder):
+	"""Named results of the run whose folder it is."""
 	return json.loads((Path(folder) / summaryName).read_text())
 
 
