@@ -74,10 +74,10 @@ dropForeignBuild() {
 	grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || rm -rf "$cache" "$build/CMakeFiles" "$build/Makefile"
 }
 
-# ensureBuilt [target]: everything, or only one target of CMake.
+# ensureBuilt [target]...: everything, or only these targets of CMake.
 ensureBuilt() {
 	local target=()
-	[ $# -gt 0 ] && target=(--target "$1")
+	[ $# -gt 0 ] && target=(--target "$@")
 	mkdir -p "$build" 2>/dev/null && [ -w "$build" ] || fail "cannot write into $build; set TALIK_BUILD to a folder that is yours"
 	dropForeignBuild
 	if [ ! -f "$build/CMakeCache.txt" ] || [ ! -f "$build/Makefile" ]; then

@@ -76,8 +76,12 @@ LineError lineError(const Ground<2>& ground, int axis, double at0, double slope)
 	return worst;
 }
 
-void expectLine(const std::string& label, const Ground<2>& ground, int axis, double at0, double slope)
+void expectLine(const std::string& label, const Ground<2>& ground, int axis, double at0, double slope, Drawing& drawing)
 {
+	const auto pressure = cellMeans(ground, "pressure", axis);
+	for (std::size_t c = 0; c < pressure.size(); ++c)
+		drawing.computed(label, (c + 0.5) * ground.settings().gridSpacing, 1e-3 * pressure[c]);
+	drawing.reference(label, 0.0, length, [=](double x) { return 1e-3 * (at0 + slope * x); });
 	const LineError error      = lineError(ground, axis, at0, slope);
 	const double    difference = std::abs(slope) * length;
 	expectSmall(label + ": pressure between cells off the line", error.between / difference, 1e-2);
@@ -104,13 +108,14 @@ TEST(Boundaries, PressureDifferenceThatChangesInTimeDrivesTheFluxOfDarcy)
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), TimeTable({ 0.0, 0.1, 0.8, 1.0 }, { 1e4, 2e4, 2e4, 6e4 }));
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("right"), 1e4);
 	Ground<2> ground = started(s, s.gridSpacing, [](PointInput<2>& p) { p.pressure = 1e4; });
+	Drawing   drawing("prescribed_pressures", "Seepage between prescribed pressures", "distance [m]", "pore pressure [kPa]");
 	for (const auto& [until, pressure] : { std::pair(0.8, 2e4), std::pair(1.8, 6e4) }) {
 		marchTo(ground, until);
 		const double flux = conductivity / unitWeight * (pressure - 1e4) / length;
 		char         label[64];
 		std::snprintf(label, sizeof label, "pressures %.0f | 10 kPa", 1e-3 * pressure);
 		expectRelative(label + std::string(": flux against Darcy [m/s]"), meanFlux(ground, 0), flux, 1e-2);
-		expectLine(label, ground, 0, pressure, (1e4 - pressure) / length);
+		expectLine(label, ground, 0, pressure, (1e4 - pressure) / length, drawing);
 	}
 }
 
@@ -123,7 +128,8 @@ TEST(Boundaries, PrescribedFluxThroughASideNeedsTheGradientOfDarcy)
 	Ground<2> ground = started(s, s.gridSpacing, [](PointInput<2>& p) { p.pressure = 5e3; });
 	marchTo(ground, 1.2);
 	const double slope = -unitWeight / conductivity * flux;
-	expectLine("inflow 2 mm/s", ground, 0, 5e3 - slope * length, slope);
+	Drawing      drawing("prescribed_flux", "Seepage of a prescribed flux, 2 mm/s", "distance [m]", "pore pressure [kPa]");
+	expectLine("inflow 2 mm/s", ground, 0, 5e3 - slope * length, slope, drawing);
 	expectRelative("inflow 2 mm/s: flux that arrives [m/s]", meanFlux(ground, 0), flux, 1e-2);
 }
 
@@ -164,7 +170,8 @@ TEST(Boundaries, RainOnTheFreeSurfaceFlowsToTheBaseUnderGravity)
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("bottom"), unitWeight * length);
 	Ground<2> ground = started(s, length, [](PointInput<2>& p) { p.pressure = unitWeight * (length - p.position[1]); });
 	marchTo(ground, 1.2);
-	expectLine("rain of k/2", ground, 1, unitWeight * length, -0.5 * unitWeight);
+	Drawing drawing("rain", "Rain of half the conductivity on a column", "height [m]", "pore pressure [kPa]");
+	expectLine("rain of k/2", ground, 1, unitWeight * length, -0.5 * unitWeight, drawing);
 	const double before = ground.balance().waterOut;
 	marchTo(ground, 1.3);
 	expectSmall("rain of k/2: storage still changing over rain", (ground.balance().waterOut - before) / (100.0 * 0.5 * conductivity * s.upper[0]), 1e-2);
@@ -192,7 +199,7 @@ double halfSpaceUnderAir(double x, double t, double a, double perConductivity)
 }
 
 /// Largest error over 15 K of the column's cells after a day of air at 10 degC over ground at -5 degC (no freezing here).
-double errorUnderAir(bool atWall, double coefficient, int cells)
+double errorUnderAir(bool atWall, double coefficient, int cells, Drawing* drawing = nullptr)
 {
 	const double depth = 2.0, h = depth / cells;
 	auto         s     = columnSettings(h, depth + 2.0 * h);
@@ -209,6 +216,11 @@ double errorUnderAir(bool atWall, double coefficient, int cells)
 		const double below = atWall ? (c + 0.5) * h : depth - (c + 0.5) * h;
 		const double exact = -5.0 + 15.0 * halfSpaceUnderAir(below, day, soil.diffusivity(), coefficient / soil.conductivity);
 		worst              = std::max(worst, std::abs(t[c] - exact) / 15.0);
+		if (!drawing || below > 1.0) continue;
+		char series[64];
+		std::snprintf(series, sizeof series, "%s, %.0f W/(m^2 K)", atWall ? "wall" : "free surface", coefficient);
+		drawing->computed(series, below, t[c]);
+		if (!atWall) drawing->reference(series, below, exact);
 	}
 	return worst;
 }
@@ -217,11 +229,12 @@ double errorUnderAir(bool atWall, double coefficient, int cells)
 
 TEST(Boundaries, GroundUnderAirWarmsAsTheHalfSpaceWithSurfaceExchange)
 {
+	Drawing drawing("surface_exchange", "Air of 10 degC over ground of -5 degC, one day, h = 0.05 m", "depth [m]", "temperature [degC]");
 	for (const bool atWall : { false, true })
 		for (const double coefficient : { 2.0, 15.0 }) {
 			char label[80];
 			std::snprintf(label, sizeof label, "air over a %s, h_c = %.0f W/(m^2 K): ", atWall ? "wall" : "free surface", coefficient);
-			const double coarse = errorUnderAir(atWall, coefficient, 20), medium = errorUnderAir(atWall, coefficient, 40);
+			const double coarse = errorUnderAir(atWall, coefficient, 20), medium = errorUnderAir(atWall, coefficient, 40, &drawing);
 			const double fine = errorUnderAir(atWall, coefficient, 160);
 			expectSmall(label + std::string("error over 15 K, h = 0.1 m"), coarse, 5e-2);
 			expectSmall(label + std::string("error over 15 K, h = 0.0125 m"), fine, 1e-2);

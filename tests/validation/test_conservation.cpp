@@ -154,7 +154,14 @@ TEST(Conservation, UniformPorePressureAtAnIceFrontMovesNothing)
 	const double forceScale = 1e5 * 1000.0 * dt / (0.05 * 1000.0); // speed the wrong force would give: p t/(h rho)
 	expectSmall("uniform pressure at an ice front: solid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "velocity", 0)) / forceScale, 1e-12);
 	expectSmall("uniform pressure at an ice front: liquid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "liquidVelocity", 0)) / forceScale, 1e-12);
-	auto pressure = valuesOf(ground, "pressure");
+	auto       pressure = valuesOf(ground, "pressure");
+	const auto x = valuesOf(ground, "position", 0), ice = valuesOf(ground, "iceSaturation");
+	Drawing    drawing("ice_front", "Uniform pore pressure at an ice front after 1000 steps", "distance [m]", "p/p at the start, ice saturation [-]");
+	for (std::size_t k = 0; k < x.size(); ++k) {
+		drawing.computed("pressure", x[k], pressure[k] / 1e5);
+		drawing.computed("ice", x[k], ice[k]);
+	}
+	drawing.reference("pressure", 0.0, 1.0, [](double) { return 1.0; });
 	for (double& p : pressure)
 		p = p / 1e5 - 1.0;
 	expectSmall("uniform pressure at an ice front: change of p over p, 1000 steps", largestSize(pressure), 1e-9);

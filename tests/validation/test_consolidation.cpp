@@ -24,12 +24,14 @@ struct ColumnScene {
 	double load         = 1e4;
 	double damping      = 0.3;
 	bool   drained      = true;
+	std::string shape   = "quadraticBSpline";
 };
 
 GroundSettings<2> saturatedColumn(const ColumnScene& c)
 {
 	const double h = c.height / c.cells;
 	auto         s = columnSettings(h, c.height + 2 * h);
+	s.shapeFunction = c.shape;
 	standOnRollers(s);
 	s.motion.emplace();
 	s.motion->localDamping = c.damping;
@@ -149,6 +151,15 @@ TEST(Consolidation, TerzaghiWithLoweredBulkModulusIsMetToOnePercentOfTheInitialP
 	ColumnScene c;
 	c.bulkModulus = 2.2e7;
 	expectTerzaghi(c, "V04 k = 1e-4, K_w = 2.2e7", "terzaghi_2e7", 1e-2);
+}
+
+// with gimp base pressure is up to 1.1 % of p0 low, settlement 1.7 % of its end short, where B-splines keep to 1 %
+TEST(Consolidation, TerzaghiWithGimpIsMetToTwoPercentOfTheInitialPressure)
+{
+	ColumnScene c;
+	c.bulkModulus = 2.2e7;
+	c.shape       = "gimp";
+	expectTerzaghi(c, "V04 gimp, k = 1e-4, K_w = 2.2e7", "terzaghi_gimp", 2e-2);
 }
 
 TEST(Consolidation, TerzaghiWithTheBulkModulusOfWaterIsMetToOnePercentOfTheInitialPressure_slow)
@@ -372,8 +383,8 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 		drawing.reference(series, 0.0, 1.0, [&](double x) { return exact.pressure(x); });
 		char label[64];
 		std::snprintf(label, sizeof label, "Morgenstern-Nixon R = %.2f: ", ratio);
-		// thaw from a free surface into ground near 0 degC runs ahead by half a spacing
-		expectScaled(label + std::string("thaw depth, error in h [m]"), thawed, depth, s.gridSpacing, 0.7);
+		// thaw from a free surface into ground near 0 degC runs ahead by 0.4 spacings
+		expectScaled(label + std::string("thaw depth, error in h [m]"), thawed, depth, s.gridSpacing, 0.45);
 		expectSmall(label + std::string("rms of u/P0 within the thawed layer"), std::sqrt(sum / n), 3e-2);
 		expectScaled(
 		        label + std::string("settlement over X P0/M"), settlement(ground, c.height) / (thawed * c.load / c.oedometer), exact.degree(), 1.0, 3e-2);

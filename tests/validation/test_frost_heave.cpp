@@ -64,8 +64,8 @@ TEST(FrostHeave, SealedColumnHeavesAndPressurisesAsTheBalancesSay)
 	const SealedFreezing exact { modulus, 2.2e8, 8.8e8, start.waterMass / (h * height) };
 	Drawing heave("sealed_freezing_heave", "Sealed freezing column, M = 10 MPa", "temperature [degC]", "heave [-]");
 	Drawing pressing("sealed_freezing_pressure", "Sealed freezing column, M = 10 MPa", "temperature [degC]", "pore pressure [kPa]");
-	heave.reference("heave", -1.0, 0.05, [&](double t) { return exact.volumeRatio(t) - 1.0; });
-	pressing.reference("pressure", -1.0, 0.05, [&](double t) { return 1e-3 * exact.pressure(t, exact.volumeRatio(t)); });
+	heave.reference("heave", -3.0, 0.05, [&](double t) { return exact.volumeRatio(t) - 1.0; });
+	pressing.reference("pressure", -3.0, 0.05, [&](double t) { return 1e-3 * exact.pressure(t, exact.volumeRatio(t)); });
 	for (const double instant : { 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0 }) {
 		marchTo(ground, instant);
 		const double count = ground.points().count();

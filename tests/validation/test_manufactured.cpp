@@ -203,10 +203,14 @@ const Quantity quantities[] = { { "displacement", { 0, 1 } }, { "relative veloci
 TEST(Manufactured, CoupledEquationsConvergeInSecondOrderInSpace_slow)
 {
 	const Solution coarse = computed(8, 40), medium = computed(16, 160), fine = computed(32, 640);
+	Drawing        drawing("manufactured_space", "Manufactured solution, errors over h", "log2 of 1/h [1/m]", "log2 of the relative error [-]");
 	for (const Quantity& q : quantities) {
 		const double e8 = difference(coarse, exact(8), exact(8), q.fields), e16 = difference(medium, exact(16), exact(16), q.fields);
 		const double e32 = difference(fine, exact(32), exact(32), q.fields);
 		const std::string label = std::string("manufactured, ") + q.name;
+		for (const auto& [level, error] : { std::pair(3.0, e8), std::pair(4.0, e16), std::pair(5.0, e32) })
+			drawing.computed(q.name, level, std::log2(error));
+		drawing.reference(q.name, 3.0, 5.0, [=](double level) { return std::log2(e32) + 2.0 * (5.0 - level); });
 		expectSmall(label + ": relative error, h = 1/8, eight cells in half a wave", e8, 1.0);
 		expectSmall(label + ": relative error, h = 1/32", e32, 0.04);
 		expectAtLeast(label + ": order in space, 1/16 to 1/32", std::log2(e16 / e32), 1.8);
@@ -217,8 +221,12 @@ TEST(Manufactured, CoupledEquationsConvergeInSecondOrderInSpace_slow)
 TEST(Manufactured, CoupledEquationsConvergeInFirstOrderInTime)
 {
 	const Solution coarse = computed(8, 320), medium = computed(8, 640), fine = computed(8, 1280);
+	Drawing        drawing("manufactured_time", "Manufactured solution, change on halving dt", "log2 of the steps [-]", "log2 of the relative change [-]");
 	for (const Quantity& q : quantities) {
 		const double first = difference(coarse, medium, exact(8), q.fields), second = difference(medium, fine, exact(8), q.fields);
+		drawing.computed(q.name, std::log2(640.0), std::log2(first));
+		drawing.computed(q.name, std::log2(1280.0), std::log2(second));
+		drawing.reference(q.name, std::log2(640.0), std::log2(1280.0), [=](double level) { return std::log2(second) + std::log2(1280.0) - level; });
 		expectSmall(std::string("manufactured, ") + q.name + ": change from dt/2 to dt/4", second, 2e-2);
 		expectAtLeast(std::string("manufactured, ") + q.name + ": order in time", std::log2(first / second), 0.9);
 	}

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The README is run, not believed."""
 
+import os
 import re
 import subprocess
 from pathlib import Path
+
+import talik
 
 import yade
 
@@ -33,3 +36,18 @@ def test_commands_of_the_readme_exist_and_explain_themselves():
 		done = subprocess.run([str(root / command), "--help"], capture_output=True, text=True, timeout=60)
 		assert done.returncode == 0 and "usage" in done.stdout.lower(), (command, done.stderr)
 	print(", ".join(commands))
+
+
+def test_commands_of_the_readme_run(tmp_path):
+	"""An example at reduced size, and a case of the validation drawn against its reference, as a user would type them."""
+	build = {**os.environ, "TALIK_BUILD": str(Path(talik.__file__).parents[2])}
+	for command, left in (
+		("scripts/run weather_column --preset test --output run", "run"),
+		("scripts/validate FreeElement --output drawn", "drawn/nine_per_cent.png"),
+	):
+		folder = tmp_path / command.split()[-1]
+		done = subprocess.run([str(root / command.split()[0]), *command.split()[1:-1], str(folder)], env=build, capture_output=True, text=True, timeout=300)
+		assert done.returncode == 0, (command, done.stdout, done.stderr)
+		found = sorted(file.name for file in folder.iterdir())
+		print(f"{command}: {', '.join(found)}")
+		assert (tmp_path / left).exists() and found
