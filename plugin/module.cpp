@@ -10,9 +10,7 @@
 #include <pkg/multiscale/CheckpointFile.hpp>
 #include <pkg/rve/RunningScene.hpp>
 #include <pkg/rve/ScenePacking.hpp>
-#include <iostream>
 #include <omp.h>
-#include <set>
 
 namespace py = boost::python;
 using namespace yade;
@@ -139,9 +137,6 @@ namespace {
 	{
 		const std::string reason = reasonAgainstRunning(scene, false);
 		if (!reason.empty()) raise(PyExc_RuntimeError, "The scene cannot run: " + reason + ".");
-		static std::set<std::string> said;
-		const std::string            warning = contactsThatMayAbort(scene);
-		if (!warning.empty() && said.insert(warning).second) std::cerr << "talik: " << warning << "." << std::endl;
 	}
 
 	/// Small scenes lose by YADE's threads, and by sleeping until O.run has ended; and one thread gives the same bits for every -j.

@@ -3,7 +3,10 @@
 #include <pkg/rve/HoldGil.hpp>
 #include <pkg/rve/RunningScene.hpp>
 
+#include <algorithm>
 #include <map>
+#include <set>
+#include <tuple>
 
 namespace py = boost::python;
 using namespace yade;
@@ -54,16 +57,28 @@ namespace {
 		return "";
 	}
 
-	/// One body of each class of material that may touch another.
-	std::map<std::string, const Body*> bodiesByMaterial(const Scene& scene)
+	/// Bodies that the dispatchers and the collider cannot tell apart, by one of them.
+	struct Kind {
+		const Body* body;
+		std::size_t count;
+	};
+
+	std::vector<Kind> kindsOf(const Scene& scene)
 	{
-		std::map<std::string, const Body*> found;
+		std::map<std::tuple<std::string, std::string, mask_t>, Kind> kinds;
 		for (std::size_t id = 0; id < scene.bodies->size(); id++) {
 			const auto& body = (*scene.bodies)[id];
-			if (body && collides(*body) && body->material) found.emplace(body->material->getClassName(), body.get());
+			if (!body || !collides(*body) || !body->material) continue;
+			const auto key = std::make_tuple(body->material->getClassName(), body->shape->getClassName(), body->groupMask);
+			kinds.emplace(key, Kind { body.get(), 0 }).first->second.count++;
 		}
+		std::vector<Kind> found;
+		for (const auto& [_, kind] : kinds)
+			found.push_back(kind);
 		return found;
 	}
+
+	std::string materialOf(const Kind& kind) { return kind.body->material->getClassName(); }
 
 	std::string className(const py::object& object) { return py::extract<std::string>(object.attr("__class__").attr("__name__")); }
 
@@ -76,12 +91,12 @@ namespace {
 	}
 
 	/// Ip2 functors for all pairs of the materials that have one.
-	std::vector<py::object> contactParameters(const std::map<std::string, const Body*>& materials, const py::object& dispatcher)
+	std::vector<py::object> contactParameters(const std::vector<Kind>& kinds, const py::object& dispatcher)
 	{
 		std::vector<py::object> functors;
-		for (const auto& [_, first] : materials)
-			for (const auto& [__, second] : materials) {
-				const py::object functor = dispatcher.attr("dispFunctor")(first->material, second->material);
+		for (const Kind& first : kinds)
+			for (const Kind& second : kinds) {
+				const py::object functor = dispatcher.attr("dispFunctor")(first.body->material, second.body->material);
 				if (!functor.is_none()) functors.push_back(functor);
 			}
 		return functors;
@@ -100,20 +115,47 @@ namespace {
 	}
 
 	/// Where nothing fits, the first contact would be the end, whichever it is.
-	std::string reasonOfContacts(const Scene& scene, const shared_ptr<Engine>& engine, bool dense)
+	std::string reasonOfContacts(const std::vector<Kind>& kinds, const py::object& loop, bool dense)
 	{
-		const auto materials = bodiesByMaterial(scene);
-		if (materials.empty()) return "";
+		if (kinds.empty()) return "";
+		std::set<std::string> materials;
+		for (const Kind& kind : kinds)
+			materials.insert(materialOf(kind));
 		std::string names;
-		for (const auto& [name, _] : materials)
+		for (const std::string& name : materials)
 			names += (names.empty() ? "" : ", ") + name;
-		const HoldGil    held;
-		const py::object loop(engine);
-		const auto       parameters = contactParameters(materials, loop.attr("physDispatcher"));
+		const auto parameters = contactParameters(kinds, loop.attr("physDispatcher"));
 		if (parameters.empty() && !dense && py::len(loop.attr("physDispatcher").attr("functors")) > 0) return ""; // they may never touch
 		if (parameters.empty()) return "its InteractionLoop has no Ip2 functor for contacts of " + names + ": add one, e.g. Ip2_IceBondMat_IceBondMat_IceBondPhys()";
 		if (someLawFits(loop, parameters)) return "";
 		return "its InteractionLoop has no Law2 functor for what " + className(parameters.front()) + " makes of contacts: add one, e.g. Law2_ScGeom_IceBondPhys_IceBond()";
+	}
+
+	bool isOfIce(const Kind& kind) { return materialOf(kind) == "IceBondMat"; }
+
+	/// As the collider decides it.
+	bool mayMeet(const Kind& a, const Kind& b, mask_t avoidedAmongThemselves)
+	{
+		if (&a == &b && a.count < 2) return false;
+		const mask_t common = a.body->groupMask & b.body->groupMask;
+		return common != 0 && (a.body->groupMask != b.body->groupMask || (a.body->groupMask & avoidedAmongThemselves) == 0);
+	}
+
+	/// Contacts of ice-bonded grains that some Ig2 functor finds, and that no Ip2 or no Law2 functor knows: the first would be the end.
+	std::string reasonOfIceContacts(const std::vector<Kind>& kinds, const py::object& loop, mask_t avoidedAmongThemselves)
+	{
+		const py::object geometries = loop.attr("geomDispatcher"), parameters = loop.attr("physDispatcher");
+		for (std::size_t i = 0; i < kinds.size(); i++)
+			for (std::size_t j = i; j < kinds.size(); j++) {
+				const Kind &a = kinds[i], &b = kinds[j];
+				if (!(isOfIce(a) || isOfIce(b)) || !mayMeet(a, b, avoidedAmongThemselves)) continue;
+				if (geometries.attr("dispFunctor")(a.body->shape, b.body->shape).is_none() && geometries.attr("dispFunctor")(b.body->shape, a.body->shape).is_none()) continue;
+				const py::object functor = parameters.attr("dispFunctor")(a.body->material, b.body->material);
+				if (!functor.is_none() && someLawFits(loop, { functor })) continue;
+				return "its InteractionLoop has no " + std::string(functor.is_none() ? "Ip2" : "Law2") + " functor for contacts of " + named(*a.body) + " (" + materialOf(a)
+				        + ") and " + named(*b.body) + " (" + materialOf(b) + "), the first of which would end YADE: add Ip2_FrictMat_FrictMat_FrictPhys() and Law2_ScGeom_FrictPhys_CundallStrack(), or keep them apart by Body.mask";
+			}
+		return "";
 	}
 
 } // namespace
@@ -131,22 +173,14 @@ std::string reasonAgainstRunning(const Scene& scene, bool dense)
 		const std::string reason = reasonOfCell(scene);
 		if (!reason.empty()) return reason;
 	}
-	return reasonOfContacts(scene, loop, dense);
-}
-
-std::string contactsThatMayAbort(const Scene& scene)
-{
-	const auto loop = liveEngine(scene, "InteractionLoop");
-	if (!loop) return "";
-	const auto materials = bodiesByMaterial(scene);
-	const auto ice       = materials.find("IceBondMat");
-	if (ice == materials.end()) return "";
-	const HoldGil    held;
-	const py::object dispatcher = py::object(loop).attr("physDispatcher");
-	for (const auto& [name, body] : materials)
-		if (body != ice->second && py::object(dispatcher.attr("dispFunctor")(ice->second->material, body->material)).is_none())
-			return "bodies of IceBondMat and of " + name + " must not touch: the InteractionLoop has no Ip2 functor for them, and stock YADE would end; add Ip2_FrictMat_FrictMat_FrictPhys() and Law2_ScGeom_FrictPhys_CundallStrack()";
-	return "";
+	const auto        kinds    = kindsOf(scene);
+	const auto        collider = liveEngine(scene, "InsertionSortCollider");
+	const HoldGil     held;
+	const py::object  inPython(loop);
+	const std::string reason = reasonOfContacts(kinds, inPython, dense);
+	if (!reason.empty()) return reason;
+	const mask_t avoided = collider ? mask_t(py::extract<mask_t>(py::object(collider).attr("avoidSelfInteractionMask"))) : 0;
+	return reasonOfIceContacts(kinds, inPython, avoided);
 }
 
 } // namespace talik

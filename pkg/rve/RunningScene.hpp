@@ -6,11 +6,8 @@ namespace talik {
 
 /// Why the next step of a scene would end the whole process on one of stock YADE's own asserts, with the remedy; empty if nothing of
 /// the kind is known. Debian's YADE is built with asserts, and throws out of parallel loops where no functor fits a contact. Looks at
-/// every body once; holds the GIL while it asks the dispatchers. dense: bodies are sure to touch.
+/// every body once; holds the GIL while it asks the dispatchers. Grains of IceBondMat must have functors for all that they may touch; other
+/// bodies need not touch, unless dense.
 std::string reasonAgainstRunning(const yade::Scene& scene, bool dense);
-
-/// What may end the process as soon as two bodies touch, which need not happen: grains of IceBondMat and bodies of another material for
-/// whose contacts there is no functor. Empty if there are none.
-std::string contactsThatMayAbort(const yade::Scene& scene);
 
 } // namespace talik

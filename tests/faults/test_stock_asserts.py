@@ -112,22 +112,42 @@ def test_contacts_that_no_law_knows_are_refused(parameters, laws):
 	goesOn()
 
 
-def test_materials_whose_contacts_no_functor_knows_are_warned_of_once_because_they_need_not_touch(capfd):
-	pair()
-	O.bodies.append(utils.sphere((1, 1, 9), 0.1, material=O.materials.append(wrapper.FrictMat())))
-	O.run(3, True)
-	O.step()
-	said = [line for line in capfd.readouterr().err.splitlines() if line.startswith("talik: bodies of IceBondMat")]
-	print(said[0])
-	assert O.iter == 4 and len(said) == 1 and "FrictMat must not touch" in said[0]
-	material = O.materials.append(wrapper.FrictMat(young=1e7))
-	O.bodies[1].material = O.materials[material]
-	O.interactions.clear()
+def addFrictionalSphere(**place):
+	O.bodies.append(utils.sphere((1, 1, 9), 0.1, material=O.materials.append(wrapper.FrictMat(young=1e7)), **place))
+
+
+def know(parameters=(), laws=()):
 	contacts = O.engines[2]
-	contacts.physDispatcher.functors = contacts.physDispatcher.functors + [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]
-	contacts.lawDispatcher.functors = contacts.lawDispatcher.functors + [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
+	contacts.physDispatcher.functors = contacts.physDispatcher.functors + list(parameters)
+	contacts.lawDispatcher.functors = contacts.lawDispatcher.functors + list(laws)
+
+
+def test_ice_bonded_grains_and_bodies_of_another_material_need_functors_for_their_contacts_before_they_meet():
+	pair()
+	addFrictionalSphere()
+	refusedByAll(r"no Ip2 functor for contacts of O.bodies\[2\] \(FrictMat\) and O.bodies\[0\] \(IceBondMat\)")
+	know([wrapper.Ip2_FrictMat_FrictMat_FrictPhys()])
+	refusedByAll(r"no Law2 functor for contacts of O.bodies\[2\] \(FrictMat\)")
+	know(laws=[wrapper.Law2_ScGeom_FrictPhys_CundallStrack()])
+	O.bodies[2].state.pos = (2.999, 1, 1.999 + 0.1)
+	goesOn()
 	O.run(3, True)
-	assert type(O.interactions[0, 1].phys) is wrapper.FrictPhys and not capfd.readouterr().err
+	kinds = {type(i.phys).__name__ for i in O.interactions if i.isReal}
+	print(f"contacts afterwards: {kinds}")
+	assert kinds == {"IceBondPhys", "FrictPhys"}
+
+
+@pytest.mark.parametrize("apart", ["masks", "avoided among themselves", "no geometry of theirs"])
+def test_bodies_of_another_material_that_ice_bonded_grains_cannot_meet_need_no_functors(apart):
+	pair()
+	if apart == "no geometry of theirs":
+		O.bodies.append(utils.wall(1, axis=2, material=O.materials.append(wrapper.FrictMat())))
+	elif apart == "masks":
+		addFrictionalSphere(mask=2)
+	else:
+		O.engines[1].avoidSelfInteractionMask = 1
+		addFrictionalSphere(mask=1)
+	goesOn()
 
 
 def broken(change, sample):
@@ -145,6 +165,7 @@ def broken(change, sample):
 		(lambda: setattr(O.bodies[3], "shape", None), r"O.bodies\[3\] has lost its shape"),
 		(lambda: setattr(O.bodies[3].state, "pos", (float("nan"), 0, 0)), r"position of O.bodies\[3\] is not finite"),
 		(lambda: setattr(O, "engines", [loop([], []) if isinstance(e, wrapper.InteractionLoop) else e for e in O.engines]), "no Ip2 functor for contacts of IceBondMat"),
+		(lambda: setattr(O.bodies[3], "material", wrapper.FrictMat()), r"no Ip2 functor for contacts of O.bodies\[3\] \(FrictMat\)"),
 		(lambda: setattr(O.cell, "hSize", Matrix3(0.05, 0, 0, 0, 0.05, 0, 0, 0, 0.012)), "too short for spheres of radius"),
 	],
 )

@@ -1,61 +1,27 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "RandomScene.hpp"
 
+#include "Dice.hpp"
+
 #include <pkg/mpm/Boundaries.hpp>
 #include <pkg/mpm/ElasticSkeleton.hpp>
 #include <pkg/mpm/MohrCoulombSkeleton.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 namespace talik::stability {
 
 namespace {
 
-	/// Draws and writes down what it drew.
-	class Dice {
-	public:
-		explicit Dice(std::uint64_t seed)
-		        : generator_(seed)
-		{
-		}
-		double uniform(double from, double to) { return from + (to - from) * static_cast<double>(generator_() >> 11) * 0x1p-53; }
-		double between(const char* name, double from, double to) { return noted(name, uniform(from, to)); }
-		/// Every decade is as likely as another.
-		double decades(const char* name, double from, double to) { return noted(name, from * std::pow(to / from, uniform(0.0, 1.0))); }
-		int    count(const char* name, int from, int to) { return static_cast<int>(noted(name, from + std::floor(uniform(0.0, to - from + 1.0)))); }
-		/// True with the probability given; the name is written down if it comes true.
-		bool chance(const char* name, double probability)
-		{
-			const bool comes = uniform(0.0, 1.0) < probability;
-			if (comes) text_ << ' ' << name;
-			return comes;
-		}
-		template <class T> T oneOf(const char* name, const std::vector<T>& choices)
-		{
-			const T& choice = choices[std::min(choices.size() - 1, static_cast<std::size_t>(uniform(0.0, choices.size())))];
-			text_ << ' ' << name << '=' << choice;
-			return choice;
-		}
-		std::string text() const { return text_.str(); }
-
-	private:
-		double noted(const char* name, double value)
-		{
-			text_ << ' ' << name << '=' << value;
-			return value;
-		}
-		std::mt19937_64    generator_;
-		std::ostringstream text_;
-	};
-
-	struct Draw {
+	template <int D> struct Draw {
 		Dice              dice;
-		RandomScene&      scene;
-		GroundSettings<2> s;
+		RandomScene<D>&   scene;
+		GroundSettings<D> s;
 		double            softest = INFINITY; ///< smallest Young's modulus [Pa]
+		double            top = 0.0; ///< of the ground [m]
+		int               cellsFilled = 0;
 
 		void motion();
 		void skeletons();
@@ -65,10 +31,18 @@ namespace {
 		void walls();
 		void surface();
 		void fill();
+		void body();
 		TimeTable weather(double from, double to);
+
+		static Vec<D> along(double x, double y)
+		{
+			Vec<D> v {};
+			v[0] = x, v[1] = y;
+			return v;
+		}
 	};
 
-	void Draw::motion()
+	template <int D> void Draw<D>::motion()
 	{
 		s.motion.emplace();
 		s.shapeFunction       = dice.oneOf<std::string>("shape", { "quadraticBSpline", "quadraticBSpline", "gimp", "linear" });
@@ -77,11 +51,11 @@ namespace {
 		s.motion->flipFraction  = dice.between("flip", 0.0, 1.0);
 		s.motion->localDamping  = dice.chance("damped", 0.2) ? 0.7 : 0.0;
 		s.motion->cellAveraging = !dice.chance("noCellMeans", 0.25);
-		if (dice.chance("gravity", 0.7)) s.motion->gravity = { dice.uniform(-3.0, 3.0), -9.81 };
+		if (dice.chance("gravity", 0.7)) s.motion->gravity = along(dice.uniform(-3.0, 3.0), -9.81);
 		s.waveFraction = dice.between("waveFraction", 0.1, 0.99);
 	}
 
-	void Draw::skeletons()
+	template <int D> void Draw<D>::skeletons()
 	{
 		const int count = dice.chance("twoSkeletons", 0.4) ? 2 : 1;
 		for (int k = 0; k < count; ++k) {
@@ -90,7 +64,7 @@ namespace {
 			const double modulus = dice.decades("E", std::max(1e6, 50.0 * weight), 1e10);
 			softest              = std::min(softest, modulus);
 			if (dice.chance("mohrCoulomb", 0.4)) {
-				auto m                = std::make_shared<MohrCoulombSkeleton<2>>();
+				auto m                = std::make_shared<MohrCoulombSkeleton<D>>();
 				m->youngModulus       = modulus;
 				m->youngModulusFrozen = modulus * dice.decades("frozenRatio", 1.0, 100.0);
 				m->poissonRatio       = dice.between("nu", 0.0, 0.45);
@@ -101,7 +75,7 @@ namespace {
 				m->tensileStrength = m->tensileStrengthFrozen = 0.0;
 				s.skeletons.push_back(m);
 			} else {
-				auto e          = std::make_shared<ElasticSkeleton<2>>();
+				auto e          = std::make_shared<ElasticSkeleton<D>>();
 				e->youngModulus = modulus;
 				e->poissonRatio = dice.between("nu", -0.2, 0.49);
 				s.skeletons.push_back(e);
@@ -109,7 +83,7 @@ namespace {
 		}
 	}
 
-	void Draw::heat()
+	template <int D> void Draw<D>::heat()
 	{
 		s.heat.emplace();
 		s.heat->thermalTimeScale = dice.decades("fT", 1.0, 1e7);
@@ -120,7 +94,7 @@ namespace {
 		scene.temperaturesBounded = false;
 	}
 
-	void Draw::freezing()
+	template <int D> void Draw<D>::freezing()
 	{
 		const auto      name  = dice.oneOf<std::string>("curve", freezingCurveNames());
 		const double    width = dice.decades("width", 1e-6, 1.0);
@@ -131,7 +105,7 @@ namespace {
 		s.freezing = makeFreezingCurve(name, p);
 	}
 
-	void Draw::water()
+	template <int D> void Draw<D>::water()
 	{
 		s.water.emplace();
 		auto& w                                = *s.water;
@@ -144,21 +118,21 @@ namespace {
 		w.flipFraction                         = dice.between("flipLiquid", 0.0, 1.0);
 	}
 
-	void Draw::walls()
+	template <int D> void Draw<D>::walls()
 	{
-		for (const char* side : { "left", "right", "bottom" }) {
+		for (const char* side : D == 2 ? std::vector<const char*> { "left", "right", "bottom" } : std::vector<const char*> { "left", "right", "bottom", "back", "front" }) {
 			if (!dice.chance(side, 0.8)) {
 				scene.open = true;
 				continue;
 			}
-			if (dice.chance("fixed", 0.3)) s.boundaries.push_back(std::make_shared<FixedBoundary<2>>(Region<2>::side(side)));
+			if (dice.chance("fixed", 0.3)) s.boundaries.push_back(std::make_shared<FixedBoundary<D>>(Region<D>::side(side)));
 			else
-				s.boundaries.push_back(std::make_shared<RollerBoundary<2>>(Region<2>::side(side)));
+				s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(side)));
 		}
 	}
 
 	/// Constant, or a sequence of jumps.
-	TimeTable Draw::weather(double from, double to)
+	template <int D> TimeTable Draw<D>::weather(double from, double to)
 	{
 		if (!dice.chance("jumps", 0.5)) return TimeTable(dice.between("level", from, to));
 		std::vector<double> times, values;
@@ -174,7 +148,7 @@ namespace {
 		return TimeTable(times, values);
 	}
 
-	void Draw::surface()
+	template <int D> void Draw<D>::surface()
 	{
 		const auto keepTemperatures = [&](const TimeTable& table) {
 			for (const double t : table.values())
@@ -184,29 +158,28 @@ namespace {
 			const TimeTable table = weather(-40.0, 40.0);
 			keepTemperatures(table);
 			const double h = dice.chance("air", 0.4) ? dice.decades("h", 0.1, 1e4) : INFINITY;
-			s.boundaries.push_back(std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), table, h));
+			s.boundaries.push_back(std::make_shared<SurfaceTemperature<D>>(Region<D>::freeSurface(), table, h));
 		}
 		if (s.heat && dice.chance("wallTemperature", 0.3)) {
 			const TimeTable table = weather(-40.0, 40.0);
 			keepTemperatures(table);
-			s.boundaries.push_back(std::make_shared<WallTemperature<2>>(Region<2>::side("bottom"), table));
+			s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::side("bottom"), table));
 		}
 		if (s.motion && dice.chance("traction", 0.5))
-			s.boundaries.push_back(std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable(softest * dice.decades("loadOverE", 1e-6, 1e-3))));
+			s.boundaries.push_back(std::make_shared<Traction<D>>(Region<D>::freeSurface(), TimeTable(softest * dice.decades("loadOverE", 1e-6, 1e-3))));
 		if (s.water && dice.chance("drained", 0.5)) {
-			s.boundaries.push_back(std::make_shared<DrainedBoundary<2>>(
-			        Region<2>::freeSurface(), TimeTable(dice.between("pOut", 0.0, 1e4)), dice.chance("recharge", 0.5)));
+			s.boundaries.push_back(std::make_shared<DrainedBoundary<D>>(
+			        Region<D>::freeSurface(), TimeTable(dice.between("pOut", 0.0, 1e4)), dice.chance("recharge", 0.5)));
 			scene.energyAccounted = false;
 		}
 	}
 
-	void Draw::fill()
+	template <int D> void Draw<D>::fill()
 	{
-		const double h  = s.gridSpacing;
-		const int    nx = static_cast<int>(std::lround((s.upper[0] - s.lower[0]) / h));
-		const int    ny = static_cast<int>(std::lround((s.upper[1] - s.lower[1]) / h));
-		const int    perCell = dice.count("perDirection", 1, 3);
-		const int    rows = std::max(1, ny - dice.count("emptyRows", 2, 4)), columns = std::max(1, nx - (dice.chance("gap", 0.3) ? 2 : 0));
+		const double h       = s.gridSpacing;
+		const auto   cells   = [&](int axis) { return static_cast<int>(std::lround((s.upper[axis] - s.lower[axis]) / h)); };
+		const int    perCell = dice.count("perDirection", 1, D == 2 ? 3 : 2);
+		const int    rows = std::max(1, cells(1) - dice.count("emptyRows", 2, 4)), columns = std::max(1, cells(0) - (dice.chance("gap", 0.3) ? 2 : 0));
 		const double jitter = dice.chance("irregular", 0.3) ? dice.between("jitter", 0.0, 0.45) : 0.0;
 		const double size = h / perCell;
 		const double temperature = dice.between("T", -20.0, 20.0), gradient = dice.chance("twoTemperatures", 0.3) ? dice.between("dT", -20.0, 20.0) : 0.0;
@@ -216,29 +189,63 @@ namespace {
 		// one row of cells shows no gradient of pressure: its water percolates on the spot, and drag spends what nobody gave
 		if (rows == 1 && s.water && s.motion->gravity[1] != 0.0) scene.energyAccounted = false;
 		int number = 0;
-		for (int j = 0; j < rows * perCell; ++j)
-			for (int i = 0; i < columns * perCell; ++i) {
-				PointInput<2> point;
-				point.position = { s.lower[0] + (i + 0.5 + dice.uniform(-jitter, jitter)) * size, s.lower[1] + (j + 0.5 + dice.uniform(-jitter, jitter)) * size };
-				point.volume      = size * size;
-				point.porosity    = porosity;
-				point.temperature = temperature + (2 * i < columns * perCell ? gradient : 0.0);
-				point.pressure    = pressure;
-				point.velocity    = { speed, -0.3 * speed };
-				point.skeleton    = s.skeletons.empty() ? 0 : number++ % static_cast<int>(s.skeletons.size());
-				scene.coldest     = std::min(scene.coldest, point.temperature);
-				scene.hottest     = std::max(scene.hottest, point.temperature);
-				scene.ground->addPoint(point);
-			}
+		for (int k = 0; k < (D == 2 ? 1 : cells(D - 1) * perCell); ++k)
+			for (int j = 0; j < rows * perCell; ++j)
+				for (int i = 0; i < columns * perCell; ++i) {
+					PointInput<D>            point;
+					const std::array<int, 3> at { i, j, k };
+					for (int a = 0; a < D; ++a)
+						point.position[a] = s.lower[a] + (at[a] + 0.5 + dice.uniform(-jitter, jitter)) * size;
+					point.volume      = std::pow(size, D);
+					point.porosity    = porosity;
+					point.temperature = temperature + (2 * i < columns * perCell ? gradient : 0.0);
+					point.pressure    = pressure;
+					point.velocity    = along(speed, -0.3 * speed);
+					point.skeleton    = s.skeletons.empty() ? 0 : number++ % static_cast<int>(s.skeletons.size());
+					scene.coldest     = std::min(scene.coldest, point.temperature);
+					scene.hottest     = std::max(scene.hottest, point.temperature);
+					scene.ground->addPoint(point);
+				}
+		top         = s.lower[1] + rows * h + jitter * size;
+		cellsFilled = rows * columns * (D == 2 ? 1 : cells(D - 1));
+	}
+
+	/// A ball or a box, driven or free, a little above the ground and coming down.
+	template <int D> void Draw<D>::body()
+	{
+		auto& contact    = scene.ground->settings().bodies.emplace();
+		contact.damping  = dice.between("contactDamping", 0.0, 0.9);
+		contact.shearRatio = dice.between("shearRatio", 0.1, 1.0);
+		if (dice.chance("contactStiffness", 0.3)) contact.stiffness = softest / s.gridSpacing * dice.decades("kOverE", 0.1, 10.0);
+		RigidBody<D>& b = scene.drawn;
+		b.id = b.group  = 0;
+		b.shape         = dice.chance("ball", 0.5) ? &rigidBall<D>() : &rigidBox<D>();
+		b.friction      = dice.between("friction", 0.0, 1.0);
+		for (int a = 0; a < D; ++a) {
+			b.axes[a][a] = 1.0;
+			b.size[a]    = s.gridSpacing * dice.between("half", 1.0, 3.0);
+			b.position[a] = s.lower[a] + dice.between("at", 0.0, 1.0) * (s.upper[a] - s.lower[a]);
+		}
+		const double reach = b.shape->reach(b.size)[1];
+		b.position[1]      = top + reach + s.gridSpacing * dice.between("above", 0.0, 0.2);
+		// whoever drives it must not crush the ground
+		const bool   driven = dice.chance("driven", 0.3);
+		const double speed  = (driven ? 2e-3 : 0.02) * dice.between("bodySpeed", 0.0, 1.0) * std::sqrt(softest / 2000.0);
+		b.velocity          = along(speed * dice.uniform(-1.0, 1.0), -speed);
+		if (driven) return;
+		scene.body.mass = 2700.0 * std::pow(s.gridSpacing, D) * cellsFilled * dice.between("massOfGround", 0.3, 1.0);
 	}
 
 } // namespace
 
-RandomScene::RandomScene(std::uint64_t seed)
+template <int D> RandomScene<D>::RandomScene(std::uint64_t seed)
 {
-	Draw d { Dice(seed), *this, {}, INFINITY };
-	d.s.gridSpacing  = d.dice.decades("h", 0.02, 1.0);
-	d.s.upper        = { d.s.gridSpacing * d.dice.count("nx", 1, 8), d.s.gridSpacing * d.dice.count("ny", 3, 12) };
+	Draw<D> d { Dice(seed), *this, {} };
+	d.s.gridSpacing = d.dice.decades("h", 0.02, 1.0);
+	for (int a = 0; a < D; ++a) {
+		const char* name = a == 0 ? "nx" : a == 1 ? "ny" : "nz";
+		d.s.upper[a]     = d.s.gridSpacing * (D == 2 ? d.dice.count(name, a == 1 ? 3 : 1, a == 1 ? 12 : 8) : d.dice.count(name, a == 1 ? 3 : 1, a == 1 ? 7 : 3));
+	}
 	d.s.energyLedger = true;
 	const bool moves = d.dice.chance("motion", 0.85), wet = moves && d.dice.chance("water", 0.6), warm = !moves || d.dice.chance("heat", 0.7);
 	if (moves) d.motion(), d.skeletons();
@@ -247,10 +254,46 @@ RandomScene::RandomScene(std::uint64_t seed)
 	if (wet) d.water();
 	if (moves) d.walls();
 	d.surface();
-	ground = std::make_unique<Ground<2>>(d.s);
+	ground = std::make_unique<Ground<D>>(d.s);
 	d.fill();
-	steps     = d.dice.count("steps", 100, 300);
+	steps = d.dice.count("steps", 100, 300);
+	if (moves && d.dice.chance("body", 0.3)) d.body();
 	described = d.dice.text();
 }
+
+template <int D> void RandomScene<D>::start()
+{
+	ground->initialise();
+	body.contact = ground->bodies();
+	if (body.contact) body.contact->bodies = { drawn };
+}
+
+template <int D> Outside RandomScene<D>::outside()
+{
+	if (!body.contact) return {};
+	return { [this](double dt) { body.advance(dt); }, [this] { return body.energy(); } };
+}
+
+template <int D> void MetBody<D>::advance(double dt)
+{
+	RigidBody<D>& body = contact->bodies[0];
+	for (int a = 0; a < D; ++a) {
+		body.velocity[a] += (body.impulse[a] - taken[a]) / mass;
+		body.position[a] += dt * body.velocity[a];
+	}
+	taken = body.impulse;
+}
+
+template <int D> double MetBody<D>::energy() const
+{
+	const RigidBody<D>& body = contact->bodies[0];
+	double              sum  = 0.0;
+	for (int a = 0; a < D; ++a)
+		sum += body.velocity[a] * (std::isinf(mass) ? body.impulse[a] : 0.5 * mass * body.velocity[a]);
+	return sum;
+}
+
+template struct RandomScene<2>;
+template struct RandomScene<3>;
 
 } // namespace talik::stability

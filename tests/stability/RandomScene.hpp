@@ -1,18 +1,32 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include "Watch.hpp"
+
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/RigidContact.hpp>
 
 #include <cstdint>
 #include <memory>
-#include <random>
 #include <string>
 
 namespace talik::stability {
 
+/// A rigid body that meets the ground without turning; driven at constant speed if its mass is infinite.
+template <int D> struct MetBody {
+	RigidContact<D>* contact = nullptr;  ///< whose first body it is
+	double           mass    = INFINITY; ///< [kg]
+	Vec<D>           taken {};           ///< impulse that it has taken from the contact [N s]
+
+	void   advance(double dt);    ///< takes the impulse received and moves
+	double energy() const;        ///< kinetic, or what its driver received [J]
+};
+
 /// A small scene drawn at random from the ranges of every effect, with what it may be held to.
-struct RandomScene {
-	std::unique_ptr<Ground<2>> ground; ///< points added, not initialised
+template <int D> struct RandomScene {
+	std::unique_ptr<Ground<D>> ground; ///< points added, not initialised
+	RigidBody<D>               drawn;  ///< the body before the start, if the ground has the effect
+	MetBody<D>                 body;
 	std::string                described; ///< every setting that was drawn, in one line
 	long                       steps = 0; ///< to run
 
@@ -23,6 +37,13 @@ struct RandomScene {
 
 	/// The same seed draws the same scene on any machine.
 	explicit RandomScene(std::uint64_t seed);
+	/// Initialises the ground and puts the body in its place. Throws what Ground::initialise() throws.
+	void start();
+	/// The body as the watch takes it; nothing in a scene without.
+	Outside outside();
 };
+
+extern template struct RandomScene<2>;
+extern template struct RandomScene<3>;
 
 } // namespace talik::stability

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -28,12 +29,20 @@ struct Figures {
 	double worstDrift() const { return std::max({ solidDrift, waterDrift, heatDrift, momentumDrift }); }
 };
 
+/// What meets the ground from outside.
+struct Outside {
+	std::function<void(double)> advance = [](double) {};          ///< by a time step [s], after the ground
+	std::function<double()>     energy  = [] { return 0.0; };     ///< mechanical, that the ground may take or give [J]
+};
+
 /// Compares the balance of a ground with that at the start; needs GroundSettings::energyLedger for the energy.
 template <int D> class Watch {
 public:
-	explicit Watch(Ground<D>& ground)
+	explicit Watch(Ground<D>& ground, Outside outside = {})
 	        : ground_(ground)
+	        , outside_(std::move(outside))
 	        , start_(ground.balance())
+	        , outsideStart_(outside_.energy())
 	{
 		for (const FieldInfo& f : ground.fields())
 			if (f.place == "points") names_.push_back(f);
@@ -57,7 +66,9 @@ public:
 	{
 		try {
 			for (long k = 0; k < count && figures_.finite; ++k) {
-				ground_.step(factor * ground_.stableTimeStep().step);
+				const double dt = factor * ground_.stableTimeStep().step;
+				ground_.step(dt);
+				outside_.advance(dt);
 				if ((k + 1) % every == 0 || k + 1 == count) look();
 			}
 		} catch (const std::exception& error) {
@@ -80,10 +91,11 @@ private:
 
 	void keepEnergy(const Balance<D>& b)
 	{
-		const double held = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy;
+		const double brought = outsideStart_ - outside_.energy();
+		const double held = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy - brought;
 		const double spent = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork;
 		const double turned = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
-		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork);
+		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(brought);
 		turnedOver_          = std::max({ turnedOver_, turned, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });
 		figures_.kineticPeak = std::max(figures_.kineticPeak, b.kineticEnergy);
 		if (turnedOver_ > 0.0) figures_.energyCreated = std::max(figures_.energyCreated, (held + spent) / turnedOver_);
@@ -126,7 +138,9 @@ private:
 	}
 
 	Ground<D>&             ground_;
+	Outside                outside_;
 	Balance<D>             start_;
+	double                 outsideStart_; ///< [J]
 	std::vector<FieldInfo> names_;
 	std::vector<double>    volume_; ///< at the start, by id [m^D]
 	Figures                figures_;

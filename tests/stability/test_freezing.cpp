@@ -2,7 +2,7 @@
 // Cases 2, 3, 5 and 11: freezing curves down to a step, ground without liquid, many cycles, a surface that jumps.
 #include "Held.hpp"
 #include "Report.hpp"
-#include "Scenes.hpp"
+#include "WetScenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,10 +43,8 @@ GroundSettings<2> wetColumn(double height)
 	s.motion.emplace();
 	s.heat.emplace();
 	s.freezing = makeFreezingCurve();
-	s.water.emplace();
-	s.water->state.liquidBulkModulus = 2.2e7;
-	s.water->state.iceBulkModulus    = 8.8e7;
-	s.energyLedger                   = true;
+	s.water        = softWater();
+	s.energyLedger = true;
 	standOnRollers(s);
 	return s;
 }

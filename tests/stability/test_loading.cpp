@@ -2,7 +2,7 @@
 // Cases 4, 9 and 13: stiff water on coarse points, stiff beside soft, gravity and settings that change in mid-run.
 #include "Held.hpp"
 #include "Report.hpp"
-#include "Scenes.hpp"
+#include "WetScenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -77,9 +77,7 @@ TEST(Loading, GravityAndSettingsSwitchedInMidRunWithoutDampingBringNoEnergyOfThe
 	s.gridSpacing = 0.1;
 	s.upper       = { 0.8, 1.2 };
 	s.motion.emplace();
-	s.water.emplace();
-	s.water->state.liquidBulkModulus = 2.2e8;
-	s.water->state.iceBulkModulus    = 8.8e8;
+	s.water = softWater(2.2e8);
 	s.skeletons.push_back(elasticOedometer(1e7));
 	s.energyLedger = true;
 	standOnRollers(s);

@@ -2,7 +2,7 @@
 // Cases 6, 10 and 14: ground that loses its support, meets walls and cells in every way, or rests for a million steps.
 #include "Held.hpp"
 #include "Report.hpp"
-#include "Scenes.hpp"
+#include "WetScenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -79,20 +79,8 @@ void expectThatNothingMoves(const std::string& name, long steps)
 // Frozen ground that hangs on a rough wall thaws, loses cohesion, falls, and meets the floor.
 TEST(Flight, WetGroundThatThawsUnderItsWeightFallsSeparatesAndMeetsTheFloorWithoutHarm)
 {
-	GroundSettings<2> s;
-	s.gridSpacing = 0.25;
-	s.upper       = { 3.0, 3.0 };
-	s.motion.emplace();
-	s.motion->gravity  = { 0.0, -9.81 };
-	s.motion->transfer = VelocityTransfer::apic;
-	s.heat.emplace();
-	s.heat->thermalTimeScale = 2e6;
-	s.freezing               = makeFreezingCurve();
-	s.water.emplace();
-	s.water->state.liquidBulkModulus = 2.2e7;
-	s.water->state.iceBulkModulus    = 8.8e7;
+	auto s = everyEffect(0.25, { 3.0, 3.0 }, 2e6);
 	s.skeletons.push_back(soilCementedByIce());
-	s.energyLedger = true;
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("left"));
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
 	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), 10.0);
@@ -129,8 +117,7 @@ TEST(Motion, BlocksCrossCellsInAnyDirectionWithEveryShapeFunctionAndTransferAndK
 					s.shapeFunction = shape;
 					s.motion.emplace();
 					s.motion->transfer = transfer;
-					if (wet) s.water.emplace();
-					if (wet) s.water->state.liquidBulkModulus = 2.2e7, s.water->state.iceBulkModulus = 8.8e7;
+					if (wet) s.water = softWater();
 					s.skeletons.push_back(elasticOedometer(1e6));
 					s.energyLedger = true;
 					Ground<2> ground(s);
@@ -158,9 +145,7 @@ TEST(Motion, DampedWetGroundThatLeavesNodesBehindKeepsTheAccountOfItsMomentum)
 	s.motion.emplace();
 	s.motion->localDamping = 0.7;
 	s.motion->gravity      = { 0.0, -9.81 };
-	s.water.emplace();
-	s.water->state.liquidBulkModulus = 2.2e7;
-	s.water->state.iceBulkModulus    = 8.8e7;
+	s.water = softWater();
 	s.skeletons.push_back(elasticOedometer(1e6));
 	s.energyLedger = true;
 	Ground<2> ground(s);
@@ -210,7 +195,7 @@ TEST(Motion, PointsOnWallsAndNodesToTheLastBitMakeNoDifference)
 		s.upper       = { 0.7, 0.7 };
 		s.motion.emplace();
 		s.motion->gravity = { 3.0, -9.81 };
-		if (wet) s.water.emplace(), s.water->state.liquidBulkModulus = 2.2e7, s.water->state.iceBulkModulus = 8.8e7;
+		if (wet) s.water = softWater();
 		s.skeletons.push_back(elasticOedometer(1e7));
 		s.energyLedger = true;
 		standOnRollers(s);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Scenes drawn at random from the ranges of every effect. TALIK_DRAWS: how many (default 200); TALIK_SEED: the first (default 1).
-// Draw n of seed s is that of seed s + n alone: TALIK_DRAWS=1 TALIK_SEED=n repeats it.
+// Scenes drawn at random from the ranges of every effect, in the plane and in space.
+#include "Dice.hpp"
 #include "RandomScene.hpp"
 #include "Report.hpp"
 #include "Watch.hpp"
@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 using namespace talik;
@@ -21,26 +20,20 @@ constexpr double energyLimit = 0.1, massLimit = 1e-12, heatLimit = 1e-11, moment
 
 /// Energy from nowhere: the ledger's own error is of the first order of the step. A growing mode turns over nothing but its own
 /// energy, and comes to one. Next to nodes linear shape functions are steeper than any limit: with them no step is safe.
-double allowedEnergy(const RandomScene& scene)
+template <int D> double allowedEnergy(const RandomScene<D>& scene)
 {
 	return scene.energyAccounted && scene.ground->settings().shapeFunction != "linear" ? energyLimit : INFINITY;
 }
 
-bool mayStop(const RandomScene& scene, const std::string& sentence)
+template <int D> bool mayStop(const RandomScene<D>& scene, const std::string& sentence)
 {
 	if (scene.open && sentence.find("would have left the grid's box") != std::string::npos) return true;
 	return scene.ground->settings().shapeFunction == "linear";
 }
 
-std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise)
-{
-	const char* text = std::getenv(name);
-	return text && *text ? std::strtoull(text, nullptr, 10) : otherwise;
-}
-
 /// How far temperatures may pass those given, over their span. Points that change phase take up to three times the share of heat
 /// of their sensible capacity, two spans too many if the phase change ends in that step; walls hold means of points, not points.
-double allowedExcess(const RandomScene& scene)
+template <int D> double allowedExcess(const RandomScene<D>& scene)
 {
 	const auto& s = scene.ground->settings();
 	if (!scene.temperaturesBounded) return INFINITY;
@@ -48,7 +41,7 @@ double allowedExcess(const RandomScene& scene)
 	return s.freezing ? 2.0 : 0.5;
 }
 
-double temperatureExcess(const RandomScene& scene, const Figures& f)
+template <int D> double temperatureExcess(const RandomScene<D>& scene, const Figures& f)
 {
 	const auto&  s    = scene.ground->settings();
 	const double span = std::max(1.0, scene.hottest - scene.coldest);
@@ -57,7 +50,7 @@ double temperatureExcess(const RandomScene& scene, const Figures& f)
 	return (std::max(scene.coldest - f.coldest, f.hottest - scene.hottest) - adiabatic) / span;
 }
 
-std::string whatIsWrong(const RandomScene& scene, const Figures& f)
+template <int D> std::string whatIsWrong(const RandomScene<D>& scene, const Figures& f)
 {
 	std::string wrong;
 	if (!f.finite) wrong += " not finite;";
@@ -75,9 +68,9 @@ std::string whatIsWrong(const RandomScene& scene, const Figures& f)
 struct Search {
 	Figures worst;
 	double  excess  = 0.0;
-	int     refused = 0, left = 0, failed = 0;
+	int     refused = 0, left = 0, failed = 0, pushed = 0;
 
-	void keep(const RandomScene& scene, const Figures& f)
+	template <int D> void keep(const RandomScene<D>& scene, const Figures& f)
 	{
 		if (std::isfinite(allowedEnergy(scene))) worst.energyCreated = std::max(worst.energyCreated, f.energyCreated);
 		worst.solidDrift    = std::max(worst.solidDrift, std::max(f.solidDrift, f.waterDrift));
@@ -87,16 +80,14 @@ struct Search {
 	}
 };
 
-} // namespace
-
-TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence)
+template <int D> void search(const std::string& name, std::uint64_t draws)
 {
-	const std::uint64_t first = fromEnvironment("TALIK_SEED", 1), draws = fromEnvironment("TALIK_DRAWS", 200);
+	const std::uint64_t first = firstSeed();
 	Search              search;
 	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
-		RandomScene scene(seed);
+		RandomScene<D> scene(seed);
 		try {
-			scene.ground->initialise();
+			scene.start();
 		} catch (const std::invalid_argument& refusal) {
 			++search.refused;
 			const std::string sentence = refusal.what();
@@ -104,23 +95,31 @@ TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence)
 			EXPECT_NE(sentence.find_first_of(":;"), std::string::npos) << "seed " << seed << ": says no remedy: " << sentence;
 			continue;
 		}
-		Watch<2> watch(*scene.ground);
+		Watch<D> watch(*scene.ground, scene.outside());
 		watch.run(scene.steps, 25);
 		search.keep(scene, watch.figures());
 		search.left += !watch.figures().stopped.empty();
+		search.pushed += scene.body.contact && scene.body.contact->bodies[0].impulse != Vec<D> {};
 		const std::string wrong = whatIsWrong(scene, watch.figures());
 		if (wrong.empty()) continue;
 		++search.failed;
 		ADD_FAILURE() << "seed " << seed << ", step " << scene.ground->steps() << ":" << wrong << "\n  scene:" << scene.described;
 	}
 	std::printf(
-	        "seeds %llu to %llu: %d refused at the start, %d stopped with a sentence (at an open side of the box, or with linear shape functions)\n", static_cast<unsigned long long>(first),
-	        static_cast<unsigned long long>(first + draws - 1), search.refused, search.left);
-	const std::string name = "random search, " + std::to_string(draws) + " draws";
-	expectSmall(name + ": draws that failed", search.failed, 0.0);
-	expectSmall(name + ": energy from nowhere", search.worst.energyCreated, energyLimit);
-	expectSmall(name + ": drift of solid and water", search.worst.solidDrift, massLimit);
-	expectSmall(name + ": drift of heat", search.worst.heatDrift, heatLimit);
-	expectSmall(name + ": momentum less impulse", search.worst.momentumDrift, momentumLimit);
-	expectSmall(name + ": temperature beyond those given, over their span", search.excess, 3.0);
+	        "seeds %llu to %llu: %d refused at the start, %d stopped with a sentence (at an open side of the box, or with linear shape functions), %d touched a body\n",
+	        static_cast<unsigned long long>(first), static_cast<unsigned long long>(first + draws - 1), search.refused, search.left, search.pushed);
+	const std::string title = name + ", " + std::to_string(draws) + " draws";
+	expectSmall(title + ": draws that failed", search.failed, 0.0);
+	expectSmall(title + ": energy from nowhere", search.worst.energyCreated, energyLimit);
+	expectSmall(title + ": drift of solid and water", search.worst.solidDrift, massLimit);
+	expectSmall(title + ": drift of heat", search.worst.heatDrift, heatLimit);
+	expectSmall(title + ": momentum less impulse", search.worst.momentumDrift, momentumLimit);
+	expectSmall(title + ": temperature beyond those given, over their span", search.excess, 3.0);
 }
+
+} // namespace
+
+TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence) { search<2>("random search", drawsAskedFor()); }
+
+// points and nodes are many more in space: a quarter of the draws
+TEST(RandomSearch, EveryDrawInSpaceIsStableAndBalancedOrRefusedWithASentence) { search<3>("random search in space", (drawsAskedFor() + 3) / 4); }

@@ -10,17 +10,12 @@
 
 using namespace talik;
 using namespace talik::validation;
+using packedReference::frozen;
+using packedReference::matrix;
 using packedReference::Matrix;
 using packedReference::State;
 
 namespace {
-
-Matrix matrix(double xx, double xy, double yx, double yy)
-{
-	Matrix m;
-	m << xx, xy, yx, yy;
-	return m;
-}
 
 double pressureOf(const Matrix& stress) { return -0.5 * stress.trace(); }
 
@@ -30,16 +25,6 @@ bool finite(const State& s)
 	for (std::size_t g = 0; g < s.size(); ++g)
 		sum += s.position[g].sum() + s.velocity[g].sum() + s.angularVelocity[g];
 	return std::isfinite(sum);
-}
-
-State frozen(double iceSaturation)
-{
-	PackedSample<2> sample(packedReference::sample().state());
-	for (int k = 1; k <= 20; ++k) {
-		sample.setIceSaturation(iceSaturation * k / 20);
-		sample.advance(5);
-	}
-	return sample.state();
 }
 
 /// Follows a path of equal increments, each to its share of the steps; true if no update blew up.

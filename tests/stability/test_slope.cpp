@@ -2,7 +2,7 @@
 // A whole slope in small, with every effect of the ground; also the scene that runs under valgrind (memcheck.sh).
 #include "Held.hpp"
 #include "Report.hpp"
-#include "Scenes.hpp"
+#include "WetScenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,23 +12,12 @@ using namespace talik::validation;
 
 TEST(Slope, ThawsAndMovesWithEveryEffectOfTheGroundInBalance)
 {
-	GroundSettings<2> s;
-	s.gridSpacing = 0.5;
-	s.upper       = { 4.0, 3.5 };
-	s.motion.emplace();
-	s.motion->gravity  = { 0.0, -9.81 };
-	s.motion->transfer = VelocityTransfer::apic;
-	s.heat.emplace();
-	s.heat->thermalTimeScale = 8.64e5;
-	s.freezing               = makeFreezingCurve();
-	s.water.emplace();
-	s.water->state.liquidBulkModulus = 2.2e7;
-	s.water->state.iceBulkModulus    = 8.8e7;
-	s.energyLedger = s.deformationRecord = true;
-	auto soil               = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus      = 5e6;
-	soil->cohesion          = 100.0;
-	s.skeletons             = { soil, elasticOedometer(2e8) };
+	auto s              = everyEffect(0.5, { 4.0, 3.5 }, 8.64e5);
+	s.deformationRecord = true;
+	auto soil           = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->youngModulus  = 5e6;
+	soil->cohesion      = 100.0;
+	s.skeletons         = { soil, elasticOedometer(2e8) };
 	for (const char* side : { "left", "right" })
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));

@@ -2,7 +2,7 @@
 // Cases 1 and 12: no conductivity, no curve of shape functions and no scale of thermal time makes the proposed time step unstable.
 #include "Held.hpp"
 #include "Report.hpp"
-#include "Scenes.hpp"
+#include "WetScenes.hpp"
 
 #include <pkg/mpm/ShapeFunctions.hpp>
 
@@ -130,10 +130,9 @@ TEST(TimeStep, ThawAndFrostAreStableAtEveryScaleOfThermalTimeAndStiffnessOfWater
 				auto s = loadedBox(1e-4, 2e7, 0.69);
 				s.mixture = MixtureProperties();
 				s.heat.emplace();
-				s.heat->thermalTimeScale         = scale;
-				s.freezing                       = makeFreezingCurve();
-				s.water->state.liquidBulkModulus = modulus;
-				s.water->state.iceBulkModulus    = 4.0 * modulus;
+				s.heat->thermalTimeScale = scale;
+				s.freezing               = makeFreezingCurve();
+				s.water->state           = softWater(modulus).state;
 				s.boundaries.erase(s.boundaries.begin() + 3, s.boundaries.end()); // closed: no drain, no load
 				addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
 				Ground<2> ground(s);

@@ -119,6 +119,24 @@ inline const Reference& sample()
 	static const Reference reference = read(TALIK_TEST_DATA "/packed_reference.txt");
 	return reference;
 }
+
+/// The sample of stock YADE with bonds, frozen in twenty parts.
+inline State frozen(double iceSaturation)
+{
+	talik::PackedSample<2> frozen(sample().state());
+	for (int k = 1; k <= 20; ++k) {
+		frozen.setIceSaturation(iceSaturation * k / 20);
+		frozen.advance(5);
+	}
+	return frozen.state();
+}
 #endif
+
+inline Matrix matrix(double xx, double xy, double yx, double yy)
+{
+	Matrix m;
+	m << xx, xy, yx, yy;
+	return m;
+}
 
 } // namespace packedReference

@@ -8,27 +8,12 @@
 #include <random>
 
 using namespace talik;
+using packedReference::frozen;
+using packedReference::matrix;
 using packedReference::Matrix;
 using packedReference::State;
 
 namespace {
-
-Matrix matrix(double xx, double xy, double yx, double yy)
-{
-	Matrix m;
-	m << xx, xy, yx, yy;
-	return m;
-}
-
-State frozen(double iceSaturation)
-{
-	PackedSample<2> sample(packedReference::sample().state());
-	for (int k = 1; k <= 20; ++k) {
-		sample.setIceSaturation(iceSaturation * k / 20);
-		sample.advance(5);
-	}
-	return sample.state();
-}
 
 double relative(const Matrix& a, const Matrix& b) { return (a - b).norm() / b.norm(); }
 

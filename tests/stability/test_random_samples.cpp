@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Samples under random increments: strain rates, jumps of ice saturation, flips, archives, rest.
+#include "Dice.hpp"
+#include "Report.hpp"
+#include "packedReference.hpp"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <pkg/rve/PackedSamplePool.hpp>
+
+using namespace talik;
+using namespace talik::stability;
+using namespace talik::validation;
+using packedReference::matrix;
+using packedReference::Matrix;
+using packedReference::State;
+
+namespace {
+
+bool finite(const State& s)
+{
+	double sum = s.stress.sum() + s.hSize.sum() + s.trsf.sum();
+	for (std::size_t g = 0; g < s.size(); ++g)
+		sum += s.position[g].sum() + s.velocity[g].sum() + s.angularVelocity[g];
+	for (const double shear : s.contacts.shear)
+		sum += shear;
+	return std::isfinite(sum);
+}
+
+/// Largest shear over pressure in the plane; the bound of both for contacts that only push, each within its friction, is
+/// sqrt(1 + mu^2): the sum of n (x) n F_n and t (x) n F_t cannot have a larger deviator than its terms together.
+double stressRatio(const Matrix& s) { return std::hypot(0.5 * (s(0, 0) - s(1, 1)), 0.5 * (s(0, 1) + s(1, 0))) / (-0.5 * s.trace()); }
+
+/// Stresses are those of forces and of branches a step later: grains that fly have turned by then.
+constexpr double ratioLimit = 1.01;
+
+/// A sample drawn at random, with what has been found wrong with it.
+class RandomSample {
+public:
+	explicit RandomSample(std::uint64_t seed)
+	        : dice_(seed)
+	{
+		pool_.add(drawState());
+	}
+
+	void run()
+	{
+		const int updates = dice_.count("updates", 3, 10);
+		for (int k = 0; k < updates && wrong_.empty(); ++k) {
+			update(dice_.chance("archived", 0.3));
+		}
+		if (wrong_.empty()) rest();
+	}
+
+	const std::string& wrong() const { return wrong_; }
+	std::string        described() const { return dice_.text(); }
+	int                blownUp = 0;
+	double             gradientError = 0.0, ratioOverBound = 0.0; ///< largest
+
+private:
+	State drawState()
+	{
+		State s          = dice_.chance("frozen", 0.5) ? packedReference::frozen(dice_.between("Si", 0.06, 1.0)) : packedReference::sample().state();
+		s.friction       = dice_.between("mu", 0.0, 1.5);
+		s.stiffnessRatio = dice_.between("ks/kn", 0.0, 1.0);
+		s.damping        = dice_.between("damping", 0.05, 0.9);
+		s.dt *= dice_.decades("dt", 0.1, 1.0) * std::sqrt(s.ice.young(0.0) / s.ice.young(1.0));
+		s.ice.tensileStrength0 = s.ice.shearStrength0 = dice_.decades("C0", 1.0, 1e7);
+		s.ice.tensileStrengthI = s.ice.shearStrengthI = dice_.decades("C1", 1e3, 1e9);
+		s.ice.bondRange        = dice_.between("range", 0.0, 0.2);
+		s.ice.rule             = static_cast<StiffnessRule>(dice_.count("rule", 0, 2));
+		s.ice.cohesionDisablesFriction = dice_.chance("cohesionDisablesFriction", 0.3);
+		if (dice_.chance("shrinks", 0.4)) s.thawStrain = { dice_.between("thawStrain", 0.0, 0.5), s.iceSaturation };
+		return s;
+	}
+
+	double drawIce(double now)
+	{
+		const std::string how = dice_.oneOf<std::string>("ice", { "as it is", "as it is", "0", "1", "any", "near bonds" });
+		if (how == "as it is") return now;
+		if (how == "near bonds") return dice_.between("Si", 0.0, 0.1);
+		return how == "any" ? dice_.between("Si", 0.0, 1.0) : std::stod(how);
+	}
+
+	/// One random increment; if archived, of a twin too that is made from bytes, and must follow to the last bit.
+	void update(bool archived)
+	{
+		const double strain = dice_.decades("strain", 1e-8, 0.3);
+		Matrix       increment;
+		for (int k = 0; k < 4; ++k)
+			increment(k / 2, k % 2) = strain * dice_.uniform(-1.0, 1.0);
+		PackedUpdateOptions options;
+		options.steps               = dice_.chance("stepsGiven", 0.5) || strain > 3e-3 ? static_cast<long>(dice_.decades("steps", 1.0, 3000.0)) : 0;
+		options.maxInertialNumber   = dice_.decades("I", 1e-3, 1.0);
+		options.relaxSteps          = dice_.chance("relax", 0.3) ? 100 : 0;
+		options.averageOver         = dice_.chance("mean", 0.3) ? dice_.between("averageOver", 0.0, 1.0) : 0.0;
+		options.saturationIncrement = dice_.decades("dSi", 0.01, 1.0);
+		options.stepsPerSaturation  = dice_.count("stepsPerSi", 0, 3);
+		options.flipSkew            = dice_.chance("neverFlip", 0.2) ? 0.0 : dice_.between("skew", 0.05, 0.6);
+		options.tangent             = dice_.chance("tangent", 0.2);
+		const State         before = pool_.state(0);
+		const double        ice    = drawIce(before.iceSaturation);
+		SamplePool<2>       twin;
+		if (archived) twin.add(throughBytes());
+		const auto  result = ask(pool_, increment, ice, options);
+		const State after  = pool_.state(0);
+		if (!finite(after) || !result.stress.allFinite()) return note("not finite");
+		if (archived) {
+			ask(twin, increment, ice, options);
+			if (twin.state(0).toBytes() != after.toBytes()) note("goes on otherwise from its archive");
+		}
+		if (result.blewUp) return judgeContainment(before, after, result.reason);
+		const Matrix wanted = before.trsf + increment * before.trsf;
+		gradientError       = std::max(gradientError, (after.trsf - wanted).norm() / wanted.norm());
+		if (gradientError > 1e-9) note("deformation gradient is not that given");
+		if (after.iceSaturation != ice) note("ice saturation is not that given");
+		if (ice <= after.ice.meltSaturation && PackedSample<2>(after).statistics().bondsIntact > 0) note("bonds without ice");
+		if (ice <= after.ice.meltSaturation) judgeFriction(result.stress, after);
+		if (options.tangent)
+			for (const double c : result.tangent)
+				if (!std::isfinite(c)) note("tangent not finite");
+	}
+
+	/// Grains without bonds cannot pull, and carry no more shear than friction lets them.
+	void judgeFriction(const Matrix& stress, const State& s)
+	{
+		const double pressure = -0.5 * stress.trace(), noise = 1e-6 * s.ice.grainYoung;
+		if (pressure < -noise) note("tension without bonds");
+		if (pressure <= noise) return;
+		ratioOverBound = std::max(ratioOverBound, stressRatio(stress) / std::sqrt(1.0 + s.friction * s.friction));
+		if (ratioOverBound > ratioLimit) note("more shear than friction lets contacts carry");
+	}
+
+	void judgeContainment(const State& before, const State& after, const std::string& reason)
+	{
+		++blownUp;
+		if (reason.empty()) note("blew up without a reason");
+		if (after.toBytes() != before.toBytes()) note("is not as it was before it blew up");
+	}
+
+	std::shared_ptr<const ParkedSample<2>> throughBytes() const
+	{
+		State          state;
+		PackedLists<2> lists;
+		const bool     listed = pool_.parked(0)->unpark(state, lists);
+		return std::make_shared<const ParkedSample<2>>(State::fromBytes(state.toBytes()), listed ? &lists : nullptr);
+	}
+
+	static PackedUpdateResult<2> ask(SamplePool<2>& pool, const Matrix& increment, double ice, const PackedUpdateOptions& options)
+	{
+		return pool.update({ { 0, increment, ice } }, options, 1).front();
+	}
+
+	/// Left alone, grains may not gain energy.
+	void rest()
+	{
+		PackedUpdateOptions options;
+		options.relaxSteps = 1500;
+		double kinetic[3];
+		for (double& k : kinetic) {
+			const State before = pool_.state(0);
+			const auto  result = ask(pool_, Matrix::Zero(), before.iceSaturation, options);
+			if (result.blewUp) return judgeContainment(before, pool_.state(0), result.reason); // thrown together, grains go on for a while
+			k = PackedSample<2>(pool_.state(0)).statistics().kineticEnergy;
+		}
+		const State  s     = pool_.state(0);
+		const double scale = s.ice.young(s.iceSaturation) * s.volume();
+		if (!finite(s)) note("not finite at rest");
+		if (!(kinetic[2] <= 2.0 * std::max(kinetic[0], kinetic[1]) + 1e-12 * scale)) note("gains energy at rest");
+	}
+
+	void note(const std::string& what) { wrong_ += " " + what + ";"; }
+
+	Dice          dice_;
+	SamplePool<2> pool_;
+	std::string   wrong_;
+};
+
+} // namespace
+
+TEST(RandomSearch, EverySampleFollowsRandomIncrementsOrIsLeftAsItWasBeforeTheOneThatBlewItUp)
+{
+	citing("increments given; friction bounds the stress ratio");
+	const std::uint64_t first = firstSeed(), draws = drawsAskedFor();
+	int                 failed = 0, blownUp = 0;
+	double              gradient = 0.0, ratio = 0.0;
+	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
+		RandomSample sample(seed);
+		sample.run();
+		blownUp += sample.blownUp > 0;
+		gradient = std::max(gradient, sample.gradientError);
+		ratio    = std::max(ratio, sample.ratioOverBound);
+		if (sample.wrong().empty()) continue;
+		++failed;
+		ADD_FAILURE() << "seed " << seed << ":" << sample.wrong() << "\n  sample:" << sample.described();
+	}
+	std::printf("seeds %llu to %llu: %d of %llu samples blew up and were left as they were\n", static_cast<unsigned long long>(first),
+	            static_cast<unsigned long long>(first + draws - 1), blownUp, static_cast<unsigned long long>(draws));
+	const std::string name = "random increments of samples, " + std::to_string(draws) + " draws";
+	expectSmall(name + ": samples that failed", failed, 0.0);
+	expectSmall(name + ": deformation gradient less that given", gradient, 1e-9);
+	expectSmall(name + ": shear over pressure without bonds, over sqrt(1 + mu^2)", ratio, ratioLimit);
+}
