@@ -91,7 +91,7 @@ template <int D> struct GroundSettings {
 	/// work. Results do not depend on it.
 	int parallelFrom = 4000;
 
-	double waveFraction = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to 2/sqrt(D steepness), beyond which no step is safe
+	double waveFraction = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
 	double heatFraction = 0.9;   ///< C_T: time step over the explicit heat limit, in (0, 1]
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
 };

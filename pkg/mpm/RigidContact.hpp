@@ -31,6 +31,15 @@ public:
 	/// Sets the stiffness that the settings leave open: modulus over h, the ground's own on one cell. modulus: largest in the ground [Pa].
 	void chooseStiffness(double modulus, double spacing);
 
+	/// What the ground can do to a body at most, by all the points that it touches at a time.
+	struct Grip {
+		double spring  = 0.0; ///< [N/m]
+		double dashpot = 0.0; ///< [N s/m]
+	};
+	Grip gripOn(const RigidBody<D>& body) const;
+	/// Largest stable time step of a free body [s]; mass [kg].
+	static double timeStep(double mass, const Grip& grip);
+
 	/// The bodies; whoever steps the ground puts them in their places before a step and takes the impulses after it.
 	std::vector<RigidBody<D>> bodies;
 
@@ -77,6 +86,8 @@ private:
 	};
 
 	double halfSize(int place) const;
+	double area(int place) const;
+	double dashpot(double spring, double mass) const;
 	Memory recall(int place, int slot) const;
 	void   remember(int place, int slot, const Memory& memory);
 	void   findNear(int first, int count, std::vector<int>& near) const;
@@ -89,6 +100,7 @@ private:
 
 	RigidContactSettings settings_;
 	double               stiffness_ = 0.0;
+	double               largestSize_ = 0.0, largestMassPerArea_ = 0.0; ///< of a point at the start [m], [kg/m^(D-1)]
 	PointFields::Handle  memoryField_;
 	MaterialPoints<D>*   points_   = nullptr;
 	const double*        mass_     = nullptr;

@@ -211,17 +211,19 @@ void BodyContact::refuseOverlap(const Scene& scene, const talik::RigidContact<2>
 
 void BodyContact::limitByContact(const Scene& scene, const talik::RigidContact<2>& contact)
 {
-	springs.assign(scene.bodies->size(), 0);
+	grips.assign(scene.bodies->size(), {});
 	for (const auto& shown : collected) {
-		const auto reach = shown.shape->reach(shown.size);
-		const Real width = 2 * std::max(reach[0], reach[1]);
-		if (std::isfinite(width)) springs[mover(scene, *(*scene.bodies)[shown.id]).id] += contact.stiffness() * thickness * width;
+		const auto grip = contact.gripOn(shown);
+		if (!std::isfinite(grip.spring)) continue;
+		auto& whole = grips[mover(scene, *(*scene.bodies)[shown.id]).id];
+		whole.spring += thickness * grip.spring;
+		whole.dashpot += thickness * grip.dashpot;
 	}
 	contactLimit = std::numeric_limits<Real>::infinity();
-	for (size_t id = 0; id < springs.size(); id++) {
-		if (springs[id] == 0) continue;
+	for (size_t id = 0; id < grips.size(); id++) {
+		if (grips[id].spring == 0) continue;
 		const State& state = *(*scene.bodies)[id]->state;
-		if (movesFreely(state)) contactLimit = std::min(contactLimit, std::sqrt(state.mass / springs[id]));
+		if (movesFreely(state)) contactLimit = std::min(contactLimit, talik::RigidContact<2>::timeStep(state.mass, grips[id]));
 	}
 }
 

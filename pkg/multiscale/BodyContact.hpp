@@ -42,7 +42,7 @@ private:
 
 	vector<talik::RigidBody<2>> collected;
 	vector<Vector2r>            leverArms; ///< from the body's position to that of what is shown
-	vector<Real>                springs;   ///< by body that moves: of all its contacts, at most [N/m]
+	vector<talik::RigidContact<2>::Grip> grips; ///< by body that moves: of all its contacts, at most
 	Real                        contactLimit   = 0;
 	bool                        enginesChecked = false;
 	size_t                      bodiesChecked  = 0;

@@ -117,7 +117,7 @@ public:
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
 		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit."))
-		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]; cut to what is stable wherever the points lie: 0.577 with quadraticBSpline, 0.463 with gimp, 0.354 with linear, for which none is quite safe."))
+		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]; cut to what is stable wherever the points lie: 0.408 with quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))

@@ -223,7 +223,7 @@ namespace {
 		b.friction      = dice.between("friction", 0.0, 1.0);
 		for (int a = 0; a < D; ++a) {
 			b.axes[a][a] = 1.0;
-			b.size[a]    = s.gridSpacing * dice.between("half", 1.0, 3.0);
+			b.size[a]    = s.gridSpacing * dice.decades("half", 0.05, 3.0);
 			b.position[a] = s.lower[a] + dice.between("at", 0.0, 1.0) * (s.upper[a] - s.lower[a]);
 		}
 		const double reach = b.shape->reach(b.size)[1];
@@ -233,7 +233,7 @@ namespace {
 		const double speed  = (driven ? 2e-3 : 0.02) * dice.between("bodySpeed", 0.0, 1.0) * std::sqrt(softest / 2000.0);
 		b.velocity          = along(speed * dice.uniform(-1.0, 1.0), -speed);
 		if (driven) return;
-		scene.body.mass = 2700.0 * std::pow(s.gridSpacing, D) * cellsFilled * dice.between("massOfGround", 0.3, 1.0);
+		scene.body.mass = 2700.0 * std::pow(s.gridSpacing, D) * cellsFilled * dice.decades("massOfGround", 1e-2, 1.0);
 	}
 
 } // namespace
@@ -271,7 +271,7 @@ template <int D> void RandomScene<D>::start()
 template <int D> Outside RandomScene<D>::outside()
 {
 	if (!body.contact) return {};
-	return { [this](double dt) { body.advance(dt); }, [this] { return body.energy(); } };
+	return { [this](double dt) { body.advance(dt); }, [this] { return body.energy(); }, [this] { return body.longestStep(); } };
 }
 
 template <int D> void MetBody<D>::advance(double dt)
@@ -282,6 +282,11 @@ template <int D> void MetBody<D>::advance(double dt)
 		body.position[a] += dt * body.velocity[a];
 	}
 	taken = body.impulse;
+}
+
+template <int D> double MetBody<D>::longestStep() const
+{
+	return std::isinf(mass) ? INFINITY : RigidContact<D>::timeStep(mass, contact->gripOn(contact->bodies[0]));
 }
 
 template <int D> double MetBody<D>::energy() const

@@ -19,6 +19,7 @@ template <int D> struct MetBody {
 	Vec<D>           taken {};           ///< impulse that it has taken from the contact [N s]
 
 	void   advance(double dt);    ///< takes the impulse received and moves
+	double longestStep() const;   ///< that its contacts stand [s]
 	double energy() const;        ///< kinetic, or what its driver received [J]
 };
 

@@ -33,6 +33,7 @@ struct Figures {
 struct Outside {
 	std::function<void(double)> advance = [](double) {};          ///< by a time step [s], after the ground
 	std::function<double()>     energy  = [] { return 0.0; };     ///< mechanical, that the ground may take or give [J]
+	std::function<double()>     longestStep = [] { return INFINITY; }; ///< that it stands [s]
 };
 
 /// Compares the balance of a ground with that at the start; needs GroundSettings::energyLedger for the energy.
@@ -66,7 +67,7 @@ public:
 	{
 		try {
 			for (long k = 0; k < count && figures_.finite; ++k) {
-				const double dt = factor * ground_.stableTimeStep().step;
+				const double dt = factor * std::min(ground_.stableTimeStep().step, outside_.longestStep());
 				ground_.step(dt);
 				outside_.advance(dt);
 				if ((k + 1) % every == 0 || k + 1 == count) look();
