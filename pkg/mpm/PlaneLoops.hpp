@@ -85,9 +85,6 @@ struct PlaneLoops {
 		bool   numbers; ///< false: one of them is not finite
 	};
 	Extent (*extent)(int count, const double* x);
-
-	/// y = exp(x) to two units in the last place, for -700 < x < 700.
-	void (*exponential)(int count, const double* x, double* y);
 };
 
 /// The loops for this processor.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/HeatTransfer.hpp>
-#include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/PoreContent.hpp>
 #include <pkg/mpm/PoreWater.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace talik {
@@ -101,11 +101,34 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 	if (motion_) motion_->mass[p] = solidMass[p] + (water_ ? thermal.iceMass : waterMass[p]);
 }
 
+template <int D> void PoreContent<D>::load(Block& b) const
+{
+	if (heat_) std::copy_n(heat_->temperature + b.first, b.count, b.temperature);
+	else
+		std::fill_n(b.temperature, b.count, settings_->mixture.referenceTemperature);
+	if (iceMass) {
+		std::copy_n(iceMass + b.first, b.count, b.ice);
+		for (int k = 0; k < b.count; ++k)
+			b.liquidSaturation[k] = 1.0 - iceSaturation[b.first + k];
+	} else {
+		std::fill_n(b.ice, b.count, 0.0);
+		std::fill_n(b.liquidSaturation, b.count, 1.0);
+	}
+	std::copy_n(b.temperature, b.count, b.temperatureBefore);
+	std::copy_n(b.ice, b.count, b.iceBefore);
+	std::copy_n(b.liquidSaturation, b.count, b.saturationBefore);
+}
+
+// Loops over points hold constants by value and fields, which never overlap, by pointers of their own: only then are they vectors.
+
 template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
 {
-	const MixtureProperties& m = settings_->mixture;
+	const MixtureProperties m      = settings_->mixture;
+	const double* const     volume = volume_ + b.first;
+	const double* const     solid  = solidMass + b.first;
+#pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
-		b.poreVolume[k] = volume_[b.first + k] - solidMass[b.first + k] / m.densityAt(m.solid, b.temperature[k]);
+		b.poreVolume[k] = volume[k] - solid[k] / m.densityAt(m.solid, b.temperature[k]);
 }
 
 template <int D> void PoreContent<D>::solveTemperature(Block& b) const
@@ -127,45 +150,64 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b) const
 
 template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const
 {
-	bool changes = false;
+	int          changes = 0;
+	const double* const solidMass_ = solidMass + b.first;
+	const double* const waterMass_ = waterMass + b.first;
+	double* const       mass       = motion_->mass + b.first;
 	for (int k = 0; k < b.count; ++k)
 		changes |= b.iceBefore[k] != b.ice[k];
 	if (!changes) return;
+	double liquidShare[blockSize], solidShare[blockSize];
+#pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k) {
-		const int    p      = b.first + k;
-		const double melt   = b.iceBefore[k] - b.ice[k];
-		const double solid  = solidMass[p] + b.iceBefore[k];
-		const double liquid = waterMass[p] - b.iceBefore[k];
+		const double melt     = b.iceBefore[k] - b.ice[k];
 		const double toLiquid = std::max(melt, 0.0), toSolid = std::max(-melt, 0.0);
-		const double liquidShare = toLiquid / (liquid + toLiquid), solidShare = toSolid / (solid + toSolid);
-		for (int i = 0; i < D; ++i) {
-			const double w = water_->velocity[i][p] - motion_->velocity[i][p];
-			water_->velocity[i][p] -= liquidShare * w;
-			motion_->velocity[i][p] += solidShare * w;
+		liquidShare[k]        = toLiquid / (waterMass_[k] - b.iceBefore[k] + toLiquid);
+		solidShare[k]         = toSolid / (solidMass_[k] + b.iceBefore[k] + toSolid);
+		mass[k]               = solidMass_[k] + b.ice[k];
+	}
+	for (int i = 0; i < D; ++i) {
+		double* const liquid = water_->velocity[i] + b.first;
+		double* const solid  = motion_->velocity[i] + b.first;
+#pragma GCC ivdep
+		for (int k = 0; k < b.count; ++k) {
+			const double w = liquid[k] - solid[k];
+			liquid[k] -= liquidShare[k] * w;
+			solid[k] += solidShare[k] * w;
 		}
-		motion_->mass[p] = solidMass[p] + b.ice[k];
 	}
 }
 
 template <int D> void PoreContent<D>::updatePressure(const Block& b) const
 {
-	const MixtureProperties& m     = settings_->mixture;
-	const PoreWaterState&    state = settings_->water->state;
+	const MixtureProperties m     = settings_->mixture;
+	const PoreWaterState    state = settings_->water->state;
+	const double* const     water = waterMass + b.first;
+	double* const           pressure = water_->pressure + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		pressure[k] = state.pressure(m, water[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
+}
+
+template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
+{
+	const MixtureProperties m     = settings_->mixture;
+	const PoreWaterState    state = settings_->water->state;
+	const double* const     water = waterMass + b.first;
+#pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k) {
-		const int p         = b.first + k;
-		water_->pressure[p] = state.pressure(m, waterMass[p] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
+		const PoreFill f = state.fill(m, water[k] - b.ice[k], b.ice[k], b.temperature[k]);
+		excess[k]        = f.volume - b.poreVolume[k];
+		compliance[k]    = f.compliance;
 	}
 }
 
 template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells) const
 {
-	const MixtureProperties& m     = settings_->mixture;
-	const PoreWaterState&    state = settings_->water->state;
-	for (int k = 0; k < b.count; ++k) {
-		const int      p = b.first + k;
-		const PoreFill f = state.fill(m, waterMass[p] - b.ice[k], b.ice[k], b.temperature[k]);
-		water_->addFill(cells.cell(p), f.volume - b.poreVolume[k], f.compliance);
-	}
+	double excess[blockSize], compliance[blockSize];
+	findFill(b, excess, compliance);
+	for (int k = 0; k < b.count; ++k)
+		water_->addFill(cells.cell(b.first + k), excess[k], compliance[k]);
 }
 
 template <int D> void PoreContent<D>::updatePressureRate(const Block& b) const
@@ -191,51 +233,90 @@ template <int D> void PoreContent<D>::updatePressureRate(const Block& b) const
 
 template <int D> void PoreContent<D>::updateCoefficients(const Block& b) const
 {
-	const MixtureProperties& m = settings_->mixture;
-	for (int k = 0; k < b.count; ++k)
-		porosity[b.first + k] = b.poreVolume[k] / volume_[b.first + k];
-	if (heat_)
-		for (int k = 0; k < b.count; ++k)
-			heat_->conductivity[b.first + k] = m.conductivity(VolumeFractions::of(porosity[b.first + k], b.liquidSaturation[k]));
-	if (iceMass)
-		for (int k = 0; k < b.count; ++k) {
-			iceMass[b.first + k]       = b.ice[k];
-			iceSaturation[b.first + k] = 1.0 - b.liquidSaturation[k];
-		}
+	updatePorosity(b);
+	if (heat_) updateConductivity(b);
+	if (iceMass) updateIce(b);
 	if (water_) updateDrag(b);
+}
+
+template <int D> void PoreContent<D>::updatePorosity(const Block& b) const
+{
+	const double* const volume = volume_ + b.first;
+	double* const       n      = porosity + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		n[k] = b.poreVolume[k] / volume[k];
+}
+
+template <int D> void PoreContent<D>::updateConductivity(const Block& b) const
+{
+	const MixtureProperties m = settings_->mixture;
+	const double* const     n = porosity + b.first;
+	double* const           kappa = heat_->conductivity + b.first;
+	if (m.conductivityMean == ConductivityMean::arithmetic) {
+#pragma GCC ivdep
+		for (int k = 0; k < b.count; ++k)
+			kappa[k] = m.arithmeticConductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
+		return;
+	}
+	for (int k = 0; k < b.count; ++k)
+		kappa[k] = m.conductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
+}
+
+template <int D> void PoreContent<D>::updateIce(const Block& b) const
+{
+	double* const saturation = iceSaturation + b.first;
+	std::copy_n(b.ice, b.count, iceMass + b.first);
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		saturation[k] = 1.0 - b.liquidSaturation[k];
 }
 
 template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
-	const Permeability& law = settings_->water->permeability;
+	const Permeability  law   = settings_->water->permeability;
+	const double* const water = waterMass + b.first;
+	const double* const n     = porosity + b.first;
+	double* const       liquidFraction = water_->liquidFraction + b.first;
+	double* const       drag           = water_->drag + b.first;
+#pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
-		water_->liquidFraction[b.first + k] = porosity[b.first + k] * b.liquidSaturation[k];
-	if (law.law != RelativeConductivity::impedance) {
+		liquidFraction[k] = n[k] * b.liquidSaturation[k];
+	if (law.law == RelativeConductivity::impedance) {
+#pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
-			water_->drag[b.first + k] = law.drag(waterMass[b.first + k] - b.ice[k], porosity[b.first + k], b.liquidSaturation[k]);
+			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], law.impededConductivity(n[k], b.liquidSaturation[k]));
 		return;
 	}
-	// the usual law, without a power function per point
-	constexpr double ln10 = 2.302585092994045684;
-	double           relative[blockSize];
 	for (int k = 0; k < b.count; ++k)
-		relative[k] = std::max(-700.0, -law.impedance * ln10 * (1.0 - b.liquidSaturation[k]));
-	planeLoops().exponential(b.count, relative, relative);
-	const double thawed = law.hydraulicTimeScale * law.referenceConductivity;
+		drag[k] = law.drag(water[k] - b.ice[k], n[k], b.liquidSaturation[k]);
+}
+
+template <int D> bool PoreContent<D>::allPossible(const Block& b) const
+{
+	const double* const volume = volume_ + b.first;
+	const double* const water  = waterMass + b.first;
+	const double        least  = water_ ? 0.0 : -std::numeric_limits<double>::infinity();
+	int                 bad    = 0;
 	for (int k = 0; k < b.count; ++k) {
-		const int    p           = b.first + k;
-		const double conductance = thawed * law.porosityFactor(porosity[p]) * std::max(law.floor, relative[k]);
-		water_->drag[p]          = (waterMass[p] - b.ice[k]) * water_->liquidFraction[p] * Permeability::gravity / conductance;
+		const bool hasPores = b.poreVolume[k] >= smallestPorosity * volume[k];
+		const bool hasState = std::abs(b.temperature[k]) <= std::numeric_limits<double>::max() && water[k] - b.ice[k] > least;
+		bad |= !(hasPores & hasState);
 	}
+	return !bad;
 }
 
 template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 {
+	if (allPossible(b)) return b.first + b.count;
+	Block one;
+	one.count = 1;
 	for (int k = 0; k < b.count; ++k) {
-		const int  p      = b.first + k;
-		const bool hasPores = b.poreVolume[k] >= smallestPorosity * volume_[p];
-		const bool hasState = std::isfinite(b.temperature[k]) && (!water_ || waterMass[p] - b.ice[k] > 0.0);
-		if (!hasPores || !hasState) return p;
+		one.first          = b.first + k;
+		one.poreVolume[0]  = b.poreVolume[k];
+		one.temperature[0] = b.temperature[k];
+		one.ice[0]         = b.ice[k];
+		if (!allPossible(one)) return one.first;
 	}
 	return b.first + b.count;
 }
@@ -250,24 +331,18 @@ template <int D> int PoreContent<D>::update(int first, int last, const CellMeans
 template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const
 {
 	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : heat_ ? CostMeter::heat : CostMeter::water;
-	const double reference = settings_->mixture.referenceTemperature;
 	for (int start = first; start < last; start += blockSize) {
 		sample.beginBlock();
 		Block b;
 		b.first = start;
 		b.count = std::min(blockSize, last - start);
-		for (int k = 0; k < b.count; ++k) {
-			b.temperature[k] = b.temperatureBefore[k] = heat_ ? heat_->temperature[start + k] : reference;
-			b.ice[k] = b.iceBefore[k] = iceMass ? iceMass[start + k] : 0.0;
-			b.liquidSaturation[k] = b.saturationBefore[k] = iceSaturation ? 1.0 - iceSaturation[start + k] : 1.0;
-		}
+		load(b);
 		findPoreVolume(b);
 		if (heat_) solveTemperature(b);
 		const int bad = firstImpossible(b);
 		if (bad < start + b.count) return bad;
 		if (heat_) {
-			for (int k = 0; k < b.count; ++k)
-				heat_->temperature[start + k] = b.temperature[k];
+			std::copy_n(b.temperature, b.count, heat_->temperature + start);
 			findPoreVolume(b);
 			if (iceMass && water_) exchangePhaseMomentum(b);
 		}

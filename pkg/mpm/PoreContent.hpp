@@ -5,6 +5,7 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/MaterialPoints.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 namespace talik {
 
@@ -41,14 +42,20 @@ public:
 
 private:
 	struct Block;
-	void findPoreVolume(Block& b) const;
+	void load(Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
 	void solveTemperature(Block& b) const;
-	void exchangePhaseMomentum(const Block& b) const;
-	void updatePressure(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b) const;
 	void collectPressure(const Block& b, const CellMeans<D>& cells) const;
+	TALIK_PROCESSOR_VERSIONS void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
 	void updatePressureRate(const Block& b) const;
 	void updateCoefficients(const Block& b) const;
-	void updateDrag(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updatePorosity(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updateIce(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS bool allPossible(const Block& b) const;
 	int  firstImpossible(const Block& b) const;
 
 	const GroundSettings<D>* settings_;

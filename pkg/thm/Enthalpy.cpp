@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/thm/EnthalpySolve.hpp>
+#include <pkg/thm/Enthalpy.hpp>
 
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -21,17 +22,14 @@ LatentDensity latentDensityFromName(const std::string& name)
 }
 
 EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurvePtr curve, EnthalpyForm form, LatentDensity latentDensity)
-        : properties_(properties)
-        , curve_(curve ? std::move(curve) : unfrozenCurve())
-        , form_(form)
+        : curve_(curve ? std::move(curve) : unfrozenCurve())
         , latentDensity_(latentDensity)
 {
-	properties_.validate();
+	properties.validate();
 	const bool   asPrinted = latentDensity == LatentDensity::liquid;
-	const double excess    = asPrinted ? properties_.liquid.density / properties_.ice.density : 1.0;
-	latentHeat_            = properties_.latentHeat * excess;
-	latentPerPoreVolume_   = properties_.ice.density * latentHeat_;
-	integralAtReference_   = curve_->integral(properties_.referenceTemperature);
+	const double excess    = asPrinted ? properties.liquid.density / properties.ice.density : 1.0;
+	const double latent    = properties.latentHeat * excess;
+	formula_ = { properties, form, latent, properties.ice.density * latent, curve_->freezingTemperature(), curve_->integral(properties.referenceTemperature) };
 }
 
 void EnthalpyModel::setTolerance(double tolerance)
@@ -42,20 +40,20 @@ void EnthalpyModel::setTolerance(double tolerance)
 
 ThermalState EnthalpyModel::stateAt(const SoilContent& soil, double temperature) const
 {
-	const double     sl = curve_->liquidSaturation(temperature);
-	const Evaluation at = evaluation(soil, temperature, sl, curve_->derivative(temperature), 0.0);
+	const double sl = curve_->liquidSaturation(temperature);
+	const auto   at = formula_.at(soil, temperature, sl, curve_->derivative(temperature), 0.0);
 	return { temperature, sl, at.iceMass, at.heatCapacity, std::isfinite(at.heatCapacity) && temperature > lowestTemperature, at.slope };
 }
 
 double EnthalpyModel::enthalpy(const SoilContent& soil, double temperature) const
 {
-	const double integral = curve_->integral(temperature) - integralAtReference_;
-	return evaluation(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), integral).enthalpy;
+	const double integral = curve_->integral(temperature) - formula_.integralAtReference;
+	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), integral).enthalpy;
 }
 
 double EnthalpyModel::apparentCapacity(const SoilContent& soil, double temperature) const
 {
-	return evaluation(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), 0.0).slope;
+	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), 0.0).slope;
 }
 
 ThermalState EnthalpyModel::solve(const SoilContent& soil, double enthalpy, double guess) const

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/thm/EnthalpyFormula.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
-#include <pkg/thm/Mixture.hpp>
 
 #include <cstddef>
 #include <string>
 
 namespace talik {
-
-/// Form of H(T). stateFunction: masses times specific enthalpies, conserves energy under strain, seepage and phase change.
-/// capacityIntegral: integral of the volumetric capacity plus n V rho L_f S_l, which is Yu & Zhao eq. (4) read literally; it
-/// knows no enthalpy of moving water and is meant for rigid ground and comparison.
-enum class EnthalpyForm { stateFunction, capacityIntegral };
 
 /// Density that multiplies the latent heat of the melting volume: that of ice (the mass that melts) or, as printed in
 /// Yu & Zhao eq. (4), that of the liquid (9.9 % more heat).
@@ -20,13 +15,6 @@ enum class LatentDensity { ice, liquid };
 
 EnthalpyForm  enthalpyFormFromName(const std::string& name);  ///< "stateFunction" | "capacityIntegral"
 LatentDensity latentDensityFromName(const std::string& name); ///< "ice" | "liquid"
-
-/// What does not depend on temperature in the enthalpy of one material point.
-struct SoilContent {
-	double solidMass;  ///< m_s [kg], > 0
-	double waterMass;  ///< m_w = ice + liquid [kg], >= 0
-	double poreVolume; ///< V_pore [m^3], > 0
-};
 
 /// Thermal state of one material point.
 struct ThermalState {
@@ -68,16 +56,16 @@ public:
 	        EnthalpyForm             form          = EnthalpyForm::stateFunction,
 	        LatentDensity            latentDensity = LatentDensity::ice);
 
-	const MixtureProperties& properties() const { return properties_; }
+	const MixtureProperties& properties() const { return formula_.properties; }
 	const FreezingCurve&     curve() const { return *curve_; }
 	FreezingCurvePtr         curvePointer() const { return curve_; }
-	EnthalpyForm             form() const { return form_; }
+	EnthalpyForm             form() const { return formula_.form; }
 	LatentDensity            latentDensity() const { return latentDensity_; }
 	/// L_f of the state-function form [J/kg]; 9.9 % above the material's with LatentDensity::liquid.
-	double latentHeat() const { return latentHeat_; }
+	double latentHeat() const { return formula_.latentHeat; }
 
 	/// Fraction f_r of the water mass that never becomes ice [-].
-	static constexpr double residualWaterFraction = 1e-3;
+	static constexpr double residualWaterFraction = EnthalpyFormula::residualWaterFraction;
 	/// Lowest temperature for which H(T) is inverted [degC].
 	static constexpr double lowestTemperature = -150.0;
 
@@ -102,39 +90,17 @@ public:
 	/// Specific enthalpy of liquid water, h_l = c_l (T - T_0) + L_f [J/kg]: what moving water carries.
 	double liquidEnthalpy(double temperature) const
 	{
-		return properties_.liquid.specificHeat * (temperature - properties_.referenceTemperature) + latentHeat_;
+		const MixtureProperties& m = formula_.properties;
+		return m.liquid.specificHeat * (temperature - m.referenceTemperature) + formula_.latentHeat;
 	}
 
-	/// T(H) with the code of one curve inlined.
-	template <class Curve> ThermalState solveWith(const Curve& curve, const SoilContent& soil, double enthalpy, double guess) const;
+	const EnthalpyFormula& formula() const { return formula_; }
 
 private:
-	struct Evaluation {
-		double enthalpy, slope, liquidSaturation, iceMass, heatCapacity;
-	};
-	template <class Curve> Evaluation   evaluateAt(const Curve& curve, const SoilContent& soil, double temperature) const;
-	template <class Curve> ThermalState solveFrozen(const Curve& curve, const SoilContent& soil, double enthalpy, double guess) const;
-	template <class Curve> ThermalState plateauState(const Curve& curve, const SoilContent& soil, double fractionThawed) const;
-	template <class Curve> double       closedFormGuess(const Curve& curve, const SoilContent& soil, double enthalpy, double guess) const;
-
-	double iceMassAt(const SoilContent& soil, double temperature, double liquidSaturation, double curveSlope, double& slope) const;
-	Evaluation evaluation(const SoilContent& soil, double temperature, double sl, double dsl, double integralOfSl) const;
-	double thawedCapacity(const SoilContent& soil) const;
-	double thawedOffset(const SoilContent& soil) const;
-	double smallestCapacity(const SoilContent& soil) const;
-	double residualScale(const SoilContent& soil) const
-	{
-		return soil.solidMass * properties_.solid.specificHeat + soil.waterMass * latentHeat_;
-	}
-
-	MixtureProperties properties_;
-	FreezingCurvePtr  curve_;
-	EnthalpyForm      form_;
-	LatentDensity     latentDensity_;
-	double            latentHeat_;
-	double            latentPerPoreVolume_; // rho L_f of the capacity-integral form [J/m^3]
-	double            integralAtReference_; // integral of S_l from T_f to T_0 [K]
-	double            tolerance_ = 1e-12;
+	EnthalpyFormula  formula_;
+	FreezingCurvePtr curve_;
+	LatentDensity    latentDensity_;
+	double           tolerance_ = 1e-12;
 };
 
 } // namespace talik

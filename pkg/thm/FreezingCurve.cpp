@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/thm/EnthalpySolve.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/FreezingCurveShapes.hpp>
+#include <pkg/thm/TemperatureSolver.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -38,18 +38,9 @@ namespace {
 
 		std::size_t solveTemperatures(const EnthalpyModel& model, const EnthalpyBatch& batch) const override
 		{
-			std::size_t firstInvalid = batch.count;
-			for (std::size_t p = 0; p < batch.count; ++p) {
-				const SoilContent  soil { batch.solidMass[p], batch.waterMass[p], batch.poreVolume[p] };
-				const ThermalState state  = model.solveWith(curve_, soil, batch.enthalpy[p], batch.temperature[p]);
-				batch.temperature[p]      = state.temperature;
-				batch.liquidSaturation[p] = state.liquidSaturation;
-				batch.iceMass[p]          = state.iceMass;
-				batch.heatCapacity[p]     = state.heatCapacity;
-				if (batch.apparentCapacity) batch.apparentCapacity[p] = state.apparentCapacity;
-				if (!state.valid) firstInvalid = std::min(firstInvalid, p);
-			}
-			return firstInvalid;
+			if (model.form() == EnthalpyForm::stateFunction)
+				return TemperatureSolver<Curve, EnthalpyForm::stateFunction>(model.formula(), curve_, model.tolerance()).solve(batch);
+			return TemperatureSolver<Curve, EnthalpyForm::capacityIntegral>(model.formula(), curve_, model.tolerance()).solve(batch);
 		}
 
 	private:

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-// The freezing curves themselves, as plain structs whose functions inline into loops over points. A new curve is one struct
-// here with the same members and one line in the table of FreezingCurve.cpp.
+// The freezing curves themselves, as plain structs whose functions inline into loops over points, and become vectors there if
+// they are free of branches. A new curve is one struct here with the same members and one line in the table of FreezingCurve.cpp.
 
+#include <pkg/thm/Exponential.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
 
@@ -35,17 +36,14 @@ struct GaussCurve : CurveBase {
 
 	double liquidSaturation(double temperature) const
 	{
-		const double theta = freezingTemperature - temperature;
-		if (theta <= 0.0) return 1.0;
-		const double x = theta / width;
-		return scaled(std::exp(-x * x));
+		const double theta = freezingTemperature - temperature, below = scaled(fraction(theta));
+		return theta <= 0.0 ? 1.0 : below;
 	}
 	double derivative(double temperature) const
 	{
 		const double theta = freezingTemperature - temperature;
-		if (theta <= 0.0) return 0.0;
-		const double x = theta / width;
-		return (1.0 - residualSaturation) * 2.0 * x / width * std::exp(-x * x);
+		const double below = (1.0 - residualSaturation) * 2.0 * theta / (width * width) * fraction(theta);
+		return theta <= 0.0 ? 0.0 : below;
 	}
 	double integral(double temperature) const
 	{
@@ -53,6 +51,13 @@ struct GaussCurve : CurveBase {
 		if (theta <= 0.0) return -theta;
 		constexpr double halfSqrtPi = 0.88622692545275801365;
 		return -(residualSaturation * theta + (1.0 - residualSaturation) * width * halfSqrtPi * std::erf(theta / width));
+	}
+
+private:
+	double fraction(double theta) const
+	{
+		const double x = theta / width;
+		return talik::exponential(-x * x);
 	}
 };
 
@@ -66,13 +71,13 @@ struct ExponentialCurve : CurveBase {
 
 	double liquidSaturation(double temperature) const
 	{
-		const double theta = freezingTemperature - temperature;
-		return theta <= 0.0 ? 1.0 : scaled(std::exp(-theta / width));
+		const double theta = freezingTemperature - temperature, below = scaled(talik::exponential(-theta / width));
+		return theta <= 0.0 ? 1.0 : below;
 	}
 	double derivative(double temperature) const
 	{
-		const double theta = freezingTemperature - temperature;
-		return theta <= 0.0 ? 0.0 : (1.0 - residualSaturation) * std::exp(-theta / width) / width;
+		const double theta = freezingTemperature - temperature, below = (1.0 - residualSaturation) * talik::exponential(-theta / width) / width;
+		return theta <= 0.0 ? 0.0 : below;
 	}
 	double integral(double temperature) const
 	{

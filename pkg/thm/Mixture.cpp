@@ -56,7 +56,7 @@ double MixtureProperties::conductivity(const VolumeFractions& n) const
 		case ConductivityMean::harmonic: return 1.0 / (n.solid / solid.conductivity + n.ice / ice.conductivity + n.liquid / liquid.conductivity);
 		case ConductivityMean::arithmetic: break;
 	}
-	return n.solid * solid.conductivity + n.ice * ice.conductivity + n.liquid * liquid.conductivity;
+	return arithmeticConductivity(n);
 }
 
 double MixtureProperties::expansivity(double porosity, double liquidSaturation, double temperature) const

@@ -64,6 +64,11 @@ struct MixtureProperties {
 
 	/// kappa_m by the chosen mean [W/(m K)]
 	double conductivity(const VolumeFractions& n) const;
+	/// The same by the arithmetic mean, whatever is chosen.
+	double arithmeticConductivity(const VolumeFractions& n) const
+	{
+		return n.solid * solid.conductivity + n.ice * ice.conductivity + n.liquid * liquid.conductivity;
+	}
 
 	/// Volumetric expansivity of the mixture as it drives pressure at constant mass,
 	/// beta_m = n_l beta_l + (1-zeta) n_i beta_i + (1-n)(1-zeta S_i) beta_s [1/K].

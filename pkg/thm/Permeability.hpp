@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/thm/Exponential.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -33,13 +35,20 @@ struct Permeability {
 	/// KC(n)/KC(n_ref) [-], porosity in (0,1)
 	double porosityFactor(double porosity) const { return kozenyCarman(porosity) / kozenyCarman(referencePorosity); }
 
+	/// 10^(-Omega S_i) [-]
+	double impeded(double liquidSaturation) const
+	{
+		constexpr double ln10 = 2.302585092994045684;
+		return exponential(-impedance * ln10 * (1.0 - liquidSaturation));
+	}
+
 	/// k_r [-] in [floor, 1], liquidSaturation in [0,1]
 	double relative(double liquidSaturation) const
 	{
 		const double effective = std::min(1.0, std::max(0.0, (liquidSaturation - residualSaturation) / (1.0 - residualSaturation)));
 		double       kr        = 1.0;
 		switch (law) {
-			case RelativeConductivity::impedance: kr = std::pow(10.0, -impedance * (1.0 - liquidSaturation)); break;
+			case RelativeConductivity::impedance: kr = impeded(liquidSaturation); break;
 			case RelativeConductivity::vanGenuchtenMualem: {
 				const double bracket = 1.0 - std::pow(1.0 - std::pow(effective, 1.0 / lambda), lambda);
 				kr                   = std::sqrt(effective) * bracket * bracket;
@@ -59,13 +68,24 @@ struct Permeability {
 		return k * porosityFactor(porosity) * relative(liquidSaturation);
 	}
 
+	/// The same by the impedance law, whatever is chosen; without branches, for loops over points.
+	double impededConductivity(double porosity, double liquidSaturation) const
+	{
+		return hydraulicTimeScale * referenceConductivity * porosityFactor(porosity) * std::min(1.0, std::max(floor, impeded(liquidSaturation)));
+	}
+
 	/// Acceleration of gravity in the definition of hydraulic conductivity: a material constant, independent of body forces [m/s^2].
 	static constexpr double gravity = 9.81;
 
 	/// Drag of one material point between liquid and solid, V n_l^2 rho_l g/k = m_l n_l g/k [kg/s].
 	double drag(double liquidMass, double porosity, double liquidSaturation) const
 	{
-		return liquidMass * porosity * liquidSaturation * gravity / conductivity(porosity, liquidSaturation);
+		return dragAt(liquidMass, porosity * liquidSaturation, conductivity(porosity, liquidSaturation));
+	}
+	/// The same from the liquid fraction n_l and the conductivity [m/s].
+	static double dragAt(double liquidMass, double liquidFraction, double conductivity)
+	{
+		return liquidMass * liquidFraction * gravity / conductivity;
 	}
 
 private:
