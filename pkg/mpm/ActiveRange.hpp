@@ -31,7 +31,7 @@ struct ActiveRange {
 		r.lastCell  = (lastRow + 1) * grid.cellStride(axis);
 		r.firstNode = firstRow * grid.nodeStride(axis);
 		r.lastNode  = (lastRow + 4) * grid.nodeStride(axis);
-		r.chunk     = 8 * grid.nodeStride(axis);
+		r.chunk     = 2 * grid.nodeStride(axis);
 		r.parallel  = points.strips().parallel;
 		return r;
 	}

@@ -3,6 +3,10 @@
 
 #include <vector>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 namespace talik {
 
 /// The points cut into strips of whole cell rows along the grid's slowest axis. Points of a strip write only to nodes of its own
@@ -23,11 +27,13 @@ struct Strips {
 	/// work(strip, firstPoint, lastPoint) for all strips, never two neighbours at the same time.
 	template <class Work> void scatter(Work&& work) const
 	{
-		const int n = count();
 #pragma omp parallel if (parallel)
-		for (int parity = 0; parity < 2; ++parity) {
-#pragma omp for schedule(dynamic, 1)
-			for (int s = parity; s < n; s += 2)
+		{
+			const Share mine(*this);
+			for (int s = mine.first + mine.first % 2; s < mine.last; s += 2)
+				work(s, first[s], first[s + 1]);
+#pragma omp barrier
+			for (int s = mine.first + 1 - mine.first % 2; s < mine.last; s += 2)
 				work(s, first[s], first[s + 1]);
 		}
 	}
@@ -35,10 +41,39 @@ struct Strips {
 	/// work(strip, firstPoint, lastPoint) for all strips at once: for loops that write to their own points only.
 	template <class Work> void gather(Work&& work) const
 	{
-		const int n = count();
-#pragma omp parallel for schedule(dynamic, 1) if (parallel)
-		for (int s = 0; s < n; ++s)
-			work(s, first[s], first[s + 1]);
+#pragma omp parallel if (parallel)
+		{
+			const Share mine(*this);
+			for (int s = mine.first; s < mine.last; ++s)
+				work(s, first[s], first[s + 1]);
+		}
+	}
+
+private:
+	/// Strips of the thread that asks: as many points for each thread as whole strips allow, and the same ones in every loop, so
+	/// that they stay in its cache.
+	struct Share {
+		int first, last;
+		explicit Share(const Strips& strips)
+		{
+#ifdef _OPENMP
+			first = strips.beginOf(omp_get_thread_num(), omp_get_num_threads());
+			last  = strips.beginOf(omp_get_thread_num() + 1, omp_get_num_threads());
+#else
+			first = 0;
+			last  = strips.count();
+#endif
+		}
+	};
+
+	/// First strip whose middle point belongs to the given part of the points.
+	int beginOf(int part, int parts) const
+	{
+		const long points = first.back();
+		int        s      = 0;
+		while (s < count() && (static_cast<long>(first[s]) + first[s + 1]) * parts < 2 * points * part)
+			++s;
+		return part == parts ? count() : s;
 	}
 };
 
