@@ -5,8 +5,9 @@
 
 namespace talik {
 
-/// The inner loops of two-dimensional ground, in versions for several processors. All versions do the same operations in the same
-/// order and give the same bits; the best one that the processor knows is chosen once. Arrays of points are whole arrays,
+/// The inner loops of two-dimensional ground, in versions for several processors; the best one that the processor knows is chosen
+/// once. All versions do the same operations in the same order. Those for processors that multiply and add in one rounding (all
+/// since 2013) give the same bits; the plain one rounds twice. Arrays of points are whole arrays,
 /// indexed by place; arrays of nodes begin at node 0.
 struct PlaneLoops {
 	const char* name;

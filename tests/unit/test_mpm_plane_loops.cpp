@@ -91,18 +91,26 @@ std::vector<double> resultsOf(const PlaneLoops& loops)
 
 } // namespace
 
-TEST(MpmPlaneLoops, AllProcessorVersionsGiveTheSameBits)
+TEST(MpmPlaneLoops, VersionsThatRoundOnceGiveTheSameBitsAndThePlainOneDiffersByRoundOff)
 {
 	const PlaneLoops*         versions[3];
-	const int                 count     = planeLoopVersions(versions);
-	const std::vector<double> reference = resultsOf(*versions[0]);
-	for (int v = 0; v < count; ++v) {
+	const int                 count   = planeLoopVersions(versions);
+	const std::vector<double> plain   = resultsOf(*versions[0]);
+	const std::vector<double> newest  = resultsOf(*versions[count - 1]);
+	for (int v = 1; v < count; ++v) {
 		const std::vector<double> results = resultsOf(*versions[v]);
-		ASSERT_EQ(results.size(), reference.size());
-		long different = 0;
-		for (std::size_t i = 0; i < results.size(); ++i)
-			different += std::memcmp(&results[i], &reference[i], sizeof(double)) != 0;
-		std::printf("%s: %ld of %zu numbers differ from the plain version\n", versions[v]->name, different, results.size());
+		ASSERT_EQ(results.size(), newest.size());
+		long   different = 0;
+		double worst     = 0.0;
+		for (std::size_t i = 0; i < results.size(); ++i) {
+			different += std::memcmp(&results[i], &newest[i], sizeof(double)) != 0;
+			// sums of numbers of order one and of slopes of order ten
+			worst = std::max(worst, std::abs(results[i] - plain[i]) / std::max(10.0, std::abs(plain[i])));
+		}
+		std::printf(
+		        "%s: %ld of %zu numbers differ from those of %s, by %.1e at most from the plain version\n", versions[v]->name, different, results.size(),
+		        versions[count - 1]->name, worst);
 		EXPECT_EQ(different, 0);
+		EXPECT_LE(worst, 1e-14);
 	}
 }
