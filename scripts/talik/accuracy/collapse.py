@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Collapse of a column of frictional ground against the finest run."""
+"""Collapse of a column of frictional ground against the finest run.
+
+The finest run is one with transfer tpic: at 80 cells apic and tpic agree within 0.3 %, where flip 0.97, which loses three per cent of
+what the grid does not resolve in every step, has its front 15 % behind them and flip 1, which loses nothing, noise included, 7 % ahead.
+From 40 to 80 cells the front of tpic moves on by 3 %, and by about two per cent more, were the cells halved again and again."""
 
 import numpy as np
 from yade import O, wrapper
@@ -53,9 +57,11 @@ problem = Problem(
 	standard={"cells": 10, **ground.standard},
 	sweeps={"cells": (3, 24), **ground.sweeps, "points per cell": (16,)},
 	quick={"cells": (5, 20), **ground.quick},
-	pairs=(("cells", "points per cell"), ("cells", "transfer")),
+	pairs=(("cells", "points per cell"), ("cells", "transfer"), ("cells", "flip"), ("transfer", "time-step fraction"), ("flip", "time-step fraction")),
+	together=({"cells": 20, "transfer": "tpic"},),
+	togetherInFull=({"cells": 40, "transfer": "apic"}, {"cells": 40, "transfer": "tpic"}, {"cells": 40, "flip": 1.0}),
 	run=run,
 	error=largestRelative,
-	finest={"cells": 80},
-	quickFinest={"cells": 40},
+	finest={"cells": 80, "transfer": "tpic"},
+	quickFinest={"cells": 40, "transfer": "tpic"},
 )

@@ -3,14 +3,15 @@
 
 from yade import wrapper
 
-standard = {"points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "shape function": "quadraticBSpline"}
-sweeps = {"points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "shape function": ("gimp", "linear")}
-quick = {**sweeps, "time-step fraction": (0.2, 0.55)}
+standard = {"points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "flip": 0.97, "shape function": "quadraticBSpline"}
+sweeps = {"points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "flip": (0.9,), "shape function": ("gimp", "linear")}
+quick = {**sweeps, "time-step fraction": (0.2, 0.55), "flip": (1.0, 0.99)}
 
 
 def march(settings):
 	"""Attributes of an MpmEngine."""
-	return {"waveFraction": settings["time-step fraction"], "transfer": settings["transfer"], "shapeFunction": settings["shape function"]}
+	transfer = {"transfer": settings["transfer"], **({"flip": settings["flip"]} if settings["transfer"] == "flip" else {})}
+	return {"waveFraction": settings["time-step fraction"], "shapeFunction": settings["shape function"], **transfer}
 
 
 def column(height, settings, boundaries=(), **attributes):
