@@ -51,14 +51,14 @@ def save(fig, path, dpi=150):
 # --- slope -----------------------------------------------------------------------------------------------------------------
 
 
-def slopeField(axes, position, values, volume, label=None, colourMap="viridis", limits=(None, None), watched=None):
+def slopeField(axes, position, values, volume, label=None, colourMap="viridis", limits=(None, None), watched=None, deformation=None):
 	"""Material points as squares of their own volume, coloured by `values` (vectors by their length).
 
 	position (n, 2) [m], values (n,) or (n, 2), volume (n,) [m2]; label of a colour bar, None: no bar; watched {letter: (x, y)} marked
-	points. Returns the axes.
+	points; deformation (n, 4) gradient xx, xy, yx, yy of the points, for squares that strained with the ground. Returns the axes.
 
 	>>> drawn = talik.plots.slopeField(axes, mpm.field("position"), mpm.field("displacement"), mpm.field("volume"), "displacement [m]")"""
-	collection = _squares(axes, position, values, volume, colourMap, limits)
+	collection = _squares(axes, position, values, volume, colourMap, limits, deformation)
 	axes.set_xlabel("x [m]")
 	axes.set_ylabel("y [m]")
 	if label:
@@ -77,16 +77,24 @@ def markPoints(axes, points):
 	return axes
 
 
-def _squares(axes, position, values, volume, colourMap, limits):
+def _squares(axes, position, values, volume, colourMap, limits, deformation=None):
 	position, values = np.asarray(position, dtype=float), magnitude(values)
-	half = 0.5 * np.sqrt(np.asarray(volume, dtype=float)) * 1.06  # a little overlap leaves no gaps between rows
+	half = 0.5 * np.sqrt(np.asarray(volume, dtype=float))  # their thin edges leave no gaps between rows
 	corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
-	squares = position[:, None, :] + half[:, None, None] * corners
+	squares = position[:, None, :] + half[:, None, None] * _strained(corners, deformation)
 	low, high = (value if limit is None else limit for limit, value in zip(limits, finiteRange(values)))
-	collection = PolyCollection(squares, array=values, cmap=colourMap, norm=Normalize(low, max(high, low + 1e-12)), edgecolor="none")
+	collection = PolyCollection(squares, array=values, cmap=colourMap, norm=Normalize(low, max(high, low + 1e-12)), edgecolor="face", linewidth=0.6, snap=False)
 	axes.add_collection(collection)
 	metricAxes(axes, position)
 	return collection
+
+
+def _strained(corners, deformation):
+	"""Corners (4, 2) of a unit square in the ground before it strained, (n, 4, 2) after, of the same area."""
+	if deformation is None:
+		return corners
+	gradient = np.asarray(deformation, dtype=float).reshape(-1, 2, 2)
+	return np.einsum("nij,kj->nki", gradient / np.sqrt(np.abs(np.linalg.det(gradient)))[:, None, None], corners)
 
 
 def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
@@ -188,7 +196,7 @@ def finiteRange(values):
 
 
 def _slopePanel(axes, frame, name, colourMap, limits, watched):
-	drawn = _squares(axes, frame["position"], frame[name], frame["volume"], colourMap, limits)
+	drawn = _squares(axes, frame["position"], frame[name], frame["volume"], colourMap, limits, frame.get("deformationGradient"))
 	if "iceSaturation" in frame:
 		thawFront(axes, frame["position"], frame["iceSaturation"], frame["volume"])
 	markPoints(axes, watched or {})

@@ -109,7 +109,9 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
 	moved, broken = lower.subplots(1, 2)
 	for axes, (label, (frames, bill)) in zip(rows, runs.items()):
-		axes.set_title(f"{label}: {bill}; {slipSurfaces(frames[-1], outline, threshold)}", loc="left", fontsize=9)
+		title = axes.set_title(f"{label}: {bill}; {slipSurfaces(frames[-1], outline, threshold)}", loc="left", fontsize=9)
+		title.set_in_layout(False)  # it is wider than its column
+		axes.set_title(" ", fontsize=9)  # its room
 		times = [frame["time"] for frame in frames]
 		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=label)
 		if "bondsFormed" in frames[0]:

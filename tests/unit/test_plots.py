@@ -55,6 +55,19 @@ def test_slope_history_has_a_row_per_time_a_column_per_field_and_one_scale_per_c
 	assert imread(path).std() > 0.05
 
 
+def test_squares_strained_with_the_ground_leave_no_gaps_where_it_sheared_and_shrank():
+	gradient = np.array([[0.9, 1.2], [-0.1, 0.8]])
+	position, volume = geometry.fillPolygon([(0, 0), (2, 0), (2, 2), (0, 2)], 0.5, 4)
+	drawn = plots.slopeField(
+		plots.figure(4, 3).subplots(), position @ gradient.T, np.zeros(len(position)), np.linalg.det(gradient) * volume, deformation=np.tile(gradient.ravel(), (len(position), 1))
+	)
+	corners = np.vstack([path.vertices[:4] for path in drawn.collections[0].get_paths()]) @ np.linalg.inv(gradient).T
+	places, shared = np.unique(np.rint(corners / 0.25), axis=0, return_counts=True)
+	print(f"{len(position)} points; corners off the grid that sheared with them {np.abs(corners / 0.25 - np.rint(corners / 0.25)).max():.1e} of a square")
+	assert len(places) == 9 * 9 and sorted(shared)[-49:] == [4] * 49
+	assert corners / 0.25 == pytest.approx(np.rint(corners / 0.25), abs=1e-9)
+
+
 def test_thaw_front_lies_at_half_ice_saturation():
 	frame = thawingSlope(10)
 	axes = plots.figure(4, 3).subplots()
