@@ -140,6 +140,13 @@ class ThawSlump:
 		run._remember(json.loads(base64.b64decode(O.tags[memoryTag])))
 		return run
 
+	def extend(self, endTime):
+		"""The thaw ends at `endTime` [s] in place of the preset's: for a run to be gone on with."""
+		self.preset = replace(self.preset, endTime=endTime)
+		taken, untaken = np.split(self.frameTimes, [len(self.frames.frames)])
+		later = [part * endTime for part in frameParts if part * endTime > max([self.reached, *untaken])]
+		self.frameTimes = self.frames.times = [*taken.tolist(), *untaken.tolist(), *later]
+
 	# ---- building
 
 	def _build(self):
@@ -356,6 +363,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--resume", action="store_true", help="go on with the run that was stopped, from its checkpoint in the folder of the results")
+	parser.add_argument("--duration", type=float, help="of the thaw [s], in place of the case's; with --resume the run goes on until then")
 	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
@@ -374,6 +382,8 @@ def runCase(name, boundaries, options, duration=None):
 	duration  of the thaw [s], in place of the preset's"""
 	if options.resume:
 		slump = ThawSlump.resumed(options.output)
+		if options.duration is not None:
+			slump.extend(options.duration)
 		report(slump.run(), slump.folder)
 		return slump
 	settings = comparison(options)
@@ -396,7 +406,8 @@ def runCase(name, boundaries, options, duration=None):
 
 
 def _presetOf(options, duration):
-	return presets[options.preset] if duration is None else replace(presets[options.preset], endTime=duration)
+	preset = presets[options.preset]
+	return replace(preset, endTime=options.duration or duration or preset.endTime)
 
 
 def comparison(options):

@@ -241,7 +241,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, duration=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
 
 
 def summaries(folder):
@@ -373,3 +373,7 @@ def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit(t
 	assert [frame["time"] for frame in slump.frames.frames] == [frame["time"] for frame in whole.frames.frames]
 	assert slump.series.entries == whole.series.entries
 	assert {name: slump.counters()[name] for name in ("calls", "steps")} == {name: counted[name] for name in ("calls", "steps")}
+	slump.extend(0.12)
+	slump.run()
+	print(f"frames of the run that was made longer: {[round(frame['time'], 3) for frame in slump.frames.frames]} s")
+	assert slump.thawTime() == pytest.approx(0.12, abs=1e-3) and len(slump.frames.frames) == len(whole.frames.frames) + 1
