@@ -16,6 +16,14 @@ talik::Region<2> GroundBoundary::where() const
 	throw std::invalid_argument(getClassName() + ".region is '" + region + "': choose left, right, bottom, top, surface or box.");
 }
 
+talik::Region<2> GroundBoundary::always() const
+{
+	if (!times.empty() || !values.empty())
+		throw std::invalid_argument(
+		        getClassName() + ".times has " + std::to_string(times.size()) + " numbers, .values " + std::to_string(values.size()) + ": nothing of this boundary changes in time; leave them out.");
+	return where();
+}
+
 talik::TimeTable GroundBoundary::overTime(Real constant) const
 {
 	if (times.empty() && values.empty()) return talik::TimeTable(constant);
@@ -28,11 +36,11 @@ GroundBoundary::Pointer GroundBoundary::build() const
 {
 	throw std::invalid_argument("GroundBoundary says nothing by itself: use RollerBoundary, FixedBoundary, SurfaceTemperature, …");
 }
-GroundBoundary::Pointer RollerBoundary::build() const { return std::make_shared<talik::RollerBoundary<2>>(where()); }
-GroundBoundary::Pointer FixedBoundary::build() const { return std::make_shared<talik::FixedBoundary<2>>(where()); }
-GroundBoundary::Pointer ImpermeableBoundary::build() const { return std::make_shared<talik::ImpermeableBoundary<2>>(where()); }
+GroundBoundary::Pointer RollerBoundary::build() const { return std::make_shared<talik::RollerBoundary<2>>(always()); }
+GroundBoundary::Pointer FixedBoundary::build() const { return std::make_shared<talik::FixedBoundary<2>>(always()); }
+GroundBoundary::Pointer ImpermeableBoundary::build() const { return std::make_shared<talik::ImpermeableBoundary<2>>(always()); }
 GroundBoundary::Pointer DrainedBoundary::build() const { return std::make_shared<talik::DrainedBoundary<2>>(where(), overTime(pressure), recharge); }
-GroundBoundary::Pointer InsulatedBoundary::build() const { return std::make_shared<talik::InsulatedBoundary<2>>(where()); }
+GroundBoundary::Pointer InsulatedBoundary::build() const { return std::make_shared<talik::InsulatedBoundary<2>>(always()); }
 GroundBoundary::Pointer WallTemperature::build() const { return std::make_shared<talik::WallTemperature<2>>(where(), overTime(temperature)); }
 GroundBoundary::Pointer SurfaceTemperature::build() const
 {

@@ -15,6 +15,8 @@ public:
 
 protected:
 	talik::Region<2> where() const;
+	/// The same, of a boundary without a value that could change.
+	talik::Region<2> always() const;
 	/// The table of times and values if there is one, else the constant.
 	talik::TimeTable overTime(Real constant) const;
 

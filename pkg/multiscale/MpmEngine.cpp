@@ -163,7 +163,6 @@ void MpmEngine::checkPresence() const
 	for (const auto& boundary : boundaries)
 		if (!boundary) throw std::invalid_argument("MpmEngine.boundaries holds None: give boundaries only.");
 	checkChangeable();
-	if (limitInterval < 1) throw std::invalid_argument("MpmEngine.limitInterval is " + std::to_string(limitInterval) + ": give 1 or more steps.");
 }
 
 /// What may be changed while the ground is running, before every step.
@@ -180,6 +179,8 @@ void MpmEngine::checkChangeable() const
 	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
 	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
 	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
+	require(limitInterval >= 1, "limitInterval", limitInterval, "1 or more steps");
+	if (bodies) bodies->build();
 }
 
 talik::GroundSettings<2> MpmEngine::buildSettings() const

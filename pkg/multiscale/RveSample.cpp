@@ -34,6 +34,10 @@ shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 	if (!scene) throw std::invalid_argument("RveSample.fromScene: the scene is None.");
 	shared_ptr<RveSample> sample(new RveSample);
 	sample->setPacked(talik::packScene(*scene));
+	const Real overlap = PackedSample<2>(sample->packed()).statistics().maxOverlapRatio;
+	if (!(overlap < 1))
+		throw std::invalid_argument(
+		        "RveSample.fromScene: grains of the scene overlap by " + boost::lexical_cast<string>(overlap) + " of a radius, which no sample survives: move them apart, or let them come to rest first.");
 	const auto frame = talik::copyScene(scene);
 	frame->interactions->clear(); // the state has them
 	sample->sceneBytes = talik::sceneToBytes(frame);

@@ -116,6 +116,16 @@ namespace {
 		return value;
 	}
 
+	constexpr double narrowest = 1e-9; // [K]; a millionth of what any ground shows, and its square is a number
+
+	double undercooling(const CurveParameters& given, const std::string& curve, const std::string& name)
+	{
+		const double value = given.at(name);
+		requireProperty(
+		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value, "must be at least 1e-9, in K (for a jump choose the curve sharp)");
+		return value;
+	}
+
 	// Five-point Gauss-Legendre rule on [0,1]
 	constexpr double gaussNodes[5]   = { 0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155, 0.95308992296933198 };
 	constexpr double gaussWeights[5] = { 0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454 };
@@ -159,7 +169,7 @@ std::vector<CurveParameter> GaussCurve::parameters()
 }
 GaussCurve::GaussCurve(const CurveParameters& given)
         : CurveBase(given)
-        , width(positive(given, name(), "width", "K"))
+        , width(undercooling(given, name(), "width"))
 {
 }
 
@@ -169,7 +179,7 @@ std::vector<CurveParameter> ExponentialCurve::parameters()
 }
 ExponentialCurve::ExponentialCurve(const CurveParameters& given)
         : CurveBase(given)
-        , width(positive(given, name(), "width", "K"))
+        , width(undercooling(given, name(), "width"))
 {
 }
 
@@ -179,7 +189,7 @@ std::vector<CurveParameter> PowerCurve::parameters()
 }
 PowerCurve::PowerCurve(const CurveParameters& given)
         : CurveBase(given)
-        , scale(positive(given, name(), "scale", "K"))
+        , scale(undercooling(given, name(), "scale"))
         , exponent(given.at("exponent"))
 {
 	requireProperty(std::isfinite(exponent) && exponent > 1.0, "freezingCurve.power.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
@@ -194,7 +204,7 @@ LinearCurve::LinearCurve(const CurveParameters& given)
         , frozenTemperature(given.at("frozenTemperature"))
 {
 	requireProperty(
-	        frozenTemperature < freezingTemperature && frozenTemperature > -100.0,
+	        frozenTemperature <= freezingTemperature - narrowest && frozenTemperature > -100.0,
 	        "freezingCurve.linear.frozenTemperature",
 	        frozenTemperature,
 	        "must lie below freezingTemperature, in degC (for a jump choose the curve sharp)");

@@ -29,7 +29,7 @@ void Permeability::validate() const
 	requireProperty(inside(lambda, 0.0, 1.0), "lambda", lambda, "must lie in (0, 1)");
 	requireProperty(residualSaturation >= 0.0 && residualSaturation < 1.0, "residualSaturation", residualSaturation, "must lie in [0, 1)");
 	requireProperty(floor > 0.0 && floor <= 1.0, "floor", floor, "must lie in (0, 1], default 1e-6");
-	requireProperty(inside(hydraulicTimeScale, 0.0, 1e12), "hydraulicTimeScale", hydraulicTimeScale, "must be positive (1: no scaling)");
+	requireProperty(inside(hydraulicTimeScale, 1e-12, 1e12), "hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
 }
 
 } // namespace talik

@@ -27,7 +27,7 @@ struct Permeability {
 	double lambda                = 0.4;  ///< of van Genuchten-Mualem [-], in (0,1)
 	double residualSaturation    = 0.05; ///< S_r in S_e = (S_l - S_r)/(1 - S_r) [-], in [0,1)
 	double floor                 = 1e-6; ///< smallest k_r [-], in (0,1]; keeps the drag bounded
-	double hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], > 0
+	double hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], 1e-12 to 1e12
 
 	/// Throws std::invalid_argument naming the attribute, its value and the valid range.
 	void validate() const;

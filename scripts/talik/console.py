@@ -149,21 +149,77 @@ def nameAttributesInErrors(cls):
 	def __setattr__(self, name, value):
 		if not hasattr(type(self), name):
 			raise AttributeError(_unknown(type(self), name)) from None
+		used = _usedByRunningGround(self, name)
+		before = getattr(self, name) if used else None
 		try:
 			stockSet(self, name, value)
-		except TypeError:
+		except (TypeError, OverflowError):
 			raise TypeError(f"{type(self).__name__}.{name} is {value!r}: give {_remedy(type(self), name)}.") from None
+		if used and not _same(before, getattr(self, name)):
+			stockSet(self, name, before)
+			raise ValueError(
+				f"{type(self).__name__}.{name} is {value!r} too late: the running ground was built with {before!r} and stays so. "
+				"Set it before the first step or begin anew; what changes in time is given by times and values."
+			)
 
 	def __init__(self, *positional, **attributes):
 		try:
 			stockInit(self, *positional, **attributes)
-		except (TypeError, AttributeError):
+		except (TypeError, AttributeError, OverflowError):
 			if not positional:
 				_findCulprit(cls, attributes)
 			raise
 
 	__init__.__doc__ = stockInit.__doc__
 	cls.__init__, cls.__setattr__ = __init__, __setattr__
+
+
+# What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
+_readWhileRunning = {
+	"MpmEngine": {
+		"gravity", "damping", "flip", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
+		"label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
+	},
+	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
+	"RveSkeleton": {"onBlowUp", "blowUpFolder"},
+}
+
+
+def _usedByRunningGround(part, name):
+	cls = type(part)
+	if name in _readWhileRunning.get(cls.__name__, ()) or not isinstance(getattr(cls, name), property):
+		return False
+	from yade import O, wrapper
+
+	if not any(issubclass(cls, kind) for kind in _partsOfGround(wrapper.MpmEngine)):
+		return False
+	grounds = [engine for engine in O.engines if isinstance(engine, wrapper.MpmEngine) and engine.initialised]
+	return any(_talik.sameObject(part, held) for ground in grounds for held in _heldBy(ground))
+
+
+def _partsOfGround(engineClass):
+	"""Classes of the objects that an MpmEngine holds, and its own."""
+	from yade import wrapper
+
+	kinds = (re.search(r"shared_ptr<(\w+)>", getattr(engineClass, name).__doc__ or "") for name in dir(engineClass))
+	return [engineClass] + [getattr(wrapper, kind.group(1)) for kind in kinds if kind and hasattr(wrapper, kind.group(1))]
+
+
+def _heldBy(ground):
+	yield ground
+	for name in dir(type(ground)):
+		if re.search(r":yattrtype:`(vector<)?shared_ptr<", getattr(type(ground), name).__doc__ or ""):
+			value = getattr(ground, name)
+			yield from (part for part in (value if isinstance(value, list) else [value]) if part is not None)
+
+
+def _same(a, b):
+	"""Equal values; of YADE's objects the same one."""
+	if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
+		return len(a) == len(b) and all(map(_same, a, b))
+	if hasattr(a, "updateAttrs") and hasattr(b, "updateAttrs"):
+		return _talik.sameObject(a, b)
+	return a == b or (a != a and b != b)
 
 
 def _findCulprit(cls, attributes):

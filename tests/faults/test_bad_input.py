@@ -12,7 +12,7 @@ import talik
 from talik import rve
 
 nan, inf = float("nan"), float("inf")
-remedy = re.compile(r"\b(give|choose|must|has to|add|leave|remove|use|put|enlarge|make|lower|set|fill|load|reduce|runs it|did you mean|there (is|are)|call|needs|take|finite)\b", re.I)
+remedy = re.compile(r"\b(give|move them|move it|turn|choose|must|has to|add|leave|remove|use|put|enlarge|make|lower|set|fill|load|reduce|runs it|did you mean|there (is|are)|call|needs|take|finite)\b", re.I)
 table = []
 
 
@@ -47,6 +47,7 @@ def spheres(*centres, periodic=True, size=0.1):
 			O.cell.hSize = Matrix3(size, 0, 0, 0, size, 0, 0, 0, 0.1)
 		for centre in centres:
 			O.bodies.append(utils.sphere(centre, 0.01))
+			O.bodies[len(O.bodies) - 1].state.blockedDOFs = "zXY"
 		O.engines = [
 			wrapper.ForceResetter(),
 			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),
@@ -55,6 +56,18 @@ def spheres(*centres, periodic=True, size=0.1):
 		]
 		O.dt = 1e-6
 		return O._sceneObj
+
+
+def meeting(body, **ofContact):
+	mpm = ground(stepped=False, upper=(1, 2), bodies=wrapper.BodyContact(**ofContact))
+	O.bodies.append(body)
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator()]
+	O.step()
+
+
+def running(change):
+	mpm = warm(boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=1)], upper=(1, 2))
+	change(mpm)
 
 
 def timed(dt):
@@ -186,6 +199,20 @@ wrong = {
 	"thin sample": (lambda s: rve.prepare(thickness=0.001), "thickness", "0.001"),
 	"stiffness of grains not a number": (lambda s: rve.prepare(young=nan), "young", "nan"),
 	"ice saturation above one": (lambda s: setattr(wrapper.IceBondMat(), "iceSaturation", 1.5), "IceBondMat.iceSaturation", "1.5"),
+	"two grains in one place": (lambda s: wrapper.RveSample.fromScene(spheres((0.02, 0.02, 0), (0.02, 0.02, 0))), "overlap", "2 of a radius"),
+	# bodies
+	"body inside the ground": (lambda s: meeting(utils.sphere((0.5, 1, 0), 0.2)), "O.bodies[0]", "m inside it"),
+	"body that the ground cannot meet": (lambda s: meeting(utils.box((0.5, 1.5, 0), (0.1, 0.1, 0.1), orientation=utils.Quaternion((1, 0, 0), 0.3))), "O.bodies[0]", "about z only"),
+	"slice without thickness": (lambda s: meeting(utils.sphere((0.5, 1.5, 0), 0.2), thickness=0), "BodyContact.thickness", "0"),
+	"thickness of a slice lost in mid-run": (lambda s: (meeting(utils.sphere((0.5, 1.5, 0), 0.2)), setattr(O.engines[1].bodies, "thickness", nan), O.step()), "BodyContact.thickness", "nan"),
+	# too late, too large, in vain
+	"heat hastened in mid-run": (lambda s: running(lambda mpm: setattr(mpm.heat, "thermalTimeScale", 5)), "HeatTransfer.thermalTimeScale", "5"),
+	"air warmed in mid-run without a table": (lambda s: running(lambda mpm: setattr(mpm.boundaries[0], "temperature", 9)), "SurfaceTemperature.temperature", "9"),
+	"effect exchanged in mid-run": (lambda s: running(lambda mpm: setattr(mpm, "heat", wrapper.HeatTransfer())), "MpmEngine.heat", "HeatTransfer"),
+	"whole number that is none of the machine's": (lambda s: wrapper.MpmEngine(limitInterval=10**30), "MpmEngine.limitInterval", "1" + 30 * "0"),
+	"freezing curve narrower than numbers": (lambda s: warm(freezing=wrapper.FreezingCurve(width=1e-300)), "FreezingCurve.width", "1e-300"),
+	"water slowed to nothing": (lambda s: ground(water=wrapper.PoreWater(hydraulicTimeScale=1e-300)), "PoreWater.hydraulicTimeScale", "1e-300"),
+	"times of a wall that does not change": (lambda s: ground(boundaries=[wrapper.FixedBoundary(region="left", times=[0, 1])]), "FixedBoundary.times", "2 numbers"),
 	# geometry and files
 	"outline of two corners": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 1)], 0.1), "polygon", "2"),
 	"outline not a number": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (nan, 1)], 0.1), "polygon", "not finite"),
