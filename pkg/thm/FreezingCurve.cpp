@@ -122,7 +122,7 @@ namespace {
 	{
 		const double value = given.at(name);
 		requireProperty(
-		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value, "must be at least 1e-9, in K (for a jump choose the curve sharp)");
+		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value, "must be positive, at least 1e-9, in K (for a jump choose the curve sharp)");
 		return value;
 	}
 
