@@ -23,13 +23,6 @@ from talik.thawslump import runUntil
 
 presets = {"test": (20, 0.5, 0.02, 10), "draft": (24, 0.25, 0.45, 100)}  # grains, grid spacing [m], end time [s], calls that are timed
 
-parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
-parser.add_argument("--output", default="output/own_sample", help="folder for the results")
-options = parser.parse_args()
-folder = writableFolder(Path(options.output))
-grains, spacing, endTime, calls = presets[options.preset]
-
 radius, pressure = 5e-3, 10e3  # mean radius [m]; what the samples are compacted to [Pa]
 contact = dict(young=5e7, poisson=0.3, frictionAngle=0.5, density=2650)
 
@@ -62,8 +55,14 @@ def frictional():
 	return wrapper.FrictMat(**contact), contacts
 
 
-def ownScene(law):
-	"""Discs in a periodic cell, compacted by PeriTriaxController and left at rest: a Scene."""
+def addDiscs(cloud):
+	cloud.toSimulation()
+	for body in O.bodies:
+		body.state.blockedDOFs = "zXY"
+
+
+def ownScene(law, grains, addGrains=addDiscs):
+	"""Grains in a periodic cell, one layer, compacted by PeriTriaxController and left at rest: a Scene."""
 	with talik.scratchScene():
 		O.periodic = True
 		side = 2.4 * radius * np.sqrt(grains)
@@ -72,9 +71,7 @@ def ownScene(law):
 		O.materials.append(material)
 		cloud = pack.SpherePack()
 		cloud.makeCloud(Vector3(0, 0, radius), Vector3(side, side, radius), rMean=radius, rRelFuzz=0.3, num=grains, periodic=True, seed=1)
-		cloud.toSimulation()
-		for body in O.bodies:
-			body.state.blockedDOFs = "zXY"
+		addGrains(cloud)
 		triax = wrapper.PeriTriaxController(goal=(-pressure, -pressure, 0), stressMask=3, dynCell=True, mass=0.2, maxStrainRate=(3, 3, 0), maxUnbalanced=1e9, relStressTol=1e-2)
 		O.engines = [
 			wrapper.ForceResetter(),
@@ -92,14 +89,14 @@ def ownScene(law):
 		O.cell.velGrad = Matrix3.Zero
 		packing.advance(2000)
 		O.cell.trsf = Matrix3.Identity
-		print(f"{law.__name__}: {len(O.bodies)} discs, porosity {packing.porosity():.3f}, pressure {-utils.getStress().trace() / 2e3:.2f} kPa")
+		print(f"{law.__name__}: {len(O.bodies)} bodies at {-utils.getStress().trace() / 2e3:.2f} kPa")
 		return O._sceneObj
 
 
 # --- the price -------------------------------------------------------------------------------------------------------------
 
 
-def secondsPerCall(makeSample):
+def secondsPerCall(makeSample, calls):
 	"""Of a sample sheared to 2 % in small calls, as a ground makes them; the fastest of three, whatever else the machine does."""
 	fastest = np.inf
 	for _ in range(3):
@@ -110,10 +107,10 @@ def secondsPerCall(makeSample):
 	return fastest, steps / calls
 
 
-def price():
-	scene = ownScene(frictional)
-	packed, steps = secondsPerCall(lambda: wrapper.RveSample.fromScene(scene))
-	opened, _ = secondsPerCall(lambda: wrapper.OpenRveSample(source=scene))
+def price(grains, calls):
+	scene = ownScene(frictional, grains)
+	packed, steps = secondsPerCall(lambda: wrapper.RveSample.fromScene(scene), calls)
+	opened, _ = secondsPerCall(lambda: wrapper.OpenRveSample(source=scene), calls)
 	print(f"a call of {steps:.0f} DEM steps of {grains} discs: {1e3 * packed:.2f} ms packed, {1e3 * opened:.2f} ms open, {opened / packed:.1f} times as long")
 	return packed, opened
 
@@ -121,7 +118,7 @@ def price():
 # --- the same bank on both -------------------------------------------------------------------------------------------------
 
 
-def bank(scene):
+def bank(scene, spacing, endTime):
 	"""A vertical bank, 1 m high; nothing else than its samples decides whether it stands."""
 	O.reset()
 	mpm = wrapper.MpmEngine(
@@ -141,30 +138,47 @@ def drawBank(axes, mpm, title, widest):
 	axes.set_title(title)
 
 
-packed, opened = price()
-laws = {"cohesive-frictional": cohesive, "Hertz-Mindlin": hertzMindlin}
-drawn, summary = [], {}
-for name, law in laws.items():
-	mpm = bank(ownScene(law))
+def summaryOf(mpm):
 	moved, counters = np.linalg.norm(mpm.field("displacement"), axis=1), mpm.skeleton.counters
-	perCall = counters["seconds"] / max(counters["calls"], 1)
-	toe = mpm.pick(1.4, 0.1)
-	with mpm.inspect(toe):
-		drawn.append((name, mpm, moved, packing.sampleArrays()))
-	print(f"{name}: largest displacement {moved.max():.3f} m after {mpm.time:.2f} s; {counters['calls']} calls of {counters['steps'] / max(counters['calls'], 1):.0f} DEM steps, {counters['form']}, {1e3 * perCall:.2f} ms each")
-	summary[name] = {"displacement [m]": moved.max(), "calls": counters["calls"], "DEM steps": counters["steps"], "seconds per call": perCall}
+	return {"displacement [m]": moved.max(), "calls": counters["calls"], "DEM steps": counters["steps"], "seconds per call": counters["seconds"] / max(counters["calls"], 1)}
 
-fig = plots.figure(11, 7.5)
-panels = fig.subplots(2, 2, height_ratios=(1, 1.5))
-widest = max(moved.max() for _, _, moved, _ in drawn)
-for (name, mpm, moved, sample), (above, below) in zip(drawn, panels.T):
-	drawBank(above, mpm, f"{name}, {mpm.time:.2g} s", widest)
-	plots.sampleForces(below, sample, widest=4, legend=False).set_title(f"sample at the toe, widest force {np.abs(sample['normalForce']).max(initial=0):.2g} N")
-picture = plots.save(fig, folder / "own_sample.png", dpi=80)
-output.writeSummary(
-	folder / "summary.json",
-	**{"seconds per call, packed": packed, "seconds per call, open": opened, "open over packed": opened / packed, **summary},
-)
-print(f"picture and summary are in {folder}")
-if not drawn[0][2].max() < drawn[1][2].max():
-	raise SystemExit("cohesion should hold the bank better than friction alone")
+
+def draw(banks, file):
+	"""Each bank above the sample at its toe."""
+	fig = plots.figure(11, 7.5)
+	panels = fig.subplots(2, 2, height_ratios=(1, 1.5))
+	widest = max(summaryOf(mpm)["displacement [m]"] for mpm in banks.values())
+	for (name, mpm), (above, below) in zip(banks.items(), panels.T):
+		with mpm.inspect(mpm.pick(1.4, 0.1)):
+			sample = packing.sampleArrays()
+		drawBank(above, mpm, f"{name}, {mpm.time:.2g} s", widest)
+		plots.sampleForces(below, sample, widest=4, legend=False).set_title(f"sample at the toe, widest force {np.abs(sample['normalForce']).max(initial=0):.2g} N")
+	return plots.save(fig, file, dpi=80)
+
+
+def main():
+	parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
+	parser.add_argument("--output", default="output/own_sample", help="folder for the results")
+	options = parser.parse_args()
+	folder = writableFolder(Path(options.output))
+	grains, spacing, endTime, calls = presets[options.preset]
+
+	packed, opened = price(grains, calls)
+	banks, summary = {}, {}
+	for name, law in {"cohesive-frictional": cohesive, "Hertz-Mindlin": hertzMindlin}.items():
+		banks[name] = bank(ownScene(law, grains), spacing, endTime)
+		summary[name] = its = summaryOf(banks[name])
+		print(f"{name}: largest displacement {its['displacement [m]']:.3f} m after {endTime:.2f} s; {its['calls']} calls of {its['DEM steps'] / max(its['calls'], 1):.0f} DEM steps, {banks[name].skeleton.counters['form']}, {1e3 * its['seconds per call']:.2f} ms each")
+	draw(banks, folder / "own_sample.png")
+	output.writeSummary(
+		folder / "summary.json",
+		**{"seconds per call, packed": packed, "seconds per call, open": opened, "open over packed": opened / packed, **summary},
+	)
+	print(f"picture and summary are in {folder}")
+	if not summary["cohesive-frictional"]["displacement [m]"] < summary["Hertz-Mindlin"]["displacement [m]"]:
+		raise SystemExit("cohesion should hold the bank better than friction alone")
+
+
+if __name__ == "__main__":
+	main()

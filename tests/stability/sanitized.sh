@@ -5,8 +5,9 @@
 set -euo pipefail
 source=$1 build=$2
 mkdir -p "$build"
-if ! { cmake -S "$source" -B "$build" -DTALIK_SANITIZE=ON -DCMAKE_BUILD_TYPE=Release &&
-	cmake --build "$build" -j "$(nproc)" --target talik_unit talik_stability; } >"$build/build.log" 2>&1; then
+export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+if ! { cmake -S "$source" -B "$build" -DTALIK_SANITIZE=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache)" &&
+	cmake --build "$build" --target talik_unit talik_stability; } >"$build/build.log" 2>&1; then
 	tail -n 40 "$build/build.log"
 	exit 1
 fi

@@ -3,70 +3,31 @@
 
 import functools
 import itertools
-import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
-from yade import Matrix3, O, Vector3, pack, utils, wrapper
+from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
 from talik import packing
 
-radius, pressure = 5e-3, 10e3
-contact = dict(young=5e7, poisson=0.3, frictionAngle=0.5, density=2650)
+sys.path.insert(0, str(Path(__file__).parents[2] / "examples"))
+import own_sample
+from own_sample import pressure
 
 
-def material(kind):
-	if kind == "cohesive":
-		return wrapper.CohFrictMat(isCohesive=True, normalCohesion=2e6, shearCohesion=2e6, momentRotationLaw=True, **contact)
-	return wrapper.FrictMat(**contact)
-
-
-def interactionLoop(kind):
-	if kind == "cohesive":
-		ip2 = wrapper.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionOnNewContacts=True)
-		return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom6D()], [ip2], [wrapper.Law2_ScGeom6D_CohFrictPhys_CohesionMoment()])
-	if kind == "Hertz-Mindlin":
-		return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_MindlinPhys()], [wrapper.Law2_ScGeom_MindlinPhys_Mindlin()])
-	return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()])
-
-
-def addGrains(kind, side):
-	cloud = pack.SpherePack()
-	cloud.makeCloud(Vector3(0, 0, radius), Vector3(side, side, radius), rMean=radius, rRelFuzz=0.3, num=24, periodic=True, seed=1)
+def addClumps(cloud):
 	for centre, r in cloud:
-		if kind == "clumps":
-			clump, _ = O.bodies.appendClumped([utils.sphere(Vector3(*centre) + Vector3(d * r, 0, 0), 0.7 * r) for d in (-0.3, 0.3)])
-			O.bodies[clump].state.blockedDOFs = "zXY"
-		else:
-			id = O.bodies.append(utils.sphere(centre, r))
-			O.bodies[id].state.blockedDOFs = "zXY"
+		clump, _ = O.bodies.appendClumped([utils.sphere(Vector3(*centre) + Vector3(d * r, 0, 0), 0.7 * r) for d in (-0.3, 0.3)])
+		O.bodies[clump].state.blockedDOFs = "zXY"
 
 
 @functools.lru_cache(maxsize=None)
 def ownScene(kind):
-	"""Grains in one layer, compacted by stock YADE and left at rest."""
-	with talik.scratchScene():
-		O.periodic = True
-		side = 2.4 * radius * math.sqrt(24)
-		O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, 10 * radius)
-		O.materials.append(material(kind))
-		addGrains(kind, side)
-		triax = wrapper.PeriTriaxController(goal=(-pressure, -pressure, 0), stressMask=3, dynCell=True, mass=0.2, maxStrainRate=(3, 3, 0), maxUnbalanced=1e9)
-		O.engines = [
-			wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), interactionLoop(kind), triax,
-			wrapper.NewtonIntegrator(damping=0.3),
-		]
-		O.dt = 0.3 * utils.PWaveTimeStep()
-		for _ in range(100):
-			packing.advance(500)
-			if utils.unbalancedForce() < 0.01 and abs(utils.getStress().trace() / 2 + pressure) < 0.05 * pressure:
-				break
-		O.engines = [engine for engine in O.engines if not isinstance(engine, wrapper.PeriTriaxController)]
-		O.cell.velGrad = Matrix3.Zero
-		packing.advance(2000)
-		O.cell.trsf = Matrix3.Identity
-		return O._sceneObj
+	laws = {"cohesive": own_sample.cohesive, "Hertz-Mindlin": own_sample.hertzMindlin}
+	return own_sample.ownScene(laws.get(kind, own_sample.frictional), 24, addClumps if kind == "clumps" else own_sample.addDiscs)
 
 
 def inPlane(xx, xy, yx, yy):
