@@ -13,8 +13,7 @@ namespace talik {
 
 namespace {
 
-	constexpr double degree    = 0.017453292519943295;
-	constexpr int    pieceSize = 256;
+	constexpr double degree = 0.017453292519943295;
 
 	/// Plastic part of a stress correction as equivalent deviatoric strain, from principal values.
 	double equivalentStrain(const double* before, const double* after, double shear)
@@ -77,18 +76,14 @@ namespace {
 		return equivalentStrain(before, after, m.shear);
 	}
 
-	/// Strength of points in sequence.
-	struct Strengths {
-		double cohesion[pieceSize], tensileStrength[pieceSize];
-	};
-
 	/// Marks the points that cannot keep their trial stress, without finding the order of their principal stresses.
-	void findYielding(const MohrCoulombState& m, const Strengths& strengths, const std::array<double*, 4>& s, int count, long long* yielding)
+	void findYielding(
+	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 4>& s, int count, long long* yielding)
 	{
 		const double* const stress[4] = { s[0], s[1], s[2], s[3] };
-		planeLoops().findYielding(count, { strengths.cohesion, strengths.tensileStrength, m.sinFriction, m.cosFriction }, stress, yielding);
+		planeLoops().findYielding(count, { cohesion, tensileStrength, m.sinFriction, m.cosFriction }, stress, yielding);
 	}
-	void findYielding(const MohrCoulombState&, const Strengths&, const std::array<double*, 6>&, int count, long long* yielding)
+	void findYielding(const MohrCoulombState&, const double*, const double*, const std::array<double*, 6>&, int count, long long* yielding)
 	{
 		std::fill(yielding, yielding + count, 1);
 	}
@@ -117,10 +112,15 @@ namespace {
 	}
 
 	/// phi(S_i) = 1 - (1 - S_i^m)^m
-	double iceFunction(double saturation, double exponent)
+	double squareIceFunction(double saturation)
 	{
 		const double s = std::min(std::max(saturation, 0.0), 1.0);
-		if (exponent == 2.0) return s * s * (2.0 - s * s);
+		return s * s * (2.0 - s * s);
+	}
+	double iceFunction(double saturation, double exponent)
+	{
+		if (exponent == 2.0) return squareIceFunction(saturation);
+		const double s = std::min(std::max(saturation, 0.0), 1.0);
 		return 1.0 - std::pow(1.0 - std::pow(s, exponent), exponent);
 	}
 
@@ -207,6 +207,43 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 	}
 }
 
+template <int D> void MohrCoulombSkeleton<D>::lookUp(const double* saturation, int count, Piece& piece) const
+{
+	if (saturation && table.saturation.empty() && iceExponent == 2.0) return interpolate(saturation, count, piece);
+	AtSaturation present = at(0.0);
+	for (int k = 0; k < count; ++k) {
+		if (saturation) present = at(saturation[k]);
+		piece.youngModulus[k]    = present.youngModulus;
+		piece.cohesion[k]        = present.cohesion;
+		piece.tensileStrength[k] = present.tensileStrength;
+	}
+}
+
+/// The usual exponent, without a power function per point.
+template <int D> void MohrCoulombSkeleton<D>::interpolate(const double* saturation, int count, Piece& piece) const
+{
+	const double stiffness = youngModulus, moreStiffness = youngModulusFrozen - youngModulus;
+	const double strength = cohesion, moreStrength = cohesionFrozen - cohesion;
+	const double tension = tensileStrength, moreTension = tensileStrengthFrozen - tensileStrength;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double phi         = squareIceFunction(saturation[k]);
+		piece.youngModulus[k]    = stiffness + moreStiffness * phi;
+		piece.cohesion[k]        = strength + moreStrength * phi;
+		piece.tensileStrength[k] = tension + moreTension * phi;
+	}
+}
+
+/// No tension passes the apex of the cone.
+template <int D> void MohrCoulombSkeleton<D>::limitTension(int count, Piece& piece) const
+{
+	const double sine = std::sin(frictionAngle * degree), cosine = std::cos(frictionAngle * degree);
+	if (!(sine > 0.0)) return;
+	const double cotangent = cosine / sine;
+	for (int k = 0; k < count; ++k)
+		piece.tensileStrength[k] = std::min(piece.tensileStrength[k], piece.cohesion[k] * cotangent);
+}
+
 template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& b, int first, int count)
 {
 	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
@@ -215,17 +252,13 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 	m.sinFriction = std::sin(frictionAngle * degree);
 	m.cosFriction = std::cos(frictionAngle * degree);
 	m.sinDilation = std::sin(dilationAngle * degree);
-	Strengths    strengths;
-	double       lambda[pieceSize], shear[pieceSize];
-	AtSaturation present = at(0.0);
+	Piece  piece;
+	double lambda[pieceSize], shear[pieceSize];
+	lookUp(b.iceSaturation ? b.iceSaturation + first : nullptr, count, piece);
+	limitTension(count, piece);
 	for (int k = 0; k < count; ++k) {
-		if (b.iceSaturation) present = at(b.iceSaturation[first + k]);
-		lambda[k]                    = present.youngModulus * unit.lambda;
-		shear[k]                     = present.youngModulus * unit.shear;
-		strengths.cohesion[k]        = present.cohesion;
-		strengths.tensileStrength[k] = present.tensileStrength;
-		if (m.sinFriction > 0.0)
-			strengths.tensileStrength[k] = std::min(present.tensileStrength, present.cohesion * m.cosFriction / m.sinFriction);
+		lambda[k] = piece.youngModulus[k] * unit.lambda;
+		shear[k]  = piece.youngModulus[k] * unit.shear;
 	}
 	std::array<double*, stressSize<D>> stress;
 	for (int c = 0; c < stressSize<D>; ++c)
@@ -233,13 +266,13 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 	predict(b, first, count, lambda, shear);
 
 	long long yielding[pieceSize];
-	findYielding(m, strengths, stress, count, yielding);
+	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
 	for (int k = 0; k < count; ++k) {
 		if (!yielding[k]) continue;
 		m.lambda          = lambda[k];
 		m.shear           = shear[k];
-		m.cohesion        = strengths.cohesion[k];
-		m.tensileStrength = strengths.tensileStrength[k];
+		m.cohesion        = piece.cohesion[k];
+		m.tensileStrength = piece.tensileStrength[k];
 		double s[stressSize<D>];
 		for (int c = 0; c < stressSize<D>; ++c)
 			s[c] = stress[c][k];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/SkeletonModel.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
 
@@ -45,6 +46,14 @@ private:
 	};
 	AtSaturation at(double saturation) const;
 	void         validateTable() const;
+	static constexpr int pieceSize = 256;
+	/// Of points in sequence.
+	struct Piece {
+		double youngModulus[pieceSize], cohesion[pieceSize], tensileStrength[pieceSize];
+	};
+	void lookUp(const double* saturation, int count, Piece& piece) const;
+	TALIK_PROCESSOR_VERSIONS void interpolate(const double* saturation, int count, Piece& piece) const;
+	TALIK_PROCESSOR_VERSIONS void limitTension(int count, Piece& piece) const;
 	/// count points in sequence from place first on
 	void updateRun(const SkeletonBatch<D>&, int first, int count);
 

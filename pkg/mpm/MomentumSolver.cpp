@@ -191,22 +191,24 @@ void MomentumSolver<D>::solveTwoPhase(const ActiveRange& range, SolidMotion<D>& 
 			const double* rl = water.nodes[i];
 			const double  ms = r[motion.massAt], ml = rl[W::massAt];
 			const bool    wet = ml > smallestLiquidShare * ms;
-			for (int a = 0; a < D; ++a) {
-				if (!(ms > 0.0)) {
+			if (!(ms > 0.0)) {
+				for (int a = 0; a < D; ++a) {
 					motion.solved[i][a] = motion.solved[i][D + a] = water.solved[i][a] = water.flux[i][a] = water.start[i][a] = 0.0;
 					if constexpr (Damped) damping_[i][a] = 0.0; // not that of the ground which was here before
-					continue;
 				}
-				const double vs = r[motion.momentumAt + a] / ms;
-				const double vl = wet ? rl[W::momentumAt + a] / ml : vs;
+				continue;
+			}
+			const NodeDrag coupled(ms, wet ? ml : ms, rl[W::dragAt], dt);
+			const double   perSolid = 1.0 / ms, perLiquid = wet ? 1.0 / ml : 0.0, perBoth = 1.0 / (ms + ml);
+			for (int a = 0; a < D; ++a) {
+				const double vs = r[motion.momentumAt + a] * perSolid;
+				const double vl = wet ? rl[W::momentumAt + a] * perLiquid : vs;
 				double       f  = r[motion.forceAt + a];
 				if constexpr (Damped) {
 					damping_[i][a] = dampingOf(alpha, f, vs);
 					f += damping_[i][a];
 				}
-				const double             together = f / (ms + ml);
-				const PhaseAccelerations acc      = wet ? solveDrag(ms, ml, rl[W::dragAt], dt, vs, vl, f, water.force[i][a])
-				                                        : PhaseAccelerations { together, together };
+				const PhaseAccelerations acc = wet ? coupled(vs, vl, f, water.force[i][a]) : PhaseAccelerations { f * perBoth, f * perBoth };
 				const double             vs1 = vs + dt * acc.solid, vl1 = vl + dt * acc.liquid;
 				motion.solved[i][D + a] = vs1;
 				motion.solved[i][a]     = chi * dt * acc.solid + (1.0 - chi) * vs1;

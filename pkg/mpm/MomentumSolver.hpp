@@ -10,23 +10,36 @@
 
 namespace talik {
 
-/// Accelerations of one node and direction with the drag between the phases implicit:
-///   M_s a_s + M_l a_l = f_m,   (M_l + dt Q) a_l - dt Q a_s = f_l - Q (v_l - v_s)
 struct PhaseAccelerations {
-	double solid, liquid;
+	double solid, liquid; ///< [m/s^2]
 };
 
-/// solidMass > 0, liquidMass >= 0 [kg], drag Q >= 0 [kg/s] (not both zero with liquidMass), forces [N] on mixture and liquid
-/// (without drag), velocities [m/s] at the start of the step.
-inline PhaseAccelerations solveDrag(
-        double solidMass, double liquidMass, double drag, double dt, double solidVelocity, double liquidVelocity, double mixtureForce, double liquidForce)
-{
-	// dividing by M_s first keeps the digits when drag is many orders larger than inertia
-	const double residual = liquidForce - drag * (liquidVelocity - solidVelocity);
-	const double dq       = dt * drag;
-	const double liquid   = (residual + dq * (mixtureForce / solidMass)) / (liquidMass + dq * (1.0 + liquidMass / solidMass));
-	return { (mixtureForce - liquidMass * liquid) / solidMass, liquid };
-}
+/// Accelerations of one node with the drag between the phases implicit, in any direction:
+///   M_s a_s + M_l a_l = f_m,   (M_l + dt Q) a_l - dt Q a_s = f_l - Q (v_l - v_s)
+/// Permeability then does not limit the step.
+class NodeDrag {
+public:
+	/// solidMass > 0, liquidMass >= 0 [kg], drag Q >= 0 [kg/s] (not both zero with liquidMass)
+	NodeDrag(double solidMass, double liquidMass, double drag, double dt)
+	        : liquidMass_(liquidMass)
+	        , drag_(drag)
+	        , dq_(dt * drag)
+	        , perSolid_(1.0 / solidMass)
+	        // dividing by M_s first keeps the digits when drag is many orders larger than inertia
+	        , perInertia_(1.0 / (liquidMass + dq_ * (1.0 + liquidMass * perSolid_)))
+	{
+	}
+	/// Forces [N] on mixture and liquid (without drag), velocities [m/s] at the start of the step.
+	PhaseAccelerations operator()(double solidVelocity, double liquidVelocity, double mixtureForce, double liquidForce) const
+	{
+		const double residual = liquidForce - drag_ * (liquidVelocity - solidVelocity);
+		const double liquid   = (residual + dq_ * (mixtureForce * perSolid_)) * perInertia_;
+		return { (mixtureForce - liquidMass_ * liquid) * perSolid_, liquid };
+	}
+
+private:
+	double liquidMass_, drag_, dq_, perSolid_, perInertia_;
+};
 
 /// What solving the momentum balance adds to the accounts.
 template <int D> struct MomentumAccount {

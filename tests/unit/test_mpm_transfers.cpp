@@ -293,7 +293,7 @@ TEST(MpmDrag, NodeSolutionMatchesTheClosedFormAndKeepsMomentum)
 	for (const double k : { 1e-2, 1e-4, 1e-10 })
 		for (const double dt : { 1e-5, 1e-4, 1e-3 }) {
 			const double             q = 0.4 * 0.4 * 1000.0 * 9.81 / k * 0.01;
-			const PhaseAccelerations a = solveDrag(ms, ml, q, dt, 0.0, 1.0, 0.0, 0.0);
+			const PhaseAccelerations a = NodeDrag(ms, ml, q, dt)(0.0, 1.0, 0.0, 0.0);
 			const double             w = 1.0 + dt * (a.liquid - a.solid), closed = 1.0 / (1.0 + dt * q * (1.0 / ms + 1.0 / ml));
 			std::printf(
 			        "k %.0e dt %.0e: w1/w0 %.9e, closed form %.9e, momentum residual %.1e\n", k, dt, w, closed,
@@ -309,7 +309,7 @@ TEST(MpmDrag, NodeSolutionMatchesTheClosedFormAndKeepsMomentum)
 TEST(MpmDrag, RigidDragGivesCommonAccelerationAndDarcyVelocity)
 {
 	const double ms = 16.0, ml = 4.0, q = 1e12, dt = 1e-3, fm = 30.0, fl = 11.0;
-	const auto   a = solveDrag(ms, ml, q, dt, 0.0, 0.0, fm, fl);
+	const auto   a = NodeDrag(ms, ml, q, dt)(0.0, 0.0, fm, fl);
 	EXPECT_NEAR(a.solid / (fm / (ms + ml)), 1.0, 1e-8);
 	EXPECT_NEAR(a.liquid / (fm / (ms + ml)), 1.0, 1e-8);
 	// relative velocity = (f_l - M_l a)/Q
