@@ -3,6 +3,7 @@
 
 #include <pkg/mpm/MaterialPoints.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace talik {
@@ -37,6 +38,16 @@ struct ActiveRange {
 	}
 
 	int chunks() const { return (lastNode - firstNode + chunk - 1) / chunk; }
+
+	/// work(firstCell, lastCell) over all cells of the range, in pieces.
+	template <class Work> void overCells(Work&& work) const
+	{
+		constexpr int piece = 512;
+		const int     n     = (lastCell - firstCell + piece - 1) / piece;
+#pragma omp parallel for schedule(static) if (parallel)
+		for (int c = 0; c < n; ++c)
+			work(firstCell + c * piece, std::min(lastCell, firstCell + (c + 1) * piece));
+	}
 
 	/// work(piece, firstNode, lastNode) over all nodes of the range.
 	template <class Work> void overNodes(Work&& work) const

@@ -45,7 +45,15 @@ public:
 
 	int    cell(int place) const { return cell_[place]; }
 	void   add(int place, double volumeTimesValue) { sum_[cell_[place]] += volumeTimesValue; }
-	double mean(int place) const { return sum_[cell_[place]] / volume_[cell_[place]]; }
+	/// Turns the sums into means; nothing can be added until they are cleared.
+	void finish(const ActiveRange& r)
+	{
+		r.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c)
+				sum_[c] = volume_[c] > 0.0 ? sum_[c] / volume_[c] : 0.0;
+		});
+	}
+	double mean(int place) const { return sum_[cell_[place]]; }
 	/// Volume of the points in a cell [m^D].
 	double cellVolume(int cell) const { return volume_[cell]; }
 

@@ -92,6 +92,9 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		for (int p = first; p < last; ++p)
 			cells->add(p, volume[p] * motion->meanStress[p]);
 	});
+	if (!average) return;
+	cells->finish(clock.range);
+	if (water) water->finishPressure(clock.range);
 }
 
 template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)

@@ -16,6 +16,7 @@
 #include <pkg/mpm/PoreWater.hpp>
 #include <pkg/mpm/RigidContact.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -165,6 +166,10 @@ template <int D> struct Ground<D>::Parts {
 	void refuseImpossibleStates();
 	bool pays(CostMeter::Entry entry) const;
 	void averageStrain(int first, int last);
+	TALIK_PROCESSOR_VERSIONS void replaceTraces(int first, int last);
+	TALIK_PROCESSOR_VERSIONS void stretchVolumes(int first, int last);
+	TALIK_PROCESSOR_VERSIONS double skeletonWork(int first, int last, bool replace) const;
+	TALIK_PROCESSOR_VERSIONS double pressureWork(int first, int last, bool replace) const;
 	void keepStrainWork(bool atStart);
 	/// Pore pressure is known per cell at both ends of a step.
 	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }

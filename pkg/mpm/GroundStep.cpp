@@ -140,17 +140,30 @@ template <int D> void Ground<D>::Parts::refuseBadPoints()
 
 template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
 {
-	auto& g = motion->gradient;
-	if (averaging())
-		for (int p = first; p < last; ++p) {
-			double trace = g[0][p];
-			for (int a = 1; a < D; ++a)
-				trace += g[a * D + a][p];
-			const double replace = (cells->mean(p) - trace) * (1.0 / D);
-			for (int a = 0; a < D; ++a)
-				g[a * D + a][p] += replace;
-		}
-	double* volume = points->volume();
+	if (averaging()) replaceTraces(first, last);
+	stretchVolumes(first, last);
+}
+
+template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
+{
+	const std::array<double*, D * D> g     = motion->gradient;
+	const CellMeans<D>&              means = *cells;
+#pragma GCC ivdep
+	for (int p = first; p < last; ++p) {
+		double trace = g[0][p];
+		for (int a = 1; a < D; ++a)
+			trace += g[a * D + a][p];
+		const double replace = (means.mean(p) - trace) * (1.0 / D);
+		for (int a = 0; a < D; ++a)
+			g[a * D + a][p] += replace;
+	}
+}
+
+template <int D> void Ground<D>::Parts::stretchVolumes(int first, int last)
+{
+	const std::array<double*, D * D> g      = motion->gradient;
+	double* const                    volume = points->volume();
+#pragma GCC ivdep
 	for (int p = first; p < last; ++p) {
 		if constexpr (D == 2) {
 			volume[p] *= (1.0 + g[0][p]) * (1.0 + g[3][p]) - g[1][p] * g[2][p];
@@ -166,38 +179,61 @@ template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
 /// its end: the mean of both is what an elastic skeleton stores, either alone is off by the first order of dt.
 template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 {
-	const auto&   g       = motion->gradient;
-	const double* volume  = points->volume();
-	const bool    replace = atStart && averaging();
-	clock.skeletonWork += 0.5 * sumOverStrips([&](int first, int last) {
-		double work = 0.0;
-		for (int p = first; p < last; ++p) {
-			double trace = 0.0;
-			for (int a = 0; a < D; ++a)
-				trace += g[a * D + a][p];
-			const double missing = replace ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
-			double       density = 0.0;
-			for (int i = 0; i < D; ++i)
-				for (int j = 0; j < D; ++j)
-					density += motion->stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
-			work += volume[p] * density;
-		}
-		return work;
-	});
+	const bool replace = atStart && averaging();
+	clock.skeletonWork += 0.5 * sumOverStrips([&](int first, int last) { return skeletonWork(first, last, replace); });
 	const double share = atStart ? startShare() : 1.0 - startShare();
 	if (!water || share == 0.0) return;
-	const double strained = sumOverStrips([&](int first, int last) {
-		double work = 0.0;
-		for (int p = first; p < last; ++p) {
-			double trace = 0.0;
-			for (int a = 0; a < D; ++a)
-				trace += g[a * D + a][p];
-			work += volume[p] * water->pressure[p] * (replace ? cells->mean(p) : trace);
-		}
-		return work;
-	});
+	const double strained = sumOverStrips([&](int first, int last) { return pressureWork(first, last, replace); });
 	clock.porePressureWork -= share * strained;
 	if (!atStart) clock.porePressureWork += share * water->seepageWork(clock.range.firstCell, clock.range.lastCell) / liquidDensity();
+}
+
+namespace {
+	/// Sum of value(p) for first <= p < last, in the order of the points; the values are found in vectors.
+	template <class Value> [[gnu::always_inline]] inline double inOrder(int first, int last, Value&& value)
+	{
+		constexpr int piece = 32;
+		double        sum = 0.0, values[piece];
+		for (int start = first; start < last; start += piece) {
+			const int n = std::min(piece, last - start);
+#pragma GCC ivdep
+			for (int k = 0; k < n; ++k)
+				values[k] = value(start + k);
+			for (int k = 0; k < n; ++k)
+				sum += values[k];
+		}
+		return sum;
+	}
+} // namespace
+
+template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool replace) const
+{
+	const std::array<double*, D * D>         g      = motion->gradient;
+	const std::array<double*, stressSize<D>> stress = motion->stress;
+	const double* const                      volume = points->volume();
+	return inOrder(first, last, [&](int p) __attribute__((always_inline)) {
+		double trace = 0.0, density = 0.0;
+		for (int a = 0; a < D; ++a)
+			trace += g[a * D + a][p];
+		const double missing = replace ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
+		return volume[p] * density;
+	});
+}
+
+template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool replace) const
+{
+	const std::array<double*, D * D> g        = motion->gradient;
+	const double* const              volume   = points->volume();
+	const double* const              pressure = water->pressure;
+	return inOrder(first, last, [&](int p) __attribute__((always_inline)) {
+		double trace = 0.0;
+		for (int a = 0; a < D; ++a)
+			trace += g[a * D + a][p];
+		return volume[p] * pressure[p] * (replace ? cells->mean(p) : trace);
+	});
 }
 
 /// Heat of ground with one temperature, in which nothing can change it, has nothing to do. That is decided anew in every step, from
@@ -326,6 +362,7 @@ template <int D> void Ground<D>::mapToPoints()
 		return;
 	}
 	g.scatterSampled(gather, [&](int strip, int first, int last) { g.boundPositions(strip, first, last); });
+	if (g.averaging()) g.cells->finish(g.clock.range);
 	g.checkPositions();
 	g.refuseBadPoints();
 	g.cost.lap(CostMeter::motion);
@@ -340,6 +377,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		g.cost.lap(CostMeter::ledger);
 	}
 	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
+	if (cells) g.water->finishCells(g.clock.range);
 	const auto          update = [&](int strip, int first, int last) {
                 CostMeter::Sample sample = g.cost.sample(strip);
                 sample.begin();
@@ -364,6 +402,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
+		g.water->findCellPressure(g.clock.range);
 		g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
 		g.cost.lap(CostMeter::water);
 	}

@@ -99,8 +99,11 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 
 template <int D> void HeatTransfer<D>::limitShares(int first, int count)
 {
-	for (int p = first; p < first + count; ++p)
-		share[p] = std::min(std::max(share[p], heatCapacity[p]), largestShare * heatCapacity[p]);
+	double* const       limited  = share + first;
+	const double* const sensible = heatCapacity + first;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		limited[k] = std::min(std::max(limited[k], sensible[k]), largestShare * sensible[k]);
 }
 
 template <int D>
@@ -340,10 +343,18 @@ template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightB
 				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { sums[k] += s * rise[node][0]; });
 			}
 	}
-	for (int k = 0; k < w.count; ++k) {
-		const int p = w.first + k;
-		enthalpy[p] += share[p] * (gained[k] - smoothed_ * (temperature[p] - reference));
-	}
+	warm(w.first, w.count, gained);
+}
+
+template <int D> void HeatTransfer<D>::warm(int first, int count, const double* gained)
+{
+	const double        smoothed = smoothed_, from = reference;
+	double* const       h        = enthalpy + first;
+	const double* const weight   = share + first;
+	const double* const t        = temperature + first;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		h[k] += weight[k] * (gained[k] - smoothed * (t[k] - from));
 }
 
 template class HeatTransfer<2>;

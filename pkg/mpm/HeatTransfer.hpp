@@ -7,6 +7,7 @@
 #include <pkg/mpm/NodeField.hpp>
 #include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>
 #include <vector>
@@ -32,7 +33,7 @@ public:
 	void chooseSmoothing(const Grid<D>& grid, int points);
 
 	/// Shares of count points from first on, which hold dH/dT, are kept between the sensible capacity and three times that.
-	void limitShares(int first, int count);
+	TALIK_PROCESSOR_VERSIONS void limitShares(int first, int count);
 	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
 	/// nothing, and its heat may rest without a bit being different.
 	void setReference(int place) { reference = temperature[place]; }
@@ -87,6 +88,7 @@ private:
 	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
 	void                        mirrorWalls(const Grid<D>& grid);
 	void                        prescribe(const Grid<D>& grid, double dt);
+	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
 	double                      smoothing(double dt) const { return -std::expm1(-dt / smoothingTime); }
 
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;

@@ -58,37 +58,70 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 	}
 }
 
+template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			double* r = cellRecord(c);
+			if (r[0] > 0.0) r[1] /= r[0];
+		}
+	});
+}
+
+template <int D>
+void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const
+{
+	const double* const ice    = iceMass_ ? iceMass_ + w.first : none_.data();
+	const double* const water  = waterMass_ + w.first;
+	const double* const volume = volume_ + w.first;
+	const double* const liquid = liquidFraction + w.first;
+	const double* const drags  = drag + w.first;
+	const int           count  = w.count;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double m            = water[k] - ice[k];
+		values[massAt][k]         = m;
+		values[volumeAt][k]       = volume[k];
+		values[liquidVolumeAt][k] = volume[k] * liquid[k];
+		values[pressureAt][k]     = m * driving[k];
+		values[dragAt][k]         = drags[k];
+		if constexpr (dragAt < 7) values[7][k] = 0.0;
+	}
+	for (int i = 0; i < D; ++i) {
+		const double* const v = velocity[i] + w.first;
+#pragma GCC ivdep
+		for (int k = 0; k < count; ++k)
+			values[momentumAt + i][k] = values[massAt][k] * v[k];
+	}
+}
+
+/// v = chi v + change
+template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, const double* change)
+{
+	const double  chi = settings->flipFraction;
+	double* const v   = velocity[axis] + first;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		v[k] = chi * v[k] + change[k];
+}
+
 template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells)
 {
 	double driving[blockSize];
 	for (int k = 0; k < w.count; ++k)
 		driving[k] = pressure[w.first + k];
 	if (cells)
-		for (int k = 0; k < w.count; ++k) {
-			const double* r = cellRecord(cells->cell(w.first + k));
-			driving[k]      = r[1] / r[0];
-		}
-	const double* ice = iceMass_ ? iceMass_ + w.first : none_.data();
+		for (int k = 0; k < w.count; ++k)
+			driving[k] = cellRecord(cells->cell(w.first + k))[1];
 	if constexpr (D == 2) {
 		double values[8][blockSize];
-		for (int k = 0; k < w.count; ++k) {
-			const int    p = w.first + k;
-			const double m = waterMass_[p] - ice[k], v = volume_[p];
-			values[massAt][k]         = m;
-			values[momentumAt][k]     = m * velocity[0][p];
-			values[momentumAt + 1][k] = m * velocity[1][p];
-			values[volumeAt][k]       = v;
-			values[liquidVolumeAt][k] = v * liquidFraction[p];
-			values[pressureAt][k]     = m * driving[k];
-			values[dragAt][k]         = drag[p];
-			values[7][k]              = 0.0;
-		}
+		fillRecords(w, driving, values);
 		planeLoops().mapEight(w, values, nodes[0]);
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
 		const int    p = w.first + k;
-		const double m = waterMass_[p] - ice[k];
+		const double m = liquidMass(p);
 		Vec<D>       momentum;
 		for (int i = 0; i < D; ++i)
 			momentum[i] = m * velocity[i][p];
@@ -270,10 +303,9 @@ template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
 	});
 }
 
-template <int D> void PoreWater<D>::take(int p, const double* share, double* waterMass, double* enthalpy)
+template <int D> void PoreWater<D>::take(int p, const double* share, double diluted, double* waterMass, double* enthalpy)
 {
 	// momentum comes with the water
-	const double diluted = 1.0 / (1.0 + share[0]);
 	for (int i = 0; i < D; ++i)
 		velocity[i][p] = (velocity[i][p] + share[2 + i]) * diluted;
 	const double liquid = liquidMass(p);
@@ -284,14 +316,12 @@ template <int D> void PoreWater<D>::take(int p, const double* share, double* wat
 template <int D>
 void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* gained)
 {
-	const double chi = settings->flipFraction;
 	if constexpr (D == 2) {
 		double got[gatheredSize][blockSize];
 		planeLoops().gatherEight(w, exchange[0], got);
 		if (gained) std::copy(got[6], got[6] + w.count, gained);
 		for (int i = 0; i < 2; ++i)
-			for (int k = 0; k < w.count; ++k)
-				velocity[i][w.first + k] = chi * velocity[i][w.first + k] + got[exchangeSize + i][k];
+			accelerate(i, w.first, w.count, got[exchangeSize + i]);
 		for (int k = 0; k < w.count; ++k) {
 			const int p = w.first + k;
 			if (cells) {
@@ -301,7 +331,7 @@ void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* 
 					r[2 + i] += liquid * got[i][k];
 			} else {
 				const double share[exchangeSize] = { got[0][k], got[1][k], got[2][k], got[3][k] };
-				take(p, share, waterMass, enthalpy);
+				take(p, share, 1.0 / (1.0 + share[0]), waterMass, enthalpy);
 			}
 		}
 		return;
@@ -317,35 +347,53 @@ void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* 
 				got[i] += s * exchange[node][i];
 		});
 		for (int i = 0; i < D; ++i)
-			velocity[i][p] = chi * velocity[i][p] + change[i];
+			velocity[i][p] = settings->flipFraction * velocity[i][p] + change[i];
 		if (cells) {
 			double*      r      = cellRecord(cells->cell(p));
 			const double liquid = liquidMass(p);
 			for (int i = 0; i < exchangeSize; ++i)
 				r[2 + i] += liquid * got[i];
 		} else
-			take(p, got, waterMass, enthalpy);
+			take(p, got, 1.0 / (1.0 + got[0]), waterMass, enthalpy);
 	}
+}
+
+template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			double* r = cellRecord(c);
+			if (!(r[0] > 0.0)) continue;
+			const double perMass = 1.0 / r[0];
+			for (int i = 0; i < exchangeSize; ++i)
+				r[2 + i] *= perMass;
+			r[1] = 1.0 / (1.0 + r[2]);
+		}
+	});
 }
 
 template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
 {
 	for (int p = first; p < last; ++p) {
 		const double* r = cellRecord(cells.cell(p));
-		const double  perMass = 1.0 / r[0];
-		double        share[exchangeSize];
-		for (int i = 0; i < exchangeSize; ++i)
-			share[i] = r[2 + i] * perMass;
-		take(p, share, waterMass, enthalpy);
+		take(p, r + 2, r[1], waterMass, enthalpy);
 	}
+}
+
+template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			double* r = cellRecord(c);
+			if (r[complianceAt] > 0.0) r[excessAt] = std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure);
+		}
+	});
 }
 
 template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells, int first, int last)
 {
-	for (int p = first; p < last; ++p) {
-		const double* r = cellRecord(cells.cell(p));
-		pressure[p]     = std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure);
-	}
+	for (int p = first; p < last; ++p)
+		pressure[p] = cellRecord(cells.cell(p))[excessAt];
 }
 
 template <int D> double PoreWater<D>::seepageWork(int firstCell, int lastCell) const
@@ -353,7 +401,7 @@ template <int D> double PoreWater<D>::seepageWork(int firstCell, int lastCell) c
 	double work = 0.0;
 	for (int c = firstCell; c < lastCell; ++c) {
 		const double* r = cells_.data() + static_cast<std::size_t>(c) * cellSize;
-		if (r[0] > 0.0) work += std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure) * r[2];
+		if (r[0] > 0.0) work += r[excessAt] * (r[0] * r[2]);
 	}
 	return work;
 }

@@ -7,6 +7,7 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/NodeField.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
 
@@ -36,6 +37,9 @@ public:
 	/// Adds pressure of points first .. last to their cells; call within MaterialPoints::strips().scatter.
 	void addPressure(const CellMeans<D>& cells, int first, int last);
 
+	/// Mean pressure of each cell, when all points were added.
+	void finishPressure(const ActiveRange& range);
+
 	/// cells null: without cell means.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells);
 	/// Nodal pressure and liquid fraction from the mapped sums.
@@ -59,6 +63,8 @@ public:
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
 	/// gained (2-D, may be null): sum S of the number of the record that heat borrows.
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* gained = nullptr);
+	/// Exchange of each cell per liquid mass, when all of it was gathered.
+	void finishCells(const ActiveRange& range);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
 	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
 
@@ -69,6 +75,8 @@ public:
 		r[excessAt] += excess;
 		r[complianceAt] += compliance;
 	}
+	/// Pressure of each cell from what fills it, when all points were added.
+	void findCellPressure(const ActiveRange& range);
 	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
@@ -93,15 +101,20 @@ public:
 	Vec<D> momentumOut {};
 
 private:
-	/// Record of a cell: liquid mass, mass times pressure, exchange, excess volume and compliance of the pore content.
+	/// Record of a cell: liquid mass, mass times pressure, then mean pressure, then what dilutes the momentum; exchange, then per liquid
+	/// mass; excess volume and compliance of the pore content, then pressure.
 	static constexpr int cellSize = 4 + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize;
 	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
 	void leave(int node, double mass, double heat);
+	/// What a block maps to the nodes, number by number of their record.
+	TALIK_PROCESSOR_VERSIONS void fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const;
+	TALIK_PROCESSOR_VERSIONS void accelerate(int axis, int first, int count, const double* change);
 	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
-	/// share: exchange per liquid mass of the point.
-	void take(int p, const double* share, double* waterMass, double* enthalpy);
+	/// share: exchange per liquid mass of the point,
+	/// and what the momentum is diluted by.
+	void take(int p, const double* share, double diluted, double* waterMass, double* enthalpy);
 
 	std::vector<double> cells_;
 	PointFields::Handle velocity_, pressure_, liquidFraction_, drag_;

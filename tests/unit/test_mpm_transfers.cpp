@@ -71,6 +71,7 @@ template <int D> struct RandomGround {
 			cells.locate(grid, points, first, last);
 			water.addPressure(cells, first, last);
 		});
+		water.finishPressure(range);
 	}
 
 	static Vec<D> box(double value)
@@ -119,6 +120,7 @@ template <int D> double stressPairError()
 	};
 	for (int p = 0; p < g.points.count(); ++p)
 		g.cells.add(p, volume[p] * mean(p));
+	g.cells.finish(g.range);
 	for (int p = 0; p < g.points.count(); ++p)
 		g.motion.meanStress[p] = g.cells.mean(p);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.motion.map(g.grid, w); });
@@ -140,6 +142,7 @@ template <int D> double stressPairError()
 	};
 	for (int p = 0; p < g.points.count(); ++p)
 		g.cells.add(p, volume[p] * trace(p));
+	g.cells.finish(g.range);
 	for (int p = 0; p < g.points.count(); ++p) {
 		const double replace = (g.cells.mean(p) - trace(p)) / D;
 		for (int i = 0; i < D; ++i)
@@ -187,6 +190,7 @@ template <int D> double seepagePairError(bool averaged)
 	g.water.drain(surface.patch(0), true, g.dt, rho, nullptr, nullptr);
 	g.water.finishExchange(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(g.grid, w, g.field(g.waterMass), nullptr, cells); });
+	if (cells) g.water.finishCells(g.range);
 	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr); });
 	double mass = 0.0, largest = 0.0;
 	for (int p = 0; p < g.points.count(); ++p) {
