@@ -81,6 +81,31 @@ def test_absent_effects_do_not_limit_the_time_step():
 	assert scaled < 1e-3 * steps["motion only"]
 
 
+def test_layers_with_skeletons_of_their_own_give_way_each_by_its_own_stiffness():
+	"""Three layers under one load, side walls on rollers: strain of each is load over its oedometer modulus (nu = 0: Young's)."""
+	load, moduli = 1e4, (1e7, 4e7, 2e7)
+	mpm = engine(
+		points=False, gridSpacing=0.125, lower=(0, 0), upper=(0.125, 3.5), damping=0.5,
+		skeletons=[
+			ElasticSkeleton(young=moduli[0], poisson=0), ElasticSkeleton(young=moduli[1], poisson=0),
+			MohrCoulombSkeleton(young=moduli[2], youngFrozen=moduli[2], poisson=0, cohesion=1e6, cohesionFrozen=1e6, tensileStrength=1e6, tensileStrengthFrozen=1e6),
+		],
+		boundaries=[
+			*(RollerBoundary(region=side) for side in ("left", "right", "bottom")), SurfaceLoad(region="surface", times=[0, 0.1], values=[0, load])],
+	)
+	positions, volumes = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 0.125, 3), 0.125)
+	mpm.addPoints(position=positions, volume=volumes, skeleton=positions[:, 1].astype(int))
+	while mpm.time < 1:
+		O.step()
+	strain = 1 - mpm.field("deformationGradient")[:, 3]
+	for layer, modulus in enumerate(moduli):
+		inside = np.abs(positions[:, 1] - layer - 0.5) < 0.25  # half a layer, without what shares nodes with the next
+		error = strain[inside].mean() * modulus / load - 1
+		print(f"layer {layer}, {type(mpm.skeletons[layer]).__name__}, M = {modulus:.0e} Pa: strain {strain[inside].mean():.4e}, off load over M by {error:.1e}")
+		assert abs(error) < 0.01
+	assert {name for name in mpm.cost() if "Skeleton" in name} == {"ElasticSkeleton[0]", "ElasticSkeleton[1]", "MohrCoulombSkeleton[2]"}
+
+
 def test_porosity_pore_fill_temperature_and_pressure_may_be_functions_of_place():
 	given = {
 		"porosity": lambda x, y: 0.3 + 0.1 * x, "temperature": lambda x, y: 1 + 4 * y, "pressure": lambda x, y: 9810 * (1 - y), "poreFill": lambda x, y: 0.2 + 0.5 * x}
