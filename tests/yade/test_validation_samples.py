@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cases of the validation that need samples: ice that forms stress-free, biaxial compression."""
+"""Cases of the validation that need YADE: a series of weather from a file; with samples, ice that forms stress-free, biaxial compression,
+a collapse."""
 
 import numpy as np
 import pytest
@@ -26,6 +27,46 @@ def advancedBy(sample, yy, ice, increments=20, xx=0.0):
 	for _ in range(increments):
 		stress = sample.apply(strained(xx / increments, yy / increments), ice)["stress"]
 	return np.array(stress)[:3]
+
+
+# ---- weather --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("side", ["top", "surface"])
+def test_ground_under_a_year_of_weather_from_a_file_follows_the_damped_wave(tmp_path, side):
+	"""Air of 5 +- 4 degC, day by day from a CSV, h_c = 15 W/(m2 K), over ground at a wall or with a free surface amid a cell: temperature at
+	any depth against Carslaw & Jaeger 1959, 2.6 (13)."""
+	report = Report(f"Weather.{side}", "Carslaw & Jaeger 1959, 2.6")
+	mean, amplitude, exchange, depth, h, day = 5.0, 4.0, 15.0, 15.0, 0.1, 86400.0
+	kappa, capacity, omega = 0.6 * 1.0 + 0.4 * 0.6, 0.6 * 2650 * 800 + 0.4 * 1000 * 4200, 2 * np.pi / (365 * day)
+	k, across = np.sqrt(omega * capacity / (2 * kappa)), exchange / kappa
+	damping, lag = 1 / np.sqrt(1 + 2 * k / across + 2 * (k / across) ** 2), np.arctan(k / (across + k))
+
+	def exact(x, t):
+		return mean + amplitude * damping * np.exp(-k * x) * np.sin(omega * t - k * x - lag)
+
+	station, days = tmp_path / "station.csv", np.arange(366) * day
+	np.savetxt(station, np.column_stack([days, mean + amplitude * np.sin(omega * days)]), delimiter=",", header="time [s],air temperature [degC]", comments="", fmt="%.9g")
+	times, values = talik.weather.airTemperature(station)
+	base = -depth - (0 if side == "top" else 0.5 * h)
+	still = wrapper.GroundMaterial(solidExpansivity=0, liquidExpansivity=0)
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h, lower=(0, base), upper=(h, 0 if side == "top" else 2.5 * h), motion=False, heat=wrapper.HeatTransfer(), material=still,
+		boundaries=[wrapper.SurfaceTemperature(region=side, heatTransferCoefficient=exchange, times=times, values=values)],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, base, h, 0), porosity=0.4, temperature=lambda x, y: exact(-y, 0))
+	O.engines = [mpm]
+	mpm.initialise()
+	below, curves = -mpm.field("position")[:, 1], []
+	for season in (0.25, 0.5, 0.75, 1.0):
+		thawslump.runUntil(season * 365 * day)
+		temperature = mpm.field("temperature")
+		error = np.abs(temperature - exact(below, mpm.time)).max() / amplitude
+		report.expectScaled(f"weather from a file, {'wall' if side == 'top' else 'free surface'}: largest error over the amplitude of the air, {season:.2f} a", error, 0, 1, 0.02)
+		shown = below < 8
+		depths = np.linspace(0, 8, 80)
+		curves += [(f"{season:.2f} a", "computed", below[shown][::6], temperature[shown][::6]), (f"{season:.2f} a", "reference", depths, exact(depths, mpm.time))]
+	report.draw(f"weather_{side}", "A year of weather from a CSV", "depth [m]", "temperature [degC]", curves)
 
 
 # ---- ice forms stress-free ------------------------------------------------------------------------------------------------
