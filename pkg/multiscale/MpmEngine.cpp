@@ -295,6 +295,9 @@ void MpmEngine::followAttributes()
 	s.motionFraction = motionFraction;
 	s.resting        = resting;
 	if (tolerance != toleranceInForce) followTolerance();
+	if (s.motion)
+		for (const auto& law : activeSkeletons())
+			law->followAttributes();
 }
 
 void MpmEngine::followTolerance()

@@ -45,6 +45,13 @@ void RveSkeleton::checkScheduling() const
 	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "0 or more");
 }
 
+void RveSkeleton::followAttributes()
+{
+	if (running().scheduling().threads == threads) return;
+	checkScheduling();
+	running().scheduling().threads = threads;
+}
+
 void RveSkeleton::checkSettings(int pointCount) const
 {
 	checkScheduling();

@@ -17,6 +17,7 @@ public:
 	Pointer build(int pointCount) override;
 	string  savedState() const override;
 	void    restoreState(const string&) override;
+	void    followAttributes() override;
 	bool    admitsPoints() const override { return !model; }
 	void    setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
 	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return running().errorSquares(batch); }
@@ -65,7 +66,7 @@ public:
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
-		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it."))
+		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be changed while running."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last stress from then on; see blownUp). May be changed while running."))
 		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for O.load; empty: none is written. It can be seen by scene(id) in any case."))
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,

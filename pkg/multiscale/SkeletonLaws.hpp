@@ -18,6 +18,8 @@ public:
 	/// What the model keeps beside the fields of the points, as bytes, and back.
 	virtual string savedState() const { return ""; }
 	virtual void   restoreState(const string&) { }
+	/// Before every step: what may be changed while the ground runs comes into force.
+	virtual void followAttributes() { }
 	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
 	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
 	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.

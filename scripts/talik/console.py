@@ -181,7 +181,7 @@ _readWhileRunning = {
 		"label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
-	"RveSkeleton": {"onBlowUp", "blowUpFolder"},
+	"RveSkeleton": {"threads", "onBlowUp", "blowUpFolder"},
 }
 
 

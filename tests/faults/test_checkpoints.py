@@ -87,6 +87,17 @@ def test_the_checkpoint_that_the_engine_keeps_is_the_state_between_two_steps(tmp
 	assert largestDifference(through, stateOf(mpm)) == 0
 
 
+def test_a_checkpoint_of_every_hour_is_not_written_in_a_second_and_one_of_every_instant_is_written_in_each_step(tmp_path):
+	dryGround()
+	keeper = talik.checkpoint.keep(tmp_path / "ground.checkpoint", every=3600)
+	run(50)
+	assert keeper.written == 0 and not list(tmp_path.iterdir())
+	keeper.every = 1e-9
+	run(50)
+	print(f"{keeper.written} checkpoints in the 50 steps after the interval went from 3600 s to 1e-9 s")
+	assert keeper.written == 50
+
+
 def test_open_samples_go_on_within_the_accuracy_of_yades_own_archives(tmp_path, smallSample):
 	file = tmp_path / "ground.checkpoint"
 	mpm = breakingGround(smallSample, spacing=1.0, form="open")
