@@ -163,6 +163,32 @@ TEST(FrozenInclusion, WithoutFlowIsThawedByConductionInTheTimeOfTheFiniteVolumes
 	expectRelative(name + "time until the last ice is gone [h]", computed.gone(end), exact.gone(end), 3e-2);
 }
 
+// A node lets water pass as its points in series do, and shares the heat that comes with it by their liquid mass: flow along ice sees it
+// wider, by as much as shape functions reach. That error, of the first order in h, is the largest of the validation. Two grids tell
+// where it goes to; without flow (above) or without ice (below) it is not there.
+TEST(FrozenInclusion, InFlowingWaterIsThawedInTheTimeOfTheFiniteVolumesAsTheGridIsRefined_slow)
+{
+	citing("finite volumes");
+	const FrozenInclusion c;
+	const double  end = 28.0;
+	const Melting coarse = melted(c, 9, end), fine = melted(c, 15, end), exact = meltedInVolumes(c, 30, end), coarseExact = meltedInVolumes(c, 15, end);
+	Melting       limit = fine;
+	for (std::size_t k = 0; k < limit.ice.size(); ++k)
+		limit.ice[k] = std::max(0.0, fine.ice[k] + 1.5 * (fine.ice[k] - coarse.ice[k]));
+	const std::string name = "InterFrost TH2, head gradient 3 %: ";
+	Drawing ice("interfrost_th2_3", "InterFrost TH2, head gradient 3 %", "time [h]", "part of the pores with ice [1e-2]");
+	Drawing lowest("interfrost_th2_3_lowest", "InterFrost TH2, head gradient 3 %", "time [h]", "lowest temperature [degC]");
+	draw(ice, lowest, "h = a sixth of the inclusion", coarse);
+	draw(ice, lowest, "h = a tenth of the inclusion", fine);
+	drawReference(ice, lowest, exact);
+	const double start = iceAtStart(c);
+	expectSmall(name + "reference with half the cells off it", largestDifference(coarseExact.ice, exact.ice) / start, 2e-2);
+	expectSmall(name + "ice off the reference at any time, over that at the start, h = a sixth of the inclusion", largestDifference(coarse.ice, exact.ice) / start, 0.2);
+	expectSmall(name + "the same, h = a tenth", largestDifference(fine.ice, exact.ice) / start, 0.15);
+	expectSmall(name + "the same, extrapolated to h = 0", largestDifference(limit.ice, exact.ice) / start, 8e-2);
+	expectRelative(name + "time until the last ice is gone [h], extrapolated to h = 0", fine.gone(end) + 1.5 * (fine.gone(end) - coarse.gone(end)), exact.gone(end), 0.1);
+}
+
 TEST(FrozenInclusion, HeatCarriedAndConductedIntoThawedGroundFollowsOgataAndBanks)
 {
 	citing("Ogata & Banks 1961");
