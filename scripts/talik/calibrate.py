@@ -137,7 +137,7 @@ class Calibration:
 	poisson: float
 	tensileStrength: np.ndarray  # [Pa]
 	residuals: np.ndarray  # of each test [-]
-	seconds: float  # wall time of the tests
+	seconds: float  # processor time of the tests
 
 	def parameters(self):
 		"""Keyword arguments of MohrCoulombSkeleton."""
@@ -200,10 +200,10 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	saturations = np.array(sorted(iceSaturations), dtype=float)
 	if saturations[0] != 0 or saturations[-1] != 1:
 		raise ValueError(f"iceSaturations is {iceSaturations!r}; the law needs 0 and 1 among them, and nothing outside")
-	start = time.monotonic()
+	start = time.process_time()
 	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures]
 	tension = np.array([tensileTest(sample, s, min(pressures)) for s in saturations])
-	seconds = time.monotonic() - start
+	seconds = time.process_time() - start
 	cohesion, sine, residuals = _fitStrength(tests, saturations)
 	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures), 2)
 	young = elastic[:, :, 0].mean(axis=1)

@@ -101,7 +101,7 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	runs  {label: (frames, bill)}; label says what differs, bill what the run cost
 	Returns the figure."""
 	ends = [frames[-1] for frames, _ in runs.values()]
-	slopeHeight = plots.historyHeight(ends) + 0.3
+	slopeHeight = plots.historyHeight(ends) + 0.7
 	fig = plots.figure(12.6, slopeHeight + 3.2)
 	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, 3.2))
 	plots.slopeHistory(ends, fields=fields, thermalTimeScale=thermalTimeScale, into=upper)
@@ -109,9 +109,9 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
 	moved, broken = lower.subplots(1, 2)
 	for axes, (label, (frames, bill)) in zip(rows, runs.items()):
-		title = axes.set_title(f"{label}: {bill}; {slipSurfaces(frames[-1], outline, threshold)}", loc="left", fontsize=9)
-		title.set_in_layout(False)  # it is wider than its column
-		axes.set_title(" ", fontsize=9)  # its room
+		axes.set_title("", loc="left")
+		heading = f"{label}: {bill}; {slipSurfaces(frames[-1], outline, threshold)}"
+		axes.text(0, 1.04, heading, transform=axes.transAxes, fontsize=9, in_layout=False)  # it is wider than its column
 		times = [frame["time"] for frame in frames]
 		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=label)
 		if "bondsFormed" in frames[0]:

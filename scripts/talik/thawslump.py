@@ -10,7 +10,7 @@ import argparse
 import base64
 import json
 import time
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
@@ -58,6 +58,18 @@ def runUntil(instant, look=None, interval=0.2):
 		awaitEndOfStep(O)
 		raise
 	O.wait()
+
+
+@contextmanager
+def atRest():
+	"""O rests between two steps for the block; a run goes on afterwards."""
+	running = O.running
+	if running:
+		O.pause()
+		awaitEndOfStep(O)
+	yield
+	if running and O.time < O.stopAtTime:
+		O.run()
 
 
 @dataclass
@@ -123,7 +135,7 @@ class ThawSlump:
 		self.ground = ground or Ground()
 		self.frameTimes = [part * self.preset.endTime for part in frameParts] if frameTimes is None else sorted(frameTimes)
 		self.folder = writableFolder(folder)
-		self.wallStart = time.monotonic()
+		self.wallStart, self.cpuStart = time.monotonic(), time.process_time()
 		self.calibrationSeconds = None
 		self.mpm = self._build()
 		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
@@ -134,18 +146,17 @@ class ThawSlump:
 	def resumed(cls, folder):
 		"""The run whose checkpoint lies in `folder`, as it was then; run() goes on with it, to the same last bit as if it had not been stopped."""
 		run, folder = cls.__new__(cls), writableFolder(folder)
-		run.folder, run.wallStart = folder, time.monotonic()
+		run.folder, run.wallStart, run.cpuStart = folder, time.monotonic(), time.process_time()
 		run.mpm = checkpoint.resume(folder / checkpointName)
 		run.skeleton = run.mpm.skeleton
 		run._remember(json.loads(base64.b64decode(O.tags[memoryTag])))
 		return run
 
-	def extend(self, endTime):
-		"""The thaw ends at `endTime` [s] in place of the preset's: for a run to be gone on with."""
+	def endAt(self, endTime):
+		"""The thaw ends at `endTime` [s] in place of the preset's: for a run to be gone on with. Frames taken stay."""
 		self.preset = replace(self.preset, endTime=endTime)
-		taken, untaken = np.split(self.frameTimes, [len(self.frames.frames)])
-		later = [part * endTime for part in frameParts if part * endTime > max([self.reached, *untaken])]
-		self.frameTimes = self.frames.times = [*taken.tolist(), *untaken.tolist(), *later]
+		taken, untaken = self.frameTimes[:len(self.frames.frames)], self.frameTimes[len(self.frames.frames):]
+		self.frameTimes = self.frames.times = taken + [instant for instant in untaken if instant < endTime] + [endTime]
 
 	# ---- building
 
@@ -215,20 +226,30 @@ class ThawSlump:
 		self.reached = -1.0
 
 	def _thaw(self, look):
-		seriesTimes, kept = np.linspace(0, self.preset.endTime, seriesLength + 1), time.monotonic()
+		seriesTimes, self._kept = np.linspace(0, self.preset.endTime, seriesLength + 1), time.monotonic()
+
+		def lookAndKeep():
+			look()
+			self._keepWhenDue()
+
 		for instant in np.union1d(seriesTimes, self.frameTimes):
 			if instant <= self.reached:
 				continue
-			runUntil(self.preset.restTime + instant, look)
+			runUntil(self.preset.restTime + instant, lookAndKeep)
 			if instant in seriesTimes:
 				self.series.write()
 			self.frames.take()
 			self.reached = float(instant)
-			if time.monotonic() > kept + checkpointInterval:
-				self._keep()
-				kept = time.monotonic()
+			self._keepWhenDue()
 
 	# ---- stopped and gone on with
+
+	def _keepWhenDue(self):
+		if time.monotonic() < self._kept + checkpointInterval:
+			return
+		with atRest():
+			self._keep()
+		self._kept = time.monotonic()
 
 	def _keep(self):
 		"""Frames first: a checkpoint never lacks one."""
@@ -245,6 +266,7 @@ class ThawSlump:
 			"initialBalance": output.plain(self.initialBalance),
 			"series": self.series.entries,
 			"seconds": time.monotonic() - self.wallStart,
+			"cpuSeconds": time.process_time() - self.cpuStart,
 		}
 
 	def _remember(self, memory):
@@ -253,6 +275,7 @@ class ThawSlump:
 		self.preset, self.ground = Preset(**memory["preset"]), Ground(**memory["ground"])
 		self.initialBalance = memory["initialBalance"]
 		self.wallStart -= memory["seconds"]
+		self.cpuStart -= memory["cpuSeconds"]
 		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
 		self.frames.frames = [frame for frame in output.loadFrames(self.folder / framesName) if frame["time"] <= self.thawTime()]
 		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.thawTime)
@@ -307,6 +330,7 @@ class ThawSlump:
 			**{f"preset.{k}": v for k, v in asdict(self.preset).items()},
 			**{f"ground.{k}": v for k, v in asdict(self.ground).items()},
 			"wallTime [s]": time.monotonic() - self.wallStart,
+			"processor time [s]": time.process_time() - self.cpuStart,
 			"threads": O.numThreads if hasattr(O, "numThreads") else None,
 			"points": mpm.pointCount,
 			"steps": O.iter,
@@ -383,7 +407,7 @@ def runCase(name, boundaries, options, duration=None):
 	if options.resume:
 		slump = ThawSlump.resumed(options.output)
 		if options.duration is not None:
-			slump.extend(options.duration)
+			slump.endAt(options.duration)
 		report(slump.run(), slump.folder)
 		return slump
 	settings = comparison(options)
@@ -422,10 +446,11 @@ def comparison(options):
 
 
 def bill(summary):
-	"""What a run cost."""
+	"""What a run cost, by processor time, which other work on the machine does not lengthen."""
+	seconds = f"{summary['processor time [s]']:.0f} s of processor"
 	if summary["skeleton"] == "samples":
-		return f"{summary['wallTime [s]']:.0f} s, {summary['sample calls']} sample calls, {summary['sample memory [MB]']:.0f} MB of samples"
-	return f"{summary['wallTime [s]']:.0f} s, {summary['calibration [s]']:.1f} s of them calibration, no samples"
+		return f"{seconds}, {summary['sample calls']} sample calls, {summary['sample memory [MB]']:.0f} MB of samples"
+	return f"{seconds}, {summary['calibration [s]']:.1f} s of them calibration, no samples"
 
 
 def report(summary, folder):
