@@ -143,13 +143,17 @@ def describe(band, ground="frozen"):
 
 
 def watchedPoints(frame, outline, threshold=0.05):
-	"""{"A": id, "B": id}: A the frozen point, in the band where there is one, that lost most bonds mechanically and still has contacts,
-	B the thawed point with contacts that is strained most. A letter is left out where there is no such point."""
-	solid = frame["coordinationNumber"] > 2
+	"""{"A": id, "B": id}: A the frozen point, in the band where there is one, that lost most bonds mechanically, B the thawed point that
+	is strained most; each among those that still have contacts, if any have. A letter is left out where there is no such point."""
+	solid, icy = frame["coordinationNumber"] > 2, frozen(frame)
 	band = measure(frame, outline, threshold)
 	inBand = np.isin(np.arange(len(solid)), band.points) if band else np.ones(len(solid), bool)
-	choices = {"A": (solid & frozen(frame) & inBand, frame["bondsBroken"]), "B": (solid & ~frozen(frame), frame["deviatoricStrain"])}
-	return {letter: int(np.argmax(np.where(possible, rank, -1))) for letter, (possible, rank) in choices.items() if possible.any()}
+	choices = {"A": (icy & inBand, frame["bondsBroken"]), "B": (~icy, frame["deviatoricStrain"])}
+	return {letter: _highest(rank, possible & solid if (possible & solid).any() else possible) for letter, (possible, rank) in choices.items() if possible.any()}
+
+
+def _highest(rank, possible):
+	return int(np.argmax(np.where(possible, rank, -1)))
 
 
 def _spacing(position):

@@ -101,7 +101,7 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	runs  {label: (frames, bill)}; label says what differs, bill what the run cost
 	Returns the figure."""
 	ends = [frames[-1] for frames, _ in runs.values()]
-	slopeHeight = plots.historyHeight(ends) + 0.7
+	slopeHeight = plots.historyHeight(ends) + 0.3 + 0.2 * len(ends)
 	fig = plots.figure(12.6, slopeHeight + 3.2)
 	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, 3.2))
 	plots.slopeHistory(ends, fields=fields, thermalTimeScale=thermalTimeScale, into=upper)

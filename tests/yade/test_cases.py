@@ -165,6 +165,8 @@ def test_without_a_jump_of_displacement_in_frozen_ground_there_is_no_band_and_A_
 	assert shearband.measure(frame, block) is None
 	watched = shearband.watchedPoints(frame, block)
 	assert watched["A"] == 4000 and frame["iceSaturation"][watched["B"]] == 0
+	frame["coordinationNumber"][frame["iceSaturation"] == 0] = 1
+	assert shearband.watchedPoints(frame, block) == watched  # thawed ground that has lost its contacts is shown as well
 
 
 # ---- calibration ----------------------------------------------------------------------------------------------------------
