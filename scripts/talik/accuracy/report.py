@@ -137,8 +137,8 @@ def drawCurves(axes, problem, rows):
 	axes.step(column(front, cost), _percent(front), where="post", color="black", linewidth=3, alpha=0.25, label="Pareto front")
 	axes.set_xscale("log")
 	axes.set_yscale("log")
-	for axis in (axes.xaxis, axes.yaxis):
-		axis.set_major_locator(LogLocator(subs=(1, 2, 5) if axis is axes.yaxis else (1, 3)))
+	for axis, limits, between, room in ((axes.xaxis, axes.get_xlim(), (1, 3), 2.3), (axes.yaxis, axes.get_ylim(), (1, 2, 5), 4)):  # decades with room for ticks between
+		axis.set_major_locator(LogLocator(subs=between if limits[1] / limits[0] < 10**room else (1,)))
 		axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 		axis.set_minor_formatter(NullFormatter())
 	axes.grid(color="0.92")
