@@ -269,36 +269,6 @@ template <int D> void RandomScene<D>::start()
 	if (body.contact) body.contact->bodies = { drawn };
 }
 
-template <int D> Outside RandomScene<D>::outside()
-{
-	if (!body.contact) return {};
-	return { [this](double dt) { body.advance(dt); }, [this] { return body.energy(); }, [this] { return body.longestStep(); } };
-}
-
-template <int D> void MetBody<D>::advance(double dt)
-{
-	RigidBody<D>& body = contact->bodies[0];
-	for (int a = 0; a < D; ++a) {
-		body.velocity[a] += (body.impulse[a] - taken[a]) / mass;
-		body.position[a] += dt * body.velocity[a];
-	}
-	taken = body.impulse;
-}
-
-template <int D> double MetBody<D>::longestStep() const
-{
-	return std::isinf(mass) ? INFINITY : RigidContact<D>::timeStep(mass, contact->gripOn(contact->bodies[0]));
-}
-
-template <int D> double MetBody<D>::energy() const
-{
-	const RigidBody<D>& body = contact->bodies[0];
-	double              sum  = 0.0;
-	for (int a = 0; a < D; ++a)
-		sum += body.velocity[a] * (std::isinf(mass) ? body.impulse[a] : 0.5 * mass * body.velocity[a]);
-	return sum;
-}
-
 template struct RandomScene<2>;
 template struct RandomScene<3>;
 

@@ -1,27 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include "Watch.hpp"
+#include "MetBody.hpp"
 
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/RigidContact.hpp>
 
 #include <cstdint>
 #include <memory>
 #include <string>
 
 namespace talik::stability {
-
-/// A rigid body that meets the ground without turning; driven at constant speed if its mass is infinite.
-template <int D> struct MetBody {
-	RigidContact<D>* contact = nullptr;  ///< whose first body it is
-	double           mass    = INFINITY; ///< [kg]
-	Vec<D>           taken {};           ///< impulse that it has taken from the contact [N s]
-
-	void   advance(double dt);    ///< takes the impulse received and moves
-	double longestStep() const;   ///< that its contacts stand [s]
-	double energy() const;        ///< kinetic, or what its driver received [J]
-};
 
 /// A small scene drawn at random from the ranges of every effect, with what it may be held to.
 template <int D> struct RandomScene {
@@ -41,7 +29,7 @@ template <int D> struct RandomScene {
 	/// Initialises the ground and puts the body in its place. Throws what Ground::initialise() throws.
 	void start();
 	/// The body as the watch takes it; nothing in a scene without.
-	Outside outside();
+	Outside outside() { return body.contact ? body.outside() : Outside(); }
 };
 
 extern template struct RandomScene<2>;

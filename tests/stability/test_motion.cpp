@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Cases 6, 10 and 14: ground that loses its support, meets walls and cells in every way, or rests for a million steps.
 #include "Held.hpp"
+#include "MetBody.hpp"
 #include "Report.hpp"
 #include "WetScenes.hpp"
 
@@ -157,6 +158,57 @@ TEST(Motion, DampedWetGroundThatLeavesNodesBehindKeepsTheAccountOfItsMomentum)
 	Watch<2> watch(ground);
 	watch.run(200, 10);
 	expectHeld("damped wet block that leaves nodes behind", watch.figures(), { 0.05, 1e-12, 1e-11, 1e-12 });
+}
+
+// Found by thinking about a draw of the random search: the limit counted the springs of contacts and not their dashpots, of which a
+// light body feels many.
+TEST(Motion, ALightPlateOnGroundWithDampedContactsIsStableAtTheLimitOfItsStep)
+{
+	citing("energy balance");
+	const auto figures = [](double damping, double massOfTouchedGround, bool springsAlone) {
+		GroundSettings<2> s;
+		s.gridSpacing = 0.1;
+		s.upper       = { 1.0, 1.0 };
+		s.motion.emplace();
+		s.bodies.emplace();
+		s.bodies->damping   = damping;
+		s.bodies->stiffness = 1e9; // ten times that of the ground: the contact governs
+		s.skeletons.push_back(elasticOedometer(1e7));
+		s.energyLedger = true;
+		standOnRollers(s);
+		Ground<2> ground(s);
+		fillBox(ground, { 0.0, 0.0 }, { 1.0, 0.3 });
+		ground.initialise();
+		RigidBody<2> plate;
+		plate.id = plate.group = 0;
+		plate.shape            = &rigidBox<2>();
+		plate.size             = { 0.3, 0.05 };
+		plate.position         = { 0.5, 0.3501 };
+		plate.axes             = { { { 1.0, 0.0 }, { 0.0, 1.0 } } };
+		plate.velocity         = { 0.0, -0.1 };
+		ground.bodies()->bodies = { plate };
+		MetBody<2> body;
+		body.contact = ground.bodies();
+		body.mass    = 0.6 * 0.05 * 1600.0 * massOfTouchedGround;
+		const double springs = std::sqrt(body.mass / body.contact->gripOn(plate).spring);
+		Outside outside = body.outside();
+		if (springsAlone) outside.longestStep = [springs] { return springs; };
+		Watch<2> watch(ground, outside);
+		watch.run(1500, 10);
+		EXPECT_NE(body.contact->bodies[0].impulse[1], 0.0);
+		return watch.figures();
+	};
+	double created = 0.0;
+	int    lost    = 0;
+	for (const double damping : { 0.1, 0.5, 0.95 }) // without damping each bounce at the limit errs by some per cent
+		for (const double mass : { 2.0, 0.1, 0.01 }) {
+			const Figures f = figures(damping, mass, false);
+			EXPECT_TRUE(f.finite && f.stopped.empty()) << f.stopped;
+			created = std::max(created, f.energyCreated);
+			lost += figures(damping, mass, true).energyCreated > 0.05;
+		}
+	expectSmall("plates from 2 to 0.01 of the ground's mass, contacts damped 0.1 to 0.95: energy from nowhere", created, 0.05);
+	expectAtLeast("the same with the limit of the springs alone: runs lost of 9", lost, 1.0);
 }
 
 TEST(Motion, OnePointFallsFreelyMeetsTheFloorAndStaysInTheBox)
