@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Thaw slump from a heated patch of the base: Case II of Yu & Zhao, section 3.2.
 
-	scripts/run thaw_slump_base [--preset draft|standard|paper] [--thaw-strain 0|0.03|full] [--compare thaw-strain|skeleton|both]
+	scripts/run thaw_slump_base [--preset draft|standard|paper] [--thaw-strain 0|0.03|full] [--compare thaw-strain|skeleton|both] [--resume] [--redraw]
 
 Everything as in thaw_slump_surface.py but the heat: the base between x = 2 and 6 m is held at +10 °C from the start of the thaw on,
 all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above comes after. The

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Retrogressive thaw slump, thawed from its surface: Case I of Yu & Zhao, section 3.2.
 
-	scripts/run thaw_slump_surface [--preset draft|standard|paper] [--compare skeleton] [--resume]
+	scripts/run thaw_slump_surface [--preset draft|standard|paper] [--compare skeleton] [--resume] [--redraw]
 
 From the paper: grid 0.2 m with four points a cell, initial temperature -5 °C, air at +10 °C, k = 1e-4 m/s, thermal time scale
 8.64e5, samples of 400 discs (E_c 0.6 to 3.6 GPa, bond strength 1 to 51 MPa, friction 0.5, k_s/k_n 0.8) compacted at 100 kPa.

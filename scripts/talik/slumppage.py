@@ -52,8 +52,11 @@ def summaryOf(folder):
 def draw(folder, outline, threshold=0.2):
 	"""slope.png and page.png from frames.npz, samples.npz and summary.json in the folder of a run.
 
-	outline, threshold  as for talik.shearband.measure"""
+	outline, threshold  as for talik.shearband.measure
+	FileNotFoundError where no run left its results."""
 	folder = Path(folder)
+	if not (folder / framesName).exists():
+		raise FileNotFoundError(f"{folder} holds no {framesName} to draw from: give the folder in which a run left its results (--output)")
 	frames, (samples, watched) = output.loadFrames(folder / framesName)[1:], loadSamples(folder / samplesName)
 	summary = summaryOf(folder)
 	scale, title = summary["ground.thermalTimeScale"], f"{summary['case']}; {slipSurfaces(frames[-1], outline, threshold)}"

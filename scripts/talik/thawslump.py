@@ -9,6 +9,7 @@ slope thaws, loses its bonds and fails. The examples say where the heat comes fr
 import argparse
 import base64
 import json
+import math
 import time
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, field, replace
@@ -387,13 +388,19 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--resume", action="store_true", help="go on with the run that was stopped, from its checkpoint in the folder of the results")
-	parser.add_argument("--duration", type=float, help="of the thaw [s], in place of the case's; with --resume the run goes on until then")
+	parser.add_argument("--duration", type=_duration, help="of the thaw [s], in place of the case's; with --resume the run goes on until then")
 	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
+
+
+def _duration(text):
+	if not 0 < float(text) < math.inf:
+		raise argparse.ArgumentTypeError(f"{text} is no length of time: give seconds, above 0")
+	return float(text)
 
 
 def _thawStrain(text):

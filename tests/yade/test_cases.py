@@ -250,7 +250,7 @@ def summaries(folder):
 	return {file.parent.name: json.loads(file.read_text()) for file in sorted(folder.glob("**/summary.json"))}
 
 
-def test_command_lines_are_read_and_impossible_ones_refused(monkeypatch):
+def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatch):
 	monkeypatch.setattr(sys, "argv", ["example", "--thaw-strain", "full", "--compare", "thaw-strain", "--skeleton", "MohrCoulomb"])
 	options = thawslump.arguments("example", "output", thawStrain=0.03)
 	assert (options.thaw_strain, options.compare, options.skeleton) == ("full", "thaw-strain", "MohrCoulomb")
@@ -260,10 +260,12 @@ def test_command_lines_are_read_and_impossible_ones_refused(monkeypatch):
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
 	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
-	for wrong in (["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"]):
+	for wrong in (["--duration", "-5"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"]):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):
 			thawslump.arguments("example", "output")
+	with pytest.raises(FileNotFoundError, match="holds no frames.npz to draw from"):
+		thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, redraw=True))
 	with pytest.raises(ValueError, match="skeleton is 'Cam-Clay'; choose one of samples, MohrCoulomb"):
 		thawslump.ThawSlump("Case II", warmBase, "test", skeleton="Cam-Clay")
 
