@@ -93,9 +93,10 @@ def _drawSample(fig, place, columns, letter, sample, frame, point):
 def _stateOf(frame, point):
 	if point is None:
 		return "sample"
-	state = "frozen" if shearband.frozen(frame)[point] else "thawed"
+	bonded, ice = shearband.frozen(frame)[point], frame["iceSaturation"][point]
+	state = ("frozen" if ice >= 0.5 else "thawing") if bonded else "thawed"
 	share = frame["bondsBroken"][point] / max(frame["bondsFormed"][point], 1)
-	return f"{state}, $S_i$ = {frame['iceSaturation'][point]:.2f}, $\\varepsilon_d$ = {frame['deviatoricStrain'][point]:.2f}\n{100 * share:.0f} % of its bonds broke mechanically"
+	return f"{state}, $S_i$ = {ice:.2f}, $\\varepsilon_d$ = {frame['deviatoricStrain'][point]:.2f}\n{100 * share:.0f} % of its bonds broke mechanically"
 
 
 def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "deviatoricStrain", "displacement"), threshold=0.2):
