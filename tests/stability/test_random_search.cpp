@@ -123,3 +123,23 @@ TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence) { search<
 
 // points and nodes are many more in space: a quarter of the draws
 TEST(RandomSearch, EveryDrawInSpaceIsStableAndBalancedOrRefusedWithASentence) { search<3>("random search in space", (drawsAskedFor() + 3) / 4); }
+
+/// Found by the search (space, seed 701793): in a column of one cell by two, frozen to a fortieth of its water, water percolates on the
+/// spot and drag spends more than weight and pressure give, for a cause not found. At the whole step the search's limit is not met; what
+/// holds is that the excess falls at least in proportion to the step.
+TEST(RandomSearch, ExcessOfDragInAFrozenColumnOfTwoCellsFallsWithTheStep)
+{
+	double created[3];
+	for (int k = 0; k < 3; ++k) {
+		RandomScene<3> scene(701793);
+		scene.start();
+		Watch<3> watch(*scene.ground, scene.outside());
+		watch.run(scene.steps << k, 25, 1.0 / (1 << k));
+		EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+		created[k] = watch.figures().energyCreated;
+		std::printf("step over its limit 1/%d: energy from nowhere %.3f\n", 1 << k, created[k]);
+	}
+	expectSmall("frozen column of two cells: energy from nowhere at the whole step", created[0], 0.25);
+	expectSmall("frozen column of two cells: the same at a quarter of it", created[2], 0.1);
+	expectSmall("frozen column of two cells: excess at half the step over that at the whole", created[1] / created[0], 0.65);
+}
