@@ -150,8 +150,14 @@ class ThawSlump:
 		run.folder, run.wallStart, run.cpuStart = folder, time.monotonic(), time.process_time()
 		run.mpm = checkpoint.resume(folder / checkpointName)
 		run.skeleton = run.mpm.skeleton
-		run._remember(json.loads(base64.b64decode(O.tags[memoryTag])))
+		run._recall(json.loads(base64.b64decode(O.tags[memoryTag])))
 		return run
+
+	def _recall(self, memory):
+		try:
+			self._remember(memory)
+		except (KeyError, TypeError) as missing:
+			raise ValueError(f"{self.folder / checkpointName}: another version of Talik wrote this slump ({missing}); go on with that version, or start anew without --resume") from missing
 
 	def endAt(self, endTime):
 		"""The thaw ends at `endTime` [s] in place of the preset's: for a run to be gone on with. Frames taken stay."""

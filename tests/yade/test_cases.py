@@ -350,6 +350,13 @@ def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points_and
 	assert (tmp_path / "page.png").read_bytes() == wanted
 
 
+def test_a_slump_of_another_version_is_named_not_half_read(tmp_path):
+	slump = thawslump.ThawSlump.__new__(thawslump.ThawSlump)
+	slump.folder = tmp_path
+	with pytest.raises(ValueError, match="slope.checkpoint: another version of Talik wrote this slump .*without --resume"):
+		slump._recall({"preset": {"aSettingThatIsGone": 1}})
+
+
 def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_and_beyond_its_end(tmp_path, monkeypatch):
 	monkeypatch.setattr(thawslump, "seriesLength", 4)  # a checkpoint is due between two states more often than at one
 	preset = thawslump.Preset(gridSpacing=0.5, grains=60, endTime=0.1, strainTolerance=5e-5, bandThickness=1.0, restTime=0.05)
