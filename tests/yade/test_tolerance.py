@@ -73,7 +73,7 @@ def stresses(build, sample, tolerance=0.0):
 	"""Effective stress of all points at forty instants and the engine; tolerance 0: the reference."""
 	O.reset()
 	mpm, end = build(sample)
-	mpm.tolerance = tolerance
+	mpm.tolerance, mpm.gravity = tolerance, mpm.gravity * (1 + heavier)
 	if tolerance == 0:
 		mpm.skeleton.strainTolerance = mpm.skeleton.saturationTolerance = 0
 		mpm.skeleton.maxInertialNumber = 2e-4
@@ -145,13 +145,15 @@ def test_tolerance_may_be_changed_while_running_but_not_switched(sample):
 	assert O.iter == 3
 
 
-def slumped(folder, tolerance, days=40):
-	"""Largest displacement [m], thawed volume [m2] and sample calls of the draft slump after some days of heat; tolerance 0: the reference."""
+def slumped(folder, tolerance, heavier=0.0, days=40):
+	"""Largest displacement [m], thawed volume [m2] and sample calls of the draft slump after some days of heat; tolerance 0: the reference.
+	heavier: part by which gravity differs, for twins."""
+	O.reset()
 	preset = replace(thawslump.presets["draft"], endTime=days * 86400 / 8.64e5)
 	air = lambda start: [wrapper.SurfaceTemperature(region="surface", times=[0, start, start + 1], values=[-5, -5, 10])]
 	case = thawslump.ThawSlump("tolerance", air, preset, folder)
 	mpm, O.engines = case.mpm, [case.mpm]
-	mpm.tolerance = tolerance
+	mpm.tolerance, mpm.gravity = tolerance, mpm.gravity * (1 + heavier)
 	if tolerance == 0:
 		case.skeleton.strainTolerance = case.skeleton.saturationTolerance = 0
 	thawslump.runUntil(preset.restTime)
@@ -163,13 +165,15 @@ def slumped(folder, tolerance, days=40):
 	return runOut, np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume")), case.counters()["calls"]
 
 
-# after some seventy days the slope flows, and two runs that differ in the last digit differ by several per cent in its displacement
+# Runs that differ by one part in 1e9 of gravity are up to 2 % apart after 40 days, and 10 % after 80, when the slope flows: means of
+# three are compared.
 def test_on_the_draft_slump_a_tolerance_saves_four_fifths_of_the_calls_at_less_than_two_per_cent_slow(tmp_path):
-	runOut, thawed, calls = slumped(tmp_path, 0)
-	O.reset()
-	reached, melted, asked = slumped(tmp_path, 0.01)
-	print(f"largest displacement {reached:.4f} m, tolerance zero {runOut:.4f} m, error {100 * (reached / runOut - 1):+.2f} %")
-	print(f"thawed {melted:.4f} m2, tolerance zero {thawed:.4f} m2, error {100 * (melted / thawed - 1):+.3f} %")
-	print(f"sample calls {asked} for {calls}: 1/{calls / asked:.0f}")
-	assert abs(reached / runOut - 1) < 0.02 and abs(melted / thawed - 1) < 0.02
-	assert asked < calls / 5
+	twins = (0.0, 1e-9, -1e-9)
+	asked = np.array([slumped(tmp_path, 0, twin) for twin in twins])
+	saved = np.array([slumped(tmp_path, 0.003, twin) for twin in twins])
+	for name, runs in (("tolerance zero", asked), ("tolerance 0.003", saved)):
+		print(f"{name}: largest displacement {runs[:, 0]} m, thawed {runs[:, 1]} m2, sample calls {runs[:, 2]}")
+	runOut, thawed, calls = saved.mean(axis=0) / asked.mean(axis=0)
+	print(f"errors of the means: displacement {100 * (runOut - 1):+.2f} %, thawed {100 * (thawed - 1):+.3f} %; calls 1/{1 / calls:.0f}")
+	assert abs(runOut - 1) < 0.02 and abs(thawed - 1) < 0.02
+	assert calls < 1 / 5
