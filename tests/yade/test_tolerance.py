@@ -73,7 +73,7 @@ def stresses(build, sample, tolerance=0.0):
 	"""Effective stress of all points at forty instants and the engine; tolerance 0: the reference."""
 	O.reset()
 	mpm, end = build(sample)
-	mpm.tolerance, mpm.gravity = tolerance, mpm.gravity * (1 + heavier)
+	mpm.tolerance = tolerance
 	if tolerance == 0:
 		mpm.skeleton.strainTolerance = mpm.skeleton.saturationTolerance = 0
 		mpm.skeleton.maxInertialNumber = 2e-4
