@@ -234,12 +234,9 @@ template <int D> void MohrCoulombSkeleton<D>::interpolate(const double* saturati
 	}
 }
 
-/// No tension passes the apex of the cone.
-template <int D> void MohrCoulombSkeleton<D>::limitTension(int count, Piece& piece) const
+/// No tension passes the apex of the cone; cotangent of the angle of friction.
+template <int D> void MohrCoulombSkeleton<D>::limitTension(double cotangent, int count, Piece& piece)
 {
-	const double sine = std::sin(frictionAngle * degree), cosine = std::cos(frictionAngle * degree);
-	if (!(sine > 0.0)) return;
-	const double cotangent = cosine / sine;
 	for (int k = 0; k < count; ++k)
 		piece.tensileStrength[k] = std::min(piece.tensileStrength[k], piece.cohesion[k] * cotangent);
 }
@@ -255,7 +252,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 	Piece  piece;
 	double lambda[pieceSize], shear[pieceSize];
 	lookUp(b.iceSaturation ? b.iceSaturation + first : nullptr, count, piece);
-	limitTension(count, piece);
+	if (m.sinFriction > 0.0) limitTension(m.cosFriction / m.sinFriction, count, piece);
 	for (int k = 0; k < count; ++k) {
 		lambda[k] = piece.youngModulus[k] * unit.lambda;
 		shear[k]  = piece.youngModulus[k] * unit.shear;

@@ -53,7 +53,7 @@ private:
 	};
 	void lookUp(const double* saturation, int count, Piece& piece) const;
 	TALIK_PROCESSOR_VERSIONS void interpolate(const double* saturation, int count, Piece& piece) const;
-	TALIK_PROCESSOR_VERSIONS void limitTension(int count, Piece& piece) const;
+	TALIK_PROCESSOR_VERSIONS static void limitTension(double cotangent, int count, Piece& piece);
 	/// count points in sequence from place first on
 	void updateRun(const SkeletonBatch<D>&, int first, int count);
 
