@@ -14,7 +14,7 @@ namespace talik {
 /// proportion. What one vector instruction does for two effects is counted for the first.
 class CostMeter {
 public:
-	enum Entry { sorting, motion, transfer, bodies, cells, heat, freezing, water, flows, surface, boundaries, record, ledger, limits, entries };
+	enum Entry { sorting, motion, transfer, front, bodies, cells, heat, freezing, water, flows, surface, boundaries, record, ledger, limits, entries };
 
 	using Moment = std::chrono::steady_clock::time_point;
 	static Moment now() { return std::chrono::steady_clock::now(); }
@@ -86,7 +86,7 @@ public:
 	double secondsOfSkeleton(int k) const { return skeletons_[k]; }
 	static const char* nameOf(Entry e)
 	{
-		static constexpr const char* names[entries] = { "sorting", "motion", "transfer", "bodies", "cell averages", "heat", "freezing", "water", "conduction and pore pressure",
+		static constexpr const char* names[entries] = { "sorting", "motion", "transfer", "thaw front", "bodies", "cell averages", "heat", "freezing", "water", "conduction and pore pressure",
 			                                        "free surface", "boundaries", "deformation record", "energy ledger", "time step limits" };
 		return names[e];
 	}

@@ -13,6 +13,7 @@ public:
 	double poissonRatio = 0.3;  ///< nu [-], in (-1, 0.5)
 
 	std::string name() const override { return "ElasticSkeleton"; }
+	bool        canFail() const override { return false; }
 	void        validate() const override;
 	void        updateStress(const SkeletonBatch<D>&) override;
 	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;

@@ -36,6 +36,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 	b.dragDissipation    = g.clock.account.dragDissipation;
 	b.dampingDissipation = g.clock.account.dampingDissipation;
 	b.loadWork           = g.clock.account.loadWork;
+	b.slipWork           = g.clock.account.slipWork;
 	b.skeletonWork       = g.clock.skeletonWork;
 	b.porePressureWork   = g.clock.porePressureWork;
 	if (g.heat) b.heatIn = g.heat->heatIn;

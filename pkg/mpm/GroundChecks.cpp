@@ -17,6 +17,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.bodies && !s.motion)
 		throw std::invalid_argument("bodies without motion: ground that is pushed has to move; add motion or leave bodies out");
 	if (s.bodies) s.bodies->validate();
+	if (s.thawFront) s.thawFront->validate();
 	requireSetting(
 	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");

@@ -16,6 +16,7 @@
 #include <pkg/mpm/PoreWater.hpp>
 #include <pkg/mpm/RigidContact.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
+#include <pkg/mpm/ThawFront.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
@@ -58,6 +59,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<FreeSurface<D>>         surface;
 	EffectPart<CellMeans<D>>           cells;
 	EffectPart<RigidContact<D>>        bodies;
+	EffectPart<ThawFront<D>>           front;
 
 	std::vector<std::vector<int>> skeletonPlaces;
 	std::vector<double>           pointFill; ///< pore fill by id; empty if it is that of the settings everywhere
@@ -92,6 +94,7 @@ template <int D> struct Ground<D>::Parts {
 	void listSkeletons();
 	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	bool   hasContent() const { return settings.heat || settings.water; }
+	bool   hasFront() const;
 	bool   averaging() const { return motion && motion->settings->cellAveraging; }
 	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
 

@@ -31,7 +31,7 @@ template <int D> double Ground<D>::Parts::longestPath()
 	double longest = 0.0;
 	for (const double chunk : partial)
 		longest = larger(longest, chunk);
-	return clock.dt * longest;
+	return clock.dt * (front ? larger(longest, longest + front->fastest()) : longest);
 }
 
 template <int D> bool Ground<D>::Parts::mayLeaveGrid(int p, double reach) const
@@ -53,8 +53,9 @@ template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) con
 	for (int a = 0; a < D; ++a)
 		next[a] = x[a][p];
 	overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+		const double* jump = front ? front->correction(node, p) : nullptr;
 		for (int a = 0; a < D; ++a)
-			next[a] += clock.dt * s * motion->solved[node][D + a];
+			next[a] += clock.dt * s * (motion->solved[node][D + a] + (jump ? jump[a] : 0.0));
 	});
 	// rounding may differ from that of the step itself
 	constexpr double rounding = 1e-13;

@@ -51,6 +51,15 @@ struct WaterSettings {
 	/// The choice is made by state.massCoefficient.
 };
 
+/// The effect of two velocities where ground that ice holds meets ground that it does not, see ThawFront.
+struct ThawFrontSettings {
+	double thawedBelow = 0.02; ///< ice saturation at and below which a point becomes thawed ground [-], in [0, 1): bonds are gone there
+	double frozenAbove = 0.05; ///< ice saturation at and above which it becomes frozen ground again [-], above thawedBelow: bonds form there
+
+	/// Throws std::invalid_argument naming attribute, value and remedy.
+	void validate() const;
+};
+
 /// The effect of rigid bodies that push the ground and are pushed by it.
 struct RigidContactSettings {
 	double stiffness  = std::numeric_limits<double>::quiet_NaN(); ///< k, pressure over penetration [Pa/m]; NaN: oedometer modulus of the stiffest point over h
@@ -75,6 +84,7 @@ template <int D> struct GroundSettings {
 	FreezingCurvePtr                 freezing; ///< needs heat
 	std::optional<WaterSettings>     water;    ///< needs motion
 	std::optional<RigidContactSettings> bodies; ///< needs motion
+	std::optional<ThawFrontSettings> thawFront = ThawFrontSettings {}; ///< at work where the scene has motion, freezing and a skeleton that can fail; empty: one velocity for all
 	bool                             energyLedger = false; ///< keep account of work and dissipation, see Balance
 	bool                             deformationRecord = false; ///< points remember their deformation gradient; needs motion
 
@@ -142,6 +152,7 @@ template <int D> struct Balance {
 	double dragDissipation = 0.0;
 	double dampingDissipation = 0.0;
 	double loadWork = 0.0;        ///< done by surface loads
+	double slipWork = 0.0;        ///< of the force between frozen and thawed ground on their slip
 };
 
 /// One array of the complete state.

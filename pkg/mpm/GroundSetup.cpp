@@ -27,7 +27,14 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (usesSurface) surface = std::make_unique<FreeSurface<D>>();
 	if (usesSurface || averaging()) cells = std::make_unique<CellMeans<D>>();
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
+	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
+}
+
+template <int D> bool Ground<D>::Parts::hasFront() const
+{
+	return settings.motion && settings.freezing && settings.thawFront
+	        && std::any_of(settings.skeletons.begin(), settings.skeletons.end(), [](const auto& skeleton) { return skeleton->canFail(); });
 }
 
 template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in, double fill)
@@ -67,6 +74,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		content->bind(*points, motion.get(), heat.get(), water.get());
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
+	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass);
 	if (heat) heat->shareRecords(motion.get(), water.get());
 	if (surface) {
 		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
@@ -90,6 +98,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->complaint(failed));
 	}
 	if (heat) heat->chooseSmoothing(grid, n);
+	if (front) front->start();
 }
 
 template <int D> void Ground<D>::Parts::checkFreeSurface()

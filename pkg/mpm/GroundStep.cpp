@@ -81,10 +81,10 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	}
 	if (surface) cost.lap(CostMeter::boundaries);
 	if (bodies) {
-		bodies->push(*shape, grid, clock.dt, *motion, clock.account.impulse);
+		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.account.impulse);
 		cost.lap(CostMeter::bodies);
 	}
-	momentum->solve(clock.range, *motion, water.get(), clock.dt, settings.energyLedger, clock.account);
+	momentum->solve(clock.range, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, clock.account);
 	const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
 	for (int a = 0; a < D; ++a)
 		clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
@@ -181,6 +181,8 @@ template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 {
 	const bool replace = atStart && averaging();
 	clock.skeletonWork += 0.5 * sumOverStrips([&](int first, int last) { return skeletonWork(first, last, replace); });
+	// slip is not strain of the grid: its work is that of the force between the sides
+	if (front && !atStart) clock.skeletonWork -= 0.5 * sumOverStrips([&](int first, int last) { return front->stressWork(first, last); });
 	const double share = atStart ? startShare() : 1.0 - startShare();
 	if (!water || share == 0.0) return;
 	const double strained = sumOverStrips([&](int first, int last) { return pressureWork(first, last, replace); });
@@ -275,6 +277,10 @@ template <int D> void Ground<D>::mapToGrid()
 		g.cost.lap(CostMeter::cells);
 	}
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
+	if (g.front) {
+		g.front->find(g.grid, g.clock.range, g.momentum->mirrors());
+		g.cost.lap(CostMeter::front);
+	}
 	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;
 	const double* const share   = conducts ? g.heat->carriedShare() : nullptr;
 	g.scatterSampled([&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
@@ -289,6 +295,10 @@ template <int D> void Ground<D>::mapToGrid()
 			if (g.affine) {
 				g.affine->map(g.grid, w, *g.motion);
 				sample.lap(CostMeter::transfer);
+			}
+			if (g.front) {
+				g.front->map(g.grid, w, g.affine.get());
+				sample.lap(CostMeter::front);
 			}
 		}
 		if (g.water) {
@@ -347,6 +357,10 @@ template <int D> void Ground<D>::mapToPoints()
                         g.affine->gather(g.grid, w, *g.motion);
                         sample.lap(CostMeter::transfer);
                 }
+                if (g.front) {
+                        g.front->gather(g.grid, w, g.clock.dt, g.affine.get());
+                        sample.lap(CostMeter::front);
+                }
                 if (!average) return;
                 const double* volume = g.points->volume();
                 for (int p = w.first; p < w.first + w.count; ++p) {
@@ -388,6 +402,10 @@ template <int D> void Ground<D>::updateStrainAndPressure()
                 if (g.motion) {
                         g.averageStrain(first, last);
                         sample.lap(CostMeter::motion);
+                }
+                if (g.front) {
+                        g.front->addSlip(first, last);
+                        sample.lap(CostMeter::front);
                 }
                 if (g.record) {
                         g.record->accumulate(first, last, g.motion->gradient);
@@ -460,6 +478,7 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 	switch (entry) {
 		case CostMeter::motion: return bool(motion);
 		case CostMeter::transfer: return bool(affine);
+		case CostMeter::front: return bool(front);
 		case CostMeter::bodies: return bool(bodies);
 		case CostMeter::cells: return bool(cells);
 		case CostMeter::heat: return bool(heat);

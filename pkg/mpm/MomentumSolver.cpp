@@ -360,7 +360,7 @@ void MomentumSolver<D>::keepAccount(
 
 template <int D>
 void MomentumSolver<D>::solve(
-        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account)
+        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account)
 {
 	const bool damped = motion.settings->localDamping > 0.0;
 	rememberWalls(motion, water);
@@ -372,6 +372,7 @@ void MomentumSolver<D>::solve(
 		damped ? solveDry<true>(range, motion, dt) : solveDry<false>(range, motion, dt);
 		constrainDry(motion);
 	}
+	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt);
 	unfold(motion, water, dt);
 	if (water) findFlux(range, motion, *water);
 	keepAccount(range, motion, water, dt, keepWorks, account);

@@ -5,6 +5,7 @@
 #include <pkg/mpm/Boundary.hpp>
 #include <pkg/mpm/PoreWater.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
+#include <pkg/mpm/ThawFront.hpp>
 
 #include <vector>
 
@@ -47,6 +48,7 @@ template <int D> struct MomentumAccount {
 	double dragDissipation    = 0.0; ///< [J]
 	double dampingDissipation = 0.0; ///< [J]
 	double loadWork           = 0.0; ///< [J]
+	double slipWork           = 0.0; ///< [J]
 };
 
 /// Momentum balance of the nodes: gravity, surface loads, mechanical boundaries, damping and, with water, the implicit drag.
@@ -57,8 +59,11 @@ public:
 	void addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const;
 	/// traction of a boundary on its nodes; remembered for the account of work.
 	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
-	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water may be null. With account the works are summed.
-	void solve(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
+	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With account the works are summed.
+	void solve(
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account);
+	/// Ghost nodes and their images, in the order in which they are folded.
+	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 
 private:
 	struct Load {

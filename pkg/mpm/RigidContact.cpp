@@ -275,7 +275,8 @@ template <int D> void RigidContact<D>::deliver(Vec<D>& impulse)
 }
 
 template <int D>
-void RigidContact<D>::push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, Vec<D>& impulse)
+void RigidContact<D>::push(
+        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, Vec<D>& impulse)
 {
 	boxBodies();
 	const Strips& strips = points_->strips();
@@ -297,11 +298,13 @@ void RigidContact<D>::push(const ShapeFunction<D>& shape, const Grid<D>& grid, d
 				forces[k] = pushPoint(begin + k, near_[strip], dt, touches);
 			if (touches.size() == before) continue;
 			shape.evaluate(grid, x, begin, count, w);
-			for (int k = 0; k < count; ++k)
+			for (int k = 0; k < count; ++k) {
 				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 					for (int i = 0; i < D; ++i)
 						motion.nodes[node][motion.forceAt + i] += s * forces[k][i];
 				});
+				if (front) front->push(grid, w, k, forces[k]);
+			}
 		}
 	});
 	deliver(impulse);

@@ -4,6 +4,7 @@
 #include <pkg/mpm/RigidBody.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
+#include <pkg/mpm/ThawFront.hpp>
 
 #include <vector>
 
@@ -44,7 +45,8 @@ public:
 	std::vector<RigidBody<D>> bodies;
 
 	/// Adds the contact forces to the nodes and to the bodies' impulses, and their sum to impulse [N s].
-	void push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, Vec<D>& impulse);
+	/// front, if not null, hears which of its sides was pushed.
+	void push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, Vec<D>& impulse);
 
 	double stiffness() const { return stiffness_; } ///< k [Pa/m]
 	int    contacts() const { return contacts_; }   ///< points that touch, in the last step

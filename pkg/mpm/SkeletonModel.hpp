@@ -34,6 +34,9 @@ public:
 	/// Throws std::invalid_argument naming attribute, value and remedy.
 	virtual void validate() const {}
 
+	/// False if stress is never limited by strength: such ground does not slip.
+	virtual bool canFail() const { return true; }
+
 	/// Declares fields of its own on the points (they are sorted and checkpointed with the rest); prefix makes names unique.
 	virtual void declareFields(PointFields&, const std::string& prefix) { (void)prefix; }
 
