@@ -152,6 +152,7 @@ template <int D> struct Ground<D>::Parts {
 	void useMeanStress(int first, int count);
 	bool heatMayRest();
 	bool allRests() const { return heatRests && !motion; }
+	void findFrontStiffness();
 	void findFlows();
 	void updateTemperature();
 	void solveMomentum();

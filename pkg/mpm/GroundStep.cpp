@@ -266,6 +266,22 @@ template <int D> void Ground<D>::beginStep(double dt)
 	g.cost.lap(CostMeter::heat);
 }
 
+/// Of the thawed points that may slip, from their skeletons.
+template <int D> void Ground<D>::Parts::findFrontStiffness()
+{
+	if (!front->present()) return;
+	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
+		SkeletonBatch<D>        near   = batch(k);
+		const std::vector<int>& places = front->thawedNear(skeletonPlaces[k]);
+		near.place                     = places.data();
+		near.count                     = static_cast<int>(places.size());
+		if (near.count == 0) continue;
+		settings.skeletons[k]->tangentModulus(near, front->modulus());
+		for (const int p : places)
+			front->dilatancy()[p] = settings.skeletons[k]->dilatancy();
+	}
+}
+
 template <int D> void Ground<D>::mapToGrid()
 {
 	Parts& g = *parts_;
@@ -279,6 +295,7 @@ template <int D> void Ground<D>::mapToGrid()
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	if (g.front) {
 		g.front->find(g.grid, g.clock.range, g.momentum->mirrors());
+		g.findFrontStiffness();
 		g.cost.lap(CostMeter::front);
 	}
 	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;

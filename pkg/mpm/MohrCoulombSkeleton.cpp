@@ -191,6 +191,8 @@ template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields,
 	plasticStrain_ = fields.declare(prefix + "plasticStrain", "MohrCoulombSkeleton", "-", 1);
 }
 
+template <int D> double MohrCoulombSkeleton<D>::dilatancy() const { return std::tan(dilationAngle * degree); }
+
 template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
 	const int pieces = (b.count + pieceSize - 1) / pieceSize;

@@ -35,6 +35,7 @@ public:
 	} table;
 
 	std::string name() const override { return "MohrCoulombSkeleton"; }
+	double      dilatancy() const override;
 	void        validate() const override;
 	void        declareFields(PointFields&, const std::string& prefix) override;
 	void        updateStress(const SkeletonBatch<D>&) override;

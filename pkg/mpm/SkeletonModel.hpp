@@ -37,6 +37,9 @@ public:
 	/// False if stress is never limited by strength: such ground does not slip.
 	virtual bool canFail() const { return true; }
 
+	/// Tangent of the angle of dilation [-] with which ground that fails goes on to shear at constant stress.
+	virtual double dilatancy() const { return 0.0; }
+
 	/// Declares fields of its own on the points (they are sorted and checkpointed with the rest); prefix makes names unique.
 	virtual void declareFields(PointFields&, const std::string& prefix) { (void)prefix; }
 

@@ -19,9 +19,16 @@ namespace {
 	constexpr double leastThickness = 0.25;
 	/// The traction of the points is scaled to the reaction up to this factor; beyond, it is round-off.
 	constexpr double largestScale = 1e3;
-	/// Normal stress of the thawed points over the reaction per area below which it is led back, within this many steps for ground as stiff
-	/// as the time step allows.
-	constexpr double leastPressure = 0.5, leadingSteps = 5.0;
+	/// Normal stress of the thawed points over the reaction per area beyond which it is led back, within some steps.
+	constexpr double leastPressure = 0.5, mostPressure = 1.1, leadingSteps = 5.0;
+	/// The same, below which dilating ground has lost it.
+	constexpr double noPressure = 0.25;
+	/// Slip that thawed points take as strain in a step, as stress over the reaction per area, where their normal stress is far from that:
+	/// stress would jump past it.
+	constexpr double settlingStress = 1.0;
+	constexpr double unlimited      = 1e30;
+	/// Strain of a step with which pressure is led back at most.
+	constexpr double largestLeading = 1e-2;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
 	constexpr double insideShare = 0.25;
 
@@ -90,6 +97,8 @@ void ThawFront<D>::bind(
 		}
 	const std::size_t size = grid.nodeCount() + 2 * margin_;
 	cell_.assign(points.count(), 0);
+	modulus_.assign(points.count(), 0.0);
+	dilatancy_.assign(points.count(), 0.0);
 	sides_.assign(size, 0);
 	reached_.assign(size, 0);
 	near_.assign(size, 0);
@@ -172,6 +181,14 @@ template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange&
 	records_.assign(nodes_.size() * recordSize, 0.0);
 	results_.assign(nodes_.size() * resultSize, 0.0);
 	work_.assign(nodes_.size(), 0.0);
+}
+
+template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vector<int>& places)
+{
+	chosen_.clear();
+	for (const int p : places)
+		if (near(p) && !frozen(p)) chosen_.push_back(p);
+	return chosen_;
 }
 
 // ---- to the nodes ----------------------------------------------------------------------------------------------------------
@@ -374,18 +391,24 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 	return work;
 }
 
-/// Rate of compression along the normal that leads the normal stress of the thawed points back to the reaction [1/s]: where all nodes of a
-/// thin layer are front nodes nothing else holds it, and a law that has lost its normal stress has no friction.
-template <int D> double ThawFront<D>::leading(const Meeting& m, double dt) const
+/// Normal stress that the thawed points lack against the reaction [Pa]. Where all nodes of a thin layer are front nodes nothing else holds
+/// it, and without it they have no friction; ground that shears at constant volume gains or loses it.
+template <int D> double ThawFront<D>::lackingPressure(const Meeting& m) const
 {
-	const double missing = leastPressure * m.reaction / m.area + dot<D>(m.traction, m.normal);
-	if (!m.inside || !(missing > 0.0)) return 0.0;
-	const double wave = 0.4 * spacing_ / dt, density = (m.solid[0] + m.liquid[0]) / m.frozenVolume;
-	return -missing / (density * wave * wave * leadingSteps * dt);
+	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
+	if (!m.inside || !m.together || !(reaction > 0.0)) return 0.0;
+	return pressure < leastPressure * reaction ? leastPressure * reaction - pressure : std::min(0.0, mostPressure * reaction - pressure);
+}
+
+/// Share of its dilation that ground takes along: none where it has lost its pressure, which shear at constant volume brings back.
+template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
+{
+	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
+	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (leastPressure - noPressure), 0.0, 1.0) : 0.0;
 }
 
 /// Corrections for both sides from the jump between them.
-template <int D> void ThawFront<D>::correct(int slot, double dt)
+template <int D> void ThawFront<D>::correct(int slot)
 {
 	using M              = SolidMotion<D>;
 	const Meeting& m     = meetings_[slot];
@@ -419,10 +442,19 @@ template <int D> void ThawFront<D>::correct(int slot, double dt)
 			if (water_) s[liquidGainAt + a] = s[velocityAt + a] - keptLiquid * (liquidDeparture[side][a] - liquidAlong * m.normal[a]);
 		}
 	}
-	const double led = leading(m, dt), opened = dot<D>(m.jump, m.normal), perThickness = m.inside ? 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_) : 0.0;
+	const double opened = dot<D>(m.jump, m.normal), perThickness = 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_);
+	// sides that do not press do not shear each other
+	const double fed    = m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = lackingPressure(m);
+	double rate = 0.0;
+	for (int a = 0; a < D; ++a)
+		rate += (m.jump[a] - opened * m.normal[a]) * (m.jump[a] - opened * m.normal[a]);
+	rate = std::sqrt(rate) * fed * widenedShare(m);
 	for (int a = 0; a < D; ++a) {
-		out[slipAt + a]   = (m.jump[a] - opened * m.normal[a]) * perThickness + led * m.normal[a];
-		out[normalAt + a] = m.normal[a];
+		out[slipAt + a]    = (m.jump[a] - opened * m.normal[a]) * fed;
+		out[lackingAt + a] = lacking * m.normal[a];
+		out[wideningAt + a] = rate * m.normal[a];
+		out[limitAt + a]    = (lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area) * m.normal[a];
+		out[normalAt + a]  = m.normal[a];
 	}
 }
 
@@ -444,7 +476,7 @@ double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirror
 		for (int slot = 0; slot < count; ++slot) {
 			pressAsBeside(slot, dt);
 			work_[slot] = slide(slot, dt);
-			correct(slot, dt);
+			correct(slot);
 		}
 	}
 	unfold(mirrors);
@@ -468,6 +500,21 @@ template <int D> const double* ThawFront<D>::correction(int node, int p) const
 	return result(slot_[node]) + (frozen(p) ? 0 : sideSize) + velocityAt;
 }
 
+namespace {
+	/// Scales a strain down to a largest size.
+	template <int D> void limitStrain(double (&strain)[D][D], double largest)
+	{
+		double square = 0.0;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				square += strain[i][j] * strain[i][j];
+		if (!(square > largest * largest)) return;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				strain[i][j] *= largest / std::sqrt(square);
+	}
+} // namespace
+
 template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine)
 {
 	if (!present()) return;
@@ -477,7 +524,7 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 		const bool   thawed = !frozen(p);
 		const int    offset = thawed ? sideSize : 0;
 		Vec<D>       velocity {}, gain {}, liquidGain {}, slipping {};
-		double       gradient[D][D] = {}, slip[D][D] = {};
+		double       gradient[D][D] = {}, slip[D][D] = {}, lacking[D][D] = {}, widening[D][D] = {}, limit = 0.0, weight = 0.0;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
 			if (slot_[node] < 0) return;
 			const double* r = result(slot_[node]);
@@ -489,12 +536,24 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 					gradient[i][j] += r[offset + velocityAt + i] * g[j];
 			}
 			if (!thawed) return;
+			weight += s;
 			for (int i = 0; i < D; ++i) {
+				limit += s * r[limitAt + i] * r[normalAt + i];
 				slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i]);
-				for (int j = 0; j < D; ++j)
+				for (int j = 0; j < D; ++j) {
 					slip[i][j] += s * r[slipAt + i] * r[normalAt + j];
+					widening[i][j] += s * r[wideningAt + i] * r[normalAt + j];
+					lacking[i][j] += s * r[lackingAt + i] * r[normalAt + j];
+				}
 			}
 		});
+		if (thawed) {
+			for (int i = 0; i < D; ++i)
+				for (int j = 0; j < D; ++j)
+					slip[i][j] += dilatancy_[p] * widening[i][j];
+			limitStrain(slip, limit / (weight * modulus_[p] * dt));
+			lead(p, dt, slip, lacking);
+		}
 		for (int i = 0; i < D; ++i) {
 			motion_->velocity[i][p] += gain[i];
 			if (water_) water_->velocity[i][p] += liquidGain[i];
@@ -508,6 +567,20 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 		slip_[p] += dt * std::sqrt(dot<D>(slipping, slipping));
 		if (affine) affine->addGradient(grid, w, k, [&](int node) { return slot_[node] < 0 ? nullptr : result(slot_[node]) + offset + velocityAt; });
 	}
+}
+
+/// Strain along the normal that brings what the points lack in pressure. 
+template <int D> void ThawFront<D>::lead(int p, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const
+{
+	double pressure = 0.0;
+	for (int i = 0; i < D; ++i)
+		pressure += lacking[i][i];
+	const double rate = std::abs(pressure) / (modulus_[p] * leadingSteps * dt); // of the strain [1/s]
+	if (!(rate > 0.0)) return;
+	const double share = std::min(1.0, largestLeading / (rate * dt));
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j)
+			slip[i][j] -= share * lacking[i][j] / (modulus_[p] * leadingSteps * dt);
 }
 
 template <int D> void ThawFront<D>::addSlip(int first, int last)

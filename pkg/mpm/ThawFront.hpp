@@ -46,6 +46,13 @@ public:
 	bool present() const { return !nodes_.empty(); }
 	int  nodeCount() const { return static_cast<int>(nodes_.size()); }
 
+	/// Thawed points near the front among some places, ascending.
+	const std::vector<int>& thawedNear(const std::vector<int>& places);
+	/// Their tangent modulus [Pa], by place; to be set before gather().
+	double* modulus() { return modulus_.data(); }
+	/// And the tangent of their angle of dilation [-], by place.
+	double* dilatancy() { return dilatancy_.data(); }
+
 	/// Adds what the points of a block near the front bring to the front nodes; affine may be null.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
@@ -70,8 +77,8 @@ private:
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
 	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, stressAt = 4 + 4 * D, recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
-	/// slip strain [1/s] and the normal.
-	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, normalAt = slipAt + D,
+	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
+	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D, wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D,
 	                     resultSize = normalAt + D;
 	/// Both sides at a front node.
 	struct Meeting {
@@ -109,8 +116,10 @@ private:
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
 	double        slide(int slot, double dt);
-	double        leading(const Meeting& meeting, double dt) const;
-	void          correct(int slot, double dt);
+	double        lackingPressure(const Meeting& meeting) const;
+	double        widenedShare(const Meeting& meeting) const;
+	void          correct(int slot);
+	void          lead(int place, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const;
 	double        fullVolume(int node) const { return volume_[node]; }
 
 	ThawFrontSettings   settings_;
@@ -136,6 +145,8 @@ private:
 	std::vector<int>           beside_;  ///< from a node to those around it and itself
 	std::vector<double>        volume_;  ///< of full ground, by node
 	std::vector<Meeting>       meetings_;
+	std::vector<int>           chosen_;
+	std::vector<double>        modulus_, dilatancy_; ///< by place, of thawed points near the front [Pa], [-]
 	std::vector<double>        records_, results_, work_;
 };
 
