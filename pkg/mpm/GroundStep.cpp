@@ -294,7 +294,7 @@ template <int D> void Ground<D>::mapToGrid()
 	}
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	if (g.front) {
-		g.front->find(g.grid, g.clock.range, g.momentum->mirrors());
+		g.front->find(g.grid, g.clock.range, g.momentum->mirrors(), g.momentum->freeLiquid());
 		g.findFrontStiffness();
 		g.cost.lap(CostMeter::front);
 	}

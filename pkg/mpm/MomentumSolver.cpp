@@ -38,6 +38,7 @@ template <int D> MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const st
 			if (held(m) == wanted) {
 				mirrors_.push_back(m);
 				foldLiquid_.push_back(wanted);
+				if (!wanted) freeLiquid_.insert(freeLiquid_.end(), { m.ghost, m.inner });
 				isWall_[m.ghost] = isWall_[m.inner] = 1;
 			}
 	for (int n : constraints_.constrainedNodes())
@@ -372,7 +373,7 @@ void MomentumSolver<D>::solve(
 		damped ? solveDry<true>(range, motion, dt) : solveDry<false>(range, motion, dt);
 		constrainDry(motion);
 	}
-	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt);
+	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt, account.impulse);
 	unfold(motion, water, dt);
 	if (water) findFlux(range, motion, *water);
 	keepAccount(range, motion, water, dt, keepWorks, account);
