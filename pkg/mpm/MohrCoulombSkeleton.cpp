@@ -336,9 +336,8 @@ void MohrCoulombSkeleton<D>::splitModulus(double thawedModulus, const double* op
 	const LameModuli unit(1.0, poisson);
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
-		const double whole = piece.youngModulus[k], grains = std::min(whole, thawedModulus), ice = whole - grains, before = iceModulus[k];
-		parts.keptIce[k]      = ice < before ? ice / before : 1.0;
-		parts.iceBefore[k]    = before;
+		const double whole = piece.youngModulus[k], grains = std::min(whole, thawedModulus), ice = whole - grains;
+		parts.keptIce[k]      = ice < iceModulus[k] ? ice / iceModulus[k] : 1.0;
 		parts.grainLambda[k]  = grains * unit.lambda;
 		parts.grainShear[k]   = grains * unit.shear;
 		parts.iceLambda[k]    = ice * unit.lambda;
@@ -389,8 +388,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 	limitSum(first, count, piece, parts, stress);
 }
 
-/// No grain is pulled by more than the ice cements; by what it parts beyond, the opening grows while there is ice, and shrinks again
-/// where the grains come back. Without ice ground that was not parted by it has no such memory.
+/// No grain is pulled by more than holds it to its neighbours. The volume by which grains part beyond is kept: its stress, were they
+/// not parted, returns in the next step, so that what presses them together closes the opening first.
 template <int D>
 void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
 {
@@ -402,16 +401,13 @@ void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts
 	long long parted[pieceSize];
 	findYielding(onlyTension, noCone, parts.grainTension, stress, count, parted);
 	for (int k = 0; k < count; ++k) {
-		const double before = opening[k];
-		opening[k]          = 0.0;
-		const bool hasIce = parts.iceShear[k] > 0.0 || parts.iceBefore[k] > 0.0;
-		if (!parted[k] || !(hasIce || before > 0.0)) continue;
+		opening[k] = 0.0;
+		if (!parted[k]) continue;
 		double s[stressSize<D>], taken = 0.0;
 		loadStress<D>(stress, k, s);
 		inPrincipalStresses(s, [&](double* p) { return (taken = cut(parts.grainTension[k], p)) > 0.0; });
 		storeStress<D>(s, stress, k);
-		const double now = taken / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
-		opening[k]       = hasIce ? now : std::min(now, before);
+		opening[k] = taken / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
 	}
 }
 

@@ -17,8 +17,8 @@ namespace talik {
 /// In ground that freezes the stress has two parts in parallel, as a bonded contact has: that of the grains, with the thawed
 /// modulus, and that of the ice, with E(S_i) less it. Ice is born free of stress; ice that melts takes its share of the ice's
 /// stress with it: sigma_ice *= E_ice(new)/E_ice(old). Strength limits the sum, as it limits the force of a bond as a whole; what
-/// exceeds it is taken off both parts by their stiffnesses. Grains that ice holds apart are not pulled: the strain by which they
-/// parted is kept as opening and must close before they are pressed again. Given initial stress is that of the grains.
+/// exceeds it is taken off both parts by their stiffnesses. Grains that part (ice pushes them apart, or ground opens) keep the
+/// volume of the opening in mind, and are pressed again only when it has closed. Given initial stress is that of the grains.
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
 	double youngModulus       = 10e6;  ///< thawed E [Pa], > 0
@@ -68,7 +68,6 @@ private:
 		double grainTension[pieceSize]; ///< that the grains bear [Pa]
 		double hidden[pieceSize];       ///< stress that the opening stands for [Pa]
 		double keptIce[pieceSize]; ///< share of the ice's stress that melting leaves [-]
-		double iceBefore[pieceSize]; ///< modulus of the ice before this step [Pa]
 	};
 	TALIK_PROCESSOR_VERSIONS static void splitModulus(double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts);
 	TALIK_PROCESSOR_VERSIONS static void takeIceOff(int count, const double* kept, double* stress, double* ice);
