@@ -49,6 +49,13 @@ template <int D> Region<D> Region<D>::freeSurface()
 	return r;
 }
 
+template <int D> Region<D> Region<D>::cavitySurface()
+{
+	Region r   = freeSurface();
+	r.cavities = true;
+	return r;
+}
+
 template <int D> Region<D> Region<D>::nodeBox(const Vec<D>& lower, const Vec<D>& upper)
 {
 	Region r;
@@ -76,7 +83,7 @@ template <int D> bool Region<D>::holds(const Vec<D>& x, double tolerance) const
 template <int D> std::string Region<D>::describe() const
 {
 	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
-	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? "free surface" : "node box";
+	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? (cavities ? "surface of cavities" : "free surface") : "node box";
 	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
 	return name;
 }

@@ -21,18 +21,20 @@ struct Side {
 Side        sideFromName(const std::string& name, int dimensions);
 std::string nameOf(const Side& side);
 
-/// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground or on all nodes
-/// inside a box; sides and free surface may be limited to a box.
+/// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground as far as the air outside
+/// reaches it, on the surface of cavities inside the ground, or on all nodes inside a box; the others may be limited to a box.
 template <int D> struct Region {
 	enum class Kind { side, freeSurface, nodeBox };
 
 	Kind   kind = Kind::side;
 	Side   on {};
+	bool   cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
 	Vec<D> boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
 	Vec<D> boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
 
 	static Region side(const std::string& name);
 	static Region freeSurface();
+	static Region cavitySurface();
 	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper);
 	/// The same region limited to a box [m].
 	Region within(const Vec<D>& lower, const Vec<D>& upper) const;
