@@ -19,6 +19,7 @@ constexpr double stableFrozen = 1.5e-4; ///< time step for the waves of frozen g
 Ground<2> column(const TimeTable& temperatures, const TimeTable& loads, double start)
 {
 	auto s = columnSettings(spacing, 0.8);
+	s.thawFront.reset(); // the law alone: no two velocities where its ice begins
 	standOnRollers(s);
 	s.motion.emplace();
 	s.motion->localDamping = 0.5;
