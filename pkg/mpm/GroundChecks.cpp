@@ -84,7 +84,7 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
 			if (mayMeet && !pressureAndFlux) continue;
 			const Region<D>&r = b->region(), &q = other->region();
-			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox) continue;
+			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox || r.cavities != q.cavities) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;
 			bool overlap = true;
 			for (int a = 0; a < D; ++a) {

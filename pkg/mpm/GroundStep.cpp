@@ -408,7 +408,10 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		g.cost.lap(CostMeter::ledger);
 	}
 	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
-	if (cells) g.water->finishCells(g.clock.range);
+	if (cells) {
+		if (g.content->iceMass) g.water->levelCells(g.grid, g.clock.range, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
+		g.water->finishCells(g.clock.range);
+	}
 	const auto          update = [&](int strip, int first, int last) {
                 CostMeter::Sample sample = g.cost.sample(strip);
                 sample.begin();

@@ -92,7 +92,7 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 	}
 	if (water_) {
 		water_->pressure[p]       = pressure;
-		water_->liquidFraction[p] = givenPorosity * thermal.liquidSaturation;
+		water_->liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
 	}
 	if (lastVolume_) {
 		lastVolume_[p] = volume_[p];
@@ -276,12 +276,16 @@ template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
 	const Permeability  law   = settings_->water->permeability;
 	const double* const water = waterMass + b.first;
-	const double* const n     = porosity + b.first;
+	const double* const n      = porosity + b.first;
+	const double* const volume = volume_ + b.first;
 	double* const       liquidFraction = water_->liquidFraction + b.first;
 	double* const       drag           = water_->drag + b.first;
+	const double        perDensity     = 1.0 / settings_->mixture.liquid.density;
+	// that of the mass that moves: from n S_l, which it is in full pores with density change, seepage would carry another mass than
+	// weight and pressure act on
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
-		liquidFraction[k] = n[k] * b.liquidSaturation[k];
+		liquidFraction[k] = (water[k] - b.ice[k]) * perDensity / volume[k];
 	if (law.law == RelativeConductivity::impedance) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
@@ -289,7 +293,7 @@ template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 		return;
 	}
 	for (int k = 0; k < b.count; ++k)
-		drag[k] = law.drag(water[k] - b.ice[k], n[k], b.liquidSaturation[k]);
+		drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], law.conductivity(n[k], b.liquidSaturation[k]));
 }
 
 template <int D> bool PoreContent<D>::allPossible(const Block& b) const
