@@ -177,7 +177,7 @@ template <int D> void RigidContact<D>::keepDeepest(const Candidate& c, Candidate
 	if (c.surface.distance < found[at].surface.distance) found[at] = c;
 }
 
-template <int D> Vec<D> RigidContact<D>::force(int p, Candidate& c, double dt, std::vector<Touch>& touches) const
+template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std::vector<Touch>& touches) const
 {
 	const RigidBody<D>& body   = bodies[c.body];
 	const Vec<D>        normal = body.turned(c.surface.normal);
@@ -217,14 +217,13 @@ template <int D> Vec<D> RigidContact<D>::force(int p, Candidate& c, double dt, s
 		m.offset = plus<D>(plus<D>(x, -1.0, touched), 1.0 / shear, friction);
 	}
 	const Vec<D> onPoint = plus<D>(friction, pressing, normal);
-	Touch        touch { c.body, {}, {} };
+	Touch touch { p, onPoint, plus<D>({}, -halfSize(p), normal), c.body, {}, {} };
 	touch.impulse        = plus<D>(touch.impulse, -dt, onPoint);
 	touch.angularImpulse = moment(arm, touch.impulse);
 	touches.push_back(touch);
-	return onPoint;
 }
 
-template <int D> Vec<D> RigidContact<D>::pushPoint(int p, const std::vector<int>& near, double dt, std::vector<Touch>& touches)
+template <int D> void RigidContact<D>::pushPoint(int p, const std::vector<int>& near, double dt, std::vector<Touch>& touches)
 {
 	Memories before;
 	for (int slot = 0; slot < contactsPerPoint; ++slot)
@@ -234,12 +233,10 @@ template <int D> Vec<D> RigidContact<D>::pushPoint(int p, const std::vector<int>
 	int        count = 0;
 	for (int b : near)
 		if (meets(p, b, before, candidate)) keepDeepest(candidate, found, count);
-	Vec<D> sum {};
 	for (int slot = 0; slot < contactsPerPoint; ++slot) {
-		if (slot < count) sum = plus<D>(sum, 1.0, force(p, found[slot], dt, touches));
+		if (slot < count) press(p, found[slot], dt, touches);
 		if (slot < count || before[slot].key != 0) remember(p, slot, slot < count ? found[slot].memory : Memory());
 	}
-	return sum;
 }
 
 template <int D> void RigidContact<D>::boxBodies()
@@ -289,22 +286,20 @@ void RigidContact<D>::push(
 		std::vector<Touch>& touches = touches_[strip];
 		touches.clear();
 		WeightBlock<D> w;
-		Vec<D>         forces[blockSize];
 		for (int begin = first; begin < last; begin += blockSize) {
-			const int         count  = std::min(blockSize, last - begin);
-			const std::size_t before = touches.size();
+			const int count = std::min(blockSize, last - begin);
 			findNear(begin, count, near_[strip]);
 			for (int k = 0; k < count; ++k)
-				forces[k] = pushPoint(begin + k, near_[strip], dt, touches);
-			if (touches.size() == before) continue;
-			shape.evaluate(grid, x, begin, count, w);
-			for (int k = 0; k < count; ++k) {
-				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-					for (int i = 0; i < D; ++i)
-						motion.nodes[node][motion.forceAt + i] += s * forces[k][i];
-				});
-				if (front) front->push(grid, w, k, forces[k]);
-			}
+				pushPoint(begin + k, near_[strip], dt, touches);
+		}
+		for (const Touch& t : touches) {
+			shape.evaluate(grid, x, t.place, 1, w);
+			shape.moveToFace(grid, t.toFace, 0, w);
+			overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+				for (int i = 0; i < D; ++i)
+					motion.nodes[node][motion.forceAt + i] += s * t.force[i];
+			});
+			if (front) front->push(grid, w, 0, t.force);
 		}
 	});
 	deliver(impulse);

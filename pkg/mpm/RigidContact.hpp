@@ -80,8 +80,10 @@ private:
 		Memory            memory;
 	};
 	using Candidates = std::array<Candidate, contactsPerPoint>;
-	/// What a body receives from one point.
+	/// What a point receives at its face, and a body from it.
 	struct Touch {
+		int     place;
+		Vec<D>  force, toFace; ///< on the ground [N]; from the point's middle to where it acts [m]
 		int     body;
 		Vec<D>  impulse;
 		Spin<D> angularImpulse;
@@ -95,8 +97,8 @@ private:
 	void   findNear(int first, int count, std::vector<int>& near) const;
 	bool   meets(int place, int body, const Memories& before, Candidate& candidate) const;
 	void   keepDeepest(const Candidate& candidate, Candidates& found, int& count) const;
-	Vec<D> force(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
-	Vec<D> pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
+	void   press(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
+	void   pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
 	void   boxBodies();
 	void   deliver(Vec<D>& impulse);
 
