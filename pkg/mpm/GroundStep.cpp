@@ -81,7 +81,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	}
 	if (surface) cost.lap(CostMeter::boundaries);
 	if (bodies) {
-		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.account.impulse);
+		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse);
 		cost.lap(CostMeter::bodies);
 	}
 	momentum->solve(clock.range, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, clock.account);

@@ -55,6 +55,7 @@ template <int D> void RigidContact<D>::bind(MaterialPoints<D>& points, const Sol
 		memory_[c] = points.fields().component(memoryField_, c);
 	velocity_ = motion.velocity;
 	mass_     = motion.mass;
+	motion_   = &motion;
 }
 
 template <int D> void RigidContact<D>::chooseStiffness(double modulus, double spacing)
@@ -152,7 +153,9 @@ template <int D> bool RigidContact<D>::meets(int p, int b, const Memories& befor
 	c.surface = body.shape->nearest(local, body.size, c.side);
 	if (known && c.memory.radius > c.surface.distance) return true;
 	// a new contact; behind a surface that pushes on one side only nothing is felt
-	const double size = halfSize(p);
+	// ground laid against a body touches it, give or take round-off
+	constexpr double laidAgainst = 1.01;
+	const double     size        = halfSize(p) * (atStart_ ? laidAgainst : 1.0);
 	if (c.surface.distance >= size || (thin && c.surface.distance < -size)) return false;
 	double radius = 0.0;
 	for (const Memory& m : before)
@@ -192,6 +195,7 @@ template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std
 
 	const double spring   = stiffness_ * area(p);
 	const double dashpot  = this->dashpot(spring, mass_[p]);
+	if (atStart_ && c.memory.key == 0) c.memory.radius += std::max(0.0, pressureOn(p, normal)) / stiffness_;
 	const double depth    = c.memory.radius - c.surface.distance;
 	const double pressing = std::max(0.0, spring * depth - dashpot * dot<D>(slipping, normal));
 
@@ -239,6 +243,18 @@ template <int D> void RigidContact<D>::pushPoint(int p, const std::vector<int>& 
 	}
 }
 
+/// Of the stress that the momentum balance uses.
+template <int D> double RigidContact<D>::pressureOn(int p, const Vec<D>& normal) const
+{
+	double mean = 0.0, sum = 0.0;
+	for (int i = 0; i < D; ++i) {
+		mean += motion_->stress[i][p] / D;
+		for (int j = 0; j < D; ++j)
+			sum += normal[i] * motion_->stress[stressIndex<D>(i, j)][p] * normal[j];
+	}
+	return -(sum + (motion_->meanStress ? motion_->meanStress[p] - mean : 0.0));
+}
+
 template <int D> void RigidContact<D>::boxBodies()
 {
 	lower_.resize(bodies.size());
@@ -273,8 +289,9 @@ template <int D> void RigidContact<D>::deliver(Vec<D>& impulse)
 
 template <int D>
 void RigidContact<D>::push(
-        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, Vec<D>& impulse)
+        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse)
 {
+	atStart_ = atStart;
 	boxBodies();
 	const Strips& strips = points_->strips();
 	touches_.resize(strips.count());
