@@ -343,6 +343,7 @@ template <int D> void Ground<D>::mapToGrid()
 		}
 	});
 	if (!g.surface) return;
+	if (g.bodies) g.bodies->cover(*g.shape, g.grid, *g.surface);
 	g.surface->collect(g.grid, *g.cells, g.clock.range);
 	g.cost.lap(CostMeter::surface);
 }

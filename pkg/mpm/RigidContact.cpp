@@ -8,6 +8,9 @@
 namespace talik {
 
 namespace {
+	// ground laid against a body touches it, give or take round-off
+	constexpr double laidAgainst = 1.01;
+
 	template <int D> double dot(const Vec<D>& a, const Vec<D>& b)
 	{
 		double sum = 0.0;
@@ -126,8 +129,11 @@ template <int D> void RigidContact<D>::findNear(int first, int count, std::vecto
 		low[a]          = *std::min_element(x, x + count);
 		high[a]         = *std::max_element(x, x + count);
 	}
-	for (int p = first; p < first + count; ++p)
-		margin = std::max(margin, halfSize(p));
+	for (int p = first; p < first + count; ++p) {
+		margin = std::max(margin, laidAgainst * halfSize(p));
+		for (int slot = 0; slot < contactsPerPoint; ++slot) // what is touched already may be farther
+			if (memory_[slot * memorySize][p] != 0.0) margin = std::max(margin, memory_[slot * memorySize + 1][p]);
+	}
 	near.clear();
 	for (std::size_t b = 0; b < bodies.size(); ++b) {
 		bool apart = false;
@@ -153,9 +159,7 @@ template <int D> bool RigidContact<D>::meets(int p, int b, const Memories& befor
 	c.surface = body.shape->nearest(local, body.size, c.side);
 	if (known && c.memory.radius > c.surface.distance) return true;
 	// a new contact; behind a surface that pushes on one side only nothing is felt
-	// ground laid against a body touches it, give or take round-off
-	constexpr double laidAgainst = 1.01;
-	const double     size        = halfSize(p) * (atStart_ ? laidAgainst : 1.0);
+	const double size = halfSize(p) * (atStart_ ? laidAgainst : 1.0);
 	if (c.surface.distance >= size || (thin && c.surface.distance < -size)) return false;
 	double radius = 0.0;
 	for (const Memory& m : before)
@@ -320,6 +324,36 @@ void RigidContact<D>::push(
 		}
 	});
 	deliver(impulse);
+}
+
+template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const
+{
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points_->position(a);
+	points_->strips().scatter([&](int, int first, int last) {
+		WeightBlock<D> w;
+		for (int p = first; p < last; ++p)
+			for (int slot = 0; slot < contactsPerPoint; ++slot) {
+				if (memory_[slot * memorySize][p] == 0.0) continue;
+				const Memory m = recall(p, slot);
+				const auto   b = std::find_if(bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
+				if (b == bodies.end()) continue;
+				Vec<D> place;
+				for (int a = 0; a < D; ++a)
+					place[a] = x[a][p];
+				const NearestSurface<D> touched = b->shape->nearest(b->toFrame(place), b->size, m.key > 0 ? 1 : -1);
+				if (touched.distance > m.radius) continue;
+				const Vec<D> normal = b->turned(touched.normal);
+				const double face   = area(p);
+				shape.evaluate(grid, x, p, 1, w);
+				shape.moveToFace(grid, plus<D>({}, -halfSize(p), normal), 0, w);
+				overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+					for (int i = 0; i < D; ++i)
+						surface.nodes[node][i] += s * face * normal[i];
+				});
+			}
+	});
 }
 
 template <int D> typename RigidContact<D>::Overlap RigidContact<D>::deepestOverlap() const

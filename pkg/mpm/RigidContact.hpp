@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/RigidBody.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
@@ -49,6 +50,9 @@ public:
 	/// front, if not null, hears which of its sides was pushed. atStart: in the first step of the ground.
 	void push(
 	        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse);
+
+	/// Takes the faces that touch a body off the surface of the ground: no air, rain or load reaches them.
+	void cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const;
 
 	double stiffness() const { return stiffness_; } ///< k [Pa/m]
 	int    contacts() const { return contacts_; }   ///< points that touch, in the last step

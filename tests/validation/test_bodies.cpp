@@ -233,7 +233,7 @@ TEST(Bodies, AWallThatYieldsOrPushesBearsThePressureOfRankineLayerByLayer)
 		for (int layer = 0; layer < layers; ++layer) {
 			const double ratio = -depth.mean(layer) / (weight * height * (layer + 0.5) / layers);
 			drawing.computed(series, height * (layer + 0.5) / layers, ratio);
-			if (layer > 0) expectRelative(label + "pressure over gamma z, quarter " + std::to_string(layer + 1) + " of the height from the top", ratio, expected, 0.15);
+			if (layer > 0) expectRelative(label + "pressure over gamma z, quarter " + std::to_string(layer + 1) + " of the height from the top", ratio, expected, 0.10);
 		}
 	}
 }
@@ -282,4 +282,57 @@ TEST(Bodies, AWallBesideAFixedFloorBearsGroundAtRestAndWater)
 			std::snprintf(label, sizeof label, "wall beside a fixed floor, %s, %d cells: force [N/m]", wet ? "saturated" : "dry", cells);
 			expectRelative(label, force, 0.5 * height * height * (rest * effective + (wet ? water : 0.0)), 0.03);
 		}
+}
+
+// Ground of +4 degC between walls, air of -15 degC: a wall that is a body shades the ground behind it as an insulated side of the box does.
+TEST(Bodies, AWallShadesTheGroundThatItTouchesFromTheAir)
+{
+	citing("the same between insulated sides");
+	constexpr double  height = 1.0, width = 1.5, air = -15.0, days = 10.0;
+	constexpr int     cells = 8;
+	const double      h = height / cells;
+	std::vector<double> temperature[2];
+	for (const bool body : { false, true }) {
+		GroundSettings<2> s;
+		s.upper       = { body ? width + 4 * h : width, height + 2 * h };
+		s.gridSpacing = h;
+		s.mixture     = withoutExpansion();
+		s.poreFill    = 0.0;
+		s.motion.emplace();
+		s.motion->gravity      = { 0.0, -9.81 };
+		s.motion->localDamping = 0.3;
+		s.heat.emplace();
+		s.heat->thermalTimeScale = days * 86400.0;
+		addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
+		addBoundary<RollerBoundary<2>>(s, Region<2>::side("bottom"));
+		if (!body) addBoundary<RollerBoundary<2>>(s, Region<2>::side("right"));
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), air);
+		if (body) s.bodies.emplace();
+		auto elastic          = std::make_shared<ElasticSkeleton<2>>();
+		elastic->youngModulus = 1e7;
+		elastic->poissonRatio = 0.3;
+		s.skeletons.push_back(elastic);
+		Ground<2>    ground(s);
+		const double weight = 0.6 * 2650.0 * 9.81;
+		fillBox(ground, { 0.0, 0.0 }, { width, height }, [&](PointInput<2>& p) {
+			const double vertical = -weight * (height - p.position[1]);
+			p.stress              = { 3.0 / 7.0 * vertical, vertical, 3.0 / 7.0 * vertical, 0.0 };
+			p.temperature         = 4.0;
+		});
+		ground.initialise();
+		if (body) ground.bodies()->bodies = { smoothPlane(width, 0) };
+		marchTo(ground, 1.0);
+		temperature[body] = valuesOf(ground, "temperature");
+	}
+	double worst = 0.0, behind = 0.0, count = 0.0;
+	for (int j = 0; j < 2 * cells; ++j)
+		for (int i = 0; i < 24; ++i) {
+			const int p = j * 24 + i;
+			worst       = std::max(worst, std::abs(temperature[1][p] - temperature[0][p]));
+			if (i < 20) continue;
+			behind += temperature[1][p] - temperature[0][p];
+			count += 1.0;
+		}
+	expectSmall("wall that shades the ground: temperature behind it off that at an insulated side, mean of two cells [degC]", behind / count, 0.2);
+	expectSmall("wall that shades the ground: the same, any point, over the jump of 19 degC", worst / 19.0, 0.05);
 }
