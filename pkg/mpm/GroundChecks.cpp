@@ -28,7 +28,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		for (int a = 0; a < D; ++a)
 			requireSetting(std::isfinite(s.motion->gravity[a]), "gravity", s.motion->gravity[a], "must be finite, in m/s^2");
 		requireSetting(
-		        s.motion->flipFraction >= 0.0 && s.motion->flipFraction <= 1.0, "flipFraction", s.motion->flipFraction, "must lie in [0, 1]");
+		        !(s.motion->picTime < 0.0), "picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 		requireSetting(
 		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
 		if (s.motion->transfer == VelocityTransfer::apic && s.shapeFunction == "linear")
@@ -57,7 +57,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		s.water->state.validate();
 		s.water->permeability.validate();
 		requireSetting(
-		        s.water->flipFraction >= 0.0 && s.water->flipFraction <= 1.0, "water.flipFraction", s.water->flipFraction, "must lie in [0, 1]");
+		        !(s.water->picTime < 0.0), "water.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 	}
 }
 

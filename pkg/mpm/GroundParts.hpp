@@ -150,6 +150,7 @@ template <int D> struct Ground<D>::Parts {
 	void afterReordering();
 	void locateInCells();
 	void useMeanStress(int first, int count);
+	void findKeptFractions();
 	bool heatMayRest();
 	bool allRests() const { return heatRests && !motion; }
 	void findFrontStiffness();

@@ -81,7 +81,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	}
 	if (surface) cost.lap(CostMeter::boundaries);
 	if (bodies) {
-		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.account.impulse);
+		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse);
 		cost.lap(CostMeter::bodies);
 	}
 	momentum->solve(clock.range, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, clock.account);
@@ -246,6 +246,16 @@ template <int D> bool Ground<D>::Parts::heatMayRest()
 	return settings.resting && heat->hasNothingToDo(settings.boundaries, clock.time + clock.dt, points->count());
 }
 
+template <int D> void Ground<D>::Parts::findKeptFractions()
+{
+	if (!motion) return;
+	const double h = grid.spacing();
+	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
+	if (!water) return;
+	const double given = settings.water->picTime;
+	water->kept        = keptFraction(std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given, clock.dt);
+}
+
 template <int D> void Ground<D>::beginStep(double dt)
 {
 	Parts& g = *parts_;
@@ -255,6 +265,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
 	g.clock.dt = dt;
+	g.findKeptFractions();
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
 	g.cost.lap(CostMeter::sorting);
@@ -332,6 +343,7 @@ template <int D> void Ground<D>::mapToGrid()
 		}
 	});
 	if (!g.surface) return;
+	if (g.bodies) g.bodies->cover(*g.shape, g.grid, *g.surface);
 	g.surface->collect(g.grid, *g.cells, g.clock.range);
 	g.cost.lap(CostMeter::surface);
 }

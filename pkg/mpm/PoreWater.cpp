@@ -109,7 +109,7 @@ void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[
 /// v = chi v + change
 template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, const double* change)
 {
-	const double  chi = settings->flipFraction;
+	const double  chi = kept;
 	double* const v   = velocity[axis] + first;
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k)
@@ -358,7 +358,7 @@ void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* 
 				got[i] += s * exchange[node][i];
 		});
 		for (int i = 0; i < D; ++i)
-			velocity[i][p] = settings->flipFraction * velocity[i][p] + change[i];
+			velocity[i][p] = kept * velocity[i][p] + change[i];
 		if (cells) {
 			double*      r      = cellRecord(cells->cell(p));
 			const double liquid = liquidMass(p);

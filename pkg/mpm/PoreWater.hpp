@@ -89,6 +89,7 @@ public:
 	double seepageWork(int firstCell, int lastCell) const;
 
 	const WaterSettings* settings;
+	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
 
 	std::array<double*, D> velocity; ///< of the liquid
 	double *pressure, *liquidFraction, *drag;

@@ -430,7 +430,7 @@ template <int D> void ThawFront<D>::correct(int slot)
 	const double* all    = motion_->nodes[node];
 	const double* r      = record(slot);
 	double*       out    = result(slot);
-	const double  kept   = motion_->settings->keptFraction(), keptLiquid = water_ ? water_->settings->flipFraction : 0.0;
+	const double  kept   = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
 	const double  mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	Vec<D>        departure[2], liquidDeparture[2];
 	for (int a = 0; a < D; ++a) {

@@ -177,7 +177,7 @@ def nameAttributesInErrors(cls):
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
 _readWhileRunning = {
 	"MpmEngine": {
-		"gravity", "damping", "flip", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
+		"gravity", "damping", "picTime", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
 		"label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
