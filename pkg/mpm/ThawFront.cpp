@@ -99,6 +99,7 @@ void ThawFront<D>::bind(
 	cell_.assign(points.count(), 0);
 	modulus_.assign(points.count(), 0.0);
 	dilatancy_.assign(points.count(), 0.0);
+	if (water) mappedLiquid_.assign(points.count(), 0.0);
 	sides_.assign(size, 0);
 	reached_.assign(size, 0);
 	near_.assign(size, 0);
@@ -202,6 +203,7 @@ template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
+		if (water_) mappedLiquid_[p] = liquidMass(p);
 		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(grid, w, k);
 	}
 }
@@ -351,7 +353,7 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	if (!m.meets || !m.inside) return;
 	const double opening = dot<D>(m.jump, m.normal), carried = m.area * std::max(0.0, dot<D>(m.traction, m.normal));
 	const double together = -m.reducedMass * opening;
-	m.together            = opening <= 0.0 || -together <= dt * carried;
+	m.together            = opening <= 0.0 || m.pressing >= -carried || -together <= dt * carried;
 	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
 	m.impulse             = m.together ? together : -dt * carried;
 }
@@ -562,7 +564,11 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 			}
 		});
 		if (thawed) {
+			// ground without pressure of its own would only open further
+			double trace = 0.0;
 			for (int i = 0; i < D; ++i)
+				trace += motion_->stress[i][p];
+			for (int i = 0; i < D && trace < 0.0; ++i)
 				for (int j = 0; j < D; ++j)
 					slip[i][j] += dilatancy_[p] * widening[i][j];
 			limitStrain(slip, limit / (weight * modulus_[p] * dt));
@@ -570,7 +576,8 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 		}
 		for (int i = 0; i < D; ++i) {
 			motion_->velocity[i][p] += gain[i];
-			if (water_) water_->velocity[i][p] += liquidGain[i];
+			// water that came by seepage since has diluted the momentum
+			if (water_) water_->velocity[i][p] += liquidGain[i] * (mappedLiquid_[p] / liquidMass(p));
 			motion_->position[i][p] += dt * velocity[i];
 			motion_->displacement[i][p] += dt * velocity[i];
 			for (int j = 0; j < D; ++j) {
@@ -583,15 +590,18 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 	}
 }
 
-/// Strain along the normal that brings what the points lack in pressure. 
+/// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
 template <int D> void ThawFront<D>::lead(int p, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const
 {
-	double pressure = 0.0;
-	for (int i = 0; i < D; ++i)
+	double pressure = 0.0, square = 0.0;
+	for (int i = 0; i < D; ++i) {
 		pressure += lacking[i][i];
+		for (int j = 0; j < D; ++j)
+			square += slip[i][j] * slip[i][j];
+	}
 	const double rate = std::abs(pressure) / (modulus_[p] * leadingSteps * dt); // of the strain [1/s]
 	if (!(rate > 0.0)) return;
-	const double share = std::min(1.0, largestLeading / (rate * dt));
+	const double share = std::min(1.0, std::min(std::sqrt(square), largestLeading / dt) / rate);
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			slip[i][j] -= share * lacking[i][j] / (modulus_[p] * leadingSteps * dt);

@@ -149,6 +149,7 @@ private:
 	std::vector<Meeting>       meetings_;
 	std::vector<int>           chosen_;
 	std::vector<double>        modulus_, dilatancy_; ///< by place, of thawed points near the front [Pa], [-]
+	std::vector<double>        mappedLiquid_;        ///< by place, liquid mass of points near the front when it was mapped [kg]
 	std::vector<double>        records_, results_, work_;
 };
 
