@@ -99,6 +99,7 @@ void ThawFront<D>::bind(
 	cell_.assign(points.count(), 0);
 	modulus_.assign(points.count(), 0.0);
 	dilatancy_.assign(points.count(), 0.0);
+	strengthSlope_.assign(points.count(), 0.0);
 	if (water) mappedLiquid_.assign(points.count(), 0.0);
 	sides_.assign(size, 0);
 	reached_.assign(size, 0);
@@ -250,6 +251,7 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 		double* r = record(slot_[node]);
 		r[thawedVolumeAt] += s * volume;
 		r[thawedMassAt] += s * m;
+		r[slopeAt] += s * volume * strengthSlope_[p];
 		r[thawedLiquidMassAt] += s * ml;
 		for (int c = 0; c < stressSize<D>; ++c)
 			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
@@ -274,7 +276,7 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
-		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt })
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a)
 			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
@@ -340,6 +342,7 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		m.jump[a]                   = momentum / mass[1] - frozenMomentum / mass[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
+	m.slope = r[slopeAt] / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
@@ -379,18 +382,33 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 	m.reaction = m.impulse / dt;
 }
 
+/// The shear stress at the front over that of the thawed points, which lie away from it and have a normal stress of their own. Below strength
+/// both stresses rise with depth in one ratio; at strength shear follows the slope of the law.
+template <int D> double ThawFront<D>::shearScale(const Meeting& m, double shear, double pressure)
+{
+	const double reaction = m.reaction / m.area;
+	if (!(shear > 0.0)) return 0.0;
+	if (!(pressure > 0.0)) return std::isfinite(m.slope) && m.slope < largestScale ? std::max(0.0, 1.0 + m.slope * (reaction - pressure) / shear) : reaction < 0.0 ? 1.0 : 0.0;
+	return std::clamp(1.0 + std::min(m.slope, shear / pressure) * (reaction - pressure) / shear, 0.0, largestScale);
+}
+
 /// Friction as the thawed points carry it, and the jump that is left. Returns the work that the force between the sides takes up.
 template <int D> double ThawFront<D>::slide(int slot, double dt)
 {
 	Meeting& m = meetings_[slot];
 	if (!m.meets) return 0.0;
 	const double pressure = -dot<D>(m.traction, m.normal), opening = dot<D>(m.jump, m.normal);
-	// with hardly any normal stress the ratio of both stresses would be noise
-	const double scale = pressure > 0.0 ? std::clamp(m.reaction / pressure, 0.0, largestScale * m.area) : m.reaction < 0.0 ? m.area : 0.0;
+	Vec<D>       shear;
+	double       square = 0.0;
+	for (int i = 0; i < D; ++i) {
+		shear[i] = m.traction[i] + pressure * m.normal[i];
+		square += shear[i] * shear[i];
+	}
+	const double scale = m.area * shearScale(m, std::sqrt(square), pressure);
 	Vec<D>       friction;
 	double       slipping = 0.0, held = 0.0;
 	for (int i = 0; i < D; ++i) {
-		friction[i]    = -dt * scale * (m.traction[i] + pressure * m.normal[i]);
+		friction[i]    = -dt * scale * shear[i];
 		const double t = m.jump[i] - opening * m.normal[i];
 		slipping += t * t;
 		held -= friction[i] * t;
