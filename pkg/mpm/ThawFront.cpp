@@ -22,7 +22,7 @@ namespace {
 	/// Normal stress of the thawed points over the reaction per area beyond which it is led back, within some steps.
 	constexpr double leastPressure = 0.5, mostPressure = 1.1, leadingSteps = 5.0;
 	/// The same, below which dilating ground has lost it.
-	constexpr double noPressure = 0.25;
+	constexpr double noPressure = 0.5, dilatingPressure = 1.1;
 	/// Slip that thawed points take as strain in a step, as stress over the reaction per area, where their normal stress is far from that:
 	/// stress would jump past it.
 	constexpr double settlingStress = 1.0;
@@ -437,7 +437,7 @@ template <int D> double ThawFront<D>::lackingPressure(const Meeting& m) const
 template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
 {
 	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
-	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (leastPressure - noPressure), 0.0, 1.0) : 0.0;
+	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (dilatingPressure - noPressure), 0.0, 1.0) : 0.0;
 }
 
 /// Corrections for both sides from the jump between them.
