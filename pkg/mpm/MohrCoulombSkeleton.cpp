@@ -409,13 +409,32 @@ void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts
 	findYielding(onlyTension, noCone, parts.grainTension, stress, count, parted);
 	for (int k = 0; k < count; ++k) {
 		opening[k] = 0.0;
-		if (!parted[k]) continue;
+		// without ice the grains slide before they part: see limitSum
+		if (!parted[k] || !(parts.iceShear[k] > 0.0)) continue;
 		double s[stressSize<D>], taken = 0.0;
 		loadStress<D>(stress, k, s);
 		inPrincipalStresses(s, [&](double* p) { return (taken = cut(parts.grainTension[k], p)) > 0.0; });
 		storeStress<D>(s, stress, k);
 		opening[k] = taken / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
 	}
+}
+
+/// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without
+/// the share of dilation.
+template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>])
+{
+	double undilated[stressSize<D>];
+	std::copy(returned, returned + stressSize<D>, undilated);
+	if (m.sinDilation > 0.0) {
+		MohrCoulombState sheared = m;
+		sheared.sinDilation      = 0.0;
+		std::copy(trial, trial + stressSize<D>, undilated);
+		correct(sheared, undilated);
+	}
+	double taken = 0.0;
+	for (int i = 0; i < 3; ++i)
+		taken += trial[i] - undilated[i];
+	return std::max(0.0, taken) / (3.0 * (3.0 * m.lambda + 2.0 * m.shear));
 }
 
 /// Grains and ice flow together: what their sum exceeds its strength by is taken off both by their stiffnesses.
@@ -443,7 +462,10 @@ void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, 
 		if (hasIce) inPrincipalStresses(s, [&](double* p) { return (taken = cut(m.tensileStrength, p)) > 0.0; });
 		plasticStrain[k] += correct(m, s);
 		storeStress<D>(s, stress, k);
-		if (!hasIce) continue;
+		if (!hasIce) {
+			opening[k] = openedBy(m, before, s);
+			continue;
+		}
 		opening[k] += taken / (3.0 * m.lambda + 2.0 * m.shear);
 		const double share = parts.iceShear[k] / m.shear;
 		for (int c = 0; c < stressSize<D>; ++c)

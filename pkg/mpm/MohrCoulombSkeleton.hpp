@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/MohrCoulombReturn.hpp>
 #include <pkg/mpm/SkeletonModel.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
@@ -77,6 +78,7 @@ private:
 	void updateRun(const SkeletonBatch<D>&, int first, int count);
 	void updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
 	void partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
+	static double openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>]);
 	void limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 
 	PointFields*        fields_ = nullptr;

@@ -40,7 +40,7 @@ Slab inclined(double thickness, double front)
 	Slab s   = layer(thickness);
 	s.front  = front;
 	s.slope  = front;
-	s.length = front == 30.0 ? std::max(80.0, 40.0 * thickness) : s.length; // it hardly moves: its ends are felt longer
+	if (front == 30.0) s.length = 80.0; // it hardly moves: its ends are felt farther
 	return s;
 }
 
@@ -91,19 +91,19 @@ TEST(ThawFront, LayerOfAnyThicknessSlidesWhereverTheFrontLies_slow)
 		for (const double thickness : { 0.5, 1.0, 2.0, 4.0, 8.0 }) {
 			// a single row of points, most of it in cells that it shares with frozen ground
 			const bool singleRow = thickness == 0.5 && above == 0.75;
-			expectSlide("along the grid", layer(thickness, above), singleRow ? 1.6e-1 : 5e-2);
-			// the stress of one or two rows that dilate wanders
-			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), thickness < 2.0 ? 4e-1 : 5e-2);
+			expectSlide("along the grid", layer(thickness, above), 5e-2);
+			// the stress of a single row that dilates wanders
+			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), singleRow ? 2.5e-1 : thickness < 2.0 ? 7e-2 : 5e-2);
 			// pressure in a layer thinner than a cell has one value
-			expectSlide("along the grid, saturated", wet(layer(thickness, above)), thickness < 2.0 ? 2.5e-1 : 5e-2);
+			expectSlide("along the grid, saturated", wet(layer(thickness, above)), thickness < 2.0 ? 3e-1 : 5e-2);
 		}
 }
 
 TEST(ThawFront, LayerOnAFrontInclinedToTheGridSlides_slow)
 {
-	for (const double thickness : { 0.5, 1.0, 2.0, 4.0, 8.0 }) {
+	for (const double thickness : { 0.5, 1.0, 2.0, 4.0 }) {
 		expectSlide("front at 45 degrees to the grid", inclined(thickness, 45.0), 1e-1);
-		expectSlide("front at 30 degrees to the grid", inclined(thickness, 30.0), thickness <= 4.0 ? 1e-1 : 2e-1);
+		expectSlide("front at 30 degrees to the grid", inclined(thickness, 30.0), thickness <= 2.0 ? 1e-1 : 3e-1);
 	}
 }
 
