@@ -5,7 +5,9 @@
 #include <pkg/multiscale/MpmEngine.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <mutex>
 #include <numeric>
+#include <set>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -78,6 +80,110 @@ namespace {
 	}
 } // namespace
 
+// ---- before the first step -------------------------------------------------------------------------------------------------
+
+namespace {
+	/// All engines that live, so that a change of a setting finds the grounds that were made with it.
+	struct Register {
+		std::recursive_mutex guard; // looking into an engine may let Python's collector end another one
+		std::set<MpmEngine*> engines;
+		template <class Visitor> void visit(Visitor&& look)
+		{
+			std::lock_guard<std::recursive_mutex> lock(guard);
+			for (MpmEngine* engine : std::set<MpmEngine*>(engines))
+				if (engines.count(engine)) look(*engine);
+		}
+	};
+	Register& everyEngine()
+	{
+		static Register* const all = new Register; // outlives engines that Python lets go at its end
+		return *all;
+	}
+
+	/// Whether a Python value is this object, or a list that has it.
+	bool contains(const py::object& value, const shared_ptr<Serializable>& part)
+	{
+		if (PyList_Check(value.ptr())) {
+			for (int k = 0; k < py::len(value); k++)
+				if (contains(value[k], part)) return true;
+			return false;
+		}
+		const py::extract<Serializable*> object(value);
+		return object.check() && object() == part.get();
+	}
+}
+
+void MpmEngine::enrol()
+{
+	std::lock_guard<std::recursive_mutex> lock(everyEngine().guard);
+	everyEngine().engines.insert(this);
+}
+
+MpmEngine::~MpmEngine()
+{
+	std::lock_guard<std::recursive_mutex> lock(everyEngine().guard);
+	everyEngine().engines.erase(this);
+}
+
+bool MpmEngine::hasBegun() const
+{
+	if (!ground) return false;
+	const auto laws = activeSkeletons();
+	return begun || std::any_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->changedByHand(); });
+}
+
+bool MpmEngine::holds(const shared_ptr<Serializable>& part) const
+{
+	if (part.get() == this) return true;
+	const py::list values(pyDict().values());
+	for (int k = 0; k < py::len(values); k++)
+		if (contains(values[k], part)) return true;
+	return false;
+}
+
+bool MpmEngine::heldByWaitingGround(const shared_ptr<Serializable>& part)
+{
+	bool held = false;
+	everyEngine().visit([&](MpmEngine& engine) { held = held || (engine.ground && !engine.hasBegun() && engine.holds(part)); });
+	return held;
+}
+
+void MpmEngine::renewWaitingGrounds(const shared_ptr<Serializable>& part)
+{
+	everyEngine().visit([&](MpmEngine& engine) {
+		if (engine.ground && !engine.hasBegun() && engine.holds(part)) engine.discardGround();
+	});
+}
+
+/// Of a ground that has not begun: its inputs have all that it was made from.
+void MpmEngine::discardGround()
+{
+	ground.reset();
+	if (!watched) return;
+	watched->times.clear();
+	watched->rows.clear();
+	watched->components.clear();
+	if (watchesDefault) watched->fields.clear();
+}
+
+bool MpmEngine::isAsSet() const
+{
+	try {
+		checkFixed();
+	} catch (const std::invalid_argument&) {
+		return false;
+	}
+	const auto laws = activeSkeletons();
+	return std::none_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->sourcesChanged(); });
+}
+
+/// Looking at a ground does not fix it: until it has begun it is what its settings say now.
+void MpmEngine::followInputs()
+{
+	if (!ground || hasBegun() || isAsSet()) return;
+	discardGround();
+}
+
 // ---- points ----------------------------------------------------------------------------------------------------------------
 
 py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
@@ -92,7 +198,7 @@ py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 
 void MpmEngine::addPoints(py::dict arrays)
 {
-	if (ground) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
+	if (hasBegun()) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
 	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) [m].");
 	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
 	if (position.get_nd() != 2 || position.shape(1) != 2) throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2).");
@@ -112,6 +218,7 @@ void MpmEngine::addPoints(py::dict arrays)
 	}
 	if (py::len(unknown) > 0) throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + string(py::extract<string>(unknown[0])) + "'.");
 	pointInput.insert(pointInput.end(), rows.begin(), rows.end());
+	if (ground) discardGround();
 }
 
 int  MpmEngine::lawOf(int id) const { return int(pointInput[id * numbersPerPoint + 6]); }
@@ -218,8 +325,12 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	s.poreFill          = poreFill;
 	for (const auto& boundary : boundaries)
 		s.boundaries.push_back(boundary->build());
+	std::vector<talik::Vec<2>> places;
+	for (int id = 0; id < pointCount(); id++)
+		places.push_back({ pointInput[id * numbersPerPoint], pointInput[id * numbersPerPoint + 1] });
 	if (motion)
 		for (const auto& law : activeSkeletons()) {
+			law->placePoints(places);
 			s.skeletons.push_back(law->build(pointCount()));
 			if (tolerance > 0) law->setTolerance(tolerance);
 		}
@@ -231,7 +342,9 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 
 void MpmEngine::initialise()
 {
+	followInputs();
 	if (ground) return;
+	begun = false;
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
@@ -361,6 +474,7 @@ void MpmEngine::action()
 void MpmEngine::stepGround()
 {
 	initialise();
+	begun = true;
 	followAttributes();
 	const bool newLimit = watchStableStep();
 	if (watched) recordWatched();
@@ -644,6 +758,8 @@ namespace {
 void MpmEngine::watch(py::object ids, Real interval, py::object names)
 {
 	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	followInputs();
+	watchesDefault = py::len(names) == 0;
 	shared_ptr<PointWatch> wanted(new PointWatch);
 	wanted->interval         = interval;
 	const np::ndarray points = asArray("watch: ids", ids);
@@ -757,6 +873,7 @@ void MpmEngine::setTemperature(py::object values)
 	const int         n     = g.points().count();
 	const bool        same  = array.get_nd() == 0;
 	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
+	begun             = true;
 	const Real*  data = reinterpret_cast<const Real*>(array.get_data());
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
@@ -779,7 +896,7 @@ void MpmEngine::resetDisplacement()
 
 void MpmEngine::preSave(MpmEngine&)
 {
-	if (!ground) return;
+	if (!ground || !hasBegun()) return; // until it has begun it comes from its inputs
 	talik::ByteWriter writer;
 	writer.block(archiveMagic);
 	writer.block(&stableStep, sizeof stableStep);
@@ -802,6 +919,7 @@ void MpmEngine::postSave(MpmEngine&)
 void MpmEngine::restoreSavedState()
 {
 	if (saved.empty()) return;
+	begun = true;
 	const string      bytes = talik::fromBase64(saved);
 	talik::ByteReader reader(bytes);
 	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik: continue it with the version that saved it.");
