@@ -344,7 +344,7 @@ def _grainsOf(sample):
 
 
 def pack(sample):
-	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, see talik.slope.pack.
+	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, of a list of them a list, see talik.slope.pack.
 
 	>>> packed = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19))"""
 	from talik import slope

@@ -5,8 +5,6 @@ A slope at rest carries a different stress at every depth. Its samples are there
 bands while they are still frictional; they are frozen afterwards, by the first step, so that bonds and ice start free of stress.
 """
 
-import math
-
 import numpy as np
 
 from yade import O, wrapper
@@ -14,23 +12,22 @@ from yade import O, wrapper
 import talik
 from talik import rve
 
-stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain, with all ice present
-
 
 def pack(sample):
-	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object.
+	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object; of a list of them a list.
 
 	The time step is lowered to what the contacts need when they are stiffened by full ice saturation, and the work of the
 	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed.
 
 	>>> packed = talik.slope.pack(sample)"""
+	if isinstance(sample, (list, tuple)):
+		return [pack(one) for one in sample]
 	if isinstance(sample, wrapper.Scene):
-		return _stable(wrapper.RveSample.fromScene(sample), None)
+		return wrapper.RveSample.fromScene(sample)
 	path = getattr(sample, "path", sample)
 	with talik.scratchScene():
 		rve.openFile(str(path))
-		material = O.bodies[0].material
-		return _stable(wrapper.RveSample.fromScene(O._sceneObj), material)
+		return wrapper.RveSample.fromScene(O._sceneObj)
 
 
 def openScene(sample):
@@ -42,15 +39,8 @@ def openScene(sample):
 	path = getattr(sample, "path", sample)
 	with talik.scratchScene():
 		rve.openFile(str(path))
-		O.dt = _stable(O, O.bodies[0].material).dt
+		O.dt = talik._talik.timeStepForIce(O._sceneObj)
 		return O._sceneObj
-
-
-def _stable(packed, material):
-	iceYoung = getattr(material, "iceYoung", 0.0)
-	if iceYoung > 0:
-		packed.dt = packed.dt / math.sqrt(1 + iceYoung / material.young)
-	return packed
 
 
 def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3):
