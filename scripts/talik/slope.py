@@ -69,25 +69,31 @@ def surfaceHeight(polygon, x):
 	return max(heights)
 
 
-def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRatio=0.7, gravity=9.81):
+def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRatio=0.7, gravity=9.81, seed=1):
 	"""Samples of depth bands and the band of each point: (samples, sampleOf) for RveSkeleton.
 
 	position       (n,2) of the points [m]
 	polygon        outline of the ground, for the depth below its surface
-	sample         RveSample, frictional, that is brought to the stress in the middle of each band
+	sample         RveSample, frictional, that is brought to the stress in the middle of each band; a list: realisations of it, dealt to
+	               the points of every band by chance
 	density        of the ground [kg/m3]
 	bandThickness  [m]
 	lateralRatio   horizontal over vertical stress at rest [-]
+	seed           of that chance, see RveSkeleton.seed
 
 	>>> position = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 2), (0, 2)], 0.5)[0]
 	>>> samples, sampleOf = talik.slope.depthBands(position, [(0, 0), (1, 0), (1, 2), (0, 2)], packed, density=2000, bandThickness=1)"""
 	depth = np.array([surfaceHeight(polygon, x) - y for x, y in position])
 	band = np.maximum(0, np.floor(depth / bandThickness)).astype(int)
-	samples = []
-	for b in range(band.max() + 1):
-		goal = geostaticStress((b + 0.5) * bandThickness, density, gravity, lateralRatio)
-		banded = sample.copy()
-		if not banded.servo(*goal):
-			raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {b}; choose a lateralRatio nearer to 1")
-		samples.append(banded)
-	return samples, [int(b) for b in band]
+	realisations = sample if isinstance(sample, (list, tuple)) else [sample]
+	pairs = list(zip(map(int, band), wrapper.RveSkeleton.deal(position, len(realisations), seed)))
+	used = sorted(set(pairs))
+	samples = [_broughtTo(realisations[k], geostaticStress((b + 0.5) * bandThickness, density, gravity, lateralRatio), b) for b, k in used]
+	return samples, [used.index(pair) for pair in pairs]
+
+
+def _broughtTo(sample, goal, band):
+	banded = sample.copy()
+	if not banded.servo(*goal):
+		raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {band}; choose a lateralRatio nearer to 1")
+	return banded
