@@ -117,7 +117,7 @@ def thawedTest(sample, pressure, strain=0.02, perCall=2e-5):
 	return _drive(tested, 0.0, pressure, strain, perCall)
 
 
-def thawedCohesion(sample, strength, pressures=(10e3, 30e3)):
+def thawedCohesion(sample, strength, pressures=(5e3, 10e3, 20e3, 40e3)):
 	"""Cohesion [Pa] that bonds of a thawed strength [Pa] leave to an ice-free RveSample when it was frozen and has thawed, at the peak.
 
 	By how much the peak t - s' sin(phi) exceeds that of the same sample without them at the same pressure, over cos(phi), mean over `pressures` [Pa].
@@ -134,7 +134,7 @@ def thawedCohesion(sample, strength, pressures=(10e3, 30e3)):
 	return float(np.mean(cohesions))
 
 
-def thawedStrength(samples, cohesion, pressures=(10e3, 30e3)):
+def thawedStrength(samples, cohesion, pressures=(5e3, 10e3, 20e3, 40e3)):
 	"""RveSample.thawedStrength [Pa] that gives thawed ground a cohesion [Pa], and the cohesion measured with it: (strength, measured).
 
 	Read off the mean curve of thawedCohesion over the strength, made to rise: single tests scatter by a kPa.
