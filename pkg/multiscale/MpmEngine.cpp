@@ -16,10 +16,10 @@ namespace yade {
 YADE_PLUGIN((MpmEngine));
 
 namespace {
-	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy poreFill.
-	constexpr int numbersPerPoint = 13;
+	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy szz sxy vx vy poreFill.
+	constexpr int numbersPerPoint = 14;
 
-	const char archiveMagic[] = "talik ground 3";
+	const char archiveMagic[] = "talik ground 4";
 
 	np::ndarray asArray(const string& name, const py::object& values)
 	{
@@ -43,7 +43,7 @@ namespace {
 		if (!uniform && size != long(points) * components)
 			throw std::invalid_argument(
 			        "MpmEngine.addPoints: " + name + " has " + std::to_string(size) + " numbers for " + std::to_string(points) + " points: give "
-			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + ".");
+			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + (name == "stress" ? ", in the order of field('stress'): xx, yy, zz, xy." : "."));
 		for (int p = 0; p < points; p++)
 			for (int c = 0; c < components; c++)
 				table[p * numbersPerPoint + first + c] = data[uniform ? c : p * components + c];
@@ -58,8 +58,8 @@ namespace {
 	{
 		static const vector<Column> columns {
 			{ "volume", 2, 1, { NaN } },  { "porosity", 3, 1, { 0.4 } }, { "temperature", 4, 1, { 0 } },  { "pressure", 5, 1, { 0 } },
-			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 3, { NaN, NaN, NaN } }, { "velocity", 10, 2, { 0, 0 } },
-			{ "poreFill", 12, 1, { NaN } },
+			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 4, { NaN, NaN, NaN, NaN } }, { "velocity", 11, 2, { 0, 0 } },
+			{ "poreFill", 13, 1, { NaN } },
 		};
 		return columns;
 	}
@@ -73,9 +73,9 @@ namespace {
 		point.temperature = row[4];
 		point.pressure    = row[5];
 		point.skeleton    = int(row[6]);
-		point.stress      = { row[7], row[8], 0.5 * (row[7] + row[8]), row[9] };
-		point.velocity    = { row[10], row[11] };
-		point.poreFill    = row[12];
+		point.stress      = { row[7], row[8], row[9], row[10] };
+		point.velocity    = { row[11], row[12] };
+		point.poreFill    = row[13];
 		return point;
 	}
 } // namespace
@@ -226,11 +226,16 @@ void MpmEngine::setLawOf(int id, int number) { pointInput[id * numbersPerPoint +
 
 int MpmEngine::pointCount() const { return int(pointInput.size()) / numbersPerPoint; }
 
-void MpmEngine::addPointsToGround()
+/// goesOn: with a state that comes afterwards.
+void MpmEngine::addPointsToGround(bool goesOn)
 {
 	const auto laws = activeSkeletons();
 	for (int id = 0; id < pointCount(); id++) {
 		talik::PointInput<2> point = pointFrom(&pointInput[id * numbersPerPoint]);
+		if (!std::isnan(point.stress[0]) && !goesOn && motion && point.skeleton >= 0 && point.skeleton < int(laws.size()) && laws[point.skeleton]->beginsWithOwnStress())
+			throw std::invalid_argument(
+			        "MpmEngine.addPoints: stress of point " + std::to_string(id) + " is given, but its " + laws[point.skeleton]->getClassName()
+			        + " begins with the stress of its sample: leave stress out, and bring the samples to it by talik.slope.settle or depthBands.");
 		if (std::isnan(point.stress[0])) {
 			point.stress.fill(0);
 			if (point.skeleton >= 0 && point.skeleton < int(laws.size())) laws[point.skeleton]->initialStress(id, point.position, point.stress);
@@ -344,13 +349,14 @@ void MpmEngine::initialise()
 {
 	followInputs();
 	if (ground) return;
-	begun = false;
+	const bool goesOn = begun || !saved.empty();
+	begun             = false;
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
 	toleranceInForce = tolerance;
 	try {
-		addPointsToGround();
+		addPointsToGround(goesOn);
 		ground->initialise();
 		restoreSavedState();
 		stepsAtStart = ground->steps();

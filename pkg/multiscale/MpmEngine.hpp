@@ -77,7 +77,7 @@ private:
 	void                     discardGround();
 	void                     followInputs();
 	void                     enrol();
-	void                     addPointsToGround();
+	void                     addPointsToGround(bool goesOn);
 	void                     restoreSavedState();
 	void                     checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
 	void                     takeOver(const vector<shared_ptr<SkeletonLaw>>& before, const std::map<string, string>& state);
@@ -143,7 +143,7 @@ public:
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
 		,/*ctor*/ enrol(); ,
 		/*py*/
-		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], stress (n,3) xx yy xy [Pa], velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
+		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy [Pa] as field('stress') gives it, not of points with samples, velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
 		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")

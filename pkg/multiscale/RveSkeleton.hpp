@@ -17,6 +17,7 @@ public:
 	Pointer build(int pointCount) override;
 	void    placePoints(const std::vector<talik::Vec<2>>&) override;
 	bool    sourcesChanged() const override;
+	bool    beginsWithOwnStress() const override { return true; }
 	bool    changedByHand() const override { return byHand; }
 	string  savedState() const override;
 	void    restoreState(const string&) override;

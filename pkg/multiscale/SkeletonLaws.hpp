@@ -21,6 +21,8 @@ public:
 	virtual bool sourcesChanged() const { return false; }
 	/// The model was changed by hand since build().
 	virtual bool changedByHand() const { return false; }
+	/// Points begin with a stress of the law's own; one that the user gives is none of theirs.
+	virtual bool beginsWithOwnStress() const { return false; }
 	/// What the model keeps beside the fields of the points, as bytes, and back.
 	virtual string savedState() const { return ""; }
 	virtual void   restoreState(const string&) { }

@@ -175,7 +175,7 @@ class ThawSlump:
 		positions, volumes = talik.geometry.fillPolygon(outline, p.gridSpacing, 4, (0.0, 0.0))
 		density = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)
 		several = slope.pack(rve.prepare(grains=p.grains, ice=True, realisations=p.realisations, seed=p.seed))
-		stress = np.zeros((len(positions), 3))
+		stress = {}
 		if self.skeletonName == "samples":
 			self._keepCohesion(several)
 			for sample in several:
@@ -189,7 +189,8 @@ class ThawSlump:
 			law["cohesions"] = [max(cohesion, g.thawedCohesion) for cohesion in law["cohesions"]]
 			self.skeleton = wrapper.MohrCoulombSkeleton(**law)
 			depths = [slope.surfaceHeight(outline, x) - y for x, y in positions]
-			stress[:, :2] = [slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths]
+			across, down = np.transpose([slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths])
+			stress = dict(stress=np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1))
 		height = 4 + 4 * p.gridSpacing
 		mpm = wrapper.MpmEngine(
 			gridSpacing=p.gridSpacing,
@@ -202,7 +203,7 @@ class ThawSlump:
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
 			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive),
 		)
-		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, stress=stress)
+		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, **stress)
 		mpm.boundaries = [
 			wrapper.RollerBoundary(region="left"),
 			wrapper.RollerBoundary(region="right"),
