@@ -260,7 +260,7 @@ class Calibration:
 	cohesion: np.ndarray  # [Pa]
 	frictionAngle: float  # [deg]
 	young: np.ndarray  # [Pa]
-	youngScatter: np.ndarray  # largest deviation from the mean over the pressures [-]
+	youngScatter: np.ndarray  # largest deviation from the mean over the pressures and realisations [-]
 	poisson: float
 	tensileStrength: np.ndarray  # [Pa]
 	residuals: np.ndarray  # of each test [-]
@@ -313,7 +313,7 @@ class Calibration:
 
 
 def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain=0.02):
-	"""Calibration of a packed, ice-free sample (RveSample).
+	"""Calibration of a packed, ice-free sample (RveSample), or of a list of realisations, to all of whose tests one law is fitted.
 
 	iceSaturations  in 0..1, both of them included; the law is linear between them
 	pressures       [Pa], > 0, two or more
@@ -322,17 +322,19 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
 		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
-	if sample.iceSaturation > 0:
-		raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")
+	samples = list(sample) if isinstance(sample, (list, tuple)) else [sample]
+	for sample in samples:
+		if sample.iceSaturation > 0:
+			raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")
 	saturations = np.array(sorted(iceSaturations), dtype=float)
 	if saturations[0] != 0 or saturations[-1] != 1:
 		raise ValueError(f"iceSaturations is {iceSaturations!r}; the law needs 0 and 1 among them, and nothing outside")
 	start = time.process_time()
-	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures]
-	tension = np.array([tensileTest(sample, s, min(pressures)) for s in saturations])
+	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures for sample in samples]
+	tension = np.array([np.mean([tensileTest(sample, s, min(pressures)) for sample in samples]) for s in saturations])
 	seconds = time.process_time() - start
 	cohesion, sine, residuals = _fitStrength(tests, saturations)
-	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures), 2)
+	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures) * len(samples), 2)
 	young = elastic[:, :, 0].mean(axis=1)
 	return Calibration(
 		tests=tests, iceSaturation=saturations, cohesion=cohesion, frictionAngle=math.degrees(math.asin(sine)), young=young,

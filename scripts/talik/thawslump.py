@@ -183,7 +183,7 @@ class ThawSlump:
 			samples, sampleOf = slope.depthBands(positions, outline, several, density, p.bandThickness, g.lateralRatio, seed=p.seed)
 			self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
 		else:
-			calibration = calibrate.calibrate(several[0], **p.calibration)
+			calibration = calibrate.calibrate(several, **p.calibration)
 			self.calibrationSeconds = calibration.seconds
 			law = calibration.parameters()
 			law["cohesions"] = [max(cohesion, g.thawedCohesion) for cohesion in law["cohesions"]]

@@ -189,7 +189,7 @@ wrong = {
 	"time step of a sample backwards": (lambda s: setattr(s, "dt", -1), "RveSample.dt", "-1"),
 	"ice above one": (lambda s: s.freeze(2), "ice", "2"),
 	"strain not a number": (lambda s: s.apply(Matrix3(nan, 0, 0, 0, 0, 0, 0, 0, 0), 0), "displacementGradient", "nan"),
-	"pulled sample": (lambda s: s.servo(1e5, 1e5), "principalStress", "100000"),
+	"pulled sample": (lambda s: s.servo(1e5, 1e5), "stressX", "100000"),
 	"sample without cell": (lambda s: wrapper.RveSample.fromScene(spheres((0, 0, 0), periodic=False)), "periodic", "cell"),
 	"sample without grains": (lambda s: wrapper.RveSample.fromScene(spheres()), "cannot be packed", "no bodies"),
 	"current scene as a sample": (lambda s: sampled(scenes=[O._sceneObj]), "RveSkeleton.scenes", "current scene"),
