@@ -80,6 +80,8 @@ namespace {
 		return z ^ (z >> 31);
 	}
 
+	std::size_t digestOf(const shared_ptr<Scene>& scene) { return std::hash<std::string>()(talik::sceneToBytes(scene)); }
+
 	constexpr double placeUnit = 1e-6; ///< places that differ by less are the same [m]: round-off must not decide
 
 	int dealtAt(double x, double y, int samples, int seed)
@@ -119,7 +121,9 @@ vector<int> RveSkeleton::dealt(int pointCount) const
 bool RveSkeleton::sourcesChanged() const
 {
 	if (!model) return false;
-	if (takenStates.size() != samples.size()) return true;
+	if (takenStates.size() != samples.size() || takenScenes.size() != scenes.size()) return true;
+	for (std::size_t k = 0; k < scenes.size(); k++)
+		if (!scenes[k] || digestOf(scenes[k]) != takenScenes[k]) return true;
 	for (std::size_t k = 0; k < samples.size(); k++)
 		if (!samples[k] || samples[k]->stateNow() != takenStates[k]) return true;
 	return false;
@@ -167,6 +171,9 @@ SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
 	takenStates.clear();
 	for (const auto& sample : samples)
 		takenStates.push_back(sample->stateNow());
+	takenScenes.clear();
+	for (const auto& scene : scenes)
+		takenScenes.push_back(digestOf(scene));
 	std::shared_ptr<talik::SampleStore> store;
 	if (packedStore) store = packedStore;
 	else store = openStore;

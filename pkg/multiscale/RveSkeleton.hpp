@@ -57,6 +57,7 @@ private:
 	std::shared_ptr<talik::OpenStore>      openStore;
 	vector<shared_ptr<RveSample>>          prototypes; ///< of packed samples
 	std::vector<std::shared_ptr<const talik::PackedState<2>>> takenStates; ///< of `samples` when they were built from
+	std::vector<std::size_t>               takenScenes; ///< digests of `scenes` then
 	std::vector<talik::Vec<2>>             places; ///< of all points of the ground, by id
 	bool                                   byHand = false;
 	bool                                   told = false;

@@ -108,6 +108,25 @@ def test_a_sample_that_is_strained_or_brought_to_another_stress_after_a_field_wa
 	assert np.allclose(stress, -50e3, rtol=0.01)
 
 
+def test_a_scene_of_ones_own_that_is_changed_after_a_field_was_read_counts_as_it_is_then(packed):
+	O.reset()
+	scene = packed.open()
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(0.5, 0.5), skeleton=wrapper.RveSkeleton(scenes=[scene]))
+	mpm.addPoints(position=[(0.25, 0.25)], volume=[0.25])
+	first = mpm.field("stress")[0]
+	same = mpm.skeleton.sample(0).stateBytes
+	mpm.field("stress")
+	assert mpm.skeleton.sample(0).stateBytes == same
+	with talik.inspect(scene):
+		O.cell.velGrad = Matrix3(-0.05, 0, 0, 0, -0.1, 0, 0, 0, 0)
+		talik.packing.advance(500)
+		O.cell.velGrad = Matrix3.Zero
+		talik.packing.advance(1)
+	changed = mpm.field("stress")[0]
+	print(f"vertical stress {first[1]:.0f} Pa, {changed[1]:.0f} Pa after the scene was compressed")
+	assert changed[1] < first[1] - 1e3
+
+
 def test_an_engine_that_is_not_in_O_yet_follows_its_settings_too(packed):
 	mpm = layered(packed, sampleOf=[0] * 8)
 	O.engines = []
