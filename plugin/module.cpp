@@ -11,6 +11,10 @@
 #include <pkg/rve/RunningScene.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 #include <omp.h>
+#include <sstream>
+
+TALIK_STOCK_POINTER(yade::Serializable, pointer_iserializer, binary_iarchive)
+TALIK_STOCK_POINTER(yade::Serializable, pointer_oserializer, binary_oarchive)
 
 namespace py = boost::python;
 using namespace yade;
@@ -106,6 +110,31 @@ namespace {
 		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
 	}
 
+	/// One object with all that it holds, as YADE archives it.
+	py::object objectToBytes(const shared_ptr<Serializable>& object)
+	{
+		if (!object) raise(PyExc_ValueError, "objectToBytes: the object is None.");
+		std::ostringstream stream;
+		{
+			boost::archive::binary_oarchive archive(stream);
+			archive << boost::serialization::make_nvp("object", object);
+		}
+		const std::string bytes = stream.str();
+		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
+	}
+
+	shared_ptr<Serializable> objectFromBytes(const py::object& bytes)
+	{
+		char*      data = nullptr;
+		Py_ssize_t size = 0;
+		if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) < 0) py::throw_error_already_set();
+		std::istringstream              stream(std::string(data, std::size_t(size)));
+		boost::archive::binary_iarchive archive(stream);
+		shared_ptr<Serializable>        object;
+		archive >> boost::serialization::make_nvp("object", object);
+		return object;
+	}
+
 	shared_ptr<Scene> emptyScene()
 	{
 		shared_ptr<Scene> scene(new Scene);
@@ -169,6 +198,9 @@ BOOST_PYTHON_MODULE(_talik)
 	        (py::arg("first"), py::arg("second")), "True if both are the same C++ object: Python may hold it by several names.");
 	py::def("refuseFewerThreads", refuseFewerThreads, py::arg("scene"), "RuntimeError if O could not run a Scene with all of its threads.");
 	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
+	py::def("timeStepForIce", +[](const shared_ptr<Scene>& scene) { return timeStepForIce(*scene); }, py::arg("scene"), "Time step [s] with which a Scene stays stable when full ice saturation stiffens its contacts: its own, lowered where it is too long.");
+	py::def("objectToBytes", objectToBytes, py::arg("object"), "An object of YADE or Talik with all that it holds, as bytes.");
+	py::def("objectFromBytes", objectFromBytes, py::arg("bytes"), "The object back. Only for bytes that are known to be whole.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
 	py::def("refuseToAbort", +[] { refuseToAbort(*Omega::instance().getScene()); }, "RuntimeError if the next step would end the process on an assert of stock YADE: bodies without material or state, cells shorter than bodies, contacts without functor.");

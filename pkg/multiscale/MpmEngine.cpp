@@ -5,7 +5,9 @@
 #include <pkg/multiscale/MpmEngine.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <mutex>
 #include <numeric>
+#include <set>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -14,10 +16,10 @@ namespace yade {
 YADE_PLUGIN((MpmEngine));
 
 namespace {
-	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy poreFill.
-	constexpr int numbersPerPoint = 13;
+	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy szz sxy vx vy poreFill.
+	constexpr int numbersPerPoint = 14;
 
-	const char archiveMagic[] = "talik ground 3";
+	const char archiveMagic[] = "talik ground 4";
 
 	np::ndarray asArray(const string& name, const py::object& values)
 	{
@@ -41,7 +43,7 @@ namespace {
 		if (!uniform && size != long(points) * components)
 			throw std::invalid_argument(
 			        "MpmEngine.addPoints: " + name + " has " + std::to_string(size) + " numbers for " + std::to_string(points) + " points: give "
-			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + ".");
+			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + (name == "stress" ? ", in the order of field('stress'): xx, yy, zz, xy." : "."));
 		for (int p = 0; p < points; p++)
 			for (int c = 0; c < components; c++)
 				table[p * numbersPerPoint + first + c] = data[uniform ? c : p * components + c];
@@ -56,8 +58,8 @@ namespace {
 	{
 		static const vector<Column> columns {
 			{ "volume", 2, 1, { NaN } },  { "porosity", 3, 1, { 0.4 } }, { "temperature", 4, 1, { 0 } },  { "pressure", 5, 1, { 0 } },
-			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 3, { NaN, NaN, NaN } }, { "velocity", 10, 2, { 0, 0 } },
-			{ "poreFill", 12, 1, { NaN } },
+			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 4, { NaN, NaN, NaN, NaN } }, { "velocity", 11, 2, { 0, 0 } },
+			{ "poreFill", 13, 1, { NaN } },
 		};
 		return columns;
 	}
@@ -71,12 +73,116 @@ namespace {
 		point.temperature = row[4];
 		point.pressure    = row[5];
 		point.skeleton    = int(row[6]);
-		point.stress      = { row[7], row[8], 0.5 * (row[7] + row[8]), row[9] };
-		point.velocity    = { row[10], row[11] };
-		point.poreFill    = row[12];
+		point.stress      = { row[7], row[8], row[9], row[10] };
+		point.velocity    = { row[11], row[12] };
+		point.poreFill    = row[13];
 		return point;
 	}
 } // namespace
+
+// ---- before the first step -------------------------------------------------------------------------------------------------
+
+namespace {
+	/// All engines that live, so that a change of a setting finds the grounds that were made with it.
+	struct Register {
+		std::recursive_mutex guard; // looking into an engine may let Python's collector end another one
+		std::set<MpmEngine*> engines;
+		template <class Visitor> void visit(Visitor&& look)
+		{
+			std::lock_guard<std::recursive_mutex> lock(guard);
+			for (MpmEngine* engine : std::set<MpmEngine*>(engines))
+				if (engines.count(engine)) look(*engine);
+		}
+	};
+	Register& everyEngine()
+	{
+		static Register* const all = new Register; // outlives engines that Python lets go at its end
+		return *all;
+	}
+
+	/// Whether a Python value is this object, or a list that has it.
+	bool contains(const py::object& value, const shared_ptr<Serializable>& part)
+	{
+		if (PyList_Check(value.ptr())) {
+			for (int k = 0; k < py::len(value); k++)
+				if (contains(value[k], part)) return true;
+			return false;
+		}
+		const py::extract<Serializable*> object(value);
+		return object.check() && object() == part.get();
+	}
+}
+
+void MpmEngine::enrol()
+{
+	std::lock_guard<std::recursive_mutex> lock(everyEngine().guard);
+	everyEngine().engines.insert(this);
+}
+
+MpmEngine::~MpmEngine()
+{
+	std::lock_guard<std::recursive_mutex> lock(everyEngine().guard);
+	everyEngine().engines.erase(this);
+}
+
+bool MpmEngine::hasBegun() const
+{
+	if (!ground) return false;
+	const auto laws = activeSkeletons();
+	return begun || std::any_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->changedByHand(); });
+}
+
+bool MpmEngine::holds(const shared_ptr<Serializable>& part) const
+{
+	if (part.get() == this) return true;
+	const py::list values(pyDict().values());
+	for (int k = 0; k < py::len(values); k++)
+		if (contains(values[k], part)) return true;
+	return false;
+}
+
+bool MpmEngine::heldByWaitingGround(const shared_ptr<Serializable>& part)
+{
+	bool held = false;
+	everyEngine().visit([&](MpmEngine& engine) { held = held || (engine.ground && !engine.hasBegun() && engine.holds(part)); });
+	return held;
+}
+
+void MpmEngine::renewWaitingGrounds(const shared_ptr<Serializable>& part)
+{
+	everyEngine().visit([&](MpmEngine& engine) {
+		if (engine.ground && !engine.hasBegun() && engine.holds(part)) engine.discardGround();
+	});
+}
+
+/// Of a ground that has not begun: its inputs have all that it was made from.
+void MpmEngine::discardGround()
+{
+	ground.reset();
+	if (!watched) return;
+	watched->times.clear();
+	watched->rows.clear();
+	watched->components.clear();
+	if (watchesDefault) watched->fields.clear();
+}
+
+bool MpmEngine::isAsSet() const
+{
+	try {
+		checkFixed();
+	} catch (const std::invalid_argument&) {
+		return false;
+	}
+	const auto laws = activeSkeletons();
+	return std::none_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->sourcesChanged(); });
+}
+
+/// Looking at a ground does not fix it: until it has begun it is what its settings say now.
+void MpmEngine::followInputs()
+{
+	if (!ground || hasBegun() || isAsSet()) return;
+	discardGround();
+}
 
 // ---- points ----------------------------------------------------------------------------------------------------------------
 
@@ -92,7 +198,7 @@ py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 
 void MpmEngine::addPoints(py::dict arrays)
 {
-	if (ground) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
+	if (hasBegun()) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
 	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) [m].");
 	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
 	if (position.get_nd() != 2 || position.shape(1) != 2) throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2).");
@@ -112,6 +218,7 @@ void MpmEngine::addPoints(py::dict arrays)
 	}
 	if (py::len(unknown) > 0) throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + string(py::extract<string>(unknown[0])) + "'.");
 	pointInput.insert(pointInput.end(), rows.begin(), rows.end());
+	if (ground) discardGround();
 }
 
 int  MpmEngine::lawOf(int id) const { return int(pointInput[id * numbersPerPoint + 6]); }
@@ -119,11 +226,16 @@ void MpmEngine::setLawOf(int id, int number) { pointInput[id * numbersPerPoint +
 
 int MpmEngine::pointCount() const { return int(pointInput.size()) / numbersPerPoint; }
 
-void MpmEngine::addPointsToGround()
+/// goesOn: with a state that comes afterwards.
+void MpmEngine::addPointsToGround(bool goesOn)
 {
 	const auto laws = activeSkeletons();
 	for (int id = 0; id < pointCount(); id++) {
 		talik::PointInput<2> point = pointFrom(&pointInput[id * numbersPerPoint]);
+		if (!std::isnan(point.stress[0]) && !goesOn && motion && point.skeleton >= 0 && point.skeleton < int(laws.size()) && laws[point.skeleton]->beginsWithOwnStress())
+			throw std::invalid_argument(
+			        "MpmEngine.addPoints: stress of point " + std::to_string(id) + " is given, but its " + laws[point.skeleton]->getClassName()
+			        + " begins with the stress of its sample: leave stress out, and bring the samples to it by talik.slope.settle or depthBands.");
 		if (std::isnan(point.stress[0])) {
 			point.stress.fill(0);
 			if (point.skeleton >= 0 && point.skeleton < int(laws.size())) laws[point.skeleton]->initialStress(id, point.position, point.stress);
@@ -218,8 +330,12 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	s.poreFill          = poreFill;
 	for (const auto& boundary : boundaries)
 		s.boundaries.push_back(boundary->build());
+	std::vector<talik::Vec<2>> places;
+	for (int id = 0; id < pointCount(); id++)
+		places.push_back({ pointInput[id * numbersPerPoint], pointInput[id * numbersPerPoint + 1] });
 	if (motion)
 		for (const auto& law : activeSkeletons()) {
+			law->placePoints(places);
 			s.skeletons.push_back(law->build(pointCount()));
 			if (tolerance > 0) law->setTolerance(tolerance);
 		}
@@ -231,13 +347,16 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 
 void MpmEngine::initialise()
 {
+	followInputs();
 	if (ground) return;
+	const bool goesOn = begun || !saved.empty();
+	begun             = false;
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
 	toleranceInForce = tolerance;
 	try {
-		addPointsToGround();
+		addPointsToGround(goesOn);
 		ground->initialise();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
@@ -361,6 +480,7 @@ void MpmEngine::action()
 void MpmEngine::stepGround()
 {
 	initialise();
+	begun = true;
 	followAttributes();
 	const bool newLimit = watchStableStep();
 	if (watched) recordWatched();
@@ -644,6 +764,8 @@ namespace {
 void MpmEngine::watch(py::object ids, Real interval, py::object names)
 {
 	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	followInputs();
+	watchesDefault = py::len(names) == 0;
 	shared_ptr<PointWatch> wanted(new PointWatch);
 	wanted->interval         = interval;
 	const np::ndarray points = asArray("watch: ids", ids);
@@ -757,6 +879,7 @@ void MpmEngine::setTemperature(py::object values)
 	const int         n     = g.points().count();
 	const bool        same  = array.get_nd() == 0;
 	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
+	begun             = true;
 	const Real*  data = reinterpret_cast<const Real*>(array.get_data());
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
@@ -779,7 +902,7 @@ void MpmEngine::resetDisplacement()
 
 void MpmEngine::preSave(MpmEngine&)
 {
-	if (!ground) return;
+	if (!ground || !hasBegun()) return; // until it has begun it comes from its inputs
 	talik::ByteWriter writer;
 	writer.block(archiveMagic);
 	writer.block(&stableStep, sizeof stableStep);
@@ -802,6 +925,7 @@ void MpmEngine::postSave(MpmEngine&)
 void MpmEngine::restoreSavedState()
 {
 	if (saved.empty()) return;
+	begun = true;
 	const string      bytes = talik::fromBase64(saved);
 	talik::ByteReader reader(bytes);
 	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik: continue it with the version that saved it.");

@@ -17,7 +17,7 @@ namespace yade {
 /// (talik::Ground) knows no YADE; this class gives it YADE's attributes, time step, archives and NumPy views.
 class MpmEngine : public GlobalEngine {
 public:
-	virtual ~MpmEngine() {};
+	virtual ~MpmEngine();
 	void action() override;
 
 	/// position (n,2) [m]; the rest scalars or arrays of n.
@@ -25,6 +25,13 @@ public:
 	/// Checks every setting and sets the initial state; done by the first step otherwise.
 	void   initialise();
 	bool   isInitialised() const { return bool(ground); }
+	/// A step was taken, or the state changed by hand: settings that the ground was built with stay from then on. Until then a change of
+	/// them makes the ground anew from its inputs.
+	bool   hasBegun() const;
+	/// Whether a ground that was made but has not begun holds this object.
+	static bool heldByWaitingGround(const shared_ptr<Serializable>& part);
+	/// Waiting grounds that hold this object are made anew when they are next asked.
+	static void renewWaitingGrounds(const shared_ptr<Serializable>& part);
 	double stableTimeStep();
 
 	::boost::python::dict   timeStepLimits();
@@ -65,7 +72,12 @@ private:
 	void                     checkPresence() const;
 	void                     checkChangeable() const;
 	void                     checkFixed() const;
-	void                     addPointsToGround();
+	bool                     isAsSet() const;
+	bool                     holds(const shared_ptr<Serializable>& part) const;
+	void                     discardGround();
+	void                     followInputs();
+	void                     enrol();
+	void                     addPointsToGround(bool goesOn);
 	void                     restoreSavedState();
 	void                     checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
 	void                     takeOver(const vector<shared_ptr<SkeletonLaw>>& before, const std::map<string, string>& state);
@@ -89,6 +101,7 @@ private:
 
 	std::shared_ptr<talik::Ground<2>> ground;
 	long                              stepsUntilLimit = 0, stepsAtStart = 0;
+	bool                              begun = false, watchesDefault = false;
 	string                            failure;
 	long                              failures        = 0;
 	double                            stableStep      = 0;
@@ -128,9 +141,9 @@ public:
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
-		,/*ctor*/ ,
+		,/*ctor*/ enrol(); ,
 		/*py*/
-		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], stress (n,3) xx yy xy [Pa], velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
+		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy [Pa] as field('stress') gives it, not of points with samples, velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
 		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")
@@ -157,6 +170,9 @@ public:
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
+		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, exchangeSkeletons, replaceSample). Until then every setting may be changed, also after fields were read.")
+		.def("heldByWaitingGround",&MpmEngine::heldByWaitingGround,(::boost::python::arg("part")),"True if a ground whose fields were read but that has not begun holds this object.").staticmethod("heldByWaitingGround")
+		.def("renewWaitingGrounds",&MpmEngine::renewWaitingGrounds,(::boost::python::arg("part")),"Grounds that hold this object and have not begun are made anew from their settings when they are next asked. Done by every change of an attribute.").staticmethod("renewWaitingGrounds")
 	);
 	// clang-format on
 	static ::boost::python::object pyAddPoints(::boost::python::tuple args, ::boost::python::dict keywords);

@@ -15,6 +15,14 @@ public:
 	virtual ~SkeletonLaw() {};
 	/// The model of one run; pointCount is the number of all points of the ground, whose ids count from 0.
 	virtual Pointer build(int pointCount);
+	/// Before build(): where the points were added, by id [m].
+	virtual void placePoints(const std::vector<talik::Vec<2>>&) { }
+	/// What build() took from other objects has changed since, so that it would build another model now.
+	virtual bool sourcesChanged() const { return false; }
+	/// The model was changed by hand since build().
+	virtual bool changedByHand() const { return false; }
+	/// Points begin with a stress of the law's own; one that the user gives is none of theirs.
+	virtual bool beginsWithOwnStress() const { return false; }
 	/// What the model keeps beside the fields of the points, as bytes, and back.
 	virtual string savedState() const { return ""; }
 	virtual void   restoreState(const string&) { }

@@ -12,7 +12,7 @@ if 'yade.wrapper' not in _sys.modules:
 from contextlib import contextmanager as _contextmanager
 from time import sleep as _sleep
 
-from . import _talik, console as _console
+from . import _talik, console as _console, copying as _copying
 
 
 def _publishClasses():
@@ -23,6 +23,7 @@ def _publishClasses():
 	for name in names:
 		constructor = getattr(wrapper, name)
 		_console.nameAttributesInErrors(constructor)
+		_copying.makeCopyable(constructor)
 		globals()[name] = constructor
 		setattr(builtins, name, constructor)
 	return [getattr(wrapper, name) for name in names]

@@ -144,23 +144,20 @@ _wanted = {
 
 def nameAttributesInErrors(cls):
 	"""A value of a wrong type and a name that does not exist are refused by one sentence: class, attribute, value, remedy."""
-	stockInit, stockSet = cls.__init__, cls.__setattr__
+	stockInit, stockSet, stockUpdate = cls.__init__, cls.__setattr__, cls.updateAttrs
 
 	def __setattr__(self, name, value):
 		if not hasattr(type(self), name):
 			raise AttributeError(_unknown(type(self), name)) from None
-		used = _usedByRunningGround(self, name)
-		before = getattr(self, name) if used else None
-		try:
-			stockSet(self, name, value)
-		except (TypeError, OverflowError):
-			raise TypeError(f"{type(self).__name__}.{name} is {value!r}: give {_remedy(type(self), name)}.") from None
-		if used and not _same(before, getattr(self, name)):
-			stockSet(self, name, before)
-			raise ValueError(
-				f"{type(self).__name__}.{name} is {value!r} too late: the running ground was built with {before!r} and stays so. "
-				"Set it before the first step or begin anew; what changes in time is given by times and values."
-			)
+		with _seenByGrounds(self, [name], stockSet):
+			try:
+				stockSet(self, name, value)
+			except (TypeError, OverflowError):
+				raise TypeError(f"{type(self).__name__}.{name} is {value!r}: give {_remedy(type(self), name)}.") from None
+
+	def updateAttrs(self, attributes):
+		with _seenByGrounds(self, [name for name in attributes if hasattr(type(self), name)], stockSet):
+			stockUpdate(self, attributes)
 
 	def __init__(self, *positional, **attributes):
 		try:
@@ -170,8 +167,31 @@ def nameAttributesInErrors(cls):
 				_findCulprit(cls, attributes)
 			raise
 
-	__init__.__doc__ = stockInit.__doc__
-	cls.__init__, cls.__setattr__ = __init__, __setattr__
+	__init__.__doc__, updateAttrs.__doc__ = stockInit.__doc__, stockUpdate.__doc__
+	cls.__init__, cls.__setattr__, cls.updateAttrs = __init__, __setattr__, updateAttrs
+
+
+@contextmanager
+def _seenByGrounds(part, names, stockSet):
+	"""What the block changes of a part of a ground: a ground that has begun was built with it, so that it is set back and refused; one that
+	was only looked at is made anew."""
+	from yade import wrapper
+
+	used = [name for name in names if _usedByRunningGround(part, name)]
+	waiting = [name for name in names if isinstance(getattr(type(part), name), property)] if wrapper.MpmEngine.heldByWaitingGround(part) else []
+	before = {name: getattr(part, name) for name in {*used, *waiting}}
+	yield
+	for name in used:
+		value = getattr(part, name)
+		if not _same(before[name], value):
+			for changed in used:
+				stockSet(part, changed, before[changed])
+			raise ValueError(
+				f"{type(part).__name__}.{name} is {value!r} too late: the running ground was built with {before[name]!r} and stays so. "
+				"Set it before the first step or begin anew; what changes in time is given by times and values."
+			)
+	if any(not _same(before[name], getattr(part, name)) for name in waiting):
+		wrapper.MpmEngine.renewWaitingGrounds(part)
 
 
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
@@ -193,7 +213,7 @@ def _usedByRunningGround(part, name):
 
 	if not any(issubclass(cls, kind) for kind in _partsOfGround(wrapper.MpmEngine)):
 		return False
-	grounds = [engine for engine in O.engines if isinstance(engine, wrapper.MpmEngine) and engine.initialised]
+	grounds = [engine for engine in O.engines if isinstance(engine, wrapper.MpmEngine) and engine.begun]
 	return any(_talik.sameObject(part, held) for ground in grounds for held in _heldBy(ground))
 
 

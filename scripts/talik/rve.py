@@ -2,6 +2,7 @@
 """Samples: periodic packings of grains that stand behind the material points of a slope.
 
 	sample = talik.rve.prepare(grains=400, pressure=100e3)       # the paper's sample, at 100 kPa isotropic
+	several = talik.rve.prepare(grains=100, realisations=8)      # a list of samples that differ by chance
 	band = talik.rve.servo(sample, stressX=-15e3, stressY=-30e3) # the same sample at another stress
 	other = talik.rve.load("somebody.yade.gz")                   # any periodic YADE scene of spheres
 
@@ -25,7 +26,7 @@ import numpy as np
 from yade import O
 
 import talik
-from talik import packing
+from talik import packing, realisation
 from talik.files import writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
@@ -85,6 +86,7 @@ def prepare(
 	damping=0.3,
 	ice=None,
 	cache=True,
+	realisations=None,
 	**iceBond,
 ):
 	"""The sample of Yu & Zhao sect. 3.1: discs compacted to an isotropic pressure, in equilibrium, without ice.
@@ -103,6 +105,8 @@ def prepare(
 	ice             True: materials and laws that can carry ice bonds (ice saturation 0); False: YADE's FrictMat.
 	                Default: True where Talik's classes are loaded
 	cache           True: the user's cache; a folder; False: make it anew
+	realisations    a number: that many samples of other random positions, a list, for RveSkeleton(samples=[…]); they are made by as many
+	                yades at a time as there are cores. The first one is the sample of `seed` alone
 	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9
 
 	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure.
@@ -112,11 +116,29 @@ def prepare(
 	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
 	_require("porosity", porosity, 0.10 <= porosity <= 0.23, "a two-dimensional porosity between 0.10 and 0.23 (dense and loose limits of discs)")
 	_require("friction", friction, friction >= 0, "a friction coefficient, at least 0")
-	_require("seed", seed, isinstance(seed, int) and seed >= 0, "a whole number, at least 0")
-	parameters = dict(
-		kind="prepare", recipe=recipeVersion, **dataclasses.asdict(material), pressure=pressure, porosity=porosity, friction=friction, seed=seed
+	_require("seed", seed, _isWhole(seed) and seed >= 0, "a whole number, at least 0")
+
+	def made(start, folder, make):
+		parameters = dict(
+			kind="prepare", recipe=recipeVersion, **dataclasses.asdict(material), pressure=pressure, porosity=porosity, friction=friction, seed=start
+		)
+		return _cached(parameters, folder, make)
+
+	def compacted(start):
+		return lambda: _compacted(material, pressure, porosity, friction, start)
+
+	if realisations is None:
+		return made(seed, cache, compacted(seed))
+	_require("realisations", realisations, _isWhole(realisations) and realisations >= 1, "a whole number, at least 1")
+	folder = str(_cacheFolder(cache))
+	settings = dict(
+		grains=grains, radius=tuple(radius), pressure=pressure, porosity=porosity, thickness=thickness, young=young, stiffnessRatio=stiffnessRatio, friction=friction,
+		density=density, damping=damping, ice=material.ice, cache=folder, **iceBond,
 	)
-	return _cached(parameters, cache, lambda: _compacted(material, pressure, porosity, friction, seed))
+	return realisation.prepareAll(
+		lambda call: _inCache(lambda make: made(call["seed"], folder, make)), lambda call: made(call["seed"], folder, compacted(call["seed"])),
+		[dict(settings, seed=start) for start in realisation.seedsOf(seed, realisations)], f"{realisations} realisations of {grains} grains",
+	)
 
 
 def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True):
@@ -227,6 +249,22 @@ def _cached(parameters, cache, make):
 	return _fromSheet(sheet, scene)  # the same whether it was made or found
 
 
+class _NotThere(Exception):
+	pass
+
+
+def _inCache(made):
+	"""The sample that a call of _cached finds, without making one; None if there is none."""
+
+	def refuse():
+		raise _NotThere
+
+	try:
+		return made(refuse)
+	except _NotThere:
+		return None
+
+
 @functools.lru_cache(maxsize=None)
 def _classLayout(ice):
 	"""Digest of the names of all that a saved pair of touching grains consists of, in their order.
@@ -300,13 +338,17 @@ def _checkScene(path):
 		raise ValueError(f"'{path}': the cell is inclined in z (hSize = {h}); for plane strain its third vector must be (0, 0, thickness)")
 
 
+def _isWhole(value):
+	return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
 def _require(name, value, condition, remedy):
 	if not condition:
 		raise ValueError(f"{name} is {value!r}; it must be {remedy}")
 
 
 def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond):
-	_require("grains", number, isinstance(number, int) and number >= 20, "a whole number, at least 20")
+	_require("grains", number, _isWhole(number) and number >= 20, "a whole number, at least 20")
 	try:
 		smallest, largest = (float(r) for r in radius)
 	except (TypeError, ValueError):
@@ -344,7 +386,7 @@ def _grainsOf(sample):
 
 
 def pack(sample):
-	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, see talik.slope.pack.
+	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, of a list of them a list, see talik.slope.pack.
 
 	>>> packed = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19))"""
 	from talik import slope

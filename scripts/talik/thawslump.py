@@ -33,7 +33,7 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 seriesLength = 40  # states in the ParaView series
 checkpointName, memoryTag = "slope.checkpoint", "thawSlump"
 checkpointInterval = 60  # wall time [s]
-remembered = ("name", "presetName", "skeletonName", "thaws", "frameTimes", "restKineticEnergy", "calibrationSeconds", "reached")  # attributes of a run
+remembered = ("name", "presetName", "skeletonName", "thaws", "frameTimes", "restKineticEnergy", "calibrationSeconds", "thawed", "reached")  # attributes of a run
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
 bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
 
@@ -83,6 +83,8 @@ class Preset:
 	strainTolerance: float = 2e-5
 	bandThickness: float = 0.5  # of samples at the same initial stress [m]
 	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
+	realisations: int = 1  # of the sample, dealt to the points by chance
+	seed: int = 1  # of the samples and of that chance
 	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
 
 
@@ -112,6 +114,7 @@ class Ground:
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
+	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none (O)
 	damping: float = 0.02  # local damping during failure (O)
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
@@ -137,7 +140,7 @@ class ThawSlump:
 		self.frameTimes = [part * self.preset.endTime for part in frameParts] if frameTimes is None else sorted(frameTimes)
 		self.folder = writableFolder(folder)
 		self.wallStart, self.cpuStart = time.monotonic(), time.process_time()
-		self.calibrationSeconds = None
+		self.calibrationSeconds, self.thawed = None, {}
 		self.mpm = self._build()
 		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
 		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.thawTime)
@@ -171,18 +174,23 @@ class ThawSlump:
 		p, g = self.preset, self.ground
 		positions, volumes = talik.geometry.fillPolygon(outline, p.gridSpacing, 4, (0.0, 0.0))
 		density = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)
-		sample = slope.pack(rve.prepare(grains=p.grains, ice=True))
-		stress = np.zeros((len(positions), 3))
+		several = slope.pack(rve.prepare(grains=p.grains, ice=True, realisations=p.realisations, seed=p.seed))
+		stress = {}
 		if self.skeletonName == "samples":
-			sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
-			samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
+			self._keepCohesion(several)
+			for sample in several:
+				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
+			samples, sampleOf = slope.depthBands(positions, outline, several, density, p.bandThickness, g.lateralRatio, seed=p.seed)
 			self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
 		else:
-			calibration = calibrate.calibrate(sample, **p.calibration)
+			calibration = calibrate.calibrate(several, **p.calibration)
 			self.calibrationSeconds = calibration.seconds
-			self.skeleton = wrapper.MohrCoulombSkeleton(**calibration.parameters())
+			law = calibration.parameters()
+			law["cohesions"] = [max(cohesion, g.thawedCohesion) for cohesion in law["cohesions"]]
+			self.skeleton = wrapper.MohrCoulombSkeleton(**law)
 			depths = [slope.surfaceHeight(outline, x) - y for x, y in positions]
-			stress[:, :2] = [slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths]
+			across, down = np.transpose([slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths])
+			stress = dict(stress=np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1))
 		height = 4 + 4 * p.gridSpacing
 		mpm = wrapper.MpmEngine(
 			gridSpacing=p.gridSpacing,
@@ -195,7 +203,7 @@ class ThawSlump:
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
 			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive),
 		)
-		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, stress=stress)
+		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, **stress)
 		mpm.boundaries = [
 			wrapper.RollerBoundary(region="left"),
 			wrapper.RollerBoundary(region="right"),
@@ -203,6 +211,13 @@ class ThawSlump:
 			wrapper.DrainedBoundary(region="surface", recharge=False),
 		] + self.thermalBoundaries(p.restTime if self.thaws else 1e9)
 		return mpm
+
+	def _keepCohesion(self, samples):
+		"""Bonds that outlast their ice, of the strength that gives the samples the thawed cohesion."""
+		strength, self.thawed["cohesion measured [Pa]"] = calibrate.thawedStrength(samples, self.ground.thawedCohesion)
+		self.thawed["strength of bonds [Pa]"] = strength
+		for sample in samples:
+			sample.thawedStrength = strength
 
 	# ---- running
 
@@ -349,6 +364,7 @@ class ThawSlump:
 			"sample wall time [s]": counters["seconds"],
 			"sample memory [MB]": counters["bytes"] / 1e6,
 			"calibration [s]": self.calibrationSeconds,
+			**{f"thawed.{k}": v for k, v in self.thawed.items()},
 			"largest displacement [m]": displacement.max(),
 			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
 			**bonds,
@@ -399,6 +415,10 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
+	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
+	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
+	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
+	parser.add_argument("--thawed-cohesion", type=_cohesion, default=0.0, help="cohesion that stays when the ice has gone [Pa], e.g. 2000")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
@@ -406,6 +426,18 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 def _duration(text):
 	if not 0 < float(text) < math.inf:
 		raise argparse.ArgumentTypeError(f"{text} is no length of time: give seconds, above 0")
+	return float(text)
+
+
+def _count(text):
+	if not text.isdigit() or int(text) < 1:
+		raise argparse.ArgumentTypeError(f"{text} is no number of things: give a whole number, 1 or more")
+	return int(text)
+
+
+def _cohesion(text):
+	if not 0 <= float(text) < math.inf:
+		raise argparse.ArgumentTypeError(f"{text} is no cohesion: give Pa, 0 or more")
 	return float(text)
 
 
@@ -431,7 +463,7 @@ def runCase(name, boundaries, options, duration=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, duration), folders[label], Ground(thawStrain=setting["thawStrain"]), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(name, boundaries, _presetOf(options, duration), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])
@@ -444,7 +476,9 @@ def runCase(name, boundaries, options, duration=None):
 
 def _presetOf(options, duration):
 	preset = presets[options.preset]
-	return replace(preset, endTime=options.duration or duration or preset.endTime)
+	return replace(
+		preset, endTime=options.duration or duration or preset.endTime, grains=options.grains or preset.grains, realisations=options.realisations, seed=options.seed,
+	)
 
 
 def comparison(options):
@@ -469,6 +503,8 @@ def bill(summary):
 def report(summary, folder):
 	"""Prints what a run came to, in a few lines."""
 	print(f"{summary['points']} points, {summary['steps']} steps, {summary['sample calls']} sample calls in {summary['wallTime [s]']:.0f} s")
+	if summary.get("thawed.strength of bonds [Pa]"):
+		print(f"thawed cohesion {summary['thawed.cohesion measured [Pa]'] / 1e3:.2f} kPa, measured on the samples, by bonds of {summary['thawed.strength of bonds [Pa]'] / 1e3:.0f} kPa that outlast their ice")
 	print(f"largest displacement {summary['largest displacement [m]']:.3f} m", end="")
 	if "bondsIntact" in summary:
 		print(f"; bonds intact {summary['bondsIntact']}, broken {summary['bondsBroken']}, melted {summary['bondsMelted']}", end="")

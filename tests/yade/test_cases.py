@@ -243,7 +243,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, duration=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, duration=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=0.0), **options})
 
 
 def summaries(folder):
@@ -260,7 +260,7 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
 	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
-	for wrong in (["--duration", "-5"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"]):
+	for wrong in (["--duration", "-5"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"], ["--grains", "0"], ["--realisations", "2.5"], ["--realisations", "-1"], ["--thawed-cohesion", "-5"], ["--seed", "x"]):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):
 			thawslump.arguments("example", "output")
@@ -268,6 +268,20 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, redraw=True))
 	with pytest.raises(ValueError, match="skeleton is 'Cam-Clay'; choose one of samples, MohrCoulomb"):
 		thawslump.ThawSlump("Case II", warmBase, "test", skeleton="Cam-Clay")
+
+
+def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
+	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
+	preset = thawslump._presetOf(options, None)
+	slump = {name: thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons}
+	samples, cohesions = slump["samples"].skeleton.samples, slump["MohrCoulomb"].skeleton.cohesions
+	strength, measured = slump["samples"].thawed["strength of bonds [Pa]"], slump["samples"].thawed["cohesion measured [Pa]"]
+	slump["samples"].mpm.initialise()
+	porosities = {round(value, 9) for value in slump["samples"].mpm.field("samplePorosity")}
+	print(f"{len(samples)} samples of {len(samples[0].arrays()['radius'])} grains in {len(porosities)} packings; bonds of {strength:.0f} Pa, {measured:.0f} Pa measured; law {cohesions}")
+	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
+	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.6)
+	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5
 
 
 def test_compare_skeleton_runs_samples_and_the_law_calibrated_on_the_same_sample_and_shows_both_bills_slow(tmp_path, monkeypatch):

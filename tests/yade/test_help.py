@@ -48,7 +48,7 @@ def compressedGround():
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeleton=wrapper.ElasticSkeleton(), boundaries=[wrapper.FixedBoundary(region=side) for side in ("left", "right", "bottom", "top")]
 	)
-	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 2), stress=(-80e3, -100e3, 0))
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 2), stress=(-80e3, -100e3, -90e3, 0))
 	return mpm
 
 
