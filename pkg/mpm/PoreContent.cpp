@@ -274,7 +274,8 @@ template <int D> void PoreContent<D>::updateIce(const Block& b) const
 
 template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
-	const Permeability  law   = settings_->water->permeability;
+	Permeability        law   = settings_->water->permeability;
+	law.hydraulicTimeScale *= water_->scale;
 	const double* const water = waterMass + b.first;
 	const double* const n     = porosity + b.first;
 	double* const       liquidFraction = water_->liquidFraction + b.first;

@@ -266,7 +266,7 @@ void PoreWater<D>::feed(
         const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
         const NodeField<1>* temperature)
 {
-	const double scaled = inflow * settings->permeability.hydraulicTimeScale * dt * liquidDensity;
+	const double scaled = inflow * scale * dt * liquidDensity;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][2] == 0.0) continue;
 		double area = 0.0;
@@ -277,6 +277,23 @@ void PoreWater<D>::feed(
 		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
 		leave(n.node, -m, -heat);
 	}
+}
+
+template <int D> void PoreWater<D>::chooseLargestConductivity(double extent, double modulus, double liquidDensity)
+{
+	constexpr double pi = 3.14159265358979323846, g = Permeability::gravity;
+	constexpr double longestRest = 0.05; // [s]
+	const double     n           = settings->permeability.referencePorosity;
+	const double     storage     = n / settings->state.liquidBulkModulus + 1.0 / modulus;
+	// pressure of wave number q obeys p'' k/(n g) + p' + p q^2 k/(rho g S) = 0: its decay is aperiodic up to some k, and fastest there
+	const double aperiodic = 0.5 * g * std::sqrt(n * liquidDensity * storage) * extent / pi;
+	largestConductivity    = std::min(aperiodic, 0.25 * longestRest * n * g);
+}
+
+template <int D> double PoreWater<D>::usedScale(double f) const
+{
+	const double wanted = std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale;
+	return std::min(wanted, std::max(1.0, largestConductivity / settings->permeability.referenceConductivity));
 }
 
 template <int D> void PoreWater<D>::leave(int node, double mass, double heat)

@@ -97,6 +97,15 @@ public:
 	NodeField<D>            start;  ///< v_l at the start of the step
 	NodeField<gatheredSize> exchange;
 
+	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
+	/// Water is hastened up to this conductivity [m/s] and no further: at it pressure comes to rest over the whole ground as fast as
+	/// inertia of the water lets it, within a fraction of a second; beyond, water would swing in grains that hardly hold it.
+	double largestConductivity = std::numeric_limits<double>::infinity();
+	/// Chooses it: extent [m] and oedometer modulus [Pa] of the ground.
+	void chooseLargestConductivity(double extent, double modulus, double liquidDensity);
+	/// f_H in force where slow processes run f times as fast as motion.
+	double usedScale(double f) const;
+
 	double waterOut = 0.0, enthalpyOut = 0.0; ///< through drained surfaces since the start [kg, J]
 	Vec<D> momentumOut {};
 

@@ -178,8 +178,9 @@ def nameAttributesInErrors(cls):
 _readWhileRunning = {
 	"MpmEngine": {
 		"gravity", "damping", "flip", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
-		"label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
+		"stopAtDay", "label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
+	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
 	"RveSkeleton": {"threads", "onBlowUp", "blowUpFolder"},
 }

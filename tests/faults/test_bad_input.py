@@ -206,7 +206,7 @@ wrong = {
 	"slice without thickness": (lambda s: meeting(utils.sphere((0.5, 1.5, 0), 0.2), thickness=0), "BodyContact.thickness", "0"),
 	"thickness of a slice lost in mid-run": (lambda s: (meeting(utils.sphere((0.5, 1.5, 0), 0.2)), setattr(O.engines[1].bodies, "thickness", nan), O.step()), "BodyContact.thickness", "nan"),
 	# too late, too large, in vain
-	"heat hastened in mid-run": (lambda s: running(lambda mpm: setattr(mpm.heat, "thermalTimeScale", 5)), "HeatTransfer.thermalTimeScale", "5"),
+	"heat produced from mid-run on": (lambda s: running(lambda mpm: setattr(mpm.heat, "source", 5)), "HeatTransfer.source", "5"),
 	"air warmed in mid-run without a table": (lambda s: running(lambda mpm: setattr(mpm.boundaries[0], "temperature", 9)), "SurfaceTemperature.temperature", "9"),
 	"effect exchanged in mid-run": (lambda s: running(lambda mpm: setattr(mpm, "heat", wrapper.HeatTransfer())), "MpmEngine.heat", "HeatTransfer"),
 	"whole number that is none of the machine's": (lambda s: wrapper.MpmEngine(limitInterval=10**30), "MpmEngine.limitInterval", "1" + 30 * "0"),

@@ -289,6 +289,7 @@ TEST(Consolidation, HeatedDrainedSurfaceGivesMcTiguesPressure)
 	const double timeScale      = 1e5;
 	s.heat.emplace();
 	s.heat->thermalTimeScale = timeScale;
+	s.water->hydraulicTimeScale = 1.0; // the two diffusivities of the theory come from different scales
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), 1.0);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("bottom"));
 	Ground<2> ground = startedColumn(s, c, [](PointInput<2>& p) { p.temperature = 0.0; });
@@ -352,6 +353,7 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 		        40000);
 		const double perRoot = front.integralOf([=](double t) { return curve->liquidSaturation(t); }) / 0.95;
 		s.heat->thermalTimeScale = std::pow(2.0 * ratio * std::sqrt(cv) / perRoot, 2);
+		s.water->hydraulicTimeScale = 1.0;
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
 		Ground<2> ground = startedColumn(s, c, [&](PointInput<2>& p) {
 			p.temperature = initial;
