@@ -103,7 +103,7 @@ fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {
 	"test": Preset(gridSpacing=0.5, grains=60, days=6.0, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2, calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3))),
-	"draft": Preset(gridSpacing=0.5, grains=100, days=200.0),
+	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0),
 	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
 }
@@ -119,7 +119,7 @@ class Ground:
 	conductivity: float = 1e-4  # k [m/s] (P)
 	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P), while the ground rests (O)
 	movingTimeScale: float = 1.0  # f_m, while it moves (O)
-	motionTolerance: float = 0.01  # speed at which the scale lies half way [m/s] (O)
+	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
 	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
 	freezingWidth: float = 0.5  # W of the gauss freezing curve [K] (O)
 	residualSaturation: float = 0.05  # S_r (O)
