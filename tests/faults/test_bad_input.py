@@ -206,6 +206,13 @@ wrong = {
 	"slice without thickness": (lambda s: meeting(utils.sphere((0.5, 1.5, 0), 0.2), thickness=0), "BodyContact.thickness", "0"),
 	"thickness of a slice lost in mid-run": (lambda s: (meeting(utils.sphere((0.5, 1.5, 0), 0.2)), setattr(O.engines[1].bodies, "thickness", nan), O.step()), "BodyContact.thickness", "nan"),
 	# too late, too large, in vain
+	"calendar of ground that cannot move": (lambda s: warm(heat=wrapper.HeatTransfer(followsMotion=True)), "followsMotion", "true"),
+	"calendar that runs backwards in motion": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, movingTimeScale=-1)), "movingTimeScale", "-1"),
+	"calendar faster in motion than at rest": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, movingTimeScale=2)), "movingTimeScale", "2"),
+	"tolerance of the calendar of nothing": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=0)), "motionTolerance", "0"),
+	"tolerance of the calendar faster than any slide": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=50)), "motionTolerance", "50"),
+	"events smaller than nothing": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, eventDisplacement=-1)), "eventDisplacement", "-1"),
+	"stop on no day": (lambda s: ground(stopAtDay=nan), "stopAtDay", "nan"),
 	"heat produced from mid-run on": (lambda s: running(lambda mpm: setattr(mpm.heat, "source", 5)), "HeatTransfer.source", "5"),
 	"air warmed in mid-run without a table": (lambda s: running(lambda mpm: setattr(mpm.boundaries[0], "temperature", 9)), "SurfaceTemperature.temperature", "9"),
 	"effect exchanged in mid-run": (lambda s: running(lambda mpm: setattr(mpm, "heat", wrapper.HeatTransfer())), "MpmEngine.heat", "HeatTransfer"),
