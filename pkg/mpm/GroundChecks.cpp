@@ -76,6 +76,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.water) {
 		s.water->state.validate();
 		s.water->permeability.validate();
+		requireSetting(!(s.water->largestConductivity <= 0.0), "largestConductivity", s.water->largestConductivity, "must be positive, in m/s; leave it out to have it chosen");
 		requireSetting(
 		        s.water->permeability.hydraulicTimeScale == 1.0, "permeability.hydraulicTimeScale", s.water->permeability.hydraulicTimeScale,
 		        "must be 1 in a ground; set WaterSettings::hydraulicTimeScale");

@@ -53,9 +53,11 @@ struct WaterSettings {
 	PoreWaterState state;               ///< bulk moduli, cavitation pressure, densityChange
 	Permeability   permeability;        ///< hydraulic conductivity
 	double         flipFraction = 0.9;  ///< chi of the liquid velocity
-	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar. Neither hastens water
-	/// beyond PoreWater::largestConductivity.
+	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar.
 	double hydraulicTimeScale = std::numeric_limits<double>::quiet_NaN();
+	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see
+	/// PoreWater::largestConductivity; infinity: none.
+	double largestConductivity = std::numeric_limits<double>::quiet_NaN();
 	/// exact: pressure from masses (drift-free). printed: rate form with the coefficient of Yu & Zhao eq. (3), for comparison.
 	/// The choice is made by state.massCoefficient.
 };

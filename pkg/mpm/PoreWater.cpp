@@ -287,13 +287,14 @@ template <int D> void PoreWater<D>::chooseLargestConductivity(double extent, dou
 	const double     storage     = n / settings->state.liquidBulkModulus + 1.0 / modulus;
 	// pressure of wave number q obeys p'' k/(n g) + p' + p q^2 k/(rho g S) = 0: its decay is aperiodic up to some k, and fastest there
 	const double aperiodic = 0.5 * g * std::sqrt(n * liquidDensity * storage) * extent / pi;
-	largestConductivity    = std::min(aperiodic, 0.25 * longestRest * n * g);
+	largestConductivity    = std::isnan(settings->largestConductivity) ? std::min(aperiodic, 0.25 * longestRest * n * g) : settings->largestConductivity;
 }
 
 template <int D> double PoreWater<D>::usedScale(double f) const
 {
 	const double wanted = std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale;
-	return std::min(wanted, std::max(1.0, largestConductivity / settings->permeability.referenceConductivity));
+	const double k = settings->permeability.referenceConductivity, largest = largestConductivity / k;
+	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
 }
 
 template <int D> void PoreWater<D>::leave(int node, double mass, double heat)

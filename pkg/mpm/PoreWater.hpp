@@ -99,7 +99,9 @@ public:
 
 	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
 	/// Water is hastened up to this conductivity [m/s] and no further: at it pressure comes to rest over the whole ground as fast as
-	/// inertia of the water lets it, within a fraction of a second; beyond, water would swing in grains that hardly hold it.
+	/// inertia of the water lets it, within a fraction of a second; beyond, water would swing in grains that hardly hold it. Ground whose
+	/// own conductivity is larger than this and than untouched takes the larger of the two.
+	static constexpr double untouched = 1e-2;
 	double largestConductivity = std::numeric_limits<double>::infinity();
 	/// Chooses it: extent [m] and oedometer modulus [Pa] of the ground.
 	void chooseLargestConductivity(double extent, double modulus, double liquidDensity);

@@ -77,7 +77,7 @@ public:
 	talik::WaterSettings build(Real residualSaturation) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
-		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0."))
+		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 1e-2 it is lowered, with a warning, to what lets pressure rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
 		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
 		((Real,impedance,6,,"Omega of impedance [-], >= 0."))

@@ -248,7 +248,7 @@ void MpmEngine::initialise()
 		const bool begins = saved.empty();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
-		if (begins) warnOfTables();
+		if (begins) warnOfCalendar();
 	} catch (...) {
 		ground.reset();
 		throw;
@@ -261,9 +261,12 @@ talik::Ground<2>& MpmEngine::runningGround()
 	return *ground;
 }
 
-/// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days.
-void MpmEngine::warnOfTables() const
+/// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold.
+void MpmEngine::warnOfCalendar() const
 {
+	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1))
+		std::cerr << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
+		          << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing." << std::endl;
 	const double step = ground->stableTimeStep().step;
 	const auto&  c    = ground->calendar();
 	const double slow = std::min(heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());

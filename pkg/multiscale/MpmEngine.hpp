@@ -77,7 +77,7 @@ private:
 	void                     followAttributes();
 	void                     followTolerance();
 	void                     followHeat();
-	void                     warnOfTables() const;
+	void                     warnOfCalendar() const;
 	void                     stopAtTheDay(double before);
 	bool                     watchStableStep();
 	int                      findStableStep();

@@ -126,6 +126,7 @@ TEST(Freezing, TwentyFreezeThawCyclesOfADrainedColumnLoseNoWaterAndNoHeatAndDoNo
 	auto s = wetColumn(0.8);
 	s.skeletons.push_back(elasticOedometer(1e7));
 	s.heat->thermalTimeScale = 1e7;
+	s.water->hydraulicTimeScale = 1.0;
 	s.motion->localDamping   = 0.2;
 	constexpr double    half = 0.12;
 	std::vector<double> times, values;

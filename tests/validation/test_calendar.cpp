@@ -13,7 +13,7 @@ namespace {
 constexpr double day = 86400.0;
 
 struct SlopeRun {
-	double largestScale = 8.64e5, tolerance = 0.02;
+	double largestScale = 8.64e5, tolerance = 0.01;
 };
 
 /// The first event, and what it came to.

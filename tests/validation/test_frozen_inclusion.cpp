@@ -48,7 +48,8 @@ GroundSettings<2> channel(const FrozenInclusion& c, double h, double height, dou
 	s.water->permeability.referencePorosity     = c.porosity;
 	s.water->permeability.impedance             = c.impedance * c.porosity;
 	s.water->permeability.floor                 = c.smallestRelative;
-	s.water->hydraulicTimeScale                 = 1.0; // hastened beyond what pressure at rest needs: water shall carry its heat
+	s.water->hydraulicTimeScale                 = 1.0;
+	s.water->largestConductivity                = INFINITY; // hastened beyond what pressure at rest needs: water shall carry its heat
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), c.waterDensity * c.gravity * c.headDifference);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("right"), 0.0);
 	return s;
