@@ -135,7 +135,7 @@ def test_tables_in_seconds_of_motion_or_in_days_are_warned_of(times, warned, cap
 
 @pytest.mark.parametrize("conductivity, own", [(1e-4, float("nan")), (1e-4, 4e6), (1.0, float("nan"))])
 def test_hastened_sand_and_gravel_run_dry_above_without_an_impossible_state(conductivity, own, capfd):
-	"""A slope thaws for a year in 8 s of motion; its water falls to the base within the first of them. What is not there does not flow."""
+	"""A slope thaws for half a year in 4 s of motion; its water falls to the base within the first of them. What is not there does not flow."""
 	O.reset()
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.25, lower=(0, 0), upper=(4, 3), gravity=(0, -9.81), damping=0.1, skeleton=wrapper.ElasticSkeleton(young=20e6),
@@ -148,12 +148,13 @@ def test_hastened_sand_and_gravel_run_dry_above_without_an_impossible_state(cond
 	talik.geometry.fill(mpm, [(0, 0), (4, 0), (4, 0.5), (2, 2), (0, 2)], temperature=-2)
 	O.engines = [mpm]
 	water = mpm.balance()["waterMass"]
-	mpm.stopAtDay = 365
+	mpm.stopAtDay = 180
 	O.run()
 	O.wait()
+	told = capfd.readouterr().err
 	balance, fill, calendar = mpm.balance(), mpm.field("liquidFraction") / mpm.field("porosity"), mpm.calendar
 	print(f"day {calendar['day']:.0f} after {O.time:.1f} s, seepage x {calendar['seepageScale']:.3g}: fill {fill.min():.2g} to {fill.max():.2f}, {100 * balance['waterOut'] / water:.1f} % of the water has left")
 	assert 0 < fill.min() < 0.5 and balance["waterOut"] > 0
 	assert balance["waterMass"] + balance["waterOut"] == pytest.approx(water, rel=1e-11)
 	assert conductivity * calendar["seepageScale"] == pytest.approx(calendar["largestConductivity"], rel=1e-12)
-	assert ("PoreWater.conductivity is 1 m/s" in capfd.readouterr().err) == (conductivity == 1.0)
+	assert ("PoreWater.conductivity is 1 m/s" in told) == (conductivity == 1.0)
