@@ -279,15 +279,12 @@ void PoreWater<D>::feed(
 	}
 }
 
-template <int D> void PoreWater<D>::chooseLargestConductivity(double extent, double modulus, double liquidDensity)
+template <int D> void PoreWater<D>::chooseLargestConductivity(double, double, double)
 {
-	constexpr double pi = 3.14159265358979323846, g = Permeability::gravity;
-	constexpr double longestRest = 0.05; // [s]
-	const double     n           = settings->permeability.referencePorosity;
-	const double     storage     = n / settings->state.liquidBulkModulus + 1.0 / modulus;
-	// pressure of wave number q obeys p'' k/(n g) + p' + p q^2 k/(rho g S) = 0: its decay is aperiodic up to some k, and fastest there
-	const double aperiodic = 0.5 * g * std::sqrt(n * liquidDensity * storage) * extent / pi;
-	largestConductivity    = std::isnan(settings->largestConductivity) ? std::min(aperiodic, 0.25 * longestRest * n * g) : settings->largestConductivity;
+	// what water does against its inertia dies out within k/(n g), whatever the ground is like
+	constexpr double longestRest = 0.0125; // [s]
+	largestConductivity          = std::isnan(settings->largestConductivity) ? longestRest * settings->permeability.referencePorosity * Permeability::gravity
+	                                                                        : settings->largestConductivity;
 }
 
 template <int D> double PoreWater<D>::usedScale(double f) const
