@@ -190,7 +190,6 @@ template <int D> struct Ground<D>::Parts {
 
 	SkeletonBatch<D> batch(int skeleton) const;
 	double           largestModulus() const;
-	double           extent() const; ///< longest side of the box around the ground [m]
 	double           liquidDensity() const { return settings.mixture.liquid.density; }
 	CostMeter::Entry base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }

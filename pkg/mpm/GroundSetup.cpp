@@ -126,16 +126,6 @@ template <int D> double Ground<D>::Parts::largestModulus() const
 	return *std::max_element(scratch.begin(), scratch.end());
 }
 
-template <int D> double Ground<D>::Parts::extent() const
-{
-	double largest = 0.0;
-	for (int a = 0; a < D; ++a) {
-		const auto ends = std::minmax_element(points->position(a), points->position(a) + points->count());
-		largest         = std::max(largest, *ends.second - *ends.first);
-	}
-	return largest + grid.spacing();
-}
-
 template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
 {
 	if (parts_->ready) throw std::logic_error("addPoint: points are added before initialise()");
@@ -159,7 +149,7 @@ template <int D> void Ground<D>::initialise()
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
 			g.settings.skeletons[k]->initialise(g.batch(k));
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
-		if (g.water) g.water->chooseLargestConductivity(g.extent(), g.largestModulus(), g.liquidDensity());
+		if (g.water) g.water->chooseLargestConductivity();
 		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), g.grid.spacing(), g.settings.heatFraction);
 		for (int p = 0; p < g.points->count(); ++p)
 			g.clock.initialMass += g.motion->mass[p] + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);

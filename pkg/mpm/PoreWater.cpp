@@ -279,7 +279,7 @@ void PoreWater<D>::feed(
 	}
 }
 
-template <int D> void PoreWater<D>::chooseLargestConductivity(double, double, double)
+template <int D> void PoreWater<D>::chooseLargestConductivity()
 {
 	// what water does against its inertia dies out within k/(n g), whatever the ground is like
 	constexpr double longestRest = 0.0125; // [s]

@@ -98,13 +98,12 @@ public:
 	NodeField<gatheredSize> exchange;
 
 	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
-	/// Water is hastened up to this conductivity [m/s] and no further: at it pressure comes to rest over the whole ground as fast as
-	/// inertia of the water lets it, within a fraction of a second; beyond, water would swing in grains that hardly hold it. Ground whose
-	/// own conductivity is larger than this and than untouched takes the larger of the two.
+	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
+	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
+	/// conductivity is larger takes this or untouched, whichever is larger.
 	static constexpr double untouched = 1e-2;
-	double largestConductivity = std::numeric_limits<double>::infinity();
-	/// Chooses it: extent [m] and oedometer modulus [Pa] of the ground.
-	void chooseLargestConductivity(double extent, double modulus, double liquidDensity);
+	double largestConductivity        = std::numeric_limits<double>::infinity();
+	void   chooseLargestConductivity();
 	/// f_H in force where slow processes run f times as fast as motion.
 	double usedScale(double f) const;
 
