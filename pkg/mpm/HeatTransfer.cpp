@@ -69,7 +69,7 @@ template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int 
 		capacitySum += heatCapacity[p];
 		conductance += volume[p] * conductivity[p];
 	}
-	smoothingTime = grid.spacing() * grid.spacing() * capacitySum / (settings->thermalTimeScale * conductance);
+	smoothingTime = grid.spacing() * grid.spacing() * capacitySum / conductance;
 }
 
 template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
@@ -237,7 +237,7 @@ void HeatTransfer<D>::nodalTemperature(
 
 template <int D> PlaneLoops::HeatFlow HeatTransfer<D>::flow(double dt) const
 {
-	const double scaled = dt * settings->thermalTimeScale;
+	const double scaled = dt * scale;
 	return { volume, conductivity, share, temperature, scaled, scaled * settings->source, reference };
 }
 
@@ -247,7 +247,7 @@ template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const Weight
 		planeLoops().flowHeat(w, flow(dt), nodal[0], energy[0]);
 		return;
 	}
-	const double scaled = dt * settings->thermalTimeScale;
+	const double scaled = dt * scale;
 	const double source = scaled * settings->source;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
@@ -277,7 +277,6 @@ template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const Weight
 template <int D>
 void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
 {
-	const double scale = settings->thermalTimeScale;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double capacity = nodes[n.node][0];
 		if (capacity <= 0.0) continue;

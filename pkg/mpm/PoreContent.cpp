@@ -272,24 +272,34 @@ template <int D> void PoreContent<D>::updateIce(const Block& b) const
 		saturation[k] = 1.0 - b.liquidSaturation[k];
 }
 
+/// Where water has left a gap, less of it flows, and through narrower ways: conductivity falls with the cube of the fill (Corey). Ground
+/// that drains then runs dry ever more slowly, and nothing flows that is not there.
 template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
-	const Permeability  law   = settings_->water->permeability;
+	Permeability        law   = settings_->water->permeability;
+	law.hydraulicTimeScale *= water_->scale;
+	const double        density = settings_->mixture.liquid.density, floor = law.floor;
 	const double* const water = waterMass + b.first;
 	const double* const n     = porosity + b.first;
+	const double* const volume = volume_ + b.first;
 	double* const       liquidFraction = water_->liquidFraction + b.first;
 	double* const       drag           = water_->drag + b.first;
+	double              open[blockSize];
 #pragma GCC ivdep
-	for (int k = 0; k < b.count; ++k)
-		liquidFraction[k] = n[k] * b.liquidSaturation[k];
+	for (int k = 0; k < b.count; ++k) {
+		const double whole = n[k] * b.liquidSaturation[k];
+		const double fill  = std::min(1.0, (water[k] - b.ice[k]) / (density * volume[k] * whole));
+		liquidFraction[k]  = whole * fill;
+		open[k]            = std::max(floor, fill * fill * fill);
+	}
 	if (law.law == RelativeConductivity::impedance) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
-			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], law.impededConductivity(n[k], b.liquidSaturation[k]));
+			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.impededConductivity(n[k], b.liquidSaturation[k]));
 		return;
 	}
 	for (int k = 0; k < b.count; ++k)
-		drag[k] = law.drag(water[k] - b.ice[k], n[k], b.liquidSaturation[k]);
+		drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
 }
 
 template <int D> bool PoreContent<D>::allPossible(const Block& b) const

@@ -40,6 +40,10 @@ talik::HeatSettings HeatTransfer::build() const
 {
 	talik::HeatSettings heat;
 	heat.thermalTimeScale = thermalTimeScale;
+	heat.followsMotion     = followsMotion;
+	heat.movingTimeScale   = movingTimeScale;
+	heat.motionTolerance   = motionTolerance;
+	heat.eventDisplacement = eventDisplacement;
 	heat.source           = source;
 	heat.smoothingTime    = smoothingTime;
 	heat.enthalpyForm     = talik::enthalpyFormFromName(enthalpyForm);
@@ -118,7 +122,8 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 	water.permeability.impedance             = impedance;
 	water.permeability.residualSaturation    = residualSaturation;
 	water.permeability.floor                 = relativeConductivityFloor;
-	water.permeability.hydraulicTimeScale    = hydraulicTimeScale;
+	water.hydraulicTimeScale                 = hydraulicTimeScale;
+	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
 	water.flipFraction                       = flip;
 	talik::underScriptNames(
 	        { { "liquidBulkModulus", "PoreWater.bulkModulus" },
@@ -135,6 +140,7 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 		        water.state.validate();
 		        water.permeability.validate();
 	        });
+	water.permeability.hydraulicTimeScale = 1;
 	return water;
 }
 

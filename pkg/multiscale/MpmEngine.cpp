@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/mpm/GroundChecks.hpp>
 #include <pkg/mpm/StopAfterStep.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <iostream>
 #include <mutex>
 #include <numeric>
 #include <set>
+#include <sstream>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -18,6 +21,8 @@ YADE_PLUGIN((MpmEngine));
 namespace {
 	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy szz sxy vx vy poreFill.
 	constexpr int numbersPerPoint = 14;
+
+	constexpr double secondsPerDay = 86400;
 
 	const char archiveMagic[] = "talik ground 4";
 
@@ -292,6 +297,7 @@ void MpmEngine::checkChangeable() const
 	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
 	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
 	require(limitInterval >= 1, "limitInterval", limitInterval, "1 or more steps");
+	require(!std::isnan(stopAtDay), "stopAtDay", stopAtDay, "a day of the calendar, or infinity");
 	if (bodies) bodies->build();
 }
 
@@ -358,8 +364,10 @@ void MpmEngine::initialise()
 	try {
 		addPointsToGround(goesOn);
 		ground->initialise();
+		const bool begins = saved.empty();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
+		if (begins) warnOfCalendar();
 	} catch (...) {
 		ground.reset();
 		throw;
@@ -370,6 +378,26 @@ talik::Ground<2>& MpmEngine::runningGround()
 {
 	initialise();
 	return *ground;
+}
+
+/// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold.
+void MpmEngine::warnOfCalendar() const
+{
+	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1))
+		std::cerr << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
+		          << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing." << std::endl;
+	const double step = ground->stableTimeStep().step;
+	const auto&  c    = ground->calendar();
+	const double slow = std::min(heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
+	for (std::size_t i = 0; i < boundaries.size(); i++) {
+		const auto& b = *boundaries[i];
+		if (b.times.size() < 2 || !(b.times.back() > 0) || !(b.times.back() < slow)) continue;
+		std::ostringstream text;
+		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back() << " s of calendar time, within the first step of "
+		     << slow << " s; days are given as days * talik.day";
+		if (heat && heat->thermalTimeScale != 1) text << ", and one second of motion is " << heat->thermalTimeScale << " s of the calendar";
+		std::cerr << text.str() << "." << std::endl;
+	}
 }
 
 // ---- the step --------------------------------------------------------------------------------------------------------------
@@ -414,9 +442,26 @@ void MpmEngine::followAttributes()
 	s.motionFraction = motionFraction;
 	s.resting        = resting;
 	if (tolerance != toleranceInForce) followTolerance();
+	if (heat) followHeat();
 	if (s.motion)
 		for (const auto& law : activeSkeletons())
 			law->followAttributes();
+}
+
+/// Scales of the calendar may change between two steps.
+void MpmEngine::followHeat()
+{
+	auto& inForce = *ground->settings().heat;
+	if (inForce.thermalTimeScale == heat->thermalTimeScale && inForce.movingTimeScale == heat->movingTimeScale && inForce.motionTolerance == heat->motionTolerance)
+		return;
+	auto changed             = ground->settings();
+	changed.heat             = heat->build();
+	changed.heat->followsMotion = inForce.followsMotion;
+	talik::checkSettings(changed);
+	inForce.thermalTimeScale = heat->thermalTimeScale;
+	inForce.movingTimeScale  = heat->movingTimeScale;
+	inForce.motionTolerance  = heat->motionTolerance;
+	stepsUntilLimit          = 0;
 }
 
 void MpmEngine::followTolerance()
@@ -447,7 +492,7 @@ int MpmEngine::findStableStep()
 	Real steps        = limitInterval;
 	if (freezing)
 		for (const auto& limit : stable.limits)
-			if (limit.name == "heat") steps = std::min(steps, 0.5 * limit.step / stableStep);
+			if (limit.name == "heat") steps = std::min(steps, 0.5 * limit.step / stableStep * (heat->followsMotion ? heat->movingTimeScale / heat->thermalTimeScale : 1));
 	return std::max(1, int(steps));
 }
 
@@ -484,9 +529,17 @@ void MpmEngine::stepGround()
 	followAttributes();
 	const bool newLimit = watchStableStep();
 	if (watched) recordWatched();
+	const double before = ground->calendar().time;
 	if (bodies) advanceAmongBodies();
 	else advanceAlone(newLimit);
 	if (watched) recordWatched();
+	stopAtTheDay(before);
+}
+
+void MpmEngine::stopAtTheDay(double before)
+{
+	const double wanted = stopAtDay * secondsPerDay;
+	if (before < wanted && ground->calendar().time >= wanted) scene->stopAtIter = scene->iter + 1;
 }
 
 /// A step beyond the limit takes several of the ground's, in which the limit moves on.
@@ -855,6 +908,50 @@ py::object MpmEngine::believedError()
 
 double MpmEngine::groundTime() const { return ground ? ground->time() : 0; }
 
+py::dict MpmEngine::calendar()
+{
+	const auto& g = runningGround();
+	const auto& c = g.calendar();
+	const bool  follows = heat && heat->followsMotion;
+	py::dict    d;
+	d["day"]           = c.time / secondsPerDay;
+	d["scale"]         = c.scale;
+	d["followsMotion"] = follows;
+	d["speed"]         = follows ? py::object(c.speed) : py::object();
+	d["moving"]        = follows ? py::object(c.moving != 0) : py::object();
+	d["seepageScale"]  = g.seepageScale();
+	d["largestConductivity"] = water ? py::object(g.largestConductivity()) : py::object();
+	return d;
+}
+
+py::list MpmEngine::events()
+{
+	const auto& g = runningGround();
+	if (!heat || !heat->followsMotion)
+		throw std::runtime_error("MpmEngine.events: nobody looks for events where the scale of the calendar does not follow the motion; set HeatTransfer.followsMotion=True before the first step.");
+	py::list          list;
+	const auto        events = g.events();
+	const std::size_t ended  = g.endedEvents().size();
+	for (std::size_t i = 0; i < events.size(); i++) {
+		const auto& e = events[i];
+		py::dict    d;
+		d["day"]      = e.begin / secondsPerDay;
+		d["duration"] = e.duration;
+		d["days"]     = e.passed / secondsPerDay;
+		d["volume"]   = e.volume;
+		d["largest"]  = e.largest;
+		d["goesOn"]   = i >= ended;
+		list.append(d);
+	}
+	return list;
+}
+
+void MpmEngine::setDay(Real day)
+{
+	if (!std::isfinite(day)) throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
+	runningGround().setCalendar(day * secondsPerDay);
+}
+
 double MpmEngine::skemptonB()
 {
 	auto& g = runningGround();
@@ -893,7 +990,13 @@ void MpmEngine::resetDisplacement()
 	auto&     f = g.points().fields();
 	const int n = g.points().count();
 	for (int axis = 0; axis < 2; axis++)
-		if (Real* displacement = f.find("displacement", axis)) std::fill(displacement, displacement + n, 0.);
+		if (Real* displacement = f.find("displacement", axis)) {
+			// an event that goes on keeps what it moved so far
+			if (Real* before = f.find("displacementBefore", axis))
+				for (int p = 0; p < n; p++)
+					before[p] -= displacement[p];
+			std::fill(displacement, displacement + n, 0.);
+		}
 	for (int c = 0; c < 4; c++)
 		if (Real* deformation = f.find("deformationGradient", c)) std::fill(deformation, deformation + n, c % 3 == 0 ? 1. : 0.);
 }
@@ -911,6 +1014,8 @@ void MpmEngine::preSave(MpmEngine&)
 		writer.block(array.name);
 		writer.block(array.data, array.bytes);
 	}
+	const auto& events = ground->endedEvents();
+	writer.block(string(reinterpret_cast<const char*>(events.data()), events.size() * sizeof(talik::MotionEvent)));
 	for (const auto& law : activeSkeletons())
 		writer.block(law->savedState());
 	saved = talik::toBase64(writer.bytes());
@@ -937,6 +1042,11 @@ void MpmEngine::restoreSavedState()
 		if (name != array.name) throw std::runtime_error("MpmEngine: the saved state has the field '" + name + "' where this Talik has '" + array.name + "': continue it with the version that saved it.");
 		reader.block(array.data, array.bytes);
 	}
+	const string events = reader.block();
+	if (events.size() % sizeof(talik::MotionEvent) != 0) throw std::runtime_error("MpmEngine: the saved events are damaged; go on from another checkpoint.");
+	vector<talik::MotionEvent> ended(events.size() / sizeof(talik::MotionEvent));
+	std::copy_n(events.data(), events.size(), reinterpret_cast<char*>(ended.data()));
+	ground->setEndedEvents(ended);
 	ground->stateRestored();
 	for (const auto& law : activeSkeletons())
 		law->restoreState(reader.block());

@@ -53,6 +53,9 @@ public:
 	int                     pointCount() const;
 	::boost::python::list   skeletonNumbers() const;
 	double                  groundTime() const;
+	::boost::python::dict   calendar();
+	::boost::python::list   events();
+	void                    setDay(Real day);
 	double                  skemptonB();
 	void                    resetDisplacement();
 	void                    setTemperature(::boost::python::object values);
@@ -85,6 +88,9 @@ private:
 	void                     setLawOf(int id, int number);
 	void                     followAttributes();
 	void                     followTolerance();
+	void                     followHeat();
+	void                     warnOfCalendar() const;
+	void                     stopAtTheDay(double before);
 	bool                     watchStableStep();
 	int                      findStableStep();
 	int                      subSteps(double dt) const;
@@ -135,6 +141,7 @@ public:
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see believedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
+		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day; once. The calendar's O.stopAtTime. May be changed while running."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
@@ -166,7 +173,10 @@ public:
 		.add_property("believedError",&MpmEngine::believedError,"Error of effective stress that the samples are believed to have caused since the start, root mean square over points and steps, over that of the stress itself [-]: from the differences between predicted and sampled stress and between two rates of strain, as they were measured. None without tolerance. Error of grid and time step is not in it.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
-		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
+		.add_property("time",&MpmEngine::groundTime,"Time of motion of the ground [s]; see calendar for that of heat, weather and seepage.")
+		.add_property("calendar",&MpmEngine::calendar,"Dictionary: day, calendar time in days, at which tables of boundaries are read; scale, calendar time per time of motion in the last step [-]; followsMotion; speed of the fastest point [m/s] and moving, whether an event goes on (both with followsMotion only); seepageScale, what hastens seepage and rain [-]; largestConductivity, up to which it does [m/s], None without water.")
+		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per metre], largest displacement [m], goesOn. An event begins when the fastest point passes motionTolerance and ends when all have been below half of it for 0.2 s.")
+		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")

@@ -14,6 +14,8 @@ from time import sleep as _sleep
 
 from . import _talik, console as _console, copying as _copying
 
+day = 86400.0  # [s]: tables of boundaries are in seconds of calendar time, times=[0, 30 * talik.day]
+
 
 def _publishClasses():
 	"""YADE's own way: constructors of all classes are builtins. Returns the classes."""

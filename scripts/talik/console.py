@@ -198,8 +198,9 @@ def _seenByGrounds(part, names, stockSet):
 _readWhileRunning = {
 	"MpmEngine": {
 		"gravity", "damping", "flip", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
-		"label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
+		"stopAtDay", "label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
+	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
 	"RveSkeleton": {"threads", "onBlowUp", "blowUpFolder"},
 }

@@ -36,7 +36,7 @@ def thawingGround(packed):
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e8), freezing=wrapper.FreezingCurve(),
 		boundaries=[
 			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
-			wrapper.SurfaceTemperature(region="surface", times=[0, 0.001], values=[-1, 20]),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 1e5], values=[-1, 20]),
 		],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 1), temperature=-1.0)
