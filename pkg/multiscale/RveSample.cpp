@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/RveSample.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
 
@@ -24,6 +25,7 @@ void RveSample::setPacked(PackedState<2> s) { state = std::make_shared<PackedSta
 
 void RveSample::action()
 {
+	const talik::StepGate gate;
 	PackedSample<2> sample(packed());
 	sample.advance(InPlane(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
 	setPacked(sample.state());
@@ -52,7 +54,11 @@ shared_ptr<Scene> RveSample::open() const
 	return scene;
 }
 
-void RveSample::repack(const shared_ptr<Scene>& scene) { setPacked(talik::packScene(*scene, state.get())); }
+void RveSample::repack(const shared_ptr<Scene>& scene)
+{
+	if (!scene) throw std::invalid_argument("RveSample.repack: the scene is None: give the Scene that open() returned.");
+	setPacked(talik::packScene(*scene, state.get()));
+}
 
 py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
 {
@@ -163,7 +169,7 @@ py::object RveSample::stateBytes() const
 
 void RveSample::setTimeStep(Real dt)
 {
-	if (!(dt > 0)) throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
 	PackedState<2> s = packed();
 	s.dt             = dt;
 	setPacked(std::move(s));
