@@ -854,7 +854,7 @@ void MpmEngine::setTemperature(py::object values)
 	for (int id = 0; id < (same ? 1 : n); id++)
 		if (!(data[id] > -100 && data[id] < 100))
 			throw std::invalid_argument("MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
-	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat.");
+	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
 	for (int id = 0; id < n; id++)

@@ -15,11 +15,11 @@ measurement = Path(__file__).resolve().parents[2] / "scripts" / "benchmarks" / "
 def ratios(tmp_path_factory):
 	"""Time of two threads over that of one, by number of busy processes beside them and kind of ground."""
 	file = tmp_path_factory.mktemp("threads") / "ratios.json"
-	subprocess.run(["yade", "-n", "-x", "-j2", str(measurement), str(file), "--rounds", "9", "--steps", "8", "--busy", "0,1,2"], check=True, timeout=300, capture_output=True)
+	subprocess.run(["yade", "-n", "-x", "-j2", str(measurement), str(file), "--rounds", "13", "--steps", "16", "--busy", "0,1,2"], check=True, timeout=300, capture_output=True)
 	return json.loads(file.read_text())["figures"]
 
 
-def test_two_threads_are_never_slower_than_1_2_times_one_whatever_runs_beside_them(ratios):
+def test_two_threads_take_at_most_1_2_times_the_time_of_one_whatever_runs_beside_them(ratios):
 	for row in ratios:
 		print(f"threads: {row['name']} | {row['value']:.2f} | 1 | {row['value'] - 1:+.2f} | 0.2 | one thread of the same run")
 	assert len(ratios) == 6 and max(row["value"] for row in ratios) <= 1.2
