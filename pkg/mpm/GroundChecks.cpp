@@ -109,9 +109,11 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			const auto& other = settings.boundaries[j];
 			// a surface has either its pressure or its flux prescribed
 			const bool pressureAndFlux = (b->drains() && other->feeds()) || (b->feeds() && other->drains());
-			const bool mayMeet = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
+			// water crosses a side or it does not
+			const bool openAndClosed = (b->drains() && other->name() == "ImpermeableBoundary") || (other->drains() && b->name() == "ImpermeableBoundary");
+			const bool mayMeet       = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
-			if (mayMeet && !pressureAndFlux) continue;
+			if (mayMeet && !pressureAndFlux && !openAndClosed) continue;
 			const Region<D>&r = b->region(), &q = other->region();
 			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;

@@ -61,7 +61,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs HeatTransfer. Example: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05).",
 		((string,curve,"gauss",,"gauss, exponential, power, vanGenuchten, linear or sharp."))
 		((Real,freezingTemperature,0,,"T_f: at and above it all water is liquid [degC]."))
-		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1."))
+		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1; without PoreWater also 0."))
 		((Real,width,NaN,,"Width of the freezing range [K], > 0: W of gauss and exponential, T_f - T_m of linear, D of power; NaN: the curve's default."))
 		((Real,exponent,NaN,,"a of power, lambda of vanGenuchten [-]; NaN: the curve's default."))
 		((Real,airEntryPressure,NaN,,"P_0 of vanGenuchten [Pa]; NaN: the curve's default."))

@@ -3,7 +3,11 @@
 #include <pkg/mpm/GroundChecks.hpp>
 #include <pkg/mpm/StopAfterStep.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/multiscale/FileBesides.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
+#include <pkg/multiscale/Plausibility.hpp>
+#include <pkg/rve/HoldGil.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <iostream>
@@ -24,7 +28,7 @@ namespace {
 
 	constexpr double secondsPerDay = 86400;
 
-	const char archiveMagic[] = "talik ground 4";
+	const char archiveMagic[] = "talik ground 5";
 
 	np::ndarray asArray(const string& name, const py::object& values)
 	{
@@ -67,6 +71,14 @@ namespace {
 			{ "poreFill", 13, 1, { NaN } },
 		};
 		return columns;
+	}
+
+	/// skeleton is the number of a law: half a number is none.
+	void requireWholeNumbers(const vector<Real>& table)
+	{
+		for (std::size_t row = 0; row < table.size(); row += numbersPerPoint)
+			if (table[row + 6] != std::floor(table[row + 6]) || std::abs(table[row + 6]) > 1e9)
+				throw std::invalid_argument("MpmEngine.addPoints: skeleton is " + boost::lexical_cast<string>(table[row + 6]) + ": give the number of a law in skeletons, a whole number.");
 	}
 
 	talik::PointInput<2> pointFrom(const Real* row)
@@ -222,6 +234,7 @@ void MpmEngine::addPoints(py::dict arrays)
 			std::copy(column.byDefault.begin(), column.byDefault.end(), &rows[p * numbersPerPoint + column.first]);
 	}
 	if (py::len(unknown) > 0) throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + string(py::extract<string>(unknown[0])) + "'.");
+	requireWholeNumbers(rows);
 	pointInput.insert(pointInput.end(), rows.begin(), rows.end());
 	if (ground) discardGround();
 }
@@ -265,6 +278,9 @@ void MpmEngine::checkPresence() const
 	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
 	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
+	if (freezing && water && freezing->residualSaturation < 0.01)
+		throw std::invalid_argument(
+		        "FreezingCurve.residualSaturation is " + std::to_string(freezing->residualSaturation) + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
 	if (bodies && !motion) throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
 	if (water && !motion) throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
 	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
@@ -360,18 +376,51 @@ void MpmEngine::initialise()
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
+	stableStep       = 0;
 	toleranceInForce = tolerance;
 	try {
 		addPointsToGround(goesOn);
 		ground->initialise();
-		const bool begins = saved.empty();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
-		if (begins) warnOfCalendar();
+		if (!goesOn) {
+			sayGraveDoubts();
+			warnOfCalendar();
+		}
 	} catch (...) {
 		ground.reset();
 		throw;
 	}
+}
+
+namespace {
+	vector<talik::PointInput<2>> pointsFrom(const vector<Real>& table)
+	{
+		vector<talik::PointInput<2>> points;
+		for (std::size_t row = 0; row < table.size(); row += numbersPerPoint)
+			points.push_back(pointFrom(&table[row]));
+		return points;
+	}
+}
+
+py::list MpmEngine::doubts() const
+{
+	py::list sentences;
+	for (const auto& doubt : talik::doubtsAbout(*this, pointsFrom(pointInput)))
+		sentences.append(doubt.sentence);
+	return sentences;
+}
+
+/// Once, however often a ground that has not begun is made anew.
+void MpmEngine::say(const string& sentence)
+{
+	if (said.insert(sentence).second) std::cerr << sentence << std::endl;
+}
+
+void MpmEngine::sayGraveDoubts()
+{
+	for (const auto& doubt : talik::doubtsAbout(*this, pointsFrom(pointInput)))
+		if (doubt.grave) say("Talik doubts: " + doubt.sentence);
 }
 
 talik::Ground<2>& MpmEngine::runningGround()
@@ -381,11 +430,14 @@ talik::Ground<2>& MpmEngine::runningGround()
 }
 
 /// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold.
-void MpmEngine::warnOfCalendar() const
+void MpmEngine::warnOfCalendar()
 {
-	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1))
-		std::cerr << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
-		          << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing." << std::endl;
+	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1)) {
+		std::ostringstream text;
+		text << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
+		     << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing.";
+		say(text.str());
+	}
 	const double step = ground->stableTimeStep().step;
 	const auto&  c    = ground->calendar();
 	const double slow = std::min(heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
@@ -396,7 +448,8 @@ void MpmEngine::warnOfCalendar() const
 		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back() << " s of calendar time, within the first step of "
 		     << slow << " s; days are given as days * talik.day";
 		if (heat && heat->thermalTimeScale != 1) text << ", and one second of motion is " << heat->thermalTimeScale << " s of the calendar";
-		std::cerr << text.str() << "." << std::endl;
+		text << ".";
+		say(text.str());
 	}
 }
 
@@ -507,9 +560,25 @@ int MpmEngine::subSteps(double dt) const
 	return std::max(1, int(steps));
 }
 
+std::atomic<bool> MpmEngine::runWaitedFor { false };
+
+namespace {
+	/// The error comes up where the run is waited for: YADE's log does not say it as well.
+	void sayNoMore()
+	{
+		const talik::HoldGil held;
+		try {
+			py::import("talik.console").attr("hush")();
+		} catch (const py::error_already_set&) {
+			PyErr_Clear();
+		}
+	}
+}
+
 /// A step that fails leaves the scene between two steps: it can be looked at, saved and, with other settings, continued.
 void MpmEngine::action()
 {
+	const talik::StepGate gate;
 	if (inspected) throw std::runtime_error("MpmEngine: O shows one of the samples of this ground; mpm.back() returns to the ground, which steps then.");
 	failure.clear();
 	try {
@@ -518,6 +587,7 @@ void MpmEngine::action()
 		failure = problem.what();
 		failures++;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
+		if (runWaitedFor) sayNoMore();
 		throw;
 	}
 }
@@ -542,10 +612,44 @@ void MpmEngine::stopAtTheDay(double before)
 	if (before < wanted && ground->calendar().time >= wanted) scene->stopAtIter = scene->iter + 1;
 }
 
+/// Of several grounds the first chooses the step: one that chose its own after it would run by another clock than the scene.
+bool MpmEngine::leadsTimeStep() const
+{
+	for (const auto& engine : scene->engines)
+		if (const auto* other = dynamic_cast<const MpmEngine*>(engine.get()))
+			if (!other->dead && other->automaticTimeStep) return other == this;
+	return true;
+}
+
+/// What the grounds behind this one want.
+Real MpmEngine::timeStepOfOthers()
+{
+	Real step = std::numeric_limits<Real>::infinity();
+	for (const auto& engine : scene->engines) {
+		auto* other = dynamic_cast<MpmEngine*>(engine.get());
+		if (!other || other == this || other->dead || !other->automaticTimeStep) continue;
+		other->scene = scene;
+		step         = std::min(step, other->wantedStep());
+	}
+	return step;
+}
+
+Real MpmEngine::wantedStep()
+{
+	initialise();
+	if (stableStep == 0) findStableStep();
+	if (!bodies) return stableStep;
+	bodies->collect(*scene, *this, *ground->bodies());
+	return bodies->timeStep(*scene, stableStep);
+}
+
 /// A step beyond the limit takes several of the ground's, in which the limit moves on.
 void MpmEngine::advanceAlone(bool newLimit)
 {
-	if (automaticTimeStep && newLimit) scene->dt = stableStep;
+	if (automaticTimeStep && leadsTimeStep()) {
+		const Real others = timeStepOfOthers();
+		if (newLimit || others < scene->dt) scene->dt = std::min(stableStep, others);
+	}
 	Real done = 0;
 	for (bool whole = false; !whole;) {
 		const Real left = scene->dt - done;
@@ -571,7 +675,7 @@ void MpmEngine::advanceAmongBodies()
 {
 	auto& contact = *ground->bodies();
 	bodies->collect(*scene, *this, contact);
-	if (automaticTimeStep) scene->dt = bodies->timeStep(*scene, stableStep);
+	if (automaticTimeStep && leadsTimeStep()) scene->dt = std::min(bodies->timeStep(*scene, stableStep), timeStepOfOthers());
 	if (bodies->due(*scene) > 1e-9 * scene->dt) {
 		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);
 		const int    count = subSteps(interval);
@@ -950,6 +1054,7 @@ void MpmEngine::setDay(Real day)
 {
 	if (!std::isfinite(day)) throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
 	runningGround().setCalendar(day * secondsPerDay);
+	begun = true;
 }
 
 double MpmEngine::skemptonB()
@@ -976,8 +1081,12 @@ void MpmEngine::setTemperature(py::object values)
 	const int         n     = g.points().count();
 	const bool        same  = array.get_nd() == 0;
 	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
-	begun             = true;
-	const Real*  data = reinterpret_cast<const Real*>(array.get_data());
+	const Real* data = reinterpret_cast<const Real*>(array.get_data());
+	for (int id = 0; id < (same ? 1 : n); id++)
+		if (!(data[id] > -100 && data[id] < 100))
+			throw std::invalid_argument("MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
+	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
+	begun = true;
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
 	for (int id = 0; id < n; id++)
@@ -1003,6 +1112,19 @@ void MpmEngine::resetDisplacement()
 
 // ---- archives --------------------------------------------------------------------------------------------------------------
 
+namespace {
+	/// Bit by bit, but for numbers that are none: archives of text keep only that.
+	std::uint64_t digestOf(const vector<Real>& numbers)
+	{
+		talik::Checksum checksum;
+		for (const Real number : numbers) {
+			const Real plain = std::isnan(number) ? std::numeric_limits<Real>::quiet_NaN() : number;
+			checksum.process_bytes(&plain, sizeof plain);
+		}
+		return checksum.checksum();
+	}
+}
+
 void MpmEngine::preSave(MpmEngine&)
 {
 	if (!ground || !hasBegun()) return; // until it has begun it comes from its inputs
@@ -1010,6 +1132,7 @@ void MpmEngine::preSave(MpmEngine&)
 	writer.block(archiveMagic);
 	writer.block(&stableStep, sizeof stableStep);
 	writer.block(&stepsUntilLimit, sizeof stepsUntilLimit);
+	writer.number(digestOf(pointInput));
 	for (const auto& array : ground->state()) {
 		writer.block(array.name);
 		writer.block(array.data, array.bytes);
@@ -1037,6 +1160,7 @@ void MpmEngine::restoreSavedState()
 	// the run goes on with the same time steps as if it had not been saved
 	reader.block(&stableStep, sizeof stableStep);
 	reader.block(&stepsUntilLimit, sizeof stepsUntilLimit);
+	if (reader.number() != digestOf(pointInput)) throw std::runtime_error("MpmEngine: the points in the file are not those of its saved state, it is damaged: load an earlier file.");
 	for (const auto& array : ground->state()) {
 		const string name = reader.block();
 		if (name != array.name) throw std::runtime_error("MpmEngine: the saved state has the field '" + name + "' where this Talik has '" + array.name + "': continue it with the version that saved it.");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <atomic>
 #include <core/GlobalEngine.hpp>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <pkg/multiscale/PointWatch.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
+#include <set>
 
 namespace yade {
 
@@ -57,10 +59,15 @@ public:
 	::boost::python::list   events();
 	void                    setDay(Real day);
 	double                  skemptonB();
+	/// Sentences about settings that are valid and hardly meant.
+	::boost::python::list   doubts() const;
 	void                    resetDisplacement();
 	void                    setTemperature(::boost::python::object values);
 	/// Gives points other skeleton laws between two steps; on an exception the ground is as before.
 	void                    exchangeSkeletons(const vector<shared_ptr<SkeletonLaw>>& laws, const ::boost::python::object& skeletonOf);
+
+	/// Python waits for the end of the run under way and learns there of an error.
+	static std::atomic<bool> runWaitedFor;
 
 	void preSave(MpmEngine&);
 	void postSave(MpmEngine&);
@@ -89,8 +96,13 @@ private:
 	void                     followAttributes();
 	void                     followTolerance();
 	void                     followHeat();
-	void                     warnOfCalendar() const;
+	void                     warnOfCalendar();
 	void                     stopAtTheDay(double before);
+	void                     sayGraveDoubts();
+	void                     say(const string& sentence);
+	bool                     leadsTimeStep() const;
+	Real                     timeStepOfOthers();
+	Real                     wantedStep();
 	bool                     watchStableStep();
 	int                      findStableStep();
 	int                      subSteps(double dt) const;
@@ -109,6 +121,7 @@ private:
 	long                              stepsUntilLimit = 0, stepsAtStart = 0;
 	bool                              begun = false, watchesDefault = false;
 	string                            failure;
+	std::set<string>                  said;
 	long                              failures        = 0;
 	double                            stableStep      = 0;
 	double                            toleranceInForce = 0;
@@ -135,7 +148,7 @@ public:
 		((vector<shared_ptr<SkeletonLaw>>,skeletons,,,"Skeleton laws; addPoints(skeleton=i) says which a point has."))
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
-		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit."))
+		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit. Of several grounds in O.engines the first sets it, to the smallest of their steps."))
 		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]; cut to what is stable wherever the points lie: 0.408 with quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
@@ -146,7 +159,7 @@ public:
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
-		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))
+		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, fourteen numbers each."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
 		,/*ctor*/ enrol(); ,
 		/*py*/
@@ -167,6 +180,7 @@ public:
 		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free surface', boundaries, 'deformation record', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
+		.def("doubts",&MpmEngine::doubts,"Sentences about settings that are valid and yet hardly what was meant; talik.check(mpm) prints them, the first step prints those of which nothing sensible comes.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
 		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")
 		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
@@ -180,7 +194,7 @@ public:
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
-		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, exchangeSkeletons, replaceSample). Until then every setting may be changed, also after fields were read.")
+		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, setDay, exchangeSkeletons, replaceSample). Until then every setting may be changed, also after fields were read.")
 		.def("heldByWaitingGround",&MpmEngine::heldByWaitingGround,(::boost::python::arg("part")),"True if a ground whose fields were read but that has not begun holds this object.").staticmethod("heldByWaitingGround")
 		.def("renewWaitingGrounds",&MpmEngine::renewWaitingGrounds,(::boost::python::arg("part")),"Grounds that hold this object and have not begun are made anew from their settings when they are next asked. Done by every change of an attribute.").staticmethod("renewWaitingGrounds")
 	);

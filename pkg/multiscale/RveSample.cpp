@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/RveSample.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>
@@ -25,6 +26,7 @@ void RveSample::setPacked(PackedState<2> s) { state = std::make_shared<PackedSta
 
 void RveSample::action()
 {
+	const talik::StepGate gate;
 	PackedSample<2> sample(packed());
 	sample.advance(InPlane(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
 	setPacked(sample.state());
@@ -53,7 +55,11 @@ shared_ptr<Scene> RveSample::open() const
 	return scene;
 }
 
-void RveSample::repack(const shared_ptr<Scene>& scene) { setPacked(talik::packScene(*scene, state.get())); }
+void RveSample::repack(const shared_ptr<Scene>& scene)
+{
+	if (!scene) throw std::invalid_argument("RveSample.repack: the scene is None: give the Scene that open() returned.");
+	setPacked(talik::packScene(*scene, state.get()));
+}
 
 namespace {
 	void requireSaturation(const char* method, Real iceSaturation)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/FileBesides.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 
@@ -190,13 +190,13 @@ void RveSkeleton::keepBlownUp(int id) const
 	if (blowUpFolder.empty()) return;
 	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
 	try {
-		std::filesystem::create_directories(blowUpFolder);
-		std::ofstream stream(file, std::ios::binary);
-		stream << talik::sceneToBytes(scene(id));
-		if (!stream.flush()) throw std::runtime_error("it cannot be written");
+		const string       bytes = talik::sceneToBytes(scene(id));
+		talik::FileBesides beside("sample", file.string());
+		beside.sputn(bytes.data(), std::streamsize(bytes.size()));
+		beside.commit();
 		std::cerr << "The sample of point " << id << " blew up; its last good state is in " << file.string() << "." << std::endl;
 	} catch (const std::runtime_error& problem) {
-		std::cerr << "The sample of point " << id << " blew up and " << file.string() << " could not be written: " << problem.what() << "." << std::endl;
+		std::cerr << "The sample of point " << id << " blew up and its last good state was not kept: " << problem.what() << "." << std::endl;
 	}
 }
 

@@ -71,7 +71,7 @@ public:
 		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
 		((Real,cohesion,1e3,,"Thawed cohesion [Pa], >= 0."))
 		((Real,cohesionFrozen,500e3,,"Cohesion at full ice saturation [Pa], >= 0."))
-		((Real,frictionAngle,30,,"[deg], 0 to below 90."))
+		((Real,frictionAngle,30,,"[deg], 0 to below 90 (FrictMat of YADE has radians)."))
 		((Real,dilationAngle,0,,"[deg], 0 to frictionAngle."))
 		((Real,tensileStrength,0,,"Thawed tensile strength [Pa], >= 0."))
 		((Real,tensileStrengthFrozen,200e3,,"Tensile strength at full ice saturation [Pa], >= 0."))

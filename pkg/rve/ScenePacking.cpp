@@ -9,6 +9,10 @@
 #include <pkg/rve/PackedNeighbours.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 
+#include <boost/archive/codecvt_null.hpp>
+#include <boost/archive/xml_iarchive.hpp>
+#include <boost/math/special_functions/nonfinite_num_facets.hpp>
+#include <locale>
 #include <omp.h>
 #include <set>
 #include <sstream>
@@ -558,6 +562,18 @@ shared_ptr<Scene> sceneFromBytes(const std::string& bytes, int threads)
 		throw;
 	}
 	omp_set_num_threads(before);
+	return scene;
+}
+
+shared_ptr<Scene> sceneFromFile(const std::string& content, bool xml)
+{
+	std::istringstream stream(content);
+	stream.imbue(std::locale(std::locale(std::locale::classic(), new boost::archive::codecvt_null<char>), new boost::math::nonfinite_num_get<char>));
+	shared_ptr<Scene> scene;
+	const auto        read = [&](auto&& archive) { archive >> boost::serialization::make_nvp("scene", scene); };
+	if (xml) read(boost::archive::xml_iarchive(stream, boost::archive::no_codecvt));
+	else read(boost::archive::binary_iarchive(stream, boost::archive::no_codecvt));
+	if (!scene) throw std::invalid_argument("it holds no scene");
 	return scene;
 }
 

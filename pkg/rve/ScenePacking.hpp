@@ -27,7 +27,9 @@ boost::shared_ptr<yade::Scene> copyScene(const boost::shared_ptr<yade::Scene>& s
 std::string                    sceneToBytes(const boost::shared_ptr<yade::Scene>& scene);
 /// threads: how many may step the scene; YADE sizes the storage of its engines when they are made. Samples are stepped by one each.
 boost::shared_ptr<yade::Scene> sceneFromBytes(const std::string& bytes, int threads = 1);
-/// The same, to be shown and run in O with as many threads as yade was given.
+/// A scene as YADE's own files hold it, for O; throws what Boost throws.
+boost::shared_ptr<yade::Scene> sceneFromFile(const std::string& content, bool xml);
+/// The same as sceneFromBytes, to be shown and run in O with as many threads as yade was given.
 boost::shared_ptr<yade::Scene> sceneForView(const std::string& bytes);
 
 } // namespace talik

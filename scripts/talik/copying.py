@@ -16,7 +16,7 @@ def makeCopyable(cls):
 	"""Gives a class copies and pickles that are whole."""
 
 	def __reduce_ex__(self, protocol):
-		data = _talik.objectToBytes(self)
+		data = _talik.callBetweenSteps(_talik.objectToBytes, (self,), {})
 		return _restored, (type(self).__name__, hashlib.sha256(data).digest() + data)
 
 	cls.__reduce_ex__ = __reduce_ex__

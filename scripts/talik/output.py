@@ -9,6 +9,7 @@
 An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) must be among them.
 """
 
+import io
 import json
 import math
 from pathlib import Path
@@ -214,9 +215,9 @@ class Frames:
 	def save(self, path):
 		"""All frames in one compressed NumPy file; loadFrames(path) reads it back."""
 		arrays = {f"{index}/{name}": value for index, frame in enumerate(self.frames) for name, value in frame.items()}
-		beside = Path(path).with_suffix(".part.npz")
-		np.savez_compressed(beside, **arrays)
-		beside.replace(path)
+		content = io.BytesIO()
+		np.savez_compressed(content, **arrays)
+		writeWhole(path, content.getvalue())
 
 
 def _dayOf(mpm):

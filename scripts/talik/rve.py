@@ -19,6 +19,7 @@ import json
 import math
 import os
 import re
+import sys
 import tempfile
 from pathlib import Path
 
@@ -27,7 +28,8 @@ from yade import O
 
 import talik
 from talik import packing, realisation
-from talik.files import writableFolder, writeWhole
+from talik.console import checkedLabels
+from talik.files import sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
 recipeVersion = 2  # part of the cache key: raise it whenever the recipe gives other samples
@@ -174,18 +176,26 @@ def load(path):
 
 
 def openFile(path):
-	"""Loads a saved scene into the current scene of `O`; one exception that says what is wrong with the file.
+	"""A saved scene becomes the current one of `O`; one exception that says what is wrong with the file. Labels of engines become names,
+	as with O.load, if they are names; a scene is a program all the same: its PyRunners run with its first step.
 
 	>>> with talik.scratchScene():
 	...     talik.rve.openFile(sample.path)"""
 	if not os.path.isfile(path):
 		raise FileNotFoundError(f"sample file '{path}' does not exist; give the path of a scene saved by O.save")
+	content = sceneContent(path)
 	try:
-		O.load(path)
+		scene = talik._talik.readScene(content, path.removesuffix(".gz").removesuffix(".bz2").endswith(".xml"))
 	except Exception as error:
 		raise ValueError(
 			f"'{path}' is not a YADE scene that can be read ({error}); it must be saved by O.save of this YADE, and be complete"
 		) from None
+	former = talik._talik.exchangeScene(scene)
+	try:
+		checkedLabels(O, path)
+	except BaseException:
+		talik._talik.exchangeScene(former)
+		raise
 
 
 # --- making --------------------------------------------------------------------------------------------------------------
@@ -234,19 +244,34 @@ def _isotropic():
 
 def _cached(parameters, cache, make):
 	folder = _cacheFolder(cache)
-	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout(parameters["ice"])}, sort_keys=True).encode()).hexdigest()[:20]
+	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout(parameters["ice"]), "sheet": 2}, sort_keys=True).encode()).hexdigest()[:20]
 	scene, sheet = folder / f"{key}.yade.gz", folder / f"{key}.json"
-	if cache is not False and scene.is_file() and sheet.is_file():
+	if cache is not False and (scene.exists() or sheet.exists()):
 		try:
-			return _fromSheet(sheet, scene)
-		except (ValueError, TypeError, KeyError):
-			pass  # a damaged sheet: the sample is made again and replaces it
+			return _fromSheet(sheet, scene, parameters)
+		except (OSError, ValueError, TypeError, KeyError) as problem:
+			print(f"talik.rve: the cached sample {scene} is {_said(problem)}; it is made anew.", file=sys.stderr)
+	writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
 	with talik.scratchScene():
 		extra = make()
 		sample = _measured(str(scene), {**parameters, **extra})
-		writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
-	writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t"))
-	return _fromSheet(sheet, scene)  # the same whether it was made or found
+		content = gzip.compress(O.sceneToString(), 6, mtime=0)
+		writeWhole(scene, content)
+	values = dataclasses.asdict(sample)
+	writeWhole(sheet, json.dumps({**values, "seal": _seal(values, content)}, indent="\t"))
+	return _fromSheet(sheet, scene, parameters)  # the same whether it was made or found
+
+
+def _seal(values, content):
+	"""Ties sheet and scene to each other, wherever they lie."""
+	sheet = json.dumps({name: value for name, value in values.items() if name != "path"}, sort_keys=True)
+	return hashlib.sha256(sheet.encode() + content).hexdigest()
+
+
+def _said(problem):
+	if isinstance(problem, OSError):
+		return f"not readable ({problem.strerror})"
+	return str(problem) if type(problem) is ValueError else "damaged, its sheet cannot be read"
 
 
 class _NotThere(Exception):
@@ -288,11 +313,20 @@ def _cacheFolder(cache):
 		return Path(tempfile.mkdtemp(prefix="talik-sample-"))
 	else:
 		folder = Path(cache)
-	return writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
+	return folder
 
 
-def _fromSheet(sheet, scene):
-	values = json.loads(sheet.read_text())
+def _fromSheet(sheet, scene, parameters):
+	"""The sample of a sheet; ValueError unless the sheet is whole and of these parameters, and the scene the one that it was written for."""
+	try:
+		values = json.loads(sheet.read_text())
+	except ValueError:
+		raise TypeError("no sheet") from None
+	if values.pop("seal") != _seal(values, scene.read_bytes()):
+		raise ValueError("damaged: sheet and scene do not fit together")
+	wanted = json.loads(json.dumps(parameters))
+	if any(values["parameters"].get(name) != value for name, value in wanted.items()):
+		raise ValueError("another one, its sheet has other parameters")
 	values.update(path=str(scene), size=tuple(values["size"]), stress=tuple(values["stress"]))
 	return Sample(**values)
 

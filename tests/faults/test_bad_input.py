@@ -175,6 +175,9 @@ wrong = {
 	"time step not a number": (lambda s: timed(nan), "O.dt", "nan"),
 	"time step of a year": (lambda s: timed(3e7), "O.dt", "30000000"),
 	"damping not a number in mid-run": (lambda s: changed("damping", nan), "MpmEngine.damping", "nan"),
+	"temperature of a star": (lambda s: warm().setTemperature(1e300), "setTemperature", "1e+300"),
+	"temperature set to no number": (lambda s: warm().setTemperature(nan), "setTemperature", "nan"),
+	"temperature where there is none": (lambda s: ground().setTemperature(1), "setTemperature", "no heat"),
 	"temperature as a text": (lambda s: warm().setTemperature("warm"), "setTemperature", "warm"),
 	# samples
 	"no samples": (lambda s: sampled(), "RveSkeleton.samples", "empty"),

@@ -146,7 +146,7 @@ def test_histories_of_watched_points_begin_with_the_ground_that_runs():
 	assert len(history["time"]) == 4 and (np.diff(history["time"]) > 0).all()
 
 
-@pytest.mark.parametrize("by", ("a step", "setTemperature", "replaceSample"))
+@pytest.mark.parametrize("by", ("a step", "setTemperature", "setDay", "replaceSample"))
 def test_what_comes_after_the_first_step_or_a_change_by_hand_is_refused_and_set_back(packed, by):
 	mpm = layered(packed, sampleOf=[0] * 8) if by == "replaceSample" else column()
 	mpm.field("stress")
@@ -154,9 +154,11 @@ def test_what_comes_after_the_first_step_or_a_change_by_hand_is_refused_and_set_
 		after(mpm, 1)
 	elif by == "setTemperature":
 		mpm.setTemperature(-3)
+	elif by == "setDay":
+		mpm.setDay(30)
 	else:
 		mpm.skeleton.replaceSample(0, mpm.skeleton.samples[1])
-	part, name, value = (mpm.skeleton, "sampleOf", [1] * 8) if by == "replaceSample" else (mpm.heat, "thermalTimeScale", 5.0)
+	part, name, value = (mpm.skeleton, "sampleOf", [1] * 8) if by == "replaceSample" else (mpm.heat, "followsMotion", True)
 	before = getattr(part, name)
 	with pytest.raises(ValueError, match=f"{name} .* too late") as refusal:
 		setattr(part, name, value)
@@ -166,6 +168,16 @@ def test_what_comes_after_the_first_step_or_a_change_by_hand_is_refused_and_set_
 	assert getattr(part, name) == before
 	with pytest.raises(RuntimeError, match="before the first step"):
 		mpm.addPoints(position=[(0.25, 0.25)], volume=0.1)
+
+
+def test_a_day_set_before_the_first_step_is_saved_with_the_scene(tmp_path):
+	mpm = column()
+	mpm.setDay(30)
+	O.save(str(tmp_path / "scene.yade.gz"))
+	O.reset()
+	O.load(str(tmp_path / "scene.yade.gz"))
+	print(f"day {O.engines[0].calendar['day']:.1f} after loading, 30 was set")
+	assert O.engines[0].calendar["day"] == 30
 
 
 def test_a_setting_that_is_refused_leaves_a_ground_that_can_be_mended():
