@@ -154,7 +154,7 @@ public:
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see believedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
-		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day; once. The calendar's O.stopAtTime. May be changed while running."))
+		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. The calendar's O.stopAtTime. May be changed while running."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))

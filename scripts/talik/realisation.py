@@ -20,7 +20,10 @@ seedStride = 1000  # a preparation tries the seeds that follow its own: realisat
 
 
 def seedsOf(seed, realisations):
-	"""Seeds of the realisations; the first one is that of a single sample."""
+	"""Seeds of the realisations; the first one is that of a single sample.
+
+	>>> talik.realisation.seedsOf(1, realisations=3)
+	[1, 1001, 2001]"""
 	return [seed + seedStride * k for k in range(realisations)]
 
 
@@ -30,7 +33,9 @@ def prepareAll(find, make, calls, told):
 	find   function of a call (dictionary of arguments): the sample in the cache, or None
 	make   function of a call: the sample made here
 	calls  each with a folder as cache
-	told   what is prepared, for the progress"""
+	told   what is prepared, for the progress
+
+	>>> found = talik.realisation.prepareAll(lambda call: sample, None, [dict(seed=1), dict(seed=1001)], "two samples")"""
 	samples = [find(call) for call in calls]
 	missing = [k for k, sample in enumerate(samples) if sample is None]
 	yade, workers = shutil.which("yade"), min(len(os.sched_getaffinity(0)), len(missing))

@@ -43,7 +43,7 @@ changes = {
 	"freezing gone": lambda mpm: setattr(mpm, "freezing", None),
 	"freezing curve": lambda mpm: setattr(mpm.freezing, "residualSaturation", 0.3),
 	"water gone": lambda mpm: setattr(mpm, "water", None),
-	"water": lambda mpm: setattr(mpm.water, "conductivity", 1e-6),
+	"water": lambda mpm: setattr(mpm.water, "conductivity", 1e-9),
 	"material": lambda mpm: setattr(mpm.material, "solidDensity", 2000),
 	"law": lambda mpm: setattr(mpm.skeleton, "young", 3e6),
 	"another law": lambda mpm: setattr(mpm, "skeleton", wrapper.ElasticSkeleton(young=5e6)),
