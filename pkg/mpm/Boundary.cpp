@@ -49,12 +49,26 @@ template <int D> Region<D> Region<D>::freeSurface()
 	return r;
 }
 
+template <int D> Region<D> Region<D>::cavitySurface()
+{
+	Region r   = freeSurface();
+	r.cavities = true;
+	return r;
+}
+
 template <int D> Region<D> Region<D>::nodeBox(const Vec<D>& lower, const Vec<D>& upper)
 {
 	Region r;
 	r.kind     = Kind::nodeBox;
 	r.boxLower = lower;
 	r.boxUpper = upper;
+	return r;
+}
+
+template <int D> Region<D> Region<D>::disc(const Vec<D>& lower, const Vec<D>& upper)
+{
+	Region r = nodeBox(lower, upper);
+	r.round  = true;
 	return r;
 }
 
@@ -70,13 +84,19 @@ template <int D> bool Region<D>::holds(const Vec<D>& x, double tolerance) const
 {
 	for (int a = 0; a < D; ++a)
 		if (x[a] < boxLower[a] - tolerance || x[a] > boxUpper[a] + tolerance) return false;
-	return true;
+	if (!round) return true;
+	double sum = 0.0;
+	for (int a = 0; a < D; ++a) {
+		const double r = (2.0 * x[a] - boxLower[a] - boxUpper[a]) / (boxUpper[a] - boxLower[a] + 2.0 * tolerance);
+		sum += r * r;
+	}
+	return sum <= 1.0;
 }
 
 template <int D> std::string Region<D>::describe() const
 {
 	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
-	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? "free surface" : "node box";
+	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? (cavities ? "surface of cavities" : "free surface") : round ? "disc" : "node box";
 	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
 	return name;
 }
@@ -118,8 +138,14 @@ template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
 		requireSetting(
 		        r.boxLower[a] <= r.boxUpper[a], name() + ".region", r.describe(), "the box must have lower corner <= upper corner, none of them NaN");
 	if (r.kind == Region<D>::Kind::freeSurface) return;
+	if (r.round)
+		for (int a = 0; a < D; ++a)
+			requireSetting(
+			        std::isfinite(r.boxLower[a]) && std::isfinite(r.boxUpper[a]) && r.boxLower[a] < r.boxUpper[a], name() + ".region", r.describe(),
+			        "a disc needs lower and upper, and room between them");
 	requireSetting(
-	        !wallNodes(grid, r).empty(), name() + ".region", r.describe(), "holds no node of the grid; boxes must reach at least one node");
+	        !wallNodes(grid, r).empty() || (takesVolumes() && !nodeShares(grid, r).empty()), name() + ".region", r.describe(),
+	        "holds no node of the grid; boxes must reach at least one node");
 }
 
 template <int D> Vec<D> Boundary<D>::traction(double, const Vec<D>&) const { return Vec<D> {}; }
@@ -145,12 +171,61 @@ template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>
 	return found;
 }
 
+template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Region<D>& region)
+{
+	using Kind = typename Region<D>::Kind;
+	std::vector<NodeShare> found;
+	if (region.kind != Kind::nodeBox) return found;
+	constexpr int perCell = D == 2 ? 16 : 6, samples = 3 * perCell;
+	for (int a = 0; a < D; ++a)
+		if (!(region.boxUpper[a] - region.boxLower[a] > 1e-6 * grid.spacing())) return found;
+	const auto spline = [](double x) {
+		const double r = std::abs(x);
+		return r < 0.5 ? 0.75 - r * r : r < 1.5 ? 0.5 * (1.5 - r) * (1.5 - r) : 0.0;
+	};
+	for (int index = 0; index < grid.nodeCount(); ++index) {
+		const std::array<int, D> node = grid.nodeOf(index);
+		Vec<D>                   at;
+		bool                     near = true;
+		for (int a = 0; a < D; ++a) {
+			at[a] = grid.nodePosition(a, node[a]);
+			near  = near && at[a] > region.boxLower[a] - 1.5 * grid.spacing() && at[a] < region.boxUpper[a] + 1.5 * grid.spacing();
+		}
+		if (!near) continue;
+		double             all = 0.0, held = 0.0;
+		std::array<int, D> k {};
+		while (true) {
+			double weight = 1.0;
+			Vec<D> x;
+			bool   there = true;
+			for (int a = 0; a < D; ++a) {
+				const double offset = (k[a] + 0.5) / perCell - 1.5;
+				weight *= spline(offset);
+				x[a]  = at[a] + offset * grid.spacing();
+				there = there && x[a] > grid.lower()[a] && x[a] < grid.upper()[a];
+			}
+			if (there) {
+				all += weight;
+				if (region.holds(x, 0.0)) held += weight;
+			}
+			int a = 0;
+			while (a < D && ++k[a] == samples)
+				k[a] = 0, ++a;
+			if (a == D) break;
+		}
+		if (held > 0.0) found.push_back({ index, held / all });
+	}
+	return found;
+}
+
 template struct Region<2>;
 template struct Region<3>;
 template class MotionConstraints<2>;
 template class MotionConstraints<3>;
 template class Boundary<2>;
 template class Boundary<3>;
+template std::vector<NodeShare> nodeShares<2>(const Grid<2>&, const Region<2>&);
+template std::vector<NodeShare> nodeShares<3>(const Grid<3>&, const Region<3>&);
 template std::vector<int> wallNodes<2>(const Grid<2>&, const Region<2>&);
 template std::vector<int> wallNodes<3>(const Grid<3>&, const Region<3>&);
 

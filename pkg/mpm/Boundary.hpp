@@ -21,19 +21,23 @@ struct Side {
 Side        sideFromName(const std::string& name, int dimensions);
 std::string nameOf(const Side& side);
 
-/// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground or on all nodes
-/// inside a box; sides and free surface may be limited to a box.
+/// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground as far as the air outside
+/// reaches it, on the surface of cavities inside the ground, or on all nodes inside a box; the others may be limited to a box.
 template <int D> struct Region {
 	enum class Kind { side, freeSurface, nodeBox };
 
 	Kind   kind = Kind::side;
 	Side   on {};
+	bool   round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
+	bool   cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
 	Vec<D> boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
 	Vec<D> boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
 
 	static Region side(const std::string& name);
 	static Region freeSurface();
+	static Region cavitySurface();
 	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper);
+	static Region disc(const Vec<D>& lower, const Vec<D>& upper);
 	/// The same region limited to a box [m].
 	Region within(const Vec<D>& lower, const Vec<D>& upper) const;
 
@@ -133,6 +137,8 @@ public:
 	/// Prescribed nodal temperature at a time [degC].
 	virtual double temperature(double) const { return 0.0; }
 
+	/// True if the boundary acts in the volume of a box or disc, by the share of each node that lies in it.
+	virtual bool takesVolumes() const { return false; }
 	/// True if the nodal areas of the region are needed in each step.
 	virtual bool usesSurface() const { return false; }
 	/// Force per area on the surface with the given outward unit normal [Pa].
@@ -154,6 +160,15 @@ public:
 protected:
 	Region<D> region_;
 };
+
+/// A node and the share of its shape function's integral that lies in a region.
+struct NodeShare {
+	int    node;
+	double share; ///< in (0, 1]
+};
+
+/// Shares of the nodes in a box or disc that is not flat; nodes without share are left out. Empty for other regions.
+template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Region<D>& region);
 
 /// Nodes of a region as they stand on the grid (sides and node boxes): on a side the nodes of the wall line.
 template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>& region);

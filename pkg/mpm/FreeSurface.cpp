@@ -21,9 +21,15 @@ template <int D> void FreeSurface<D>::bind(MaterialPoints<D>& points, const Grid
 	nodes.allocate(grid.nodeCount());
 }
 
-template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid)
+template <int D>
+void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid, bool moves)
 {
 	boundaries_ = boundaries;
+	for (auto& ends : openSides_)
+		ends[0] = ends[1] = moves;
+	for (const auto& b : boundaries)
+		if (b->region().kind == Region<D>::Kind::side) openSides_[b->region().on.axis][b->region().on.upper] = false;
+	openSides_[1][1] = true;
 	patches_.assign(boundaries.size(), {});
 	sideNodes_.assign(boundaries.size(), {});
 	std::size_t most = 0;
@@ -35,6 +41,9 @@ template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::share
 		if (region.kind == Region<D>::Kind::freeSurface) most = grid.nodeCount();
 	}
 	surface_.reserve(most);
+	ofSurface_.reserve(most);
+	if (most > 0) emptiness_.assign(grid.cellCount(), filled);
+	reached_.reserve(most > 0 ? grid.cellCount() : 0);
 
 	// boxes of nodes may lie anywhere
 	for (const auto& b : boundaries) {
@@ -107,22 +116,71 @@ template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock
 	}
 }
 
-template <int D> bool FreeSurface<D>::nearEmptyCell(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node) const
+template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)
+{
+	const double enough  = emptyFilling * grid.cellVolume();
+	bool         changed = false;
+	for (int c = 0; c < grid.cellCount(); ++c) {
+		const bool empty = cells.cellVolume(c) < enough;
+		changed |= empty != (emptiness_[c] != filled);
+	}
+	// what is empty tells all: as long as that stays there is nothing to do
+	if (!changed) return;
+	for (int c = 0; c < grid.cellCount(); ++c)
+		emptiness_[c] = cells.cellVolume(c) < enough ? cavity : filled;
+	reached_.clear();
+	for (int c = 0; c < grid.cellCount(); ++c)
+		for (int a = 0; a < D; ++a) {
+			const int at = c / grid.cellStride(a) % grid.cells(a);
+			if ((at == 0 && openSides_[a][0]) || (at == grid.cells(a) - 1 && openSides_[a][1])) letAirIn(c);
+		}
+	while (!reached_.empty()) {
+		const int c = reached_.back();
+		reached_.pop_back();
+		for (int a = 0; a < D; ++a) {
+			const int stride = grid.cellStride(a), at = c / stride % grid.cells(a);
+			if (at > 0) letAirIn(c - stride);
+			if (at < grid.cells(a) - 1) letAirIn(c + stride);
+		}
+	}
+}
+
+template <int D> void FreeSurface<D>::letAirIn(int cell)
+{
+	if (emptiness_[cell] != cavity) return;
+	emptiness_[cell] = openAir;
+	reached_.push_back(cell);
+}
+
+template <int D>
+typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(const Grid<D>& grid, const std::array<int, D>& node, const double* area) const
 {
 	// cells that a quadratic shape function of the node reaches into
-	const double       enough = emptyFilling * grid.cellVolume();
 	std::array<int, D> low, high, cell;
 	for (int a = 0; a < D; ++a) {
 		low[a]  = std::max(0, node[a] - 3);
 		high[a] = std::min(grid.cells(a) - 1, node[a]);
 	}
-	cell = low;
+	cell              = low;
+	double    nearest = INFINITY;
+	Emptiness found   = filled;
 	while (true) {
-		if (cells.cellVolume(grid.cellIndex(cell)) < enough) return true;
+		const Emptiness here = emptiness_[grid.cellIndex(cell)];
+		if (here != filled) {
+			double distance = 0.0, ahead = 0.0;
+			for (int a = 0; a < D; ++a) {
+				const double d = cell[a] + 1.5 - node[a]; // from the node to the middle of the cell
+				distance += d * d;
+				ahead += d * area[a];
+			}
+			// behind the surface lies another one
+			if (ahead <= 0.0) distance += 1e3;
+			if (distance < nearest || (distance == nearest && here == openAir)) nearest = distance, found = here;
+		}
 		int a = 0;
 		while (a < D && ++cell[a] > high[a])
 			cell[a] = low[a], ++a;
-		if (a == D) return false;
+		if (a == D) return found;
 	}
 }
 
@@ -192,7 +250,9 @@ template <int D> void FreeSurface<D>::collectBox(const Grid<D>& grid, int bounda
 template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range)
 {
 	surface_.clear();
+	ofSurface_.clear();
 	if (surface_.capacity() > 0) {
+		findOpenAir(grid, cells);
 		for (int index = range.firstNode; index < range.lastNode; ++index) {
 			const double* r = nodes[index];
 			if (r[D] <= 0.0) continue;
@@ -206,11 +266,14 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 			// first the test that sorts out the interior of regularly filled ground
 			if (isNoise(r)) continue;
 			const std::array<int, D> node = grid.nodeOf(index);
-			if (!nearEmptyCell(grid, cells, node)) continue;
+			const Emptiness before = emptinessAt(grid, node, r);
+			if (before == filled) continue;
 			SurfaceNode<D> n { index, {} };
 			for (int a = 0; a < D; ++a)
 				n.area[a] = atWall(grid, cells, node, a) ? 0.0 : r[a];
-			if (!isNoise(n.area.data())) surface_.push_back(n);
+			if (isNoise(n.area.data())) continue;
+			surface_.push_back(n);
+			ofSurface_.push_back(before);
 		}
 	}
 
@@ -222,7 +285,9 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		else if (region.kind == Region<D>::Kind::nodeBox)
 			collectBox(grid, b);
 		else
-			for (const SurfaceNode<D>& n : surface_) {
+			for (std::size_t k = 0; k < surface_.size(); ++k) {
+				if (ofSurface_[k] != (region.cavities ? cavity : openAir)) continue;
+				const SurfaceNode<D>&    n    = surface_[k];
 				const std::array<int, D> node = grid.nodeOf(n.node);
 				Vec<D>                   x;
 				for (int a = 0; a < D; ++a)

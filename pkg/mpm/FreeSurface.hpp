@@ -22,8 +22,9 @@ public:
 	static constexpr int mapSize = D + 2; ///< area vector, volume, volume times conductivity
 
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* conductivity);
-	/// Ground that touches the grid's box rests against a wall there; the rest of its surface is free.
-	void setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid);
+	/// Ground that touches the grid's box rests against a wall there; the rest of its surface is free. Air comes in from the top, and in
+	/// ground that moves through sides that no boundary closes.
+	void setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid, bool moves = true);
 
 	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
 	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
@@ -41,7 +42,12 @@ public:
 private:
 	/// True if the ground near a node rests against the box along axis: that part of its area belongs to the wall.
 	bool atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const;
-	bool nearEmptyCell(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node) const;
+	/// What lies before the surface at a node with the outward area: the nearest empty cell there.
+	enum Emptiness : unsigned char { filled, cavity, openAir };
+	Emptiness emptinessAt(const Grid<D>& grid, const std::array<int, D>& node, const double* area) const;
+	/// Sorts empty cells into those that air from outside reaches, by way of the faces of empty cells, and the rest.
+	void findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells);
+	void letAirIn(int cell);
 	void collectSide(const Grid<D>& grid, const CellMeans<D>& cells, int boundary);
 	void collectBox(const Grid<D>& grid, int boundary);
 
@@ -61,6 +67,10 @@ private:
 	std::vector<SurfacePatch<D>>              patches_;
 	std::vector<std::vector<int>>             sideNodes_;
 	std::vector<SurfaceNode<D>>               surface_;
+	std::vector<Emptiness>                    ofSurface_; ///< what lies before each of them
+	std::vector<Emptiness>                    emptiness_; ///< of each cell
+	std::vector<int>                          reached_;
+	bool                                      openSides_[D][2] = {};
 };
 
 extern template class FreeSurface<2>;

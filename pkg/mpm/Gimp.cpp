@@ -34,6 +34,11 @@ namespace {
 		}
 
 	protected:
+		double faceCurvature(const double (&slope)[supportNodes], double) const override
+		{
+			const double fromNode = halfWidth * slope[1];
+			return 0.25 * (halfWidth * halfWidth - fromNode * fromNode) / halfWidth;
+		}
 		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
 			const int stride = grid.nodeStride(axis);

@@ -47,7 +47,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		for (int a = 0; a < D; ++a)
 			requireSetting(std::isfinite(s.motion->gravity[a]), "gravity", s.motion->gravity[a], "must be finite, in m/s^2");
 		requireSetting(
-		        s.motion->flipFraction >= 0.0 && s.motion->flipFraction <= 1.0, "flipFraction", s.motion->flipFraction, "must lie in [0, 1]");
+		        !(s.motion->picTime < 0.0), "picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 		requireSetting(
 		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
 		if (s.motion->transfer == VelocityTransfer::apic && s.shapeFunction == "linear")
@@ -86,7 +86,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        s.water->hydraulicTimeScale,
 		        "must lie between 1e-12 and 1e12 (1: no scaling); leave it out for the scale of the calendar");
 		requireSetting(
-		        s.water->flipFraction >= 0.0 && s.water->flipFraction <= 1.0, "water.flipFraction", s.water->flipFraction, "must lie in [0, 1]");
+		        !(s.water->picTime < 0.0), "water.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 	}
 }
 
@@ -115,7 +115,7 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
 			if (mayMeet && !pressureAndFlux && !openAndClosed) continue;
 			const Region<D>&r = b->region(), &q = other->region();
-			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox) continue;
+			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox || r.cavities != q.cavities) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;
 			bool overlap = true;
 			for (int a = 0; a < D; ++a) {

@@ -153,6 +153,7 @@ template <int D> struct Ground<D>::Parts {
 	void afterReordering();
 	void locateInCells();
 	void useMeanStress(int first, int count);
+	void findKeptFractions();
 	bool heatMayRest();
 	/// Calendar time at the end of the step.
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }

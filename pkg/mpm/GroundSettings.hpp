@@ -24,9 +24,14 @@ namespace talik {
 template <int D> struct MotionSettings {
 	Vec<D> gravity {};           ///< body force per mass b [m/s^2]
 	VelocityTransfer transfer = VelocityTransfer::flip; ///< of the solid velocity; that of water is always a mix of FLIP and PIC
-	double flipFraction = 0.97;  ///< chi of the solid velocity with flip: 1 = FLIP, 0 = PIC
-	/// Fraction of its own velocity that a point keeps in a step.
-	double keptFraction() const { return transfer == VelocityTransfer::flip ? flipFraction : 0.0; }
+	/// Time in which the difference between a point's own velocity and that of the grid dies out [s], >= 0: 0 = PIC (with apic and
+	/// tpic: as published), infinity = FLIP. NaN (default): sqrt(h/g) with flip, 0 with apic and tpic.
+	double picTime = std::numeric_limits<double>::quiet_NaN();
+	double usedPicTime(double spacing) const
+	{
+		if (!std::isnan(picTime)) return picTime;
+		return transfer == VelocityTransfer::flip ? gravityTime(spacing, lengthOf<D>(gravity)) : 0.0;
+	}
 	double localDamping = 0.0;   ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
 	bool   cellAveraging = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 };
@@ -52,7 +57,7 @@ struct HeatSettings {
 struct WaterSettings {
 	PoreWaterState state;               ///< bulk moduli, cavitation pressure, densityChange
 	Permeability   permeability;        ///< hydraulic conductivity
-	double         flipFraction = 0.9;  ///< chi of the liquid velocity
+	double         picTime = std::numeric_limits<double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g)
 	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar.
 	double hydraulicTimeScale = std::numeric_limits<double>::quiet_NaN();
 	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see

@@ -80,7 +80,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (heat) heat->shareRecords(motion.get(), water.get());
 	if (surface) {
 		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
-		surface->setBoundaries(settings.boundaries, grid);
+		surface->setBoundaries(settings.boundaries, grid, bool(settings.motion));
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
@@ -112,10 +112,11 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	surface->collect(grid, *cells, clock.range);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
-		if (!boundary.usesSurface() || !surface->patch(b).nodes.empty()) continue;
+		// a cavity may come later, with the body that makes it
+		if (!boundary.usesSurface() || boundary.region().cavities || !surface->patch(b).nodes.empty()) continue;
 		throw std::invalid_argument(
 		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
-		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall more than one point in height");
+		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall more than one point in height; hollows that no air from above reaches are cavities");
 	}
 }
 

@@ -81,7 +81,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	}
 	if (surface) cost.lap(CostMeter::boundaries);
 	if (bodies) {
-		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.account.impulse);
+		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse);
 		cost.lap(CostMeter::bodies);
 	}
 	momentum->solve(clock.range, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, clock.account);
@@ -257,6 +257,16 @@ template <int D> void Ground<D>::Parts::useScale()
 	if (water) water->scale = water->usedScale(state.scale);
 }
 
+template <int D> void Ground<D>::Parts::findKeptFractions()
+{
+	if (!motion) return;
+	const double h = grid.spacing();
+	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
+	if (!water) return;
+	const double given = settings.water->picTime;
+	water->kept        = keptFraction(std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given, clock.dt);
+}
+
 template <int D> void Ground<D>::beginStep(double dt)
 {
 	Parts& g = *parts_;
@@ -266,6 +276,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
 	g.clock.dt = dt;
+	g.findKeptFractions();
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
 	g.useScale();
@@ -306,7 +317,7 @@ template <int D> void Ground<D>::mapToGrid()
 	}
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	if (g.front) {
-		g.front->find(g.grid, g.clock.range, g.momentum->mirrors());
+		g.front->find(g.grid, g.clock.range, g.momentum->mirrors(), g.momentum->freeLiquid());
 		g.findFrontStiffness();
 		g.cost.lap(CostMeter::front);
 	}
@@ -344,6 +355,7 @@ template <int D> void Ground<D>::mapToGrid()
 		}
 	});
 	if (!g.surface) return;
+	if (g.bodies) g.bodies->cover(*g.shape, g.grid, *g.surface);
 	g.surface->collect(g.grid, *g.cells, g.clock.range);
 	g.cost.lap(CostMeter::surface);
 }
@@ -420,7 +432,10 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		g.cost.lap(CostMeter::ledger);
 	}
 	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
-	if (cells) g.water->finishCells(g.clock.range);
+	if (cells) {
+		if (g.content->iceMass) g.water->levelCells(g.grid, g.clock.range, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
+		g.water->finishCells(g.clock.range);
+	}
 	const auto          update = [&](int strip, int first, int last) {
                 CostMeter::Sample sample = g.cost.sample(strip);
                 sample.begin();

@@ -13,6 +13,9 @@ namespace {
 	// capacity most of it would overcool (or overheat) their neighbours first, and a front that freezes would lag by h/3. Shared
 	// by the whole apparent capacity the front would run in jumps from point to point, ahead of the heat that it needs.
 	constexpr double largestShare = 3.0;
+	// A node takes the temperature of a heated region at this rate over h^2 C/kappa, times the share of it that lies there. The edge is
+	// then where it is: held faster, what lies outside would be held with it, and more slowly, ground inside would not follow.
+	constexpr double holding = 12.0;
 } // namespace
 
 template <int D>
@@ -63,13 +66,14 @@ template <int D> void HeatTransfer<D>::shareRecords([[maybe_unused]] SolidMotion
 template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int points)
 {
 	smoothingTime = settings->smoothingTime;
-	if (!std::isnan(smoothingTime)) return;
+	if (!std::isnan(smoothingTime) && held_.empty()) return;
 	double capacitySum = 0.0, conductance = 0.0;
 	for (int p = 0; p < points; ++p) {
 		capacitySum += heatCapacity[p];
 		conductance += volume[p] * conductivity[p];
 	}
-	smoothingTime = grid.spacing() * grid.spacing() * capacitySum / conductance;
+	diffusionTime_ = grid.spacing() * grid.spacing() * capacitySum / conductance;
+	if (std::isnan(smoothingTime)) smoothingTime = diffusionTime_;
 }
 
 template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
@@ -82,6 +86,10 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 		const Region<D>& region = boundaries[b]->region();
 		const bool       wall   = region.kind == Region<D>::Kind::side;
 		const int        inward = region.on.upper ? -grid.nodeStride(region.on.axis) : grid.nodeStride(region.on.axis);
+		const std::vector<NodeShare> shares = nodeShares(grid, region);
+		for (const NodeShare& s : shares)
+			held_.push_back({ s.node, holding * s.share, static_cast<int>(b), 0.0 });
+		if (!shares.empty()) continue;
 		for (int node : wallNodes(grid, region)) {
 			if (isPrescribed_[node]) continue;
 			isPrescribed_[node] = touched[node] = 1;
@@ -229,6 +237,8 @@ void HeatTransfer<D>::nodalTemperature(
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
 		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time) - reference;
+	for (HeldNode& n : held_)
+		n.wanted = boundaries[n.boundary]->temperature(time) - reference;
 	mirrorWalls(grid);
 	for (int i : affected_)
 		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
@@ -295,8 +305,21 @@ void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& p
 	}
 }
 
+template <int D> void HeatTransfer<D>::hold(double dt)
+{
+	for (const HeldNode& n : held_) {
+		if (!(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
+		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
+		const double taken     = n.rate * scale * dt / diffusionTime_;
+		const double gained    = nodes[n.node][0] * (n.wanted - predicted) * taken / (1.0 + taken);
+		energy[n.node][0] += gained;
+		heatIn += gained;
+	}
+}
+
 template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, double dt)
 {
+	hold(dt);
 	double conducted = 0.0;
 	for (int i : affected_)
 		conducted += energy[i][0];

@@ -89,12 +89,22 @@ private:
 	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
 	void                        mirrorWalls(const Grid<D>& grid);
 	void                        prescribe(const Grid<D>& grid, double dt);
+	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
+	void                        hold(double dt);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
 	double                      smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
 
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
 	std::vector<TemperatureNode> prescribed_;
 	std::vector<char>            isPrescribed_;
+	struct HeldNode {
+		int    node;
+		double rate; ///< at which it takes the temperature, times diffusionTime_ [-]
+		int    boundary;
+		double wanted; ///< T - T_r [K]
+	};
+	std::vector<HeldNode>        held_;
+	double                       diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
 	std::vector<int>             affected_; ///< nodes whose heat the prescribed temperatures change
 	std::vector<double>          wanted_;   ///< temperature of each prescribed node
 	std::vector<double>          expected_; ///< mean temperature of the points around it that goes with this wall temperature

@@ -30,8 +30,9 @@ namespace {
 		return std::sqrt(2.0 / 3.0 * sum) / (2.0 * shear);
 	}
 
-	/// Plane strain: two principal stresses in the plane, the third is zz. Returns the plastic strain of the correction.
-	double correct(const MohrCoulombState& m, double (&s)[4])
+	/// Plane strain: two principal stresses in the plane, the third is zz. change(p) gets the principal stresses, largest first, and
+	/// says whether it changed them; returns the same.
+	template <class Change> bool inPrincipalStresses(double (&s)[4], Change&& change)
 	{
 		const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
 		const double radius = std::sqrt(half * half + s[3] * s[3]);
@@ -40,9 +41,8 @@ namespace {
 		if (inPlane[2] > inPlane[0]) order[0] = 2, order[1] = 0, order[2] = 1;
 		else if (inPlane[2] > inPlane[1])
 			order[1] = 2, order[2] = 1;
-		const double before[3] = { inPlane[order[0]], inPlane[order[1]], inPlane[order[2]] };
-		double       after[3]  = { before[0], before[1], before[2] };
-		if (!returnToMohrCoulomb(m, after)) return 0.0;
+		double after[3] = { inPlane[order[0]], inPlane[order[1]], inPlane[order[2]] };
+		if (!change(after)) return false;
 		double corrected[3];
 		for (int i = 0; i < 3; ++i)
 			corrected[order[i]] = after[i];
@@ -52,20 +52,19 @@ namespace {
 		s[1] = newCentre - newRadius * cosine;
 		s[2] = corrected[2];
 		s[3] = newRadius * sine;
-		return equivalentStrain(before, after, m.shear);
+		return true;
 	}
 
-	double correct(const MohrCoulombState& m, double (&s)[6])
+	template <class Change> bool inPrincipalStresses(double (&s)[6], Change&& change)
 	{
 		Eigen::Matrix3d tensor;
 		for (int i = 0; i < 3; ++i)
 			for (int j = 0; j < 3; ++j)
 				tensor(i, j) = s[stressIndex<3>(i, j)];
 		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(tensor);
-		const auto&  values    = spectrum.eigenvalues(); // ascending
-		const double before[3] = { values[2], values[1], values[0] };
-		double       after[3]  = { before[0], before[1], before[2] };
-		if (!returnToMohrCoulomb(m, after)) return 0.0;
+		const auto& values   = spectrum.eigenvalues(); // ascending
+		double      after[3] = { values[2], values[1], values[0] };
+		if (!change(after)) return false;
 		tensor.setZero();
 		for (int k = 0; k < 3; ++k) {
 			const Eigen::Vector3d n = spectrum.eigenvectors().col(2 - k);
@@ -74,7 +73,32 @@ namespace {
 		for (int i = 0; i < 3; ++i)
 			for (int j = i; j < 3; ++j)
 				s[stressIndex<3>(i, j)] = tensor(i, j);
-		return equivalentStrain(before, after, m.shear);
+		return true;
+	}
+
+	/// Returns the plastic strain of the correction.
+	template <int N> double correct(const MohrCoulombState& m, double (&s)[N])
+	{
+		double plastic = 0.0;
+		inPrincipalStresses(s, [&](double* p) {
+			const double before[3] = { p[0], p[1], p[2] };
+			if (!returnToMohrCoulomb(m, p)) return false;
+			plastic = equivalentStrain(before, p, m.shear);
+			return true;
+		});
+		return plastic;
+	}
+
+	/// Takes tension above the limit off principal stresses; returns the sum of what was taken [Pa].
+	double cut(double limit, double* p)
+	{
+		double taken = 0.0;
+		for (int i = 0; i < 3; ++i)
+			if (p[i] > limit) {
+				taken += p[i] - limit;
+				p[i] = limit;
+			}
+		return taken;
 	}
 
 	/// Marks the points that cannot keep their trial stress, without finding the order of their principal stresses.
@@ -89,27 +113,38 @@ namespace {
 		std::fill(yielding, yielding + count, 1);
 	}
 
-	/// Elastic trial stress of points in sequence.
-	void predict(const SkeletonBatch<2>& b, int p, int count, const double* lambda, const double* shear)
+	/// Elastic trial stress of points in sequence, from place first on; stress begins with the first.
+	void predict(const SkeletonBatch<2>& b, int first, int count, const double* lambda, const double* shear, const std::array<double*, 4>& s)
 	{
-		const double* const gradient[4] = { b.gradient[0] + p, b.gradient[1] + p, b.gradient[2] + p, b.gradient[3] + p };
-		double* const       stress[4]   = { b.stress[0] + p, b.stress[1] + p, b.stress[2] + p, b.stress[3] + p };
+		const double* const gradient[4] = { b.gradient[0] + first, b.gradient[1] + first, b.gradient[2] + first, b.gradient[3] + first };
+		double* const       stress[4]   = { s[0], s[1], s[2], s[3] };
 		planeLoops().elastic(count, lambda, shear, gradient, stress);
 	}
-	void predict(const SkeletonBatch<3>& b, int first, int count, const double* lambda, const double* shear)
+	void predict(const SkeletonBatch<3>& b, int first, int count, const double* lambda, const double* shear, const std::array<double*, 6>& stress)
 	{
 		for (int k = 0; k < count; ++k) {
 			double gradient[9], s[6];
 			for (int c = 0; c < 9; ++c)
 				gradient[c] = b.gradient[c][first + k];
 			for (int c = 0; c < 6; ++c)
-				s[c] = b.stress[c][first + k];
+				s[c] = stress[c][k];
 			const MidpointIncrement<3> increment(gradient);
 			increment.rotate(s);
 			increment.addElastic(s, lambda[k], shear[k]);
 			for (int c = 0; c < 6; ++c)
-				b.stress[c][first + k] = s[c];
+				stress[c][k] = s[c];
 		}
+	}
+
+	template <int D> void loadStress(const std::array<double*, stressSize<D>>& stress, int k, double (&s)[stressSize<D>])
+	{
+		for (int c = 0; c < stressSize<D>; ++c)
+			s[c] = stress[c][k];
+	}
+	template <int D> void storeStress(const double (&s)[stressSize<D>], const std::array<double*, stressSize<D>>& stress, int k)
+	{
+		for (int c = 0; c < stressSize<D>; ++c)
+			stress[c][k] = s[c];
 	}
 
 	/// phi(S_i) = 1 - (1 - S_i^m)^m
@@ -190,6 +225,19 @@ template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields,
 {
 	fields_        = &fields;
 	plasticStrain_ = fields.declare(prefix + "plasticStrain", "MohrCoulombSkeleton", "-", 1);
+	if (!fields.has("iceSaturation")) return;
+	iceStress_  = fields.declare(prefix + "iceStress", "MohrCoulombSkeleton", "Pa", stressSize<D>);
+	iceModulus_ = fields.declare(prefix + "iceModulus", "MohrCoulombSkeleton", "Pa", 1);
+	opening_    = fields.declare(prefix + "opening", "MohrCoulombSkeleton", "-", 1);
+}
+
+template <int D> void MohrCoulombSkeleton<D>::initialise(const SkeletonBatch<D>& b)
+{
+	if (iceModulus_ < 0) return;
+	const double thawed  = at(0.0).youngModulus;
+	double*      modulus = fields_->component(iceModulus_);
+	for (int k = 0; k < b.count; ++k)
+		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).youngModulus - thawed);
 }
 
 template <int D> double MohrCoulombSkeleton<D>::dilatancy() const { return std::tan(dilationAngle * degree); }
@@ -204,7 +252,9 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 			const int first = k;
 			while (k < end && b.place[k] == b.place[first] + (k - first))
 				++k;
-			updateRun(b, b.place[first], k - first);
+			if (iceModulus_ >= 0) updateFreezingRun(b, b.place[first], k - first);
+			else
+				updateRun(b, b.place[first], k - first);
 		}
 	});
 }
@@ -262,7 +312,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 	std::array<double*, stressSize<D>> stress;
 	for (int c = 0; c < stressSize<D>; ++c)
 		stress[c] = b.stress[c] + first;
-	predict(b, first, count, lambda, shear);
+	predict(b, first, count, lambda, shear, stress);
 
 	long long yielding[pieceSize];
 	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
@@ -273,12 +323,124 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 		m.cohesion        = piece.cohesion[k];
 		m.tensileStrength = piece.tensileStrength[k];
 		double s[stressSize<D>];
-		for (int c = 0; c < stressSize<D>; ++c)
-			s[c] = stress[c][k];
+		loadStress<D>(stress, k, s);
 		const double plastic = correct(m, s);
-		for (int c = 0; c < stressSize<D>; ++c)
-			stress[c][k] = s[c];
+		storeStress<D>(s, stress, k);
 		if (plasticStrain) plasticStrain[first + k] += plastic;
+	}
+}
+
+template <int D>
+void MohrCoulombSkeleton<D>::splitModulus(double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts)
+{
+	const LameModuli unit(1.0, poisson);
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double whole = piece.youngModulus[k], grains = std::min(whole, thawedModulus), ice = whole - grains;
+		parts.keptIce[k]      = ice < iceModulus[k] ? ice / iceModulus[k] : 1.0;
+		parts.grainLambda[k]  = grains * unit.lambda;
+		parts.grainShear[k]   = grains * unit.shear;
+		parts.iceLambda[k]    = ice * unit.lambda;
+		parts.iceShear[k]     = ice * unit.shear;
+		parts.grainTension[k] = piece.tensileStrength[k] * (grains / whole);
+		parts.hidden[k]       = (parts.grainLambda[k] + 2.0 / 3.0 * parts.grainShear[k]) * opening[k];
+		iceModulus[k]         = ice;
+	}
+}
+
+/// Leaves the stress of the grains in stress, and in ice what melting leaves of the ice's.
+template <int D> void MohrCoulombSkeleton<D>::takeIceOff(int count, const double* kept, double* stress, double* ice)
+{
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		stress[k] -= ice[k];
+		ice[k] *= kept[k];
+	}
+}
+
+template <int D> void MohrCoulombSkeleton<D>::addTo(int count, const double* what, double* stress)
+{
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		stress[k] += what[k];
+}
+
+template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBatch<D>& b, int first, int count)
+{
+	Piece piece;
+	Parts parts;
+	lookUp(b.iceSaturation + first, count, piece);
+	const double sine = std::sin(frictionAngle * degree);
+	if (sine > 0.0) limitTension(std::cos(frictionAngle * degree) / sine, count, piece);
+	splitModulus(at(0.0).youngModulus, fields_->component(opening_) + first, fields_->component(iceModulus_) + first, count, piece, poissonRatio, parts);
+	std::array<double*, stressSize<D>> stress, ice;
+	for (int c = 0; c < stressSize<D>; ++c) {
+		stress[c] = b.stress[c] + first;
+		ice[c]    = fields_->component(iceStress_, c) + first;
+		takeIceOff(count, parts.keptIce, stress[c], ice[c]);
+		if (c < 3) addTo(count, parts.hidden, stress[c]);
+	}
+	predict(b, first, count, parts.grainLambda, parts.grainShear, stress);
+	predict(b, first, count, parts.iceLambda, parts.iceShear, ice);
+	partGrains(first, count, parts, stress);
+	for (int c = 0; c < stressSize<D>; ++c)
+		addTo(count, ice[c], stress[c]);
+	limitSum(first, count, piece, parts, stress);
+}
+
+/// No grain is pulled by more than holds it to its neighbours. The volume by which grains part beyond is kept: its stress, were they
+/// not parted, returns in the next step, so that what presses them together closes the opening first.
+template <int D>
+void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
+{
+	double* const    opening = fields_->component(opening_) + first;
+	MohrCoulombState onlyTension {};
+	double           noCone[pieceSize];
+	std::fill(noCone, noCone + count, 1e300);
+	onlyTension.cosFriction = 1.0;
+	long long parted[pieceSize];
+	findYielding(onlyTension, noCone, parts.grainTension, stress, count, parted);
+	for (int k = 0; k < count; ++k) {
+		opening[k] = 0.0;
+		if (!parted[k]) continue;
+		double s[stressSize<D>], taken = 0.0;
+		loadStress<D>(stress, k, s);
+		inPrincipalStresses(s, [&](double* p) { return (taken = cut(parts.grainTension[k], p)) > 0.0; });
+		storeStress<D>(s, stress, k);
+		opening[k] = taken / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
+	}
+}
+
+/// Grains and ice flow together: what their sum exceeds its strength by is taken off both by their stiffnesses.
+template <int D>
+void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
+{
+	double* const    plasticStrain = fields_->component(plasticStrain_) + first;
+	double* const    opening       = fields_->component(opening_) + first;
+	MohrCoulombState m;
+	m.sinFriction = std::sin(frictionAngle * degree);
+	m.cosFriction = std::cos(frictionAngle * degree);
+	m.sinDilation = std::sin(dilationAngle * degree);
+	long long yielding[pieceSize];
+	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
+	for (int k = 0; k < count; ++k) {
+		if (!yielding[k]) continue;
+		m.lambda          = parts.grainLambda[k] + parts.iceLambda[k];
+		m.shear           = parts.grainShear[k] + parts.iceShear[k];
+		m.cohesion        = piece.cohesion[k];
+		m.tensileStrength = piece.tensileStrength[k];
+		const bool hasIce = m.shear > parts.grainShear[k];
+		double     s[stressSize<D>], before[stressSize<D>], taken = 0.0;
+		loadStress<D>(stress, k, s);
+		std::copy(s, s + stressSize<D>, before);
+		if (hasIce) inPrincipalStresses(s, [&](double* p) { return (taken = cut(m.tensileStrength, p)) > 0.0; });
+		plasticStrain[k] += correct(m, s);
+		storeStress<D>(s, stress, k);
+		if (!hasIce) continue;
+		opening[k] += taken / (3.0 * m.lambda + 2.0 * m.shear);
+		const double share = parts.iceShear[k] / m.shear;
+		for (int c = 0; c < stressSize<D>; ++c)
+			fields_->component(iceStress_, c)[first + k] += share * (s[c] - before[c]);
 	}
 }
 

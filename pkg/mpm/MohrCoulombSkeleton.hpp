@@ -13,6 +13,12 @@ namespace talik {
 /// (the ice function of Yu & Zhao, eqs. 5 to 7, used here at the scale of the ground).
 /// A table, e.g. measured on samples, takes the place of the function where it is given.
 /// Trial stress by the Jaumann rate, then return to the yield surface in principal stresses (planes, edges, apex, cut-off).
+///
+/// In ground that freezes the stress has two parts in parallel, as a bonded contact has: that of the grains, with the thawed
+/// modulus, and that of the ice, with E(S_i) less it. Ice is born free of stress; ice that melts takes its share of the ice's
+/// stress with it: sigma_ice *= E_ice(new)/E_ice(old). Strength limits the sum, as it limits the force of a bond as a whole; what
+/// exceeds it is taken off both parts by their stiffnesses. Grains that part (ice pushes them apart, or ground opens) keep the
+/// volume of the opening in mind, and are pressed again only when it has closed. Given initial stress is that of the grains.
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
 	double youngModulus       = 10e6;  ///< thawed E [Pa], > 0
@@ -38,6 +44,7 @@ public:
 	double      dilatancy() const override;
 	void        validate() const override;
 	void        declareFields(PointFields&, const std::string& prefix) override;
+	void        initialise(const SkeletonBatch<D>&) override;
 	void        updateStress(const SkeletonBatch<D>&) override;
 	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
 
@@ -55,11 +62,24 @@ private:
 	void lookUp(const double* saturation, int count, Piece& piece) const;
 	TALIK_PROCESSOR_VERSIONS void interpolate(const double* saturation, int count, Piece& piece) const;
 	TALIK_PROCESSOR_VERSIONS static void limitTension(double cotangent, int count, Piece& piece);
+	/// The two parts of points in sequence, and what each may bear.
+	struct Parts {
+		double grainLambda[pieceSize], grainShear[pieceSize], iceLambda[pieceSize], iceShear[pieceSize];
+		double grainTension[pieceSize]; ///< that the grains bear [Pa]
+		double hidden[pieceSize];       ///< stress that the opening stands for [Pa]
+		double keptIce[pieceSize]; ///< share of the ice's stress that melting leaves [-]
+	};
+	TALIK_PROCESSOR_VERSIONS static void splitModulus(double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts);
+	TALIK_PROCESSOR_VERSIONS static void takeIceOff(int count, const double* kept, double* stress, double* ice);
+	TALIK_PROCESSOR_VERSIONS static void addTo(int count, const double* what, double* stress);
 	/// count points in sequence from place first on
 	void updateRun(const SkeletonBatch<D>&, int first, int count);
+	void updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
+	void partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
+	void limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 
 	PointFields*        fields_ = nullptr;
-	PointFields::Handle plasticStrain_ = -1;
+	PointFields::Handle plasticStrain_ = -1, iceStress_ = -1, iceModulus_ = -1, opening_ = -1;
 };
 
 } // namespace talik

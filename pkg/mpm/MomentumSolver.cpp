@@ -38,6 +38,7 @@ template <int D> MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const st
 			if (held(m) == wanted) {
 				mirrors_.push_back(m);
 				foldLiquid_.push_back(wanted);
+				if (!wanted) freeLiquid_.insert(freeLiquid_.end(), { m.ghost, m.inner });
 				isWall_[m.ghost] = isWall_[m.inner] = 1;
 			}
 	for (int n : constraints_.constrainedNodes())
@@ -84,7 +85,7 @@ void MomentumSolver<D>::addLoad(const Boundary<D>& boundary, const SurfacePatch<
 
 template <int D> void MomentumSolver<D>::rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water)
 {
-	const double keep = 1.0 - motion.settings->keptFraction(), keepLiquid = water ? 1.0 - water->settings->flipFraction : 0.0;
+	const double keep = 1.0 - motion.kept, keepLiquid = water ? 1.0 - water->kept : 0.0;
 	for (std::size_t k = 0; k < wallNodes_.size(); ++k) {
 		const double* r  = motion.nodes[wallNodes_[k]];
 		const double* rl = water ? water->nodes[wallNodes_[k]] : nullptr;
@@ -158,7 +159,7 @@ void MomentumSolver<D>::foldSolidOnly(
 
 template <int D> template <bool Damped> void MomentumSolver<D>::solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt)
 {
-	const double chi = motion.settings->keptFraction(), alpha = motion.settings->localDamping;
+	const double chi = motion.kept, alpha = motion.settings->localDamping;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
 			const double* r       = motion.nodes[i];
@@ -184,7 +185,7 @@ template <bool Damped>
 void MomentumSolver<D>::solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt)
 {
 	using W = PoreWater<D>;
-	const double chi = motion.settings->keptFraction(), chiLiquid = water.settings->flipFraction, alpha = motion.settings->localDamping;
+	const double chi = motion.kept, chiLiquid = water.kept, alpha = motion.settings->localDamping;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
 			const double* r  = motion.nodes[i];
@@ -222,7 +223,7 @@ void MomentumSolver<D>::solveTwoPhase(const ActiveRange& range, SolidMotion<D>& 
 
 template <int D> void MomentumSolver<D>::constrainDry(SolidMotion<D>& motion) const
 {
-	const double chi = motion.settings->keptFraction();
+	const double chi = motion.kept;
 	for (int i : constraints_.constrainedNodes()) {
 		const double* r = motion.nodes[i];
 		if (!(r[motion.massAt] > 0.0)) continue;
@@ -238,7 +239,7 @@ template <int D> void MomentumSolver<D>::constrainLiquid(SolidMotion<D>& motion,
 {
 	// the solid's motion is given; its own row of the drag equations then yields the liquid's
 	using W                = PoreWater<D>;
-	const double  chi       = motion.settings->keptFraction(), chiLiquid = water.settings->flipFraction;
+	const double  chi       = motion.kept, chiLiquid = water.kept;
 	const double* r         = motion.nodes[i];
 	const double* rl        = water.nodes[i];
 	const double  dq        = dt * rl[W::dragAt];
@@ -257,7 +258,7 @@ template <int D> void MomentumSolver<D>::constrainLiquid(SolidMotion<D>& motion,
 
 template <int D> void MomentumSolver<D>::constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
 {
-	const double chi = motion.settings->keptFraction(), chiLiquid = water.settings->flipFraction;
+	const double chi = motion.kept, chiLiquid = water.kept;
 	for (int i : constraints_.constrainedNodes()) {
 		const double* r = motion.nodes[i];
 		if (!(r[motion.massAt] > 0.0)) continue;
@@ -295,7 +296,7 @@ template <int D> void MomentumSolver<D>::unfold(SolidMotion<D>& motion, PoreWate
 			}
 			const double* rl = water->nodes[m.ghost];
 			if (!(rl[W::massAt] > 0.0)) continue;
-			const double chiLiquid = water->settings->flipFraction;
+			const double chiLiquid = water->kept;
 			const double vl        = rl[W::momentumAt + a] / rl[W::massAt];
 			const double vs1       = motion.solved[m.ghost][D + a];
 			const double change    = dt * (water->force[m.ghost][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dt * rl[W::dragAt]);
@@ -372,7 +373,7 @@ void MomentumSolver<D>::solve(
 		damped ? solveDry<true>(range, motion, dt) : solveDry<false>(range, motion, dt);
 		constrainDry(motion);
 	}
-	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt);
+	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt, account.impulse);
 	unfold(motion, water, dt);
 	if (water) findFlux(range, motion, *water);
 	keepAccount(range, motion, water, dt, keepWorks, account);

@@ -64,6 +64,8 @@ public:
 	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account);
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
+	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
+	const std::vector<int>& freeLiquid() const { return freeLiquid_; }
 
 private:
 	struct Load {
@@ -89,6 +91,7 @@ private:
 	MotionConstraints<D>    constraints_;
 	std::vector<typename MotionConstraints<D>::Mirror> mirrors_; ///< those whose liquid is held first
 	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
+	std::vector<int>        freeLiquid_;
 	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
 	std::vector<char>       isWall_;
 	std::vector<WallRecord> walls_;

@@ -32,7 +32,7 @@ struct PlaneLoops {
 		const double* nodes;
 		double *      velocity[2], *position[2], *displacement[2];
 		double*       gradient[4];
-		double        flipFraction, dt;
+		double        kept, dt;
 	};
 	void (*gatherMotion)(const WeightBlock<2>& w, const MotionGather& a);
 

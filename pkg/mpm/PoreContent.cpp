@@ -92,7 +92,7 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 	}
 	if (water_) {
 		water_->pressure[p]       = pressure;
-		water_->liquidFraction[p] = givenPorosity * thermal.liquidSaturation;
+		water_->liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
 	}
 	if (lastVolume_) {
 		lastVolume_[p] = volume_[p];
@@ -278,19 +278,20 @@ template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
 	Permeability        law   = settings_->water->permeability;
 	law.hydraulicTimeScale *= water_->scale;
-	const double        density = settings_->mixture.liquid.density, floor = law.floor;
-	const double* const water = waterMass + b.first;
-	const double* const n     = porosity + b.first;
+	const double        perDensity = 1.0 / settings_->mixture.liquid.density, floor = law.floor;
+	const double* const water  = waterMass + b.first;
+	const double* const n      = porosity + b.first;
 	const double* const volume = volume_ + b.first;
 	double* const       liquidFraction = water_->liquidFraction + b.first;
 	double* const       drag           = water_->drag + b.first;
 	double              open[blockSize];
+	// that of the mass that moves: from n S_l, which it is in full pores with density change, seepage would carry another mass than
+	// weight and pressure act on
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k) {
-		const double whole = n[k] * b.liquidSaturation[k];
-		const double fill  = std::min(1.0, (water[k] - b.ice[k]) / (density * volume[k] * whole));
-		liquidFraction[k]  = whole * fill;
-		open[k]            = std::max(floor, fill * fill * fill);
+		liquidFraction[k] = (water[k] - b.ice[k]) * perDensity / volume[k];
+		const double fill = std::min(1.0, liquidFraction[k] / (n[k] * b.liquidSaturation[k]));
+		open[k]           = std::max(floor, fill * fill * fill);
 	}
 	if (law.law == RelativeConductivity::impedance) {
 #pragma GCC ivdep

@@ -41,7 +41,13 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	none_.assign(blockSize, 0.0);
 }
 
-template <int D> void PoreWater<D>::allocateCells(int cells) { cells_.assign(static_cast<std::size_t>(cells) * cellSize, 0.0); }
+template <int D> void PoreWater<D>::allocateCells(int cells)
+{
+	cells_.assign(static_cast<std::size_t>(cells) * cellSize, 0.0);
+	if (!iceMass_) return;
+	for (auto& faces : faces_)
+		faces.assign(cells, {});
+}
 
 template <int D> void PoreWater<D>::clearCells(int first, int last)
 {
@@ -55,6 +61,11 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 		const double m = liquidMass(p);
 		r[0] += m;
 		r[1] += m * pressure[p];
+		if (!iceMass_) continue;
+		r[resistanceAt] += drag[p];
+		r[warmthAt] += m * temperature_[p];
+		for (int i = 0; i < D; ++i)
+			r[carriedAt + i] += m * velocity[i][p];
 	}
 }
 
@@ -98,7 +109,7 @@ void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[
 /// v = chi v + change
 template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, const double* change)
 {
-	const double  chi = settings->flipFraction;
+	const double  chi = kept;
 	double* const v   = velocity[axis] + first;
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k)
@@ -362,7 +373,7 @@ void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* 
 				got[i] += s * exchange[node][i];
 		});
 		for (int i = 0; i < D; ++i)
-			velocity[i][p] = settings->flipFraction * velocity[i][p] + change[i];
+			velocity[i][p] = kept * velocity[i][p] + change[i];
 		if (cells) {
 			double*      r      = cellRecord(cells->cell(p));
 			const double liquid = liquidMass(p);
@@ -371,6 +382,75 @@ void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* 
 		} else
 			take(p, got, 1.0 / (1.0 + got[0]), waterMass, enthalpy);
 	}
+}
+
+template <int D>
+void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
+{
+	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
+	// k/(rho_l g) = V n_l^2/Q, with the drag Q of all that the cell holds
+	const auto mobility = [&](int c) {
+		const double* r = cellRecord(c);
+		const double  liquid = r[0] / liquidDensity;
+		return r[resistanceAt] > 0.0 ? liquid * liquid / (cells.cellVolume(c) * r[resistanceAt]) : 0.0;
+	};
+	for (int a = 0; a < D; ++a) {
+		const int stride = grid.cellStride(a);
+		range.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c) {
+				Face& face = faces_[a][c];
+				face       = {};
+				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
+				const double here = mobility(c), there = mobility(c + stride);
+				if (!(here > 0.0 && there > 0.0)) continue;
+				face.conductance = perSpacing * 2.0 * here * there / (here + there);
+				face.flow        = face.conductance * (cellRecord(c)[1] - cellRecord(c + stride)[1] + liquidDensity * gravity[a] * grid.spacing());
+			}
+		});
+	}
+}
+
+template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const
+{
+	const Face& f = faces[cell];
+	if (!(f.conductance > 0.0)) return 0.0;
+	// beyond ice, a wall or the surface the flow goes on as it is
+	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < 0.1 * f.conductance ? f.flow : faces[at].flow; };
+	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
+}
+
+template <int D>
+void PoreWater<D>::levelCells(
+        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+{
+	findFaces(grid, range, cells, gravity, liquidDensity);
+	const auto compliance = [&](int c) { return cellRecord(c)[0] / (liquidDensity * settings->state.liquidBulkModulus); };
+	range.overCells([&](int firstCell, int lastCell) {
+		for (int c = firstCell; c < lastCell; ++c) {
+			double* r = cellRecord(c);
+			if (!(r[0] > 0.0)) continue;
+			for (int a = 0; a < D; ++a) {
+				const int stride = grid.cellStride(a), at = c / stride % grid.cells(a), last = grid.cells(a) - 1;
+				for (const bool ahead : { false, true }) {
+					if (ahead ? at == last : at == 0) continue;
+					const int from = ahead ? c : c - stride, place = ahead ? at : at - 1;
+					if (from < range.firstCell || from + stride >= range.lastCell) continue;
+					const double unseen = unseenFlow(
+					        faces_[a].data(), from, stride, place == 0 || from - stride < range.firstCell,
+					        place + 1 == last || from + 2 * stride >= range.lastCell);
+					if (unseen == 0.0) continue;
+					const double least = std::min(compliance(from), compliance(from + stride));
+					const double mass  = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
+					const double* donor = cellRecord(mass > 0.0 ? from : from + stride);
+					const double  gained = ahead ? -mass : mass, share = gained / donor[0];
+					r[2] += gained;
+					if (enthalpy) r[3] += gained * enthalpy->liquidEnthalpy(donor[warmthAt] / donor[0]);
+					for (int i = 0; i < D; ++i)
+						r[4 + i] += share * donor[carriedAt + i];
+				}
+			}
+		}
+	});
 }
 
 template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)

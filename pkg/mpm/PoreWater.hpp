@@ -63,7 +63,11 @@ public:
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
 	/// gained (2-D, may be null): sum S of the number of the record that heat borrows.
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* gained = nullptr);
-	/// Exchange of each cell per liquid mass, when all of it was gathered.
+	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
+	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
+	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
+	void levelCells(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
+	/// Exchange of each cell per liquid mass.
 	void finishCells(const ActiveRange& range);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
 	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
@@ -85,6 +89,7 @@ public:
 	double seepageWork(int firstCell, int lastCell) const;
 
 	const WaterSettings* settings;
+	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
 
 	std::array<double*, D> velocity; ///< of the liquid
 	double *pressure, *liquidFraction, *drag;
@@ -112,8 +117,17 @@ public:
 
 private:
 	/// Record of a cell: liquid mass, mass times pressure, then mean pressure, then what dilutes the momentum; exchange, then per liquid
-	/// mass; excess volume and compliance of the pore content, then pressure.
-	static constexpr int cellSize = 4 + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize;
+	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity.
+	static constexpr int cellSize = 6 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
+	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize;
+	/// Between a cell and the next one along an axis: conductance [m^D/(Pa s)] and what Darcy's law would let through [m^D/s].
+	struct Face {
+		double conductance, flow;
+	};
+	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
+	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
+	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
+	std::array<std::vector<Face>, D> faces_;
 	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.

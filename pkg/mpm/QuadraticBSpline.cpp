@@ -2,6 +2,7 @@
 #include <pkg/mpm/PlaneLoops.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace talik {
@@ -15,6 +16,13 @@ namespace {
 		double      steepness() const override { return 6.0; } // next to the middle between two nodes
 
 	protected:
+		double faceCurvature(const double (&slope)[supportNodes], double width) const override
+		{
+			// a whole number of points per cell: then it vanishes at both ends of the support
+			const double share = 1.0 / std::max(1.0, std::round(1.0 / width));
+			const double rest  = std::fmod(slope[2], share);
+			return 0.5 * rest * (share - rest);
+		}
 		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
 			if constexpr (D == 2) {

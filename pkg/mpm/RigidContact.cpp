@@ -8,6 +8,9 @@
 namespace talik {
 
 namespace {
+	// ground laid against a body touches it, give or take round-off
+	constexpr double laidAgainst = 1.01;
+
 	template <int D> double dot(const Vec<D>& a, const Vec<D>& b)
 	{
 		double sum = 0.0;
@@ -55,6 +58,7 @@ template <int D> void RigidContact<D>::bind(MaterialPoints<D>& points, const Sol
 		memory_[c] = points.fields().component(memoryField_, c);
 	velocity_ = motion.velocity;
 	mass_     = motion.mass;
+	motion_   = &motion;
 }
 
 template <int D> void RigidContact<D>::chooseStiffness(double modulus, double spacing)
@@ -125,8 +129,11 @@ template <int D> void RigidContact<D>::findNear(int first, int count, std::vecto
 		low[a]          = *std::min_element(x, x + count);
 		high[a]         = *std::max_element(x, x + count);
 	}
-	for (int p = first; p < first + count; ++p)
-		margin = std::max(margin, halfSize(p));
+	for (int p = first; p < first + count; ++p) {
+		margin = std::max(margin, laidAgainst * halfSize(p));
+		for (int slot = 0; slot < contactsPerPoint; ++slot) // what is touched already may be farther
+			if (memory_[slot * memorySize][p] != 0.0) margin = std::max(margin, memory_[slot * memorySize + 1][p]);
+	}
 	near.clear();
 	for (std::size_t b = 0; b < bodies.size(); ++b) {
 		bool apart = false;
@@ -152,7 +159,7 @@ template <int D> bool RigidContact<D>::meets(int p, int b, const Memories& befor
 	c.surface = body.shape->nearest(local, body.size, c.side);
 	if (known && c.memory.radius > c.surface.distance) return true;
 	// a new contact; behind a surface that pushes on one side only nothing is felt
-	const double size = halfSize(p);
+	const double size = halfSize(p) * (atStart_ ? laidAgainst : 1.0);
 	if (c.surface.distance >= size || (thin && c.surface.distance < -size)) return false;
 	double radius = 0.0;
 	for (const Memory& m : before)
@@ -177,7 +184,7 @@ template <int D> void RigidContact<D>::keepDeepest(const Candidate& c, Candidate
 	if (c.surface.distance < found[at].surface.distance) found[at] = c;
 }
 
-template <int D> Vec<D> RigidContact<D>::force(int p, Candidate& c, double dt, std::vector<Touch>& touches) const
+template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std::vector<Touch>& touches) const
 {
 	const RigidBody<D>& body   = bodies[c.body];
 	const Vec<D>        normal = body.turned(c.surface.normal);
@@ -192,6 +199,7 @@ template <int D> Vec<D> RigidContact<D>::force(int p, Candidate& c, double dt, s
 
 	const double spring   = stiffness_ * area(p);
 	const double dashpot  = this->dashpot(spring, mass_[p]);
+	if (atStart_ && c.memory.key == 0) c.memory.radius += std::max(0.0, pressureOn(p, normal)) / stiffness_;
 	const double depth    = c.memory.radius - c.surface.distance;
 	const double pressing = std::max(0.0, spring * depth - dashpot * dot<D>(slipping, normal));
 
@@ -217,14 +225,13 @@ template <int D> Vec<D> RigidContact<D>::force(int p, Candidate& c, double dt, s
 		m.offset = plus<D>(plus<D>(x, -1.0, touched), 1.0 / shear, friction);
 	}
 	const Vec<D> onPoint = plus<D>(friction, pressing, normal);
-	Touch        touch { c.body, {}, {} };
+	Touch touch { p, onPoint, plus<D>({}, -halfSize(p), normal), c.body, {}, {} };
 	touch.impulse        = plus<D>(touch.impulse, -dt, onPoint);
 	touch.angularImpulse = moment(arm, touch.impulse);
 	touches.push_back(touch);
-	return onPoint;
 }
 
-template <int D> Vec<D> RigidContact<D>::pushPoint(int p, const std::vector<int>& near, double dt, std::vector<Touch>& touches)
+template <int D> void RigidContact<D>::pushPoint(int p, const std::vector<int>& near, double dt, std::vector<Touch>& touches)
 {
 	Memories before;
 	for (int slot = 0; slot < contactsPerPoint; ++slot)
@@ -234,12 +241,22 @@ template <int D> Vec<D> RigidContact<D>::pushPoint(int p, const std::vector<int>
 	int        count = 0;
 	for (int b : near)
 		if (meets(p, b, before, candidate)) keepDeepest(candidate, found, count);
-	Vec<D> sum {};
 	for (int slot = 0; slot < contactsPerPoint; ++slot) {
-		if (slot < count) sum = plus<D>(sum, 1.0, force(p, found[slot], dt, touches));
+		if (slot < count) press(p, found[slot], dt, touches);
 		if (slot < count || before[slot].key != 0) remember(p, slot, slot < count ? found[slot].memory : Memory());
 	}
-	return sum;
+}
+
+/// Of the stress that the momentum balance uses.
+template <int D> double RigidContact<D>::pressureOn(int p, const Vec<D>& normal) const
+{
+	double mean = 0.0, sum = 0.0;
+	for (int i = 0; i < D; ++i) {
+		mean += motion_->stress[i][p] / D;
+		for (int j = 0; j < D; ++j)
+			sum += normal[i] * motion_->stress[stressIndex<D>(i, j)][p] * normal[j];
+	}
+	return -(sum + (motion_->meanStress ? motion_->meanStress[p] - mean : 0.0));
 }
 
 template <int D> void RigidContact<D>::boxBodies()
@@ -276,8 +293,9 @@ template <int D> void RigidContact<D>::deliver(Vec<D>& impulse)
 
 template <int D>
 void RigidContact<D>::push(
-        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, Vec<D>& impulse)
+        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse)
 {
+	atStart_ = atStart;
 	boxBodies();
 	const Strips& strips = points_->strips();
 	touches_.resize(strips.count());
@@ -289,25 +307,53 @@ void RigidContact<D>::push(
 		std::vector<Touch>& touches = touches_[strip];
 		touches.clear();
 		WeightBlock<D> w;
-		Vec<D>         forces[blockSize];
 		for (int begin = first; begin < last; begin += blockSize) {
-			const int         count  = std::min(blockSize, last - begin);
-			const std::size_t before = touches.size();
+			const int count = std::min(blockSize, last - begin);
 			findNear(begin, count, near_[strip]);
 			for (int k = 0; k < count; ++k)
-				forces[k] = pushPoint(begin + k, near_[strip], dt, touches);
-			if (touches.size() == before) continue;
-			shape.evaluate(grid, x, begin, count, w);
-			for (int k = 0; k < count; ++k) {
-				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-					for (int i = 0; i < D; ++i)
-						motion.nodes[node][motion.forceAt + i] += s * forces[k][i];
-				});
-				if (front) front->push(grid, w, k, forces[k]);
-			}
+				pushPoint(begin + k, near_[strip], dt, touches);
+		}
+		for (const Touch& t : touches) {
+			shape.evaluate(grid, x, t.place, 1, w);
+			shape.moveToFace(grid, t.toFace, 0, w);
+			overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+				for (int i = 0; i < D; ++i)
+					motion.nodes[node][motion.forceAt + i] += s * t.force[i];
+			});
+			if (front) front->push(grid, w, 0, t.force);
 		}
 	});
 	deliver(impulse);
+}
+
+template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const
+{
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points_->position(a);
+	points_->strips().scatter([&](int, int first, int last) {
+		WeightBlock<D> w;
+		for (int p = first; p < last; ++p)
+			for (int slot = 0; slot < contactsPerPoint; ++slot) {
+				if (memory_[slot * memorySize][p] == 0.0) continue;
+				const Memory m = recall(p, slot);
+				const auto   b = std::find_if(bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
+				if (b == bodies.end()) continue;
+				Vec<D> place;
+				for (int a = 0; a < D; ++a)
+					place[a] = x[a][p];
+				const NearestSurface<D> touched = b->shape->nearest(b->toFrame(place), b->size, m.key > 0 ? 1 : -1);
+				if (touched.distance > m.radius) continue;
+				const Vec<D> normal = b->turned(touched.normal);
+				const double face   = area(p);
+				shape.evaluate(grid, x, p, 1, w);
+				shape.moveToFace(grid, plus<D>({}, -halfSize(p), normal), 0, w);
+				overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+					for (int i = 0; i < D; ++i)
+						surface.nodes[node][i] += s * face * normal[i];
+				});
+			}
+	});
 }
 
 template <int D> typename RigidContact<D>::Overlap RigidContact<D>::deepestOverlap() const

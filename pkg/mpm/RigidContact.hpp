@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/FreeSurface.hpp>
 #include <pkg/mpm/RigidBody.hpp>
 #include <pkg/mpm/ShapeFunctions.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
@@ -15,13 +16,14 @@ namespace talik {
 /// Contact is between material points and surfaces. A point is as large as its volume, r = V^(1/D)/2, and is pushed by
 ///   f_n = A max(0, k delta - c v_n),  |f_t| <= mu f_n,  A = V^((D-1)/D),
 /// where delta is its penetration and the tangential spring k_t = shearRatio k remembers where on the surface it sticks. The force
-/// on a point goes to the nodes with the point's own weights, whose sum is one, and its opposite to the body: momentum
-/// is conserved to round-off, on any grid and for bodies of any size, and nothing is felt at a distance, as it would be were
+/// on a point goes to the nodes with the weights of the point's face, whose sum is one (see ShapeFunction::moveToFace), and its
+/// opposite to the body: the ground is loaded as evenly as the points are, and momentum is conserved to round-off, on any grid and for bodies of any size, and nothing is felt at a distance, as it would be were
 /// velocities of body and ground matched on nodes (Bardenhagen et al. 2000). The torque on the body is that of the force at its
 /// surface. The price: a penetration of stress over k, and a couple f_t r that the points, which do not turn, do not take.
 ///
-/// A contact is born without force: what overlaps from the beginning is at rest there, and a point keeps its size while it touches
-/// anything, so that it passes from one facet to the next without a jump. A point touches at most two groups of
+/// A contact is born without force, except in the first step of the ground, when it bears the stress that the ground was given: a wall
+/// is there from the beginning, and ground that leaned on it would else have to give way first. A point keeps its size while it
+/// touches anything, so that it passes from one facet to the next without a jump. A point touches at most two groups of
 /// bodies at a time, those in which it is deepest.
 template <int D> class RigidContact {
 public:
@@ -45,8 +47,12 @@ public:
 	std::vector<RigidBody<D>> bodies;
 
 	/// Adds the contact forces to the nodes and to the bodies' impulses, and their sum to impulse [N s].
-	/// front, if not null, hears which of its sides was pushed.
-	void push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, Vec<D>& impulse);
+	/// front, if not null, hears which of its sides was pushed. atStart: in the first step of the ground.
+	void push(
+	        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse);
+
+	/// Takes the faces that touch a body off the surface of the ground: no air, rain or load reaches them.
+	void cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const;
 
 	double stiffness() const { return stiffness_; } ///< k [Pa/m]
 	int    contacts() const { return contacts_; }   ///< points that touch, in the last step
@@ -80,8 +86,10 @@ private:
 		Memory            memory;
 	};
 	using Candidates = std::array<Candidate, contactsPerPoint>;
-	/// What a body receives from one point.
+	/// What a point receives at its face, and a body from it.
 	struct Touch {
+		int     place;
+		Vec<D>  force, toFace; ///< on the ground [N]; from the point's middle to where it acts [m]
 		int     body;
 		Vec<D>  impulse;
 		Spin<D> angularImpulse;
@@ -95,8 +103,9 @@ private:
 	void   findNear(int first, int count, std::vector<int>& near) const;
 	bool   meets(int place, int body, const Memories& before, Candidate& candidate) const;
 	void   keepDeepest(const Candidate& candidate, Candidates& found, int& count) const;
-	Vec<D> force(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
-	Vec<D> pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
+	void   press(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
+	void   pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
+	double pressureOn(int place, const Vec<D>& normal) const;
 	void   boxBodies();
 	void   deliver(Vec<D>& impulse);
 
@@ -106,6 +115,8 @@ private:
 	PointFields::Handle  memoryField_;
 	MaterialPoints<D>*   points_   = nullptr;
 	const double*        mass_     = nullptr;
+	const SolidMotion<D>* motion_  = nullptr;
+	bool                 atStart_  = false;
 	int                  contacts_ = 0;
 
 	std::array<double*, memorySize * contactsPerPoint> memory_ {};

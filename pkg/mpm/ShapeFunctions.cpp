@@ -56,6 +56,20 @@ void ShapeFunction<D>::evaluate(const Grid<D>& grid, const std::array<const doub
 		along(grid, a, position[a] + first, count, w);
 }
 
+template <int D> void ShapeFunction<D>::moveToFace(const Grid<D>& grid, const Vec<D>& toFace, int k, WeightBlock<D>& w) const
+{
+	const double width = 2.0 * lengthOf<D>(toFace) * grid.inverseSpacing();
+	for (int a = 0; a < D; ++a) {
+		double slope[supportNodes];
+		for (int i = 0; i < supportNodes; ++i)
+			slope[i] = w.slope[a][i][k] * grid.spacing();
+		const double cells = toFace[a] * grid.inverseSpacing(), part = 2.0 * cells / width;
+		const double curvature = width > 0.0 ? part * part * faceCurvature(slope, width) : 0.0;
+		for (int i = 0; i < supportNodes; ++i)
+			w.value[a][i][k] += cells * slope[i] + (i == 1 ? -2.0 : 1.0) * curvature;
+	}
+}
+
 template class ShapeFunction<2>;
 template class ShapeFunction<3>;
 

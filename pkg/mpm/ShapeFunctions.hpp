@@ -23,10 +23,22 @@ public:
 	virtual double steepness() const = 0;
 	/// Weights of count <= blockSize points from place first on; position[axis] are whole arrays.
 	void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const;
+	/// Moves the values (not the slopes) of one point of a block to its face at toFace from the middle, for points as wide as toFace is
+	/// twice long: to what the slopes of such points behind it, times their width, add up to. A pressure on the face then balances
+	/// the same stress in all points behind; put at the middle of the point it leaves stripes, for the face is where ground ends.
+	void moveToFace(const Grid<D>& grid, const Vec<D>& toFace, int point, WeightBlock<D>& weights) const;
 
 protected:
 	/// Factors and slopes along one axis; adds the axis' share to base.
 	virtual void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& weights) const = 0;
+	/// What the value of an outer node at a face has beyond value and slope of the middle [-]; the middle node has twice the opposite.
+	/// slope: of the three nodes, per cell; width: of a point [cells]. Vanishes with the slope of either outer node, and as fast: nodes
+	/// that hardly feel the points hardly feel the face.
+	virtual double faceCurvature(const double (&slope)[supportNodes], double width) const
+	{
+		(void)slope, (void)width;
+		return 0.0;
+	}
 };
 
 template <int D> std::unique_ptr<ShapeFunction<D>> makeQuadraticBSpline();

@@ -80,7 +80,7 @@ void SolidMotion<D>::map(
 
 template <int D> void SolidMotion<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
 {
-	const double chi = settings->keptFraction();
+	const double chi = kept;
 	if constexpr (D == 2) {
 		planeLoops().gatherMotion(
 		        w,

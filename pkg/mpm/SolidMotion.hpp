@@ -28,6 +28,7 @@ public:
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
 
 	const MotionSettings<D>* settings;
+	double                   kept = 1.0; ///< chi of this step, see keptFraction()
 
 	std::array<double*, D>     velocity, displacement, position;
 	std::array<double*, S>     stress;

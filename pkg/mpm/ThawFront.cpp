@@ -135,7 +135,7 @@ template <int D> void ThawFront<D>::markCells(const Grid<D>& grid, int first, in
 	}
 }
 
-template <int D> void ThawFront<D>::markNodes(const ActiveRange& range, const Mirrors& mirrors)
+template <int D> void ThawFront<D>::markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
 {
 	const int first = range.firstNode + margin_, last = range.lastNode + margin_;
 	std::fill(reached_.begin(), reached_.end(), 0);
@@ -151,6 +151,9 @@ template <int D> void ThawFront<D>::markNodes(const ActiveRange& range, const Mi
 	};
 	std::for_each(mirrors.begin(), mirrors.end(), join);
 	std::for_each(mirrors.rbegin(), mirrors.rend(), join);
+	// the liquid of a ghost that stays free of the wall belongs to no side of the node that its solid is folded into
+	for (const int node : freeLiquid)
+		reached_[node + margin_] = 0;
 	for (const int node : nodes_)
 		slot_[node] = -1;
 	nodes_.clear();
@@ -169,14 +172,14 @@ template <int D> void ThawFront<D>::markNear()
 			near_[node + margin_ + step] = 1;
 }
 
-template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors)
+template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
 {
 	std::fill(sides_.begin(), sides_.end(), 0);
 	points_->strips().scatter([&](int, int first, int last) {
 		updateSides(first, last);
 		markCells(grid, first, last);
 	});
-	markNodes(range, mirrors);
+	markNodes(range, mirrors, freeLiquid);
 	markNear();
 	meetings_.resize(nodes_.size());
 	records_.assign(nodes_.size() * recordSize, 0.0);
@@ -240,10 +243,13 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 {
 	const int    p = w.first + k;
 	const double volume = motion_->volume[p], pressure = water_ ? water_->pressure[p] : 0.0;
+	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0;
 	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 		if (slot_[node] < 0) return;
 		double* r = record(slot_[node]);
 		r[thawedVolumeAt] += s * volume;
+		r[thawedMassAt] += s * m;
+		r[thawedLiquidMassAt] += s * ml;
 		for (int c = 0; c < stressSize<D>; ++c)
 			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
 	});
@@ -267,7 +273,7 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
-		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt })
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a)
 			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
@@ -275,16 +281,22 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		for (int a = 0; a < D; ++a)
 			for (int b = a; b < D; ++b)
 				inner[stressAt + stressIndex<D>(a, b)] += m.sign[a] * m.sign[b] * ghost[stressAt + stressIndex<D>(a, b)];
-		std::fill(ghost, ghost + recordSize, 0.0);
 	}
 }
 
-template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors)
+template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impulse)
 {
 	for (auto m = mirrors.rbegin(); m != mirrors.rend(); ++m) {
 		if (slot_[m->ghost] < 0 || slot_[m->inner] < 0) continue;
+		const double* ghost = record(slot_[m->ghost]);
+		const double* inner = result(slot_[m->inner]);
+		// what the sides gain cancels out on a node and its image together; a wall turns the part of the image round
+		for (int a = 0; a < D; ++a)
+			impulse[a] += (m->sign[a] - 1.0)
+			        * (ghost[massAt] * inner[gainAt + a] + ghost[thawedMassAt] * inner[sideSize + gainAt + a] + ghost[liquidMassAt] * inner[liquidGainAt + a]
+			           + ghost[thawedLiquidMassAt] * inner[sideSize + liquidGainAt + a]);
 		for (int at = 0; at < resultSize; ++at)
-			result(slot_[m->ghost])[at] = m->sign[at % D] * result(slot_[m->inner])[at];
+			result(slot_[m->ghost])[at] = m->sign[at % D] * inner[at];
 	}
 }
 
@@ -299,8 +311,9 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	const double* r      = record(slot);
 	Meeting&      m      = meetings_[slot];
 	m                    = Meeting();
-	m.solid              = { r[massAt], all[M::massAt] - r[massAt] };
-	m.liquid             = { r[liquidMassAt], liquid ? liquid[W::massAt] - r[liquidMassAt] : 0.0 };
+	if (!(all[M::massAt] > 0.0)) return; // a ghost, folded into its image
+	m.solid              = { r[massAt], r[thawedMassAt] };
+	m.liquid             = { r[liquidMassAt], r[thawedLiquidMassAt] };
 	for (const double mass : m.solid)
 		if (!(mass > smallestMassShare * all[M::massAt])) return;
 	if (!(r[thawedVolumeAt] > 0.0)) return;
@@ -418,15 +431,16 @@ template <int D> void ThawFront<D>::correct(int slot)
 	const double* all    = motion_->nodes[node];
 	const double* r      = record(slot);
 	double*       out    = result(slot);
-	const double  kept   = motion_->settings->keptFraction(), keptLiquid = water_ ? water_->settings->flipFraction : 0.0;
+	const double  kept   = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
 	const double  mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	Vec<D>        departure[2], liquidDeparture[2];
 	for (int a = 0; a < D; ++a) {
 		const double common   = all[M::momentumAt + a] / all[M::massAt];
 		const double start[2] = { r[momentumAt + a] / m.solid[0], (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] };
 		for (int side = 0; side < 2; ++side) {
-			departure[side][a] = liquidDeparture[side][a] = start[side] - common;
-			if (!water_ || !(m.liquid[side] > smallestMassShare * mass[side])) continue;
+			departure[side][a]       = start[side] - common;
+			liquidDeparture[side][a] = 0.0;
+			if (!water_ || !(m.liquid[side] > smallestMassShare * (m.liquid[0] + m.liquid[1]))) continue;
 			const double momentum    = side == 0 ? r[liquidMomentumAt + a] : water_->nodes[node][PoreWater<D>::momentumAt + a] - r[liquidMomentumAt + a];
 			liquidDeparture[side][a] = momentum / m.liquid[side] - water_->start[node][a];
 		}
@@ -460,7 +474,7 @@ template <int D> void ThawFront<D>::correct(int slot)
 }
 
 template <int D>
-double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt)
+double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse)
 {
 	fastest_ = 0.0;
 	if (!present()) return 0.0;
@@ -482,7 +496,7 @@ double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirror
 		work_[slot] = slide(slot, dt);
 		correct(slot);
 	});
-	unfold(mirrors);
+	unfold(mirrors, impulse);
 	for (int slot = 0; slot < count; ++slot)
 		for (int side = 0; side < 2; ++side)
 			for (int a = 0; a < D; ++a) {

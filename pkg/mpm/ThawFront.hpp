@@ -40,8 +40,9 @@ public:
 	void start();
 
 	/// Takes the sides of the points from their ice saturation and finds the front nodes. mirrors, in the order in which
-	/// they are folded: a node and its mirror image belong together.
-	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors);
+	/// they are folded: a node and its mirror image belong together. freeLiquid: nodes where the sides move together, as the liquid of a
+	/// ghost is not folded there.
+	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
 	int  nodeCount() const { return static_cast<int>(nodes_.size()); }
@@ -58,8 +59,8 @@ public:
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
 	void push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force);
 	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Returns what the force between
-	/// the sides takes from their slip in the step [J].
-	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt);
+	/// the sides takes from their slip in the step [J], and adds what walls give to the sides apart to impulse [N s].
+	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse);
 	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine);
 	/// Adds the slip of points first .. last to their displacement gradient.
@@ -72,10 +73,11 @@ public:
 	const double* correction(int node, int place) const;
 
 private:
-	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, and that times
-	/// total stress.
+	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, liquid mass,
+	/// and volume times total stress.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
-	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, stressAt = 4 + 4 * D, recordSize = stressAt + stressSize<D>;
+	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D,
+	                     thawedLiquidMassAt = 5 + 4 * D, stressAt = 6 + 4 * D, recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
 	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
 	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D, wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D,
@@ -106,12 +108,12 @@ private:
 	double        liquidMass(int place) const { return waterMass_[place] - iceMass_[place]; }
 	void          updateSides(int first, int last);
 	void          markCells(const Grid<D>& grid, int first, int last);
-	void          markNodes(const ActiveRange& range, const Mirrors& mirrors);
+	void          markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 	void          markNear();
 	void          addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine);
 	void          addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k);
 	void          fold(const Mirrors& mirrors);
-	void          unfold(const Mirrors& mirrors);
+	void          unfold(const Mirrors& mirrors, Vec<D>& impulse);
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);

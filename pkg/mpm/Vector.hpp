@@ -9,6 +9,14 @@ namespace talik {
 /// Point or vector of D components [2-D: x, y; 3-D: x, y, z].
 template <int D> using Vec = std::array<double, D>;
 
+template <int D> double lengthOf(const Vec<D>& v)
+{
+	double sum = 0.0;
+	for (double c : v)
+		sum += c * c;
+	return std::sqrt(sum);
+}
+
 /// Number of stored stress components: plane strain keeps xx, yy, zz, xy; 3-D keeps xx, yy, zz, yz, xz, xy.
 template <int D> constexpr int stressSize = D == 2 ? 4 : 6;
 

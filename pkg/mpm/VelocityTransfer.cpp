@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/VelocityTransfer.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace talik {
@@ -17,6 +19,14 @@ VelocityTransfer velocityTransferFromName(const std::string& name)
 		++at;
 	}
 	throw std::invalid_argument("transfer = '" + name + "': choose one of " + known);
+}
+
+double keptFraction(double picTime, double dt) { return std::exp(-dt / picTime); }
+
+double gravityTime(double spacing, double gravity)
+{
+	constexpr double ofTheEarth = 9.81;
+	return std::sqrt(spacing / std::max(gravity, ofTheEarth));
 }
 
 } // namespace talik

@@ -5,7 +5,8 @@
 
 namespace talik {
 
-/// Temperature of the nodes of a side or of a box (wall, heated base): exact treatment for surfaces that lie on nodes.
+/// Temperature of a side, which lies on nodes and is met exactly, or of a box or disc in the ground (a pipe), by the share of each
+/// node that lies in it; of a flat box, the nodes in it.
 template <int D> class WallTemperature final : public Boundary<D> {
 public:
 	/// temperature [degC]
@@ -17,6 +18,7 @@ public:
 	std::string name() const override { return "WallTemperature"; }
 	std::string effect() const override { return "heat"; }
 	void        validate(const Grid<D>& grid) const override;
+	bool        takesVolumes() const override { return true; }
 	bool        prescribesTemperature() const override { return true; }
 	double      temperature(double time) const override { return temperature_.at(time); }
 

@@ -12,9 +12,11 @@ talik::Region<2> GroundBoundary::where() const
 	using Region = talik::Region<2>;
 	const talik::Vec<2> from { lower[0], lower[1] }, to { upper[0], upper[1] };
 	if (region == "surface") return Region::freeSurface().within(from, to);
+	if (region == "cavities") return Region::cavitySurface().within(from, to);
 	if (region == "box") return Region::nodeBox(from, to);
+	if (region == "disc") return Region::disc(from, to);
 	if (region == "left" || region == "right" || region == "bottom" || region == "top") return Region::side(region).within(from, to);
-	throw std::invalid_argument(getClassName() + ".region is '" + region + "': choose left, right, bottom, top, surface or box.");
+	throw std::invalid_argument(getClassName() + ".region is '" + region + "': choose left, right, bottom, top, surface, cavities, box or disc.");
 }
 
 talik::Region<2> GroundBoundary::always() const

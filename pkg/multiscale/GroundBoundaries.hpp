@@ -23,7 +23,7 @@ protected:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries. Example: mpm.boundaries=[RollerBoundary(region='left'),FixedBoundary(region='bottom')].",
-		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface; box: all nodes inside lower..upper."))
+		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface as far as air from above (or through a side without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc: inside the ellipse that fits lower..upper (a pipe)."))
 		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region [m]."))
 		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region [m]."))
 		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s] (days times talik.day), increasing; linear in between, constant outside. Empty: the value is constant."))
@@ -84,7 +84,7 @@ public:
 	virtual ~WallTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box. Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10).",
+	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, whose edge may lie anywhere between nodes. Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10); a pipe: WallTemperature(region='disc',lower=(-.4,-2),upper=(.4,-1.2),temperature=15).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 	);
 	// clang-format on

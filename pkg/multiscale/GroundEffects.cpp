@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/mpm/Check.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
 #include <pkg/multiscale/ScriptNames.hpp>
 
@@ -124,7 +125,8 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 	water.permeability.floor                 = relativeConductivityFloor;
 	water.hydraulicTimeScale                 = hydraulicTimeScale;
 	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
-	water.flipFraction                       = flip;
+	water.picTime                            = picTime;
+	talik::requireSetting(!(picTime < 0), "PoreWater.picTime", picTime, "must not be negative, in s; inf: none dies out, nan: chosen");
 	talik::underScriptNames(
 	        { { "liquidBulkModulus", "PoreWater.bulkModulus" },
 	          { "iceBulkModulus", "PoreWater.iceBulkModulus" },

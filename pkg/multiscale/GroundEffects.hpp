@@ -75,8 +75,12 @@ class PoreWater : public Serializable {
 public:
 	virtual ~PoreWater() {};
 	talik::WaterSettings build(Real residualSaturation) const;
+	/// The share per step that picTime has replaced.
+	Real refusedFlip() const;
+	void refuseFlip(Real);
+	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
 		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 1e-2 it is lowered, with a warning, to what lets pressure rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
 		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
@@ -88,7 +92,10 @@ public:
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
 		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
-		((Real,flip,0.9,,"FLIP fraction of the liquid velocity [-], 0 (PIC) to 1."))
+		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; NaN: sqrt(h/g)."))
+		,/*ctor*/ ,
+		/*py*/
+		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::refuseFlip,"Replaced by picTime.")
 	);
 	// clang-format on
 };

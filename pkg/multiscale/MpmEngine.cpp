@@ -286,9 +286,6 @@ void MpmEngine::checkPresence() const
 	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
 	if (otherTransfer && !motion)
 		throw std::invalid_argument("MpmEngine.transfer is '" + transfer + "' but motion is False: rigid ground has no velocity to transfer; leave it out.");
-	if (otherTransfer && flip != MpmEngine().flip)
-		throw std::invalid_argument(
-		        "MpmEngine.flip is " + boost::lexical_cast<string>(flip) + " with transfer='" + transfer + "': only transfer='flip' keeps a fraction of the points' velocity; leave flip out.");
 	if (motion && activeSkeletons().empty())
 		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
 	for (const auto& law : activeSkeletons())
@@ -307,7 +304,7 @@ void MpmEngine::checkChangeable() const
 	for (int axis = 0; axis < 2; axis++)
 		require(std::isfinite(gravity[axis]), "gravity", gravity[axis], "finite components in m/s^2");
 	require(damping >= 0 && damping < 1, "damping", damping, "a number from 0 to below 1");
-	require(flip >= 0 && flip <= 1, "flip", flip, "a number from 0 to 1");
+	require(!(picTime < 0), "picTime", picTime, "a time in s, 0 or more; inf: none dies out, nan: chosen");
 	require(waveFraction > 0 && waveFraction <= 1, "waveFraction", waveFraction, "a number above 0 and up to 1");
 	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
 	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
@@ -338,7 +335,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 		talik::MotionSettings<2> m;
 		m.gravity       = { gravity[0], gravity[1] };
 		m.transfer      = talik::velocityTransferFromName(transfer);
-		m.flipFraction  = flip;
+		m.picTime       = picTime;
 		m.localDamping  = damping;
 		m.cellAveraging = cellAveraging;
 		s.motion        = m;
@@ -480,6 +477,32 @@ void MpmEngine::checkFixed() const
 	require(s.boundaries.size() == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
 }
 
+namespace {
+	// a share per step is a viscosity that grows as the step shrinks: there is no time that stands for it
+	[[noreturn]] void sayFlipIsGone(const char* className)
+	{
+		const string text = string(className) + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give "
+		        + className + ".picTime=inf in place of flip=1.";
+		PyErr_SetString(PyExc_AttributeError, text.c_str());
+		::boost::python::throw_error_already_set();
+		throw std::logic_error(text); // never reached
+	}
+}
+
+Real MpmEngine::refusedFlip() const { sayFlipIsGone("MpmEngine"); }
+void MpmEngine::refuseFlip(Real) { sayFlipIsGone("MpmEngine"); }
+void MpmEngine::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
+{
+	if (keywords.has_key("flip")) sayFlipIsGone("MpmEngine");
+}
+
+Real PoreWater::refusedFlip() const { sayFlipIsGone("PoreWater"); }
+void PoreWater::refuseFlip(Real) { sayFlipIsGone("PoreWater"); }
+void PoreWater::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
+{
+	if (keywords.has_key("flip")) sayFlipIsGone("PoreWater");
+}
+
 void MpmEngine::followAttributes()
 {
 	checkFixed();
@@ -488,7 +511,7 @@ void MpmEngine::followAttributes()
 	if (s.motion) {
 		s.motion->gravity      = { gravity[0], gravity[1] };
 		s.motion->localDamping = damping;
-		s.motion->flipFraction = flip;
+		s.motion->picTime      = picTime;
 	}
 	s.waveFraction   = waveFraction;
 	s.heatFraction   = heatFraction;

@@ -135,8 +135,8 @@ public:
 		((bool,motion,true,,"Effect: the ground moves. False: it is rigid, and only heat limits the time step."))
 		((Vector2r,gravity,Vector2r::Zero(),,"Body force per mass [m/s^2]."))
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed while running."))
-		((string,transfer,"flip",,"How the velocity of the solid comes back from the grid. flip: points keep the fraction flip of their own and take the grid's acceleration; apic: points carry the grid's velocity and its first moment, which keeps angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's velocity and its gradient. apic and tpic need no flip and add the field affineVelocity [1/s], zero at the start. Water keeps its own PoreWater.flip."))
-		((Real,flip,0.97,,"FLIP fraction of the solid velocity with transfer='flip' [-], 0 (PIC) to 1."))
+		((string,transfer,"flip",,"How the velocity of the solid comes back from the grid. flip: points keep their own and take the grid's acceleration; apic: points carry the grid's velocity and its first moment, which keeps angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's velocity and its gradient. apic and tpic add the field affineVelocity [1/s], zero at the start. picTime says how long points keep what the grid does not see; water has its own, PoreWater.picTime."))
+		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid dies out [s], >= 0: in a step the share exp(-dt/picTime) of it is kept. 0: none is (PIC; apic and tpic as published), inf: all (FLIP). NaN: sqrt(h/g) with transfer='flip', in which a body falls by half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
 		((bool,cellAveraging,true,,"Cell means of div v and, transposed, of the mean stress: without them nearly incompressible ground locks."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or linear (debugging only)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
@@ -193,12 +193,17 @@ public:
 		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
+		.add_property("flip",&MpmEngine::refusedFlip,&MpmEngine::refuseFlip,"Replaced by picTime.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, setDay, exchangeSkeletons, replaceSample). Until then every setting may be changed, also after fields were read.")
 		.def("heldByWaitingGround",&MpmEngine::heldByWaitingGround,(::boost::python::arg("part")),"True if a ground whose fields were read but that has not begun holds this object.").staticmethod("heldByWaitingGround")
 		.def("renewWaitingGrounds",&MpmEngine::renewWaitingGrounds,(::boost::python::arg("part")),"Grounds that hold this object and have not begun are made anew from their settings when they are next asked. Done by every change of an attribute.").staticmethod("renewWaitingGrounds")
 	);
 	// clang-format on
+	/// The share per step that picTime has replaced.
+	Real refusedFlip() const;
+	void refuseFlip(Real);
+	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	static ::boost::python::object pyAddPoints(::boost::python::tuple args, ::boost::python::dict keywords);
 };
 REGISTER_SERIALIZABLE(MpmEngine);

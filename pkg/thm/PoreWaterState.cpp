@@ -54,8 +54,8 @@ PressureCoefficients PoreWaterState::coefficients(const MixtureProperties& m, co
 	        = liquidVolume * m.liquid.expansivity + perLiquid * n.ice * m.ice.expansivity + n.solid * exact * m.solid.expansivity;
 	return { liquidVolume / liquidBulkModulus + iceVolume / iceBulkModulus,
 		 deficit * state.porosity * state.saturationDerivative - expansivity,
-		 undrained - n.liquid,
-		 n.liquid };
+		 undrained - liquidVolume,
+		 liquidVolume };
 }
 
 double skemptonB(const PressureCoefficients& c, double skeletonModulus) { return 1.0 / (1.0 + skeletonModulus * c.storage / c.undrained()); }
@@ -70,11 +70,11 @@ double undrainedWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, 
 double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus)
 {
 	const double solidMass  = n.solid * m.solid.density + n.ice * m.ice.density;
-	const double liquidMass = n.liquid * m.liquid.density;
-	if (n.liquid <= 0.0) return std::sqrt(oedometerModulus / solidMass);
-	const double a     = (oedometerModulus + (1.0 - n.liquid) * c.skeleton / c.storage) / solidMass;
-	const double d     = n.liquid * c.liquid / (c.storage * liquidMass);
-	const double cross = (1.0 - n.liquid) * c.liquid / (c.storage * solidMass) * (n.liquid * c.skeleton / (c.storage * liquidMass));
+	const double liquidMass = c.liquid * m.liquid.density;
+	if (c.liquid <= 0.0) return std::sqrt(oedometerModulus / solidMass);
+	const double a     = (oedometerModulus + (1.0 - c.liquid) * c.skeleton / c.storage) / solidMass;
+	const double d     = c.liquid * c.liquid / (c.storage * liquidMass);
+	const double cross = (1.0 - c.liquid) * c.liquid / (c.storage * solidMass) * (c.liquid * c.skeleton / (c.storage * liquidMass));
 	const double half  = 0.5 * (a - d);
 	return std::sqrt(0.5 * (a + d) + std::sqrt(half * half + cross));
 }

@@ -28,7 +28,7 @@ struct PressureCoefficients {
 	double storage;     ///< K_p = n_l/K_w + n_i/K_i [1/Pa]
 	double temperature; ///< K_T = zeta n dS_l/dT - beta_m [1/K]
 	double skeleton;    ///< K_S [-]
-	double liquid;      ///< K_l = n_l [-]
+	double liquid;      ///< K_l = n_l, of what is no ice [-]
 
 	double undrained() const { return skeleton + liquid; } ///< chi = K_S + K_l
 };

@@ -139,7 +139,7 @@ def test_the_angle_of_friction_of_a_body_is_in_degrees():
 failing = """
 import talik
 from yade import O, wrapper
-mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(1, 1), skeleton=wrapper.ElasticSkeleton(), flip=7)
+mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(1, 1), skeleton=wrapper.ElasticSkeleton(), picTime=-7)
 talik.geometry.fill(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)])
 O.engines = [mpm]
 {start}
@@ -152,8 +152,8 @@ def test_the_error_of_a_step_is_said_once(start, tmp_path):
 	script.write_text(failing.format(start=start))
 	run = subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, timeout=60, cwd=tmp_path)
 	said = run.stdout + run.stderr
-	print(f"{start}: the sentence stands {said.count('MpmEngine.flip is 7')} times, FATAL {said.count('FATAL')} times")
-	assert said.count("MpmEngine.flip is 7") == 1 and "FATAL" not in said and "encountered" not in said and run.returncode != 0
+	print(f"{start}: the sentence stands {said.count('MpmEngine.picTime is -7')} times, FATAL {said.count('FATAL')} times")
+	assert said.count("MpmEngine.picTime is -7") == 1 and "FATAL" not in said and "encountered" not in said and run.returncode != 0
 
 
 def test_drawings_take_the_bodies_of_the_scene_with_spheres_among_them():

@@ -49,7 +49,6 @@ GroundSettings<2> settingsOf(const Effects& e)
 	if (e.motion) {
 		MotionSettings<2> m;
 		m.gravity       = { 0.0, -gravity };
-		m.flipFraction  = flipFraction;
 		m.cellAveraging = e.averaging;
 		s.motion        = m;
 		s.skeletons.push_back(skeletonOf(e));
@@ -88,6 +87,7 @@ std::unique_ptr<Ground<2>> groundWith(const Effects& e)
 			ground->addPoint(point);
 		}
 	ground->initialise();
+	if (e.motion) ground->settings().motion->picTime = -ground->stableTimeStep().step / std::log(flipFraction); // the share per step of the minimal code
 	return ground;
 }
 

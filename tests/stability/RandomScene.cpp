@@ -48,7 +48,7 @@ namespace {
 		s.shapeFunction       = dice.oneOf<std::string>("shape", { "quadraticBSpline", "quadraticBSpline", "gimp", "linear" });
 		const auto transfer   = dice.oneOf<std::string>("transfer", { "flip", "flip", "apic", "tpic" });
 		s.motion->transfer    = velocityTransferFromName(transfer == "apic" && s.shapeFunction == "linear" ? "tpic" : transfer);
-		s.motion->flipFraction  = dice.between("flip", 0.0, 1.0);
+		s.motion->picTime       = dice.decades("picTime", 1e-6, 1e2);
 		s.motion->localDamping  = dice.chance("damped", 0.2) ? 0.7 : 0.0;
 		s.motion->cellAveraging = !dice.chance("noCellMeans", 0.25);
 		if (dice.chance("gravity", 0.7)) s.motion->gravity = along(dice.uniform(-3.0, 3.0), -9.81);
@@ -115,7 +115,7 @@ namespace {
 		w.state.iceBulkModulus                 = dice.chance("noIceStorage", 0.1) ? INFINITY : 4.0 * w.state.liquidBulkModulus;
 		w.state.cavitationPressure             = dice.chance("suction", 0.3) ? -dice.decades("pCav", 1e3, 1e5) : 0.0;
 		w.state.densityChange                  = !dice.chance("noDensityChange", 0.3);
-		w.flipFraction                         = dice.between("flipLiquid", 0.0, 1.0);
+		w.picTime                              = dice.decades("picTimeOfLiquid", 1e-6, 1e2);
 	}
 
 	template <int D> void Draw<D>::walls()

@@ -92,7 +92,7 @@ TEST(Freezing, GroundFrozenToItsResidualWaterCarriesLoadAndWavesAndThawsFromTher
 		auto stiff = elasticOedometer(1e8);
 		s.skeletons.push_back(stiff);
 		s.heat->thermalTimeScale = 1e6;
-		s.motion->flipFraction   = 1.0;
+		s.motion->picTime        = std::numeric_limits<double>::infinity();
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e6, 0.06 * 1e6, 10.0 * 1e6 }, { -20.0, -20.0, 10.0, 10.0 }));
 		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), 2e4);
 		Ground<2> ground(s);

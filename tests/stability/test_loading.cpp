@@ -94,9 +94,10 @@ TEST(Loading, GravityAndSettingsSwitchedInMidRunWithoutDampingBringNoEnergyOfThe
 		// what the switch itself does to the energy is the work of whoever switches
 		m.gravity      = part % 3 == 0 ? Vec<2> { 0.0, -9.81 } : part % 3 == 1 ? Vec<2> {} : Vec<2> { 4.0, -9.81 };
 		m.localDamping = part % 4 == 2 ? 0.6 : 0.0;
-		m.flipFraction = part % 5 == 3 ? 0.9 : 1.0;
-		ground.settings().resting             = part % 2;
-		ground.settings().water->flipFraction = part % 2 ? 0.5 : 1.0;
+		const double step = ground.stableTimeStep().step, infinity = std::numeric_limits<double>::infinity();
+		m.picTime         = part % 5 == 3 ? 10.0 * step : infinity;
+		ground.settings().resting        = part % 2;
+		ground.settings().water->picTime = part % 2 ? 1.5 * step : infinity;
 		const double before = total();
 		for (int k = 0; k < 150; ++k) {
 			ground.step(ground.stableTimeStep().step);

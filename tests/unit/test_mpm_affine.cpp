@@ -34,6 +34,7 @@ template <int D> struct RandomPoints {
 	        , shape(makeShapeFunction<D>(shapeName))
 	{
 		settings.transfer = transfer;
+		motion.kept       = 0.0;
 		points.allocate(D == 2 ? 300 : 600);
 		motion.bind(points, grid);
 		affine.bind(points);

@@ -441,7 +441,7 @@ TEST(MpmGround, BadScenesAreRefusedBySentencesThatNameTheFault)
 		        ground.initialise();
 	        }),
 	        "gridSpacing = -1");
-	EXPECT_NAMES(start([](auto& s) { s.motion->flipFraction = 1.5; }), "flipFraction = 1.5");
+	EXPECT_NAMES(start([](auto& s) { s.motion->picTime = -1.5; }), "picTime = -1.5");
 	EXPECT_NAMES(start([](auto& s) { s.motion->localDamping = 1.0; }), "localDamping = 1");
 	EXPECT_NAMES(start([](auto& s) { s.motion->gravity[1] = NAN; }), "gravity");
 	EXPECT_NAMES(start([](auto& s) { s.heat->thermalTimeScale = 0.0; }), "thermalTimeScale = 0");

@@ -205,6 +205,104 @@ TEST(MpmMohrCoulombSkeleton, MeltingIceLowersStrengthAndStiffness)
 	EXPECT_NEAR(modulus / ((1e7 + 9e7 * 0.4375) * 0.7 / (1.3 * 0.4)), 1.0, 1e-12);
 }
 
+namespace {
+
+/// One point of freezing ground, with the fields that the law keeps there.
+template <int D> struct FreezingElement : Element<D> {
+	MohrCoulombSkeleton<D> law;
+	PointFields            fields;
+	FreezingElement()
+	{
+		law.youngModulus          = 1e7;
+		law.youngModulusFrozen    = 1e8;
+		law.poissonRatio          = 0.25;
+		law.cohesion              = 0.0;
+		law.cohesionFrozen        = 1e6;
+		law.frictionAngle         = 35.0;
+		law.tensileStrengthFrozen = 5e5;
+		fields.declare("iceSaturation", "freezing", "-", 1);
+		law.declareFields(fields, "");
+		fields.allocate(1);
+	}
+	/// Logarithmic strain of all directions [-], in equal steps, at an ice saturation.
+	void strain(double e, double saturation, int steps = 1)
+	{
+		this->ice = saturation;
+		for (int k = 0; k < steps; ++k) {
+			for (int i = 0; i < D; ++i)
+				this->gradient[i * D + i] = std::expm1(e / steps);
+			this->step(law);
+		}
+	}
+	/// Mean stress in the plane or in space that a strain of all directions gives [Pa per unit].
+	double modulus(double young) const { return young / ((1.0 + law.poissonRatio) * (1.0 - 2.0 * law.poissonRatio)) * (D == 2 ? 1.0 : 1.0 + law.poissonRatio); }
+};
+
+template <int D> void expectIceBornAndGoneWithoutStress()
+{
+	const double strain = 1e-5;
+	FreezingElement<D> loadedFrozen;
+	loadedFrozen.strain(0.0, 1.0);
+	loadedFrozen.strain(-strain, 1.0);
+	EXPECT_NEAR(loadedFrozen.stress[1] / (-loadedFrozen.modulus(1e8) * strain), 1.0, 1e-4);
+	loadedFrozen.strain(0.0, 0.5); // phi = 0.4375
+	EXPECT_NEAR(loadedFrozen.stress[1] / (-loadedFrozen.modulus(1e7 + 0.4375 * 9e7) * strain), 1.0, 1e-4);
+	loadedFrozen.strain(0.0, 1.0);
+	EXPECT_NEAR(loadedFrozen.stress[1] / (-loadedFrozen.modulus(1e7 + 0.4375 * 9e7) * strain), 1.0, 1e-4) << "new ice is free of stress";
+	loadedFrozen.strain(0.0, 0.0);
+	EXPECT_NEAR(loadedFrozen.stress[1] / (-loadedFrozen.modulus(1e7) * strain), 1.0, 1e-4);
+
+	FreezingElement<D> loadedThawed;
+	loadedThawed.strain(-strain, 0.0);
+	loadedThawed.strain(0.0, 1.0);
+	EXPECT_NEAR(loadedThawed.stress[1] / (-loadedThawed.modulus(1e7) * strain), 1.0, 1e-4) << "freezing makes no stress";
+	loadedThawed.strain(strain, 1.0);
+	EXPECT_NEAR(loadedThawed.stress[1] / (loadedThawed.modulus(9e7) * strain), 1.0, 1e-4) << "the ice holds the grains";
+	loadedThawed.strain(0.0, 0.0);
+	EXPECT_NEAR(loadedThawed.stress[1] / (loadedThawed.modulus(1e7) * strain), 0.0, 1e-4);
+	std::printf(
+	        "%d-D: frozen, loaded, thawed: %.2f Pa; loaded, frozen, unloaded, thawed: %.2e Pa; grains alone %.2f Pa\n", D, loadedFrozen.stress[1],
+	        loadedThawed.stress[1], -loadedFrozen.modulus(1e7) * strain);
+}
+
+template <int D> void expectOpeningToClose()
+{
+	FreezingElement<D> e;
+	const double       strain = 2e-2;
+	e.strain(0.0, 1.0);
+	e.strain(strain, 1.0, 200);
+	EXPECT_NEAR(e.stress[1], 5e5, 1e3) << "frozen ground bears its tensile strength";
+	e.strain(0.0, 0.0);
+	EXPECT_NEAR(e.stress[1], 0.0, 1e-6) << "thawed ground bears none";
+	e.strain(-0.99 * strain, 0.0, 100);
+	EXPECT_NEAR(e.stress[1], 0.0, 1e-6) << "grains are still apart";
+	e.strain(-3e-4, 0.0, 10);
+	std::printf("%d-D: parted by %.1e frozen, thawed and pressed together: %.1f Pa where 1 %% of it closes the rest\n", D, strain, e.stress[1]);
+	EXPECT_NEAR(e.stress[1] / (-e.modulus(1e7) * (3e-4 - 0.01 * strain)), 1.0, D == 2 ? 0.02 : 1e-4) << "the memory is of volume; plane strain closes in two directions";
+}
+
+} // namespace
+
+TEST(MpmMohrCoulombSkeleton, IceIsBornFreeOfStressAndTakesItsShareAlongWhenItMelts)
+{
+	expectIceBornAndGoneWithoutStress<2>();
+	expectIceBornAndGoneWithoutStress<3>();
+}
+
+TEST(MpmMohrCoulombSkeleton, GrainsThatWerePartedWhileFrozenArePressedOnlyWhenTheyHaveComeBack)
+{
+	expectOpeningToClose<2>();
+	expectOpeningToClose<3>();
+}
+
+TEST(MpmMohrCoulombSkeleton, GroundThatDoesNotFreezeKeepsNoFieldsOfIce)
+{
+	MohrCoulombSkeleton<2> law;
+	PointFields            dry;
+	law.declareFields(dry, "");
+	EXPECT_EQ(dry.list().size(), 1u);
+}
+
 TEST(MpmMohrCoulombSkeleton, TablesGiveStrengthAndStiffnessOverIceSaturation)
 {
 	auto m  = soil(1e3, 0.0);

@@ -2,7 +2,9 @@
 // Identities between what points give to nodes and what nodes give back, on random states.
 #include <pkg/mpm/Boundaries.hpp>
 #include <pkg/mpm/CellMeans.hpp>
+#include <pkg/mpm/ElasticSkeleton.hpp>
 #include <pkg/mpm/FreeSurface.hpp>
+#include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/MomentumSolver.hpp>
 #include <pkg/mpm/PoreWater.hpp>
 #include <pkg/mpm/SolidMotion.hpp>
@@ -319,4 +321,70 @@ TEST(MpmDrag, RigidDragGivesCommonAccelerationAndDarcyVelocity)
 	// relative velocity = (f_l - M_l a)/Q
 	const double w = 1.0 + dt * (a.liquid - a.solid) - 1.0;
 	EXPECT_NEAR(w * q / (fl - ml * a.solid), 1.0, 1e-2);
+}
+
+namespace {
+
+/// A strip of ground whose points move against each other so that no node moves, except at its far ends; what is left of their
+/// velocities in the middle after a time [s], over what should be [solid, liquid].
+std::array<double, 2> leftOfWhatTheGridDoesNotSee(VelocityTransfer transfer, double step, double time)
+{
+	GroundSettings<2> s;
+	s.upper       = { 12.0, 0.125 };
+	s.gridSpacing = 0.125;
+	s.motion.emplace();
+	s.motion->transfer = transfer;
+	s.motion->picTime  = 0.02;
+	s.water.emplace();
+	s.water->picTime = 0.05;
+	s.skeletons.push_back(std::make_shared<ElasticSkeleton<2>>());
+	Ground<2> ground(s);
+	for (int j = 0; j < 2; ++j)
+		for (int i = 2; i < 190; ++i) {
+			PointInput<2> p;
+			p.position = { (i + 0.5) * 0.0625, (j + 0.5) * 0.0625 };
+			p.volume   = 0.0625 * 0.0625;
+			p.velocity = { i % 2 ? 1e-3 : -1e-3, 0.0 };
+			ground.addPoint(p);
+		}
+	ground.initialise();
+	const int steps = static_cast<int>(std::lround(time / step));
+	for (int k = 0; k < steps; ++k)
+		ground.step(step);
+	std::array<double, 2> left {};
+	const char* const     names[] = { "velocity", "liquidVelocity" };
+	for (int phase = 0; phase < 2; ++phase) {
+		std::vector<double> v(ground.points().count());
+		ground.copyById(names[phase], 0, v.data());
+		left[phase] = std::abs(v[94]) / (1e-3 * std::exp(-time / (phase ? 0.05 : 0.02)));
+	}
+	return left;
+}
+
+} // namespace
+
+TEST(MpmTransfers, WhatTheGridDoesNotSeeDiesOutInPicTimeWhateverTheStepAndTransfer)
+{
+	for (const VelocityTransfer transfer : { VelocityTransfer::flip, VelocityTransfer::apic, VelocityTransfer::tpic })
+		for (const double step : { 2e-4, 5e-5 }) {
+			const auto left = leftOfWhatTheGridDoesNotSee(transfer, step, 2e-3);
+			std::printf(
+			        "%s, dt %.1e s: velocity left over exp(-t/picTime): solid 1 %+.1e, liquid 1 %+.1e\n",
+			        velocityTransferNames()[static_cast<int>(transfer)].c_str(), step, left[0] - 1.0, left[1] - 1.0);
+			EXPECT_NEAR(left[0], 1.0, 1e-9);
+			EXPECT_NEAR(left[1], 1.0, 1e-9);
+		}
+}
+
+TEST(MpmTransfers, ByDefaultFlipKeepsWhatTheGridDoesNotSeeForTheTimeThatABodyNeedsToFallByHalfACell)
+{
+	MotionSettings<2> s;
+	s.gravity = { 3.0, -4.0 };
+	EXPECT_DOUBLE_EQ(s.usedPicTime(0.25), std::sqrt(0.25 / 9.81)); // gravity below that of the earth
+	s.gravity = { 0.0, -981.0 };
+	EXPECT_DOUBLE_EQ(s.usedPicTime(0.25), std::sqrt(0.25 / 981.0)); // in a centrifuge
+	s.transfer = VelocityTransfer::apic;
+	EXPECT_EQ(s.usedPicTime(0.25), 0.0); // as published
+	EXPECT_EQ(keptFraction(0.0, 1e-3), 0.0);
+	EXPECT_EQ(keptFraction(std::numeric_limits<double>::infinity(), 1e-3), 1.0);
 }

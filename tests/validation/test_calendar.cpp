@@ -32,7 +32,7 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 	s.shapeFunction = "gimp";
 	s.motion.emplace();
 	s.motion->gravity      = { 0.0, -9.81 };
-	s.motion->flipFraction = 0.999;
+	s.motion->picTime      = 0.28;
 	s.motion->localDamping = 0.05;
 	s.heat.emplace();
 	s.heat->thermalTimeScale = run.largestScale;

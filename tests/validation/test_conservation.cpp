@@ -246,8 +246,8 @@ TEST(Conservation, MechanicalEnergyOfAConsolidatingColumnIsAccountedFor)
 	s.lower                          = { 0.0, 0.0 };
 	s.upper                          = { 0.8, 1.2 };
 	s.energyLedger                   = true;
-	s.motion->flipFraction           = 1.0;
-	s.water->flipFraction            = 1.0;
+	s.motion->picTime           = std::numeric_limits<double>::infinity();
+	s.water->picTime            = std::numeric_limits<double>::infinity();
 	s.water->state.cavitationPressure = -2e6;
 	s.water->permeability.referenceConductivity = 1e-3;
 	const double load = 2e4, modulus = 1e7;

@@ -470,3 +470,63 @@ TEST(Consolidation, ThawOfSiltInTheCalendarGivesTheExcessPressureAtTheFrontOfMor
 		expectScaled(label + std::string("settlement over X P0/M"), settlement(ground, c.height) / (thawed * c.load / c.oedometer), exact.degree(), 1.0, 5e-2);
 	}
 }
+
+// At a small ratio the pressure is a few hundredths of the load that every cell lets go when it thaws: what alternates from cell to cell
+// then, and no node sees, must not stay
+TEST(Consolidation, PressureBehindASlowThawFrontScattersByAFractionOfItself_slow)
+{
+	citing("Morgenstern & Nixon 1971, R set by f_T");
+	const double ratio = 0.25, surface = 10.0, initial = -0.2;
+	ColumnScene  c;
+	c.height = 1.0, c.cells = 20, c.bulkModulus = 2.2e7;
+	auto s = saturatedColumn(c);
+	s.water->state.densityChange  = false;
+	s.water->state.iceBulkModulus = c.bulkModulus;
+	s.heat.emplace();
+	s.freezing       = makeFreezingCurve("linear", { { "frozenTemperature", -0.1 } });
+	const auto m     = s.mixture;
+	const auto curve = s.freezing;
+	const reference::SimilarityFront front(
+	        [=](double t) { return m.conductivity(VolumeFractions::of(porosity, curve->liquidSaturation(t))); },
+	        [=](double t) {
+		        return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t))) + porosity * 910.0 * m.latentHeat * curve->derivative(t);
+	        },
+	        surface, initial, 4e-3, 40000);
+	const double perRoot     = front.integralOf([=](double t) { return curve->liquidSaturation(t); }) / 0.95;
+	s.heat->thermalTimeScale = std::pow(2.0 * ratio * std::sqrt(terzaghi(c).cv()) / perRoot, 2);
+	s.water->hydraulicTimeScale = 1.0;
+	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
+	Ground<2> ground = startedColumn(s, c, [&](PointInput<2>& p) {
+		p.temperature = initial;
+		p.pressure    = c.load;
+	});
+	const reference::MorgensternNixon exact { ratio };
+	const double end = std::pow(0.6 * c.height / (perRoot * std::sqrt(s.heat->thermalTimeScale)), 2), h = s.gridSpacing;
+	marchTo(ground, 0.25 * end);
+	const double places[] = { 0.4, 0.6 };
+	double       sum[2] = {}, squares[2] = {};
+	int          looks = 0;
+	long         step  = 0;
+	marchTo(ground, end, 1e300, [&] {
+		if (++step % 100) return;
+		const auto ice = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume"), pressures = cellPressures(ground, c.cells);
+		double     thawed = 0.0;
+		for (std::size_t k = 0; k < ice.size(); ++k)
+			thawed += (1.0 - ice[k] / 0.95) * volume[k] / h;
+		++looks;
+		for (int j = 0; j < 2; ++j) {
+			const double at = (c.height - places[j] * thawed) / h - 0.5;
+			const int    cell = static_cast<int>(at);
+			const double part = at - cell, off = (pressures[cell] * (1.0 - part) + pressures[cell + 1] * part) / (c.load * exact.pressure(places[j])) - 1.0;
+			sum[j] += off;
+			squares[j] += off * off;
+		}
+	});
+	for (int j = 0; j < 2; ++j) {
+		char label[80];
+		std::snprintf(label, sizeof label, "Morgenstern-Nixon R = 0.25 in time, at %.1f X: ", places[j]);
+		const double mean = sum[j] / looks;
+		expectScaled(label + std::string("mean of u over exact"), 1.0 + mean, 1.0, 1.0, 0.15);
+		expectSmall(label + std::string("scatter of u over exact"), std::sqrt(squares[j] / looks - mean * mean), 0.3);
+	}
+}

@@ -53,11 +53,11 @@ GroundSettings<2> square(int cells)
 	for (const char* side : { "left", "right", "bottom", "top" })
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
 	s.motion.emplace();
-	s.motion->flipFraction = 1.0;
+	s.motion->picTime = std::numeric_limits<double>::infinity();
 	s.heat.emplace();
 	s.heat->thermalTimeScale = timeScale;
 	s.water.emplace();
-	s.water->flipFraction                       = 1.0;
+	s.water->picTime                       = std::numeric_limits<double>::infinity();
 	s.water->state.liquidBulkModulus            = bulkModulus;
 	s.water->state.cavitationPressure           = -1e6;
 	s.water->permeability.referenceConductivity = conductivity;

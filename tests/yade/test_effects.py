@@ -150,7 +150,8 @@ refused = {
 	"unknown transfer": (dict(**motion, transfer="pic"), "transfer = 'pic'", "choose one of flip, apic, tpic"),
 	"transfer in rigid ground": (dict(**heat, transfer="apic"), "MpmEngine.transfer is 'apic'", "leave it out"),
 	"affine transfer on linear shape functions": (dict(**motion, transfer="apic", shapeFunction="linear"), "transfer = 'apic'", "use quadraticBSpline or gimp"),
-	"FLIP fraction of another transfer": (dict(**motion, transfer="tpic", flip=0.5), "MpmEngine.flip is 0.5", "leave flip out"),
+	"negative PIC time": (dict(**motion, picTime=-0.5), "MpmEngine.picTime is -0.5", "0 or more"),
+	"negative PIC time of water": (dict(**motion, water=lambda: PoreWater(picTime=-1)), "PoreWater.picTime = -1", "must not be negative"),
 	"unknown shape function": (dict(**motion, shapeFunction="cubic"), "shapeFunction = 'cubic'", "choose one of quadraticBSpline, gimp, linear"),
 	"overfull pores": (dict(**heat, pointValues=[("poreFill", 1.2)]), "poreFill = 1.2", "must lie in [0, 1]"),
 	"points partly filled with flowing water": (dict(**water, pointValues=[("poreFill", 0.5)]), "poreFill = 0.5", "must be 1"),
@@ -217,10 +218,18 @@ def test_is_refused_by_one_sentence_and_the_next_run_works(case):
 	assert mpm.time == O.dt > 0
 
 
+@pytest.mark.parametrize("use", (lambda: MpmEngine(flip=0.97), lambda: setattr(MpmEngine(), "flip", 1), lambda: MpmEngine().flip, lambda: PoreWater(flip=0.9)))
+def test_the_share_per_step_is_refused_by_a_sentence_that_names_the_time_in_its_place(use):
+	with pytest.raises(AttributeError) as refusal:
+		use()
+	print(refusal.value)
+	assert "picTime" in str(refusal.value) and ".flip" in str(refusal.value)
+
+
 def test_a_bad_value_given_to_a_running_ground_is_refused_before_the_step():
 	mpm = engine(**motion, gravity=(0, -10))
 	O.step()
-	for name, bad, good in (("damping", 5, 0.1), ("flip", -1, 0.9), ("waveFraction", 0, 0.3), ("gravity", (0, nan), (0, -9))):
+	for name, bad, good in (("damping", 5, 0.1), ("picTime", -1, 0.9), ("waveFraction", 0, 0.3), ("gravity", (0, nan), (0, -9))):
 		before = mpm.time, mpm.field("velocity")
 		setattr(mpm, name, bad)
 		with pytest.raises(ValueError) as refusal:

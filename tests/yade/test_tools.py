@@ -269,7 +269,7 @@ for part in parts:
 	print("EDITOR", type(part).__name__, len(shown))
 	assert shown, type(part)
 	if part is mpm:
-		assert {"gridSpacing", "gravity", "damping", "flip", "boundaries", "skeletons"} <= shown, shown
+		assert {"gridSpacing", "gravity", "damping", "picTime", "boundaries", "skeletons"} <= shown, shown
 		entry = next(entry for entry in editor.entries if entry.name == "damping")
 		entry.widget.setText("0.25")
 		entry.widget.update()
