@@ -300,8 +300,10 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 		near.count                     = static_cast<int>(places.size());
 		if (near.count == 0) continue;
 		settings.skeletons[k]->tangentModulus(near, front->modulus());
-		for (const int p : places)
-			front->dilatancy()[p] = settings.skeletons[k]->dilatancy();
+		for (const int p : places) {
+			front->dilatancy()[p]     = settings.skeletons[k]->dilatancy();
+			front->strengthSlope()[p] = settings.skeletons[k]->strengthSlope();
+		}
 	}
 }
 

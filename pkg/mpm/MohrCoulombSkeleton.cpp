@@ -240,6 +240,13 @@ template <int D> void MohrCoulombSkeleton<D>::initialise(const SkeletonBatch<D>&
 		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).youngModulus - thawed);
 }
 
+/// Davis 1968: tan(phi) with psi = phi, sin(phi) without dilation.
+template <int D> double MohrCoulombSkeleton<D>::strengthSlope() const
+{
+	const double sine = std::sin(frictionAngle * degree), dilation = dilationAngle * degree;
+	return sine * std::cos(dilation) / (1.0 - sine * std::sin(dilation));
+}
+
 template <int D> double MohrCoulombSkeleton<D>::dilatancy() const { return std::tan(dilationAngle * degree); }
 
 template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)

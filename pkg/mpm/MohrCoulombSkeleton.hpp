@@ -42,6 +42,7 @@ public:
 
 	std::string name() const override { return "MohrCoulombSkeleton"; }
 	double      dilatancy() const override;
+	double      strengthSlope() const override;
 	void        validate() const override;
 	void        declareFields(PointFields&, const std::string& prefix) override;
 	void        initialise(const SkeletonBatch<D>&) override;

@@ -39,6 +39,8 @@ public:
 
 	/// Tangent of the angle of dilation [-] with which ground that fails goes on to shear at constant stress.
 	virtual double dilatancy() const { return 0.0; }
+	/// Rise of the shear stress with the normal stress [-] in ground that fails in simple shear; unknown: larger than any.
+	virtual double strengthSlope() const { return 1e30; }
 
 	/// Declares fields of its own on the points (they are sorted and checkpointed with the rest); prefix makes names unique.
 	virtual void declareFields(PointFields&, const std::string& prefix) { (void)prefix; }

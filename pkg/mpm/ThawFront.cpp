@@ -23,7 +23,7 @@ namespace {
 	/// Normal stress of the thawed points over the reaction per area beyond which it is led back, within some steps.
 	constexpr double leastPressure = 0.5, mostPressure = 1.1, leadingSteps = 5.0;
 	/// The same, below which dilating ground has lost it.
-	constexpr double noPressure = 0.25;
+	constexpr double noPressure = 0.5, dilatingPressure = 1.1;
 	/// Slip that thawed points take as strain in a step, as stress over the reaction per area, where their normal stress is far from that:
 	/// stress would jump past it.
 	constexpr double settlingStress = 1.0;
@@ -100,6 +100,8 @@ void ThawFront<D>::bind(
 	cell_.assign(points.count(), 0);
 	modulus_.assign(points.count(), 0.0);
 	dilatancy_.assign(points.count(), 0.0);
+	strengthSlope_.assign(points.count(), 0.0);
+	if (water) mappedLiquid_.assign(points.count(), 0.0);
 	sides_.assign(size, 0);
 	reached_.assign(size, 0);
 	near_.assign(size, 0);
@@ -203,6 +205,7 @@ template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
+		if (water_) mappedLiquid_[p] = liquidMass(p);
 		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(grid, w, k);
 	}
 }
@@ -249,6 +252,7 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 		double* r = record(slot_[node]);
 		r[thawedVolumeAt] += s * volume;
 		r[thawedMassAt] += s * m;
+		r[slopeAt] += s * volume * strengthSlope_[p];
 		r[thawedLiquidMassAt] += s * ml;
 		for (int c = 0; c < stressSize<D>; ++c)
 			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
@@ -273,7 +277,7 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
-		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt })
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a)
 			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
@@ -339,6 +343,7 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		m.jump[a]                   = momentum / mass[1] - frozenMomentum / mass[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
+	m.slope = r[slopeAt] / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
@@ -352,7 +357,7 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	if (!m.meets || !m.inside) return;
 	const double opening = dot<D>(m.jump, m.normal), carried = m.area * std::max(0.0, dot<D>(m.traction, m.normal));
 	const double together = -m.reducedMass * opening;
-	m.together            = opening <= 0.0 || -together <= dt * carried;
+	m.together            = opening <= 0.0 || m.pressing >= -carried || -together <= dt * carried;
 	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
 	m.impulse             = m.together ? together : -dt * carried;
 }
@@ -378,18 +383,33 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 	m.reaction = m.impulse / dt;
 }
 
+/// The shear stress at the front over that of the thawed points, which lie away from it and have a normal stress of their own. Below strength
+/// both stresses rise with depth in one ratio; at strength shear follows the slope of the law.
+template <int D> double ThawFront<D>::shearScale(const Meeting& m, double shear, double pressure)
+{
+	const double reaction = m.reaction / m.area;
+	if (!(shear > 0.0)) return 0.0;
+	if (!(pressure > 0.0)) return std::isfinite(m.slope) && m.slope < largestScale ? std::max(0.0, 1.0 + m.slope * (reaction - pressure) / shear) : reaction < 0.0 ? 1.0 : 0.0;
+	return std::clamp(1.0 + std::min(m.slope, shear / pressure) * (reaction - pressure) / shear, 0.0, largestScale);
+}
+
 /// Friction as the thawed points carry it, and the jump that is left. Returns the work that the force between the sides takes up.
 template <int D> double ThawFront<D>::slide(int slot, double dt)
 {
 	Meeting& m = meetings_[slot];
 	if (!m.meets) return 0.0;
 	const double pressure = -dot<D>(m.traction, m.normal), opening = dot<D>(m.jump, m.normal);
-	// with hardly any normal stress the ratio of both stresses would be noise
-	const double scale = pressure > 0.0 ? std::clamp(m.reaction / pressure, 0.0, largestScale * m.area) : m.reaction < 0.0 ? m.area : 0.0;
+	Vec<D>       shear;
+	double       square = 0.0;
+	for (int i = 0; i < D; ++i) {
+		shear[i] = m.traction[i] + pressure * m.normal[i];
+		square += shear[i] * shear[i];
+	}
+	const double scale = m.area * shearScale(m, std::sqrt(square), pressure);
 	Vec<D>       friction;
 	double       slipping = 0.0, held = 0.0;
 	for (int i = 0; i < D; ++i) {
-		friction[i]    = -dt * scale * (m.traction[i] + pressure * m.normal[i]);
+		friction[i]    = -dt * scale * shear[i];
 		const double t = m.jump[i] - opening * m.normal[i];
 		slipping += t * t;
 		held -= friction[i] * t;
@@ -418,7 +438,7 @@ template <int D> double ThawFront<D>::lackingPressure(const Meeting& m) const
 template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
 {
 	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
-	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (leastPressure - noPressure), 0.0, 1.0) : 0.0;
+	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (dilatingPressure - noPressure), 0.0, 1.0) : 0.0;
 }
 
 /// Corrections for both sides from the jump between them.
@@ -565,7 +585,11 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 			}
 		});
 		if (thawed) {
+			// ground without pressure of its own would only open further
+			double trace = 0.0;
 			for (int i = 0; i < D; ++i)
+				trace += motion_->stress[i][p];
+			for (int i = 0; i < D && trace < 0.0; ++i)
 				for (int j = 0; j < D; ++j)
 					slip[i][j] += dilatancy_[p] * widening[i][j];
 			limitStrain(slip, limit / (weight * modulus_[p] * dt));
@@ -573,7 +597,8 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 		}
 		for (int i = 0; i < D; ++i) {
 			motion_->velocity[i][p] += gain[i];
-			if (water_) water_->velocity[i][p] += liquidGain[i];
+			// water that came by seepage since has diluted the momentum
+			if (water_) water_->velocity[i][p] += liquidGain[i] * (mappedLiquid_[p] / liquidMass(p));
 			motion_->position[i][p] += dt * velocity[i];
 			motion_->displacement[i][p] += dt * velocity[i];
 			for (int j = 0; j < D; ++j) {
@@ -586,15 +611,18 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 	}
 }
 
-/// Strain along the normal that brings what the points lack in pressure. 
+/// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
 template <int D> void ThawFront<D>::lead(int p, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const
 {
-	double pressure = 0.0;
-	for (int i = 0; i < D; ++i)
+	double pressure = 0.0, square = 0.0;
+	for (int i = 0; i < D; ++i) {
 		pressure += lacking[i][i];
+		for (int j = 0; j < D; ++j)
+			square += slip[i][j] * slip[i][j];
+	}
 	const double rate = std::abs(pressure) / (modulus_[p] * leadingSteps * dt); // of the strain [1/s]
 	if (!(rate > 0.0)) return;
-	const double share = std::min(1.0, largestLeading / (rate * dt));
+	const double share = std::min(1.0, std::min(std::sqrt(square), largestLeading / dt) / rate);
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			slip[i][j] -= share * lacking[i][j] / (modulus_[p] * leadingSteps * dt);

@@ -21,8 +21,9 @@ namespace talik {
 /// each side see. At a front node with normal n (from F to T) and area A, both from sum_F V grad S,
 ///   normal:     the sides share their normal velocity where they press, R >= 0 being the reaction; where they would part, they are
 ///               held back by no more than the tension that the thawed points carry there;
-///   tangential: |t_t| R/|t_n|, with the traction t = (sum_T S V sigma) n of the thawed points there, sigma total stress, and no more
-///               than what makes the tangential velocities equal.
+///   tangential: what the thawed points carry there, t = (sum_T S V sigma) n / V_I with sigma total stress, at the reaction in place of
+///               their own normal stress: |t_t| + min(s, |t_t|/|t_n|) (R/A - |t_n|), s the slope of their strength; and no more than what
+///               makes the tangential velocities equal.
 /// The jump [v] of the tangential velocity goes back to the thawed points as strain, sum_I S_I [v]_I (x) n_I A_I/V_I with
 /// V_I = sum_T S_I V: the law, or the sample, of the thawed points decides the slip, and feels it. Both phases of a side jump
 /// together; temperature, pressure and the velocity of the water through the grains have one value on a node.
@@ -53,6 +54,8 @@ public:
 	double* modulus() { return modulus_.data(); }
 	/// And the tangent of their angle of dilation [-], by place.
 	double* dilatancy() { return dilatancy_.data(); }
+	/// And by how much the shear stress that they carry rises with the normal stress when they fail [-], by place.
+	double* strengthSlope() { return strengthSlope_.data(); }
 
 	/// Adds what the points of a block near the front bring to the front nodes; affine may be null.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
@@ -74,10 +77,10 @@ public:
 
 private:
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, liquid mass,
-	/// and volume times total stress.
+	/// and volume times slope of strength and total stress.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
 	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D,
-	                     thawedLiquidMassAt = 5 + 4 * D, stressAt = 6 + 4 * D, recordSize = stressAt + stressSize<D>;
+	                     thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D, stressAt = 7 + 4 * D, recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
 	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
 	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D, wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D,
@@ -94,6 +97,7 @@ private:
 		double reducedMass = 0.0; ///< [kg]
 		Vec<D> jump {};           ///< velocity of the thawed side less that of the frozen one [m/s]
 		Vec<D> traction {};       ///< of the thawed points on the front [Pa]
+		double slope = 0.0;      ///< of strength over normal stress, of the thawed points [-]
 		double pressing = 0.0;    ///< force along the normal that would give both the same acceleration [N]
 		double reaction = 0.0;    ///< normal force between the sides [N]
 		double impulse  = 0.0;    ///< along the normal, on the thawed side [N s]
@@ -117,6 +121,7 @@ private:
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
+	static double shearScale(const Meeting& meeting, double shear, double pressure);
 	double        slide(int slot, double dt);
 	double        lackingPressure(const Meeting& meeting) const;
 	double        widenedShare(const Meeting& meeting) const;
@@ -148,7 +153,8 @@ private:
 	std::vector<double>        volume_;  ///< of full ground, by node
 	std::vector<Meeting>       meetings_;
 	std::vector<int>           chosen_;
-	std::vector<double>        modulus_, dilatancy_; ///< by place, of thawed points near the front [Pa], [-]
+	std::vector<double>        modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]
+	std::vector<double>        mappedLiquid_;        ///< by place, liquid mass of points near the front when it was mapped [kg]
 	std::vector<double>        records_, results_, work_;
 };
 

@@ -96,7 +96,7 @@ private:
 		law->youngModulus         = slab_.young;
 		law->youngModulusFrozen   = slab_.youngFrozen;
 		law->cohesion             = slab_.cohesion;
-		law->tensileStrength      = 0.0;
+		law->tensileStrength      = slab_.cohesion / std::tan(Slab::radians(slab_.friction)); // no cut-off below the cone
 		law->cohesionFrozen       = 50e6;
 		law->tensileStrengthFrozen = 50e6;
 		law->frictionAngle        = slab_.friction;
