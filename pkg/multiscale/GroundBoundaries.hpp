@@ -84,7 +84,7 @@ public:
 	virtual ~WallTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, whose edge may lie anywhere between nodes. Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10); a pipe: WallTemperature(region='disc',lower=(-.4,-2),upper=(.4,-1.2),temperature=15).",
+	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, whose edge may lie anywhere between nodes: a pipe has region='disc',lower=(-.4,-2),upper=(.4,-1.2). Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 	);
 	// clang-format on

@@ -46,7 +46,7 @@ def runUntil(instant, look=None, interval=0.2):
 	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene."""
 	if O.time >= instant:
 		return
-	O.stopAtTime = instant
+	O.stopAtTime, O.stopAtIter = instant, 0
 	O.run()
 	pause, nextLook = 0.002, time.monotonic() + interval
 	try:
@@ -67,7 +67,7 @@ def runUntilDay(mpm, day, look=None, longest=math.inf):
 	"""As runUntil, until the calendar of `mpm` reaches `day`, but at most until O.time is `longest` [s]."""
 	if mpm.calendar["day"] >= day:
 		return
-	mpm.stopAtDay, O.stopAtIter = day, 0
+	mpm.stopAtDay = day
 	runUntil(longest, look)
 
 
@@ -78,7 +78,7 @@ def atRest():
 	if running:
 		O.pause()
 		awaitEndOfStep(O)
-	ended = O.stopAtIter > 0 and O.iter >= O.stopAtIter  # it stopped by itself in the meantime
+	ended = O.stopAtIter < 0  # it stopped by itself in the meantime: YADE marks that so
 	yield
 	if running and O.time < O.stopAtTime and not ended:
 		O.run()

@@ -48,6 +48,24 @@ def test_the_run_stops_after_the_step_in_which_the_day_comes_and_goes_on_beyond_
 		O.step()
 
 
+def test_a_run_that_reaches_its_day_while_it_is_paused_for_a_checkpoint_does_not_go_on(monkeypatch):
+	mpm = block()
+
+	def endMeanwhile(omega):
+		omega.run()
+		omega.wait()
+
+	def pauseOnce():
+		with thawslump.atRest():
+			pass
+		monkeypatch.setattr(thawslump, "awaitEndOfStep", lambda omega: None)
+
+	monkeypatch.setattr(thawslump, "awaitEndOfStep", endMeanwhile)
+	thawslump.runUntilDay(mpm, 300, pauseOnce, longest=1e3)
+	print(f"ended on day {mpm.calendar['day']:.2f} for 300")
+	assert 300 <= mpm.calendar["day"] < 300.1
+
+
 def test_a_constant_scale_has_a_calendar_and_no_events():
 	mpm = block(followsMotion=False)
 	O.run(20, True)
