@@ -21,8 +21,8 @@ struct Slab {
 	double spacing   = 0.25;   ///< h [m]
 	double young = 20e6, youngFrozen = 100e6; ///< [Pa]
 	double length    = 40.0;   ///< of the layer over h
+	bool   wallToWall = false; ///< the layer fills the box, so that it has no ends to fall
 	bool   wet       = false;  ///< saturated, water free to flow parallel to the front
-	bool   atStrength = true;  ///< starts with the shear stress that friction carries, else without shear stress
 	std::function<void(GroundSettings<2>&)> change; ///< of the settings
 
 	static constexpr double porosity = 0.4, gravity = 9.81;
@@ -123,7 +123,7 @@ private:
 				const double rx = x - origin_[0], ry = y - origin_[1];
 				const double along = rx * down_[0] + ry * down_[1], height = rx * up_[0] + ry * up_[1];
 				const bool   layer = height >= 0.0;
-				if (layer && (height >= slab_.depth() || std::abs(along) >= 0.5 * slab_.length * h)) continue;
+				if (layer && (height >= slab_.depth() || (!slab_.wallToWall && std::abs(along) >= 0.5 * slab_.length * h))) continue;
 				PointInput<2> p = point(height, { x, y }, step * step);
 				ground_->addPoint(p);
 				if (layer && std::abs(along) < 3.0 * h && height > slab_.depth() - 1.2 * step) watched_.push_back(id);
@@ -141,8 +141,12 @@ private:
 		p.temperature = height >= 0.0 ? 5.0 : -10.0;
 		if (slab_.wet) p.pressure = 1000.0 * Slab::gravity * std::cos(beta) * depth;
 		const double normal = weight * std::cos(beta) * slab_.effective() * depth;
-		double       shear  = slab_.sine() * normal * (slab_.atStrength ? 1.0 : 0.0);
-		if (height < 0.0) shear = slab_.sine() * weight * std::cos(beta) * slab_.effective() * slab_.depth() - weight * std::sin(beta) * height;
+		// at rest, or at strength where rest asks for more
+		const auto carried = [&](double d) {
+			const double strength = slab_.cohesion * std::cos(Slab::radians(slab_.friction)) + slab_.sine() * weight * std::cos(beta) * slab_.effective() * d;
+			return std::min(strength, weight * std::sin(beta) * d);
+		};
+		const double shear = height >= 0.0 ? carried(depth) : carried(slab_.depth()) - weight * std::sin(beta) * height;
 		// sigma = -normal 1 + shear (down up + up down), in the frame of the front; the part above pulls the part below downhill
 		p.stress[0] = -normal + 2.0 * shear * down_[0] * up_[0];
 		p.stress[1] = -normal + 2.0 * shear * down_[1] * up_[1];
