@@ -263,8 +263,9 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	const double h = grid.spacing();
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
-	const double given = settings.water->picTime;
-	water->kept        = keptFraction(std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given, clock.dt);
+	const double given = settings.water->picTime, own = gravityTime(h, lengthOf<D>(settings.motion->gravity));
+	const double chosen = water->scale > 1.0 ? std::min(own, water->longestRest) : own;
+	water->kept         = keptFraction(std::isnan(given) ? chosen : given, clock.dt);
 }
 
 template <int D> void Ground<D>::beginStep(double dt)
@@ -276,10 +277,10 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
 	g.clock.dt = dt;
-	g.findKeptFractions();
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
 	g.useScale();
+	g.findKeptFractions();
 	g.cost.lap(CostMeter::sorting);
 	if (!g.heat) return;
 	const double before = g.heat->reference;

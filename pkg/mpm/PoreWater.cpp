@@ -292,10 +292,8 @@ void PoreWater<D>::feed(
 
 template <int D> void PoreWater<D>::chooseLargestConductivity()
 {
-	// what water does against its inertia dies out within k/(n g), whatever the ground is like
-	constexpr double longestRest = 0.0125; // [s]
-	largestConductivity          = std::isnan(settings->largestConductivity) ? longestRest * settings->permeability.referencePorosity * Permeability::gravity
-	                                                                        : settings->largestConductivity;
+	const double given  = settings->largestConductivity;
+	largestConductivity = std::isnan(given) ? longestRest * settings->permeability.referencePorosity * Permeability::gravity : given;
 }
 
 template <int D> double PoreWater<D>::usedScale(double f) const

@@ -92,7 +92,7 @@ public:
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
 		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
-		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; NaN: sqrt(h/g)."))
+		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is hastened."))
 		,/*ctor*/ ,
 		/*py*/
 		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::refuseFlip,"Replaced by picTime.")

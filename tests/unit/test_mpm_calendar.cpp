@@ -79,7 +79,6 @@ Ground<2> slidingFace()
 	s.upper       = { 2.4, 1.4 };
 	s.motion.emplace();
 	s.motion->gravity = { 0.0, -9.81 };
-	s.motion->picTime = 6e-3; // [s] shear that the grid does not see dies out: the speed changes
 	s.heat.emplace();
 	s.heat->thermalTimeScale  = 1e6;
 	s.heat->followsMotion     = true;
@@ -103,7 +102,7 @@ Ground<2> slidingFace()
 			p.position    = { (i + 0.5) * 0.05, (j + 0.5) * 0.05 };
 			p.volume      = 0.0025;
 			p.temperature = 1.0;
-			p.velocity    = { p.position[1], 0.0 };
+			p.velocity    = { 0.4 * p.position[1], 0.0 };
 			ground.addPoint(p);
 		}
 	ground.initialise();
@@ -286,11 +285,11 @@ TEST(MpmCalendar, SameBitsForAnyNumberOfThreadsAndThroughACheckpointInTheMidstOf
 		omp_set_num_threads(std::max(threads, 1));
 		Ground<2> ground = slidingFace();
 		if (dt == 0.0) dt = 0.8 * ground.stableTimeStep().step;
-		for (int k = 0; k < 300; ++k) {
+		for (int k = 0; k < 1000; ++k) {
 			ground.step(dt);
 			lowest  = std::min(lowest, ground.calendar().scale);
 			highest = std::max(highest, ground.calendar().scale);
-			if (threads > 0 || k != 150) continue;
+			if (threads > 0 || k != 500) continue;
 			const auto saved = copyOf(ground.state());
 			const auto ended = ground.endedEvents();
 			ground           = slidingFace();
@@ -310,7 +309,7 @@ TEST(MpmCalendar, SameBitsForAnyNumberOfThreadsAndThroughACheckpointInTheMidstOf
 	std::printf("%zu events, scale from %.3g to %.3g: %ld bytes differ\n", events.size(), lowest, highest, different);
 	EXPECT_EQ(different, 0);
 	EXPECT_GE(events.size(), 1u);
-	EXPECT_LT(lowest, 0.8 * highest);
+	EXPECT_LT(lowest, 0.9 * highest);
 	EXPECT_LT(highest, 1e-3 * 1e6);
 }
 

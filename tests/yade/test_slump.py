@@ -35,6 +35,16 @@ def draft(tmp_path_factory):
 	return slump(tmp_path_factory.mktemp("draft"))
 
 
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory):
+	"""The same slope of ground whose thawed cohesion holds the face: it stands while it thaws."""
+	preset = thawslump.presets["draft"]
+	folder = tmp_path_factory.mktemp("standing")
+	run = thawslump.ThawSlump("Case I", warmAir, "draft", folder, thawslump.Ground(thawedCohesion=30e3), frameDays=np.linspace(0, preset.days, 17), skeleton="MohrCoulomb")
+	run.run()
+	return run
+
+
 def initialPosition(frame):
 	return frame["position"] - frame["displacement"]
 
@@ -60,9 +70,9 @@ def test_reference_column_meets_neumann_where_the_freezing_curve_is_sharp():
 
 
 # the quarter-cell resistance of a free surface between nodes makes a thawing front run ahead by up to 0.43 h here
-def test_front_in_ground_that_has_not_moved_is_within_half_a_cell_of_the_column(draft):
-	h = draft.preset.gridSpacing
-	frames = draft.frames.frames
+def test_front_in_ground_that_has_not_moved_is_within_half_a_cell_of_the_column(standing):
+	h = standing.preset.gridSpacing
+	frames = standing.frames.frames
 	points = initialPosition(frames[0])[:, 0] < plateau
 	reference = ThawColumn(4.0, 160, air, timeScale=1.0)
 	compared = 0
