@@ -68,7 +68,7 @@ def build(preset):
 		wrapper.RollerBoundary(region="left"),
 		wrapper.RollerBoundary(region="right"),
 		wrapper.FixedBoundary(region="bottom"),
-		wrapper.SurfaceTemperature(region="surface", times=[0, restTime, restTime + warmingTime], values=[-2, -2, 10]),
+		wrapper.SurfaceTemperature(region="surface", times=[restTime * thermalTimeScale, (restTime + warmingTime) * thermalTimeScale], values=[-2, 10]),
 	]
 	newton = wrapper.NewtonIntegrator(gravity=(*gravity, 0), damping=0.4)
 	O.engines = [wrapper.ForceResetter(), mpm, newton]
@@ -113,7 +113,7 @@ def draw(record, path):
 		axes.set_xlim(0, 13)
 		axes.set_ylim(0, 4.6)
 		axes.set_ylabel("y [m]")
-		axes.set_title(plots.timeLabel(state[0], thermalTimeScale), loc="left", fontsize=10)
+		axes.set_title(plots.timeLabel(state[0], state[0] * thermalTimeScale / talik.day), loc="left", fontsize=10)
 	panels[1].set_xlabel("x [m]")
 	rows = np.array(record.rows)
 	panels[2].plot(rows[:, 0], np.hypot(rows[:, 1] - rows[0, 1], rows[:, 2] - rows[0, 2]), color="black")

@@ -57,7 +57,7 @@ def build(preset):
 		wrapper.RollerBoundary(region="left"),
 		wrapper.RollerBoundary(region="right"),
 		wrapper.FixedBoundary(region="bottom"),
-		wrapper.SurfaceTemperature(region="surface", times=[0, restTime, restTime + warmingTime], values=[-2, -2, 10]),
+		wrapper.SurfaceTemperature(region="surface", times=[restTime * thermalTimeScale, (restTime + warmingTime) * thermalTimeScale], values=[-2, 10]),
 	]
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.4)]
 	O.step()  # sets O.dt
@@ -93,7 +93,7 @@ def draw(record, weight, path):
 		axes.set_xlim(0, width)
 		axes.set_ylim(0, depth + 1.5)
 		axes.set_ylabel("y [m]")
-		axes.set_title(plots.timeLabel(time, thermalTimeScale), loc="left", fontsize=10)
+		axes.set_title(plots.timeLabel(time, time * thermalTimeScale / talik.day), loc="left", fontsize=10)
 	panels[1].set_xlabel("x [m]")
 	fig.colorbar(panels[0].collections[0], ax=list(panels[:2]), label="ice saturation [-]", shrink=0.7)
 	time, settled, force, thawed = np.array(record.rows).T

@@ -36,7 +36,7 @@ mpm = MpmEngine(
 	freezing=FreezingCurve(),
 	boundaries=[
 		RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom"),
-		SurfaceTemperature(region="surface", times=[0, 0.5], values=[-2, 10]),
+		SurfaceTemperature(region="surface", times=[0, 5 * talik.day], values=[-2, 10]),
 	],
 )
 talik.geometry.fill(mpm, [(0, 0), (4, 0), (4, 0.5), (3, 0.5), (1.5, 2), (0, 2)], pointsPerCell=4, temperature=-2)

@@ -7,7 +7,7 @@ Everything as in thaw_slump_surface.py but the heat: the base between x = 2 and 
 all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above comes after. The
 surface is drained and free.
 
-Ours, where the paper is silent: the extent of the patch; the duration, 60 s (600 days of heat at f_T = 8.64e5), because the
+Ours, where the paper is silent: the extent of the patch; the duration, 600 days, because the
 frozen roof must become thin before its weight passes its strength; and what thawing does to
 the grains. Grains that keep their size (eq. 8 as bookkeeping, --thaw-strain 0) keep their contacts when the ice goes: the thawed ground
 at depth carries what it carried, and nothing comes down. Support is lost by thaw strain: ice-rich grains, prepared frozen, shrink as they
@@ -20,13 +20,13 @@ The page of figures is page.png; what to expect is described in examples/README.
 import talik
 from talik import thawslump
 
-durations = {"draft": 60.0, "standard": 60.0, "paper": 60.0}  # of the thaw [s]
+days = {"draft": 600.0, "standard": 600.0, "paper": 600.0}  # of the thaw
 
 
 def warmBase(start):
-	"""Base patch at -5 °C, from `start` on at +10 °C within one second."""
-	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[0, start, start + 1], values=[-5, -5, 10])]
+	"""Base patch at -5 °C, from `start` [s of the calendar] on warming to +10 °C within ten days."""
+	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[start, start + 10 * talik.day], values=[-5, 10])]
 
 
 options = thawslump.arguments(__doc__.splitlines()[0], "output/thaw_slump_base", thawStrain=0.03)
-slump = thawslump.runCase("Case II: thaw from the base", warmBase, options, durations.get(options.preset))
+slump = thawslump.runCase("Case II: thaw from the base", warmBase, options, days.get(options.preset))

@@ -3,6 +3,7 @@
 
 #include <pkg/multiscale/RveSample.hpp>
 #include <pkg/rve/PackedSamplePool.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 namespace py = boost::python;
 
@@ -31,6 +32,7 @@ namespace {
 		/// Every copy is asked once, all in turn; returns the DEM steps done.
 		long apply(const Matrix3r& displacementGradient, long steps, bool tangent, int threads)
 		{
+			const StepGate gate; // another thread may ask while this one has let go of Python's lock
 			options.steps   = steps;
 			options.tangent = tangent;
 			for (auto& request : requests)
@@ -48,13 +50,22 @@ namespace {
 
 		py::tuple stress(std::size_t sample) const
 		{
-			const Matrix& s = results.at(sample).stress;
+			const StepGate gate;
+			const Matrix&  s = results.at(sample).stress;
 			return py::make_tuple(s(0, 0), s(1, 1), s(0, 1));
 		}
 
 		std::size_t size() const { return pool.size(); }
-		std::size_t bytes() const { return pool.bytes(); }
-		std::size_t distinctStates() const { return pool.distinctStates(); }
+		std::size_t bytes() const
+		{
+			const StepGate gate;
+			return pool.bytes();
+		}
+		std::size_t distinctStates() const
+		{
+			const StepGate gate;
+			return pool.distinctStates();
+		}
 
 	private:
 		double                              iceSaturation;

@@ -8,9 +8,15 @@
 #include <boost/python/numpy.hpp>
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/rve/RunningScene.hpp>
 #include <pkg/rve/ScenePacking.hpp>
+#include <pkg/rve/StepGate.hpp>
 #include <omp.h>
+#include <sstream>
+
+TALIK_STOCK_POINTER(yade::Serializable, pointer_iserializer, binary_iarchive)
+TALIK_STOCK_POINTER(yade::Serializable, pointer_oserializer, binary_oarchive)
 
 namespace py = boost::python;
 using namespace yade;
@@ -78,6 +84,13 @@ namespace {
 		return step();
 	}
 
+	/// The gate is left whatever the call ends with, an interrupt from the keyboard too.
+	py::object callBetweenSteps(const py::object& function, const py::tuple& positional, const py::dict& named)
+	{
+		const StepGate gate;
+		return py::object(py::handle<>(PyObject_Call(function.ptr(), positional.ptr(), named.ptr())));
+	}
+
 	/// Makes another Scene the current one of O and returns the former; the 3-D view follows.
 	shared_ptr<Scene> exchangeScene(const shared_ptr<Scene>& scene)
 	{
@@ -104,6 +117,39 @@ namespace {
 		if (!scene) raise(PyExc_ValueError, "sceneBytes: the scene is None; give a Scene.");
 		const std::string bytes = sceneToBytes(scene);
 		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
+	}
+
+	/// One object with all that it holds, as YADE archives it.
+	py::object objectToBytes(const shared_ptr<Serializable>& object)
+	{
+		if (!object) raise(PyExc_ValueError, "objectToBytes: the object is None.");
+		std::ostringstream stream;
+		{
+			boost::archive::binary_oarchive archive(stream);
+			archive << boost::serialization::make_nvp("object", object);
+		}
+		const std::string bytes = stream.str();
+		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
+	}
+
+	shared_ptr<Serializable> objectFromBytes(const py::object& bytes)
+	{
+		char*      data = nullptr;
+		Py_ssize_t size = 0;
+		if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) < 0) py::throw_error_already_set();
+		std::istringstream              stream(std::string(data, std::size_t(size)));
+		boost::archive::binary_iarchive archive(stream);
+		shared_ptr<Serializable>        object;
+		archive >> boost::serialization::make_nvp("object", object);
+		return object;
+	}
+
+	shared_ptr<Scene> readScene(const py::object& content, bool xml)
+	{
+		char*      data   = nullptr;
+		Py_ssize_t length = 0;
+		if (PyBytes_AsStringAndSize(content.ptr(), &data, &length) != 0) py::throw_error_already_set();
+		return sceneFromFile(std::string(data, std::size_t(length)), xml);
 	}
 
 	shared_ptr<Scene> emptyScene()
@@ -164,15 +210,28 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("registerClasses", registerClasses,
 	        "Check that the running YADE is the one this module was built for, register our classes into it and return the names of "
 	        "all of them. ImportError when YADE differs.");
+	py::def("ownClasses", +[] {
+		py::list names;
+		for (const auto& name : checkpointClasses())
+			names.append(name);
+		return names;
+	}, "Names of our classes.");
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
 	py::def("sameObject", +[](const shared_ptr<Serializable>& first, const shared_ptr<Serializable>& second) { return first == second; },
 	        (py::arg("first"), py::arg("second")), "True if both are the same C++ object: Python may hold it by several names.");
 	py::def("refuseFewerThreads", refuseFewerThreads, py::arg("scene"), "RuntimeError if O could not run a Scene with all of its threads.");
 	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
+	py::def("timeStepForIce", +[](const shared_ptr<Scene>& scene) { return timeStepForIce(*scene); }, py::arg("scene"), "Time step [s] with which a Scene stays stable when full ice saturation stiffens its contacts: its own, lowered where it is too long.");
+	py::def("objectToBytes", objectToBytes, py::arg("object"), "An object of YADE or Talik with all that it holds, as bytes.");
+	py::def("objectFromBytes", objectFromBytes, py::arg("bytes"), "The object back. Only for bytes that are known to be whole.");
+	py::def("readScene", readScene, (py::arg("content"), py::arg("xml")), "The Scene in the bytes of a file of O.save, unpacked; O is left alone, and no label is made a name.");
+	py::def("setSceneFile", +[](const std::string& file) { Omega::instance().sceneFile = file; }, py::arg("file"), "The name of the file that O.reload reads, as O.save and O.load set it.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
 	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
 	py::def("refuseToAbort", +[] { refuseToAbort(*Omega::instance().getScene()); }, "RuntimeError if the next step would end the process on an assert of stock YADE: bodies without material or state, cells shorter than bodies, contacts without functor.");
 	py::def("callAsStep", callAsStep, py::arg("step"), "Call *step*, a function that advances the current scene in the calling thread; stepUnderWay() is True meanwhile.");
+	py::def("callBetweenSteps", callBetweenSteps, (py::arg("function"), py::arg("positional"), py::arg("named")), "function(*positional, **named) while no engine of ours is at work: waits for the end of its step, and lets the next one wait.");
+	py::def("setRunWaitedFor", +[](bool waited) { MpmEngine::runWaitedFor = waited; }, py::arg("waited"), "Whether Python waits for the end of the run and takes its error, which YADE need not log then.");
 	py::def("stepUnderWay", +[] { return stepsUnderWay > 0; }, "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"), "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
 	exposeSampleGroup();

@@ -5,8 +5,8 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${TALIK_BUILD:-$root/build}
 python=/usr/bin/python3 # the interpreter of Debian's yade; another python3 may come first on the PATH
 
-# A thread waits some 30 us for the others before it sleeps: as fast as without limit where nothing else runs, and not twenty times
-# slower where something does.
+# For the loops of YADE's own engines; those of Talik wait as they see fit. A thread waits some 30 us for the others before it sleeps: as
+# fast as without limit where nothing else runs, and not twenty times slower where something does.
 [ -n "${OMP_WAIT_POLICY:-}" ] || export GOMP_SPINCOUNT=${GOMP_SPINCOUNT:-10000}
 
 fail() {

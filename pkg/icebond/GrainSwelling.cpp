@@ -3,6 +3,7 @@
 #include <pkg/icebond/GrainSwelling.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/rve/StepGate.hpp>
 #include <stdexcept>
 
 namespace yade {
@@ -144,6 +145,7 @@ void GrainSwelling::report()
 
 void GrainSwelling::action()
 {
+	const talik::StepGate gate;
 	registerBodies();
 	if (followIce()) {
 		moveReferences();

@@ -77,6 +77,16 @@ template <class Shear> struct IceBond {
 		iceShear = iceShear * 0.;
 	}
 
+	/// Failure of a bond that has outlasted its ice: frictional at once, so that new ice bonds it again. Returns the normal force after it [N].
+	double breakThawed(const ContactStiffness& k, double un)
+	{
+		state    = BondState::NONE;
+		iceCut   = false;
+		uGrain = uIce = 0;
+		iceShear      = iceShear * 0.;
+		return k.grain * std::max(un, 0.);
+	}
+
 	/// Failure in tension: nothing is carried in this step, only grains push from now on.
 	void breakInTension(Shear& shear)
 	{

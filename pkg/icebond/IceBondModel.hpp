@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talik {
 
@@ -27,8 +28,20 @@ struct IceBondModel {
 	double meltSaturation   = 0.02;   ///< S_melt: at or below it every bond is gone [-]
 	double bondSaturation   = 0.05;   ///< S_bond: ice rising through it bonds every frictional contact in range [-], >= S_melt
 	double bondRange        = 0.05;   ///< largest gap that is bonded, in units of R_min [-]
+	double thawedStrength   = 0.;     ///< tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0; 0: it is gone then
 	StiffnessRule rule      = StiffnessRule::parallel;
 	bool cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
+
+	/// Of grains that no ice bonds or stiffens, whatever the ice saturation.
+	static IceBondModel none()
+	{
+		IceBondModel m;
+		m.iceYoung = m.tensileStrength0 = m.tensileStrengthI = m.shearStrength0 = m.shearStrengthI = 0;
+		m.bondSaturation = std::numeric_limits<double>::infinity();
+		return m;
+	}
+	bool formsBondsEver() const { return bondSaturation <= 1; }
+	bool bondsOutlastIce() const { return thawedStrength > 0; }
 
 	/// eq. (7): phi = 1 - (1 - S_i^m)^m, 0 at S_i = 0 and 1 at S_i = 1.
 	double phi(double iceSaturation) const
@@ -40,15 +53,15 @@ struct IceBondModel {
 	double young(double iceSaturation) const { return grainYoung + iceYoung * phi(iceSaturation); }
 	/// Stiffness of the ice spring in units of the grain spring: E_c(S_i)/E_c0 - 1 [-].
 	double iceStiffnessRatio(double iceSaturation) const { return iceYoung * phi(iceSaturation) / grainYoung; }
-	/// eq. (5): tensile strength of a bond [Pa]; zero once melted.
+	/// eq. (5): tensile strength of a bond [Pa]; thawedStrength once melted.
 	double tensileStrength(double iceSaturation) const
 	{
-		return iceSaturation <= meltSaturation ? 0. : tensileStrength0 + tensileStrengthI * phi(iceSaturation);
+		return iceSaturation <= meltSaturation ? thawedStrength : tensileStrength0 + tensileStrengthI * phi(iceSaturation);
 	}
-	/// eq. (5): cohesive shear strength of a bond [Pa]; zero once melted.
+	/// eq. (5): cohesive shear strength of a bond [Pa]; thawedStrength once melted.
 	double shearStrength(double iceSaturation) const
 	{
-		return iceSaturation <= meltSaturation ? 0. : shearStrength0 + shearStrengthI * phi(iceSaturation);
+		return iceSaturation <= meltSaturation ? thawedStrength : shearStrength0 + shearStrengthI * phi(iceSaturation);
 	}
 	double bondArea(double smallerRadius) const { return bondAreaFactor * smallerRadius * smallerRadius; }
 	bool melted(double iceSaturation) const { return iceSaturation <= meltSaturation; }

@@ -38,6 +38,7 @@ IceBondModel Law2_ScGeom_IceBondPhys_IceBond::weakerModel(const Interaction* int
 		both.exponent            = std::max(both.exponent, other.exponent);
 		both.meltSaturation      = std::max(both.meltSaturation, other.meltSaturation);
 		both.bondSaturation      = std::max(both.bondSaturation, other.bondSaturation);
+		both.thawedStrength      = std::min(both.thawedStrength, other.thawedStrength);
 	}
 	both.cohesionDisablesFriction = cohesionDisablesFriction;
 	both.rule                     = rule;
@@ -63,8 +64,9 @@ void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturatio
 	const double before = c.phys.iceSaturation;
 	const bool   bondable
 	        = c.bond.state == BondState::NONE || (healBroken && c.bond.state == BondState::BROKEN);
-	if (c.model.melted(iceSaturation)) meltBond(c);
-	else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
+	if (c.model.melted(iceSaturation)) {
+		if (c.bond.state != BondState::BONDED || !c.model.bondsOutlastIce()) meltBond(c);
+	} else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
 		c.bond.form(c.un, rule);
 	c.phys.bondNow = false;
 }
@@ -101,15 +103,17 @@ double Law2_ScGeom_IceBondPhys_IceBond::limitForces(Contact& c, const ContactSti
 	const double friction = c.phys.tangensOfFrictionAngle;
 	if (c.bond.state == BondState::BONDED) {
 		const double area = c.phys.bondArea;
+		const bool   thawed = c.model.melted(c.phys.iceSaturation);
 		if (normalForce < -c.model.tensileStrength(c.phys.iceSaturation) * area) {
 			c.bond.breakInTension(c.phys.shearForce);
+			if (thawed) c.bond.breakThawed(k, c.un);
 			countBroken();
 			return 0;
 		}
 		const double frictional = c.model.cohesionDisablesFriction ? 0 : friction * std::max(normalForce, 0.);
 		const double limit      = c.model.shearStrength(c.phys.iceSaturation) * area + frictional;
 		if (c.phys.shearForce.squaredNorm() <= limit * limit) return normalForce;
-		normalForce = c.bond.breakInShear(k, c.un, rule);
+		normalForce = thawed ? c.bond.breakThawed(k, c.un) : c.bond.breakInShear(k, c.un, rule);
 		countBroken();
 	}
 	const double maxShear = friction * normalForce;

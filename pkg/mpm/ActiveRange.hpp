@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/MaterialPoints.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -44,19 +45,18 @@ struct ActiveRange {
 	{
 		constexpr int piece = 512;
 		const int     n     = (lastCell - firstCell + piece - 1) / piece;
-#pragma omp parallel for schedule(static) if (parallel)
-		for (int c = 0; c < n; ++c)
-			work(firstCell + c * piece, std::min(lastCell, firstCell + (c + 1) * piece));
+		ThreadTeam::run(n, threads(), [&](int c, int) { work(firstCell + c * piece, std::min(lastCell, firstCell + (c + 1) * piece)); });
 	}
 
 	/// work(piece, firstNode, lastNode) over all nodes of the range.
 	template <class Work> void overNodes(Work&& work) const
 	{
 		const int n = chunks();
-#pragma omp parallel for schedule(static) if (parallel)
-		for (int c = 0; c < n; ++c)
-			work(c, firstNode + c * chunk, std::min(lastNode, firstNode + (c + 1) * chunk));
+		ThreadTeam::run(n, threads(), [&](int c, int) { work(c, firstNode + c * chunk, std::min(lastNode, firstNode + (c + 1) * chunk)); });
 	}
+
+private:
+	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
 };
 
 } // namespace talik

@@ -14,7 +14,7 @@ namespace talik {
 /// proportion. What one vector instruction does for two effects is counted for the first.
 class CostMeter {
 public:
-	enum Entry { sorting, motion, transfer, front, bodies, cells, heat, freezing, water, flows, surface, boundaries, record, ledger, limits, entries };
+	enum Entry { sorting, motion, transfer, front, bodies, cells, heat, freezing, water, flows, surface, boundaries, record, ledger, calendar, limits, entries };
 
 	using Moment = std::chrono::steady_clock::time_point;
 	static Moment now() { return std::chrono::steady_clock::now(); }
@@ -87,7 +87,7 @@ public:
 	static const char* nameOf(Entry e)
 	{
 		static constexpr const char* names[entries] = { "sorting", "motion", "transfer", "thaw front", "bodies", "cell averages", "heat", "freezing", "water", "conduction and pore pressure",
-			                                        "free surface", "boundaries", "deformation record", "energy ledger", "time step limits" };
+			                                        "free surface", "boundaries", "deformation record", "energy ledger", "calendar", "time step limits" };
 		return names[e];
 	}
 

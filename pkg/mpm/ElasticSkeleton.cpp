@@ -3,6 +3,7 @@
 #include <pkg/mpm/ElasticSkeleton.hpp>
 #include <pkg/mpm/ObjectiveUpdate.hpp>
 #include <pkg/mpm/PlaneLoops.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
 
 #include <algorithm>
 
@@ -19,8 +20,7 @@ namespace {
 		double            lambda[piece], shear[piece];
 		std::fill(lambda, lambda + piece, moduli.lambda);
 		std::fill(shear, shear + piece, moduli.shear);
-#pragma omp parallel for schedule(static) if (b.count >= 4000)
-		for (int i = 0; i < pieces; ++i) {
+		ThreadTeam::run(pieces, b.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
 			const int end = std::min(b.count, (i + 1) * piece);
 			for (int k = i * piece; k < end;) {
 				const int first = k, place = b.place[k];
@@ -30,9 +30,23 @@ namespace {
 				double* const       stress[4]   = { b.stress[0] + place, b.stress[1] + place, b.stress[2] + place, b.stress[3] + place };
 				loops.elastic(k - first, lambda, shear, gradient, stress);
 			}
-		}
+		});
 	}
 	[[maybe_unused]] void updateRuns(const SkeletonBatch<3>&, const LameModuli&) {}
+
+	template <int D> void updateInSpace(const SkeletonBatch<D>& b, int p, const LameModuli& moduli)
+	{
+		double gradient[D * D], s[stressSize<D>];
+		for (int c = 0; c < D * D; ++c)
+			gradient[c] = b.gradient[c][p];
+		for (int c = 0; c < stressSize<D>; ++c)
+			s[c] = b.stress[c][p];
+		const MidpointIncrement<D> increment(gradient);
+		increment.rotate(s);
+		increment.addElastic(s, moduli.lambda, moduli.shear);
+		for (int c = 0; c < stressSize<D>; ++c)
+			b.stress[c][p] = s[c];
+	}
 
 } // namespace
 
@@ -49,20 +63,11 @@ template <int D> void ElasticSkeleton<D>::updateStress(const SkeletonBatch<D>& b
 		updateRuns(b, moduli);
 		return;
 	}
-#pragma omp parallel for schedule(static) if (b.count >= 4000)
-	for (int k = 0; k < b.count; ++k) {
-		const int p = b.place[k];
-		double    gradient[D * D], s[stressSize<D>];
-		for (int c = 0; c < D * D; ++c)
-			gradient[c] = b.gradient[c][p];
-		for (int c = 0; c < stressSize<D>; ++c)
-			s[c] = b.stress[c][p];
-		const MidpointIncrement<D> increment(gradient);
-		increment.rotate(s);
-		increment.addElastic(s, moduli.lambda, moduli.shear);
-		for (int c = 0; c < stressSize<D>; ++c)
-			b.stress[c][p] = s[c];
-	}
+	constexpr int piece = 1024;
+	ThreadTeam::run((b.count + piece - 1) / piece, b.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
+		for (int k = i * piece; k < std::min(b.count, (i + 1) * piece); ++k)
+			updateInSpace(b, b.place[k], moduli);
+	});
 }
 
 template <int D> void ElasticSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const

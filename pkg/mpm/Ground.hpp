@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/CalendarState.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/MaterialPoints.hpp>
 
@@ -66,6 +67,16 @@ public:
 	// ---- state -------------------------------------------------------------------------------------------------------------
 	double time() const;  ///< [s]
 	long   steps() const; ///< done so far
+	/// Calendar time, scale of the last step, what the next one follows from; an event if one goes on.
+	const CalendarState& calendar() const;
+	double seepageScale() const; ///< f_H in the last step [-]; 1 without water
+	double largestConductivity() const; ///< up to which seepage is hastened [m/s], see PoreWater; infinite without water
+	/// Between two steps: the calendar says this time [s] from now on, and events are counted anew.
+	void setCalendar(double time);
+	/// Events that ended so far, and the one that goes on as the last if there is one. Empty unless the scale follows the motion.
+	std::vector<MotionEvent> events() const;
+	const std::vector<MotionEvent>& endedEvents() const;
+	void setEndedEvents(const std::vector<MotionEvent>& events); ///< for a run that goes on
 	double dt() const;    ///< of the present or last step [s]
 
 	const Grid<D>&           grid() const;

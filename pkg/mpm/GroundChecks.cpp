@@ -3,8 +3,27 @@
 #include <pkg/mpm/GroundChecks.hpp>
 
 #include <cmath>
+#include <sstream>
 
 namespace talik {
+
+template <int D> void checkCalendar(const GroundSettings<D>& s)
+{
+	const HeatSettings& heat = *s.heat;
+	if (!s.motion)
+		throw std::invalid_argument("followsMotion = true without motion: rigid ground never moves, its calendar has one scale; leave followsMotion out");
+	std::ostringstream fast;
+	fast << heat.thermalTimeScale;
+	requireSetting(
+	        heat.movingTimeScale > 0.0 && heat.movingTimeScale <= heat.thermalTimeScale,
+	        "movingTimeScale",
+	        heat.movingTimeScale,
+	        "must be positive and no more than thermalTimeScale = " + fast.str());
+	requireSetting(
+	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance, "must lie between 1e-6 and 1 m/s, e.g. 0.01");
+	requireSetting(
+	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "eventDisplacement", heat.eventDisplacement, "must be positive, in m, e.g. 0.02");
+}
 
 template <int D> void checkSettings(const GroundSettings<D>& s)
 {
@@ -47,6 +66,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        "thermalTimeScale",
 		        s.heat->thermalTimeScale,
 		        "must be positive (1: real time)");
+		if (s.heat->followsMotion) checkCalendar(s);
 		requireSetting(!(s.heat->smoothingTime <= 0.0), "smoothingTime", s.heat->smoothingTime, "must be positive, in s; infinity: none, NaN: chosen");
 		requireSetting(std::isfinite(s.heat->source), "source", s.heat->source, "must be finite, in W/m^3");
 		if (s.heat->enthalpyForm == EnthalpyForm::capacityIntegral && s.motion)
@@ -56,6 +76,15 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.water) {
 		s.water->state.validate();
 		s.water->permeability.validate();
+		requireSetting(!(s.water->largestConductivity <= 0.0), "largestConductivity", s.water->largestConductivity, "must be positive, in m/s; leave it out to have it chosen");
+		requireSetting(
+		        s.water->permeability.hydraulicTimeScale == 1.0, "permeability.hydraulicTimeScale", s.water->permeability.hydraulicTimeScale,
+		        "must be 1 in a ground; set WaterSettings::hydraulicTimeScale");
+		requireSetting(
+		        std::isnan(s.water->hydraulicTimeScale) || (s.water->hydraulicTimeScale >= 1e-12 && s.water->hydraulicTimeScale <= 1e12),
+		        "hydraulicTimeScale",
+		        s.water->hydraulicTimeScale,
+		        "must lie between 1e-12 and 1e12 (1: no scaling); leave it out for the scale of the calendar");
 		requireSetting(
 		        !(s.water->picTime < 0.0), "water.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 	}
@@ -80,9 +109,11 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			const auto& other = settings.boundaries[j];
 			// a surface has either its pressure or its flux prescribed
 			const bool pressureAndFlux = (b->drains() && other->feeds()) || (b->feeds() && other->drains());
-			const bool mayMeet = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
+			// water crosses a side or it does not
+			const bool openAndClosed = (b->drains() && other->name() == "ImpermeableBoundary") || (other->drains() && b->name() == "ImpermeableBoundary");
+			const bool mayMeet       = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
-			if (mayMeet && !pressureAndFlux) continue;
+			if (mayMeet && !pressureAndFlux && !openAndClosed) continue;
 			const Region<D>&r = b->region(), &q = other->region();
 			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox || r.cavities != q.cavities) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;

@@ -62,7 +62,9 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {
-		const double scale = 2.0 * D * s.heat->thermalTimeScale / (s.heatFraction * h * h);
+		// where the scale follows the motion it is lowered where heat needs that, and the step stays that of motion
+		const double slowest = g.calendar ? s.heat->movingTimeScale : s.heat->thermalTimeScale;
+		const double scale   = 2.0 * D * slowest / (s.heatFraction * h * h);
 		add("heat", [&](int p) { return g.heat->heatCapacity[p] / (volume[p] * g.heat->conductivity[p] * scale); });
 		if (g.water)
 			add("heat advection", [&](int p) {

@@ -4,6 +4,7 @@
 // What a ground consists of; shared by the files that implement Ground.
 
 #include <pkg/mpm/AffineVelocity.hpp>
+#include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/CellMeans.hpp>
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/DeformationRecord.hpp>
@@ -28,6 +29,7 @@ namespace talik {
 template <int D> struct Clock {
 	double             time        = 0.0;
 	double             dt          = 0.0;
+	CalendarState      calendar;
 	long               steps       = 0;
 	long               lastSort    = 0;
 	long               sortWanted  = 0;
@@ -60,6 +62,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<CellMeans<D>>           cells;
 	EffectPart<RigidContact<D>>        bodies;
 	EffectPart<ThawFront<D>>           front;
+	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
 	std::vector<std::vector<int>> skeletonPlaces;
 	std::vector<double>           pointFill; ///< pore fill by id; empty if it is that of the settings everywhere
@@ -152,6 +155,9 @@ template <int D> struct Ground<D>::Parts {
 	void useMeanStress(int first, int count);
 	void findKeptFractions();
 	bool heatMayRest();
+	/// Calendar time at the end of the step.
+	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
+	void   useScale();
 	bool allRests() const { return heatRests && !motion; }
 	void findFrontStiffness();
 	void findFlows();

@@ -38,9 +38,15 @@ template <int D> struct MotionSettings {
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
-	double        thermalTimeScale = 1.0; ///< f_T multiplies conduction, Robin coefficients, heat fluxes and sources [-], > 0
-	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s]; what the grid resolves is
-	/// touched in fourth order of h only. NaN (default): one diffusion time of a cell, h^2 C/(kappa f_T); infinity: none.
+	/// f_T, calendar time that passes per time of motion [-], > 0: multiplies conduction, Robin coefficients, heat fluxes and sources,
+	/// and what seeps unless water has a scale of its own. Boundary tables are read at calendar time.
+	double        thermalTimeScale = 1.0;
+	bool          followsMotion    = false; ///< f_T holds while the ground rests; the faster it moves the nearer to movingTimeScale. Needs motion
+	double        movingTimeScale  = 1.0;   ///< f_m, scale while the ground moves [-], > 0, at most f_T
+	double        motionTolerance  = 0.01;  ///< v_0, speed of the fastest point at which the scale lies half way [m/s], 1e-6 to 1
+	double        eventDisplacement = 0.02; ///< what a point must be displaced by to count as moved in an event [m], > 0
+	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s of calendar time]; what the grid
+	/// resolves is touched in fourth order of h only. NaN (default): one diffusion time of a cell, h^2 C/kappa; infinity: none.
 	double        smoothingTime    = std::numeric_limits<double>::quiet_NaN();
 	double        source           = 0.0; ///< Q, heat produced per volume [W/m^3]
 	EnthalpyForm  enthalpyForm     = EnthalpyForm::stateFunction;
@@ -52,6 +58,11 @@ struct WaterSettings {
 	PoreWaterState state;               ///< bulk moduli, cavitation pressure, densityChange
 	Permeability   permeability;        ///< hydraulic conductivity
 	double         picTime = std::numeric_limits<double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g)
+	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar.
+	double hydraulicTimeScale = std::numeric_limits<double>::quiet_NaN();
+	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see
+	/// PoreWater::largestConductivity; infinity: none.
+	double largestConductivity = std::numeric_limits<double>::quiet_NaN();
 	/// exact: pressure from masses (drift-free). printed: rate form with the coefficient of Yu & Zhao eq. (3), for comparison.
 	/// The choice is made by state.massCoefficient.
 };

@@ -26,6 +26,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesSurface(); });
 	if (usesSurface) surface = std::make_unique<FreeSurface<D>>();
 	if (usesSurface || averaging()) cells = std::make_unique<CellMeans<D>>();
+	if (settings.heat && settings.heat->followsMotion) calendar = std::make_unique<Calendar<D>>(field, *settings.heat);
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
@@ -75,6 +76,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
 	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass);
+	if (calendar) calendar->bind(*points, *motion, *heat);
 	if (heat) heat->shareRecords(motion.get(), water.get());
 	if (surface) {
 		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
@@ -148,9 +150,14 @@ template <int D> void Ground<D>::initialise()
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
 			g.settings.skeletons[k]->initialise(g.batch(k));
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
+		if (g.water) g.water->chooseLargestConductivity();
+		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), g.grid.spacing(), g.settings.heatFraction);
 		for (int p = 0; p < g.points->count(); ++p)
 			g.clock.initialMass += g.motion->mass[p] + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
 	}
+	g.useScale();
+	for (int p = 0; g.water && p < g.points->count(); ++p)
+		g.water->drag[p] /= g.water->scale;
 	g.inputs.clear();
 	g.inputs.shrink_to_fit();
 	g.ready = true;

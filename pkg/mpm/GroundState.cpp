@@ -76,6 +76,7 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 		list.push_back({ "smoothingTime", &g.heat->smoothingTime, sizeof(double) });
 	}
 	if (g.water) {
+		list.push_back({ "largestConductivity", &g.water->largestConductivity, sizeof(double) });
 		list.push_back({ "waterOut", &g.water->waterOut, sizeof(double) });
 		list.push_back({ "enthalpyOut", &g.water->enthalpyOut, sizeof(double) });
 		list.push_back({ "momentumOut", &g.water->momentumOut, sizeof(Vec<D>) });

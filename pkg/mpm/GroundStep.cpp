@@ -18,7 +18,7 @@ namespace {
 template <int D> void Ground<D>::Parts::findFlows()
 {
 	const bool conducts = heat && !heatRests;
-	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, clock.time + clock.dt, clock.dt);
+	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, calendarEnd(), clock.dt);
 	else if (heat && water)
 		heat->rest(clock.range);
 	cost.lap(CostMeter::heat);
@@ -45,7 +45,7 @@ template <int D> void Ground<D>::Parts::findFlows()
 
 template <int D> void Ground<D>::Parts::updateTemperature()
 {
-	const double time = clock.time + clock.dt;
+	const double time = calendarEnd();
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (!boundary.heats()) continue;
@@ -62,12 +62,12 @@ template <int D> void Ground<D>::Parts::updateTemperature()
                         v += volume[p];
                 return v;
         });
-	heat->heatIn += settings.heat->source * settings.heat->thermalTimeScale * ground * clock.dt;
+	heat->heatIn += settings.heat->source * heat->scale * ground * clock.dt;
 }
 
 template <int D> void Ground<D>::Parts::solveMomentum()
 {
-	const double time = clock.time + clock.dt;
+	const double time = calendarEnd();
 	if (water) {
 		water->liquidForce(clock.range, motion->settings->gravity);
 		cost.lap(CostMeter::water);
@@ -105,7 +105,7 @@ template <int D> void Ground<D>::Parts::seep()
 			        surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr);
 		if (boundary.feeds())
 			water->feed(
-			        surface->patch(b), boundary.inflow(clock.time + clock.dt), boundary.inflowTemperature(), clock.dt, liquidDensity(),
+			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(),
 			        enthalpyModel(), heat ? &heat->mapped : nullptr);
 	}
 	if (settings.energyLedger) {
@@ -243,7 +243,18 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 template <int D> bool Ground<D>::Parts::heatMayRest()
 {
 	heat->setReference(points->place(0));
-	return settings.resting && heat->hasNothingToDo(settings.boundaries, clock.time + clock.dt, points->count());
+	return settings.resting && heat->hasNothingToDo(settings.boundaries, calendarEnd(), points->count());
+}
+
+/// What slow processes run at in this step.
+template <int D> void Ground<D>::Parts::useScale()
+{
+	CalendarState& state = clock.calendar;
+	if (calendar) state.scale = calendar->scale(state, clock.dt);
+	else if (heat)
+		state.scale = settings.heat->thermalTimeScale;
+	if (heat) heat->scale = state.scale;
+	if (water) water->scale = water->usedScale(state.scale);
 }
 
 template <int D> void Ground<D>::Parts::findKeptFractions()
@@ -252,8 +263,9 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	const double h = grid.spacing();
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
-	const double given = settings.water->picTime;
-	water->kept        = keptFraction(std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given, clock.dt);
+	const double given = settings.water->picTime, own = gravityTime(h, lengthOf<D>(settings.motion->gravity));
+	const double chosen = water->scale > 1.0 ? std::min(own, water->longestRest) : own;
+	water->kept         = keptFraction(std::isnan(given) ? chosen : given, clock.dt);
 }
 
 template <int D> void Ground<D>::beginStep(double dt)
@@ -265,9 +277,10 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
 	g.clock.dt = dt;
-	g.findKeptFractions();
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
+	g.useScale();
+	g.findKeptFractions();
 	g.cost.lap(CostMeter::sorting);
 	if (!g.heat) return;
 	const double before = g.heat->reference;
@@ -489,8 +502,14 @@ template <int D> void Ground<D>::updateEffectiveStress()
 		g.keepStrainWork(false);
 		g.cost.lap(CostMeter::ledger);
 	}
+	g.clock.calendar.time = g.calendarEnd();
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
+	if (g.calendar) {
+		g.calendar->measure(g.clock.calendar, g.points->strips(), g.grid.spacing(), g.settings.heatFraction);
+		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count());
+		g.cost.lap(CostMeter::calendar);
+	}
 	g.clock.halfDone = 0;
 	if (stop) std::rethrow_exception(stop);
 }
@@ -522,6 +541,7 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 		case CostMeter::surface:
 		case CostMeter::boundaries: return bool(surface);
 		case CostMeter::record: return bool(record);
+		case CostMeter::calendar: return bool(calendar);
 		case CostMeter::ledger: return motion && settings.energyLedger;
 		default: return true;
 	}
@@ -529,6 +549,8 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 
 template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
 template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
+template void Ground<2>::Parts::useScale();
+template void Ground<3>::Parts::useScale();
 template void Ground<2>::beginStep(double);
 template void Ground<2>::mapToGrid();
 template void Ground<2>::solveNodes();

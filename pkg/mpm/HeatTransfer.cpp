@@ -73,7 +73,7 @@ template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int 
 		conductance += volume[p] * conductivity[p];
 	}
 	diffusionTime_ = grid.spacing() * grid.spacing() * capacitySum / conductance;
-	if (std::isnan(smoothingTime)) smoothingTime = diffusionTime_ / settings->thermalTimeScale;
+	if (std::isnan(smoothingTime)) smoothingTime = diffusionTime_;
 }
 
 template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
@@ -247,7 +247,7 @@ void HeatTransfer<D>::nodalTemperature(
 
 template <int D> PlaneLoops::HeatFlow HeatTransfer<D>::flow(double dt) const
 {
-	const double scaled = dt * settings->thermalTimeScale;
+	const double scaled = dt * scale;
 	return { volume, conductivity, share, temperature, scaled, scaled * settings->source, reference };
 }
 
@@ -257,7 +257,7 @@ template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const Weight
 		planeLoops().flowHeat(w, flow(dt), nodal[0], energy[0]);
 		return;
 	}
-	const double scaled = dt * settings->thermalTimeScale;
+	const double scaled = dt * scale;
 	const double source = scaled * settings->source;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
@@ -287,7 +287,6 @@ template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const Weight
 template <int D>
 void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
 {
-	const double scale = settings->thermalTimeScale;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double capacity = nodes[n.node][0];
 		if (capacity <= 0.0) continue;
@@ -311,7 +310,7 @@ template <int D> void HeatTransfer<D>::hold(double dt)
 	for (const HeldNode& n : held_) {
 		if (!(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
 		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
-		const double taken     = n.rate * settings->thermalTimeScale * dt / diffusionTime_;
+		const double taken     = n.rate * scale * dt / diffusionTime_;
 		const double gained    = nodes[n.node][0] * (n.wanted - predicted) * taken / (1.0 + taken);
 		energy[n.node][0] += gained;
 		heatIn += gained;

@@ -70,6 +70,7 @@ public:
 	double *enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
 	double* share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
 
+	double scale     = 1.0; ///< calendar time per time of motion in this step [-]
 	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
 
 	NodeField<2> nodes;    ///< C, C (T - T_r); near walls those of the ground and its mirror image
@@ -82,7 +83,7 @@ public:
 	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
 
 	double heatIn        = 0.0; ///< through boundaries and from sources since the start [J]
-	double smoothingTime = 0.0; ///< in use [s]
+	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:
 	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
@@ -91,7 +92,7 @@ private:
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
 	void                        hold(double dt);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
-	double                      smoothing(double dt) const { return -std::expm1(-dt / smoothingTime); }
+	double                      smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
 
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
 	std::vector<TemperatureNode> prescribed_;

@@ -4,6 +4,7 @@
 #include <pkg/mpm/MohrCoulombSkeleton.hpp>
 #include <pkg/mpm/ObjectiveUpdate.hpp>
 #include <pkg/mpm/PlaneLoops.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
 
 #include <Eigen/Eigenvalues>
 
@@ -251,8 +252,7 @@ template <int D> double MohrCoulombSkeleton<D>::dilatancy() const { return std::
 template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
 	const int pieces = (b.count + pieceSize - 1) / pieceSize;
-#pragma omp parallel for schedule(static) if (b.count >= 4000)
-	for (int i = 0; i < pieces; ++i) {
+	ThreadTeam::run(pieces, b.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
 		const int end = std::min(b.count, (i + 1) * pieceSize);
 		for (int k = i * pieceSize; k < end;) {
 			// places that follow each other are worked on in one go
@@ -263,7 +263,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 			else
 				updateRun(b, b.place[first], k - first);
 		}
-	}
+	});
 }
 
 template <int D> void MohrCoulombSkeleton<D>::lookUp(const double* saturation, int count, Piece& piece) const

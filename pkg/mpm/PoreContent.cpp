@@ -272,28 +272,35 @@ template <int D> void PoreContent<D>::updateIce(const Block& b) const
 		saturation[k] = 1.0 - b.liquidSaturation[k];
 }
 
+/// Where water has left a gap, less of it flows, and through narrower ways: conductivity falls with the cube of the fill (Corey). Ground
+/// that drains then runs dry ever more slowly, and nothing flows that is not there.
 template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
-	const Permeability  law   = settings_->water->permeability;
-	const double* const water = waterMass + b.first;
+	Permeability        law   = settings_->water->permeability;
+	law.hydraulicTimeScale *= water_->scale;
+	const double        perDensity = 1.0 / settings_->mixture.liquid.density, floor = law.floor;
+	const double* const water  = waterMass + b.first;
 	const double* const n      = porosity + b.first;
 	const double* const volume = volume_ + b.first;
 	double* const       liquidFraction = water_->liquidFraction + b.first;
 	double* const       drag           = water_->drag + b.first;
-	const double        perDensity     = 1.0 / settings_->mixture.liquid.density;
+	double              open[blockSize];
 	// that of the mass that moves: from n S_l, which it is in full pores with density change, seepage would carry another mass than
 	// weight and pressure act on
 #pragma GCC ivdep
-	for (int k = 0; k < b.count; ++k)
+	for (int k = 0; k < b.count; ++k) {
 		liquidFraction[k] = (water[k] - b.ice[k]) * perDensity / volume[k];
+		const double fill = std::min(1.0, liquidFraction[k] / (n[k] * b.liquidSaturation[k]));
+		open[k]           = std::max(floor, fill * fill * fill);
+	}
 	if (law.law == RelativeConductivity::impedance) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
-			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], law.impededConductivity(n[k], b.liquidSaturation[k]));
+			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.impededConductivity(n[k], b.liquidSaturation[k]));
 		return;
 	}
 	for (int k = 0; k < b.count; ++k)
-		drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], law.conductivity(n[k], b.liquidSaturation[k]));
+		drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
 }
 
 template <int D> bool PoreContent<D>::allPossible(const Block& b) const

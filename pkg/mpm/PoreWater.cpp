@@ -277,7 +277,7 @@ void PoreWater<D>::feed(
         const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
         const NodeField<1>* temperature)
 {
-	const double scaled = inflow * settings->permeability.hydraulicTimeScale * dt * liquidDensity;
+	const double scaled = inflow * scale * dt * liquidDensity;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][2] == 0.0) continue;
 		double area = 0.0;
@@ -288,6 +288,19 @@ void PoreWater<D>::feed(
 		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
 		leave(n.node, -m, -heat);
 	}
+}
+
+template <int D> void PoreWater<D>::chooseLargestConductivity()
+{
+	const double given  = settings->largestConductivity;
+	largestConductivity = std::isnan(given) ? longestRest * settings->permeability.referencePorosity * Permeability::gravity : given;
+}
+
+template <int D> double PoreWater<D>::usedScale(double f) const
+{
+	const double wanted = std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale;
+	const double k = settings->permeability.referenceConductivity, largest = largestConductivity / k;
+	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
 }
 
 template <int D> void PoreWater<D>::leave(int node, double mass, double heat)

@@ -102,6 +102,19 @@ public:
 	NodeField<D>            start;  ///< v_l at the start of the step
 	NodeField<gatheredSize> exchange;
 
+	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
+	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
+	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
+	/// conductivity is larger takes this or untouched, whichever is larger.
+	static constexpr double untouched = 1e-2;
+	/// What hastened water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
+	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
+	static constexpr double longestRest = 0.0125;
+	double largestConductivity        = std::numeric_limits<double>::infinity();
+	void   chooseLargestConductivity();
+	/// f_H in force where slow processes run f times as fast as motion.
+	double usedScale(double f) const;
+
 	double waterOut = 0.0, enthalpyOut = 0.0; ///< through drained surfaces since the start [kg, J]
 	Vec<D> momentumOut {};
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <vector>
+#include <pkg/mpm/ThreadTeam.hpp>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
+#include <vector>
 
 namespace talik {
 
@@ -27,54 +25,19 @@ struct Strips {
 	/// work(strip, firstPoint, lastPoint) for all strips, never two neighbours at the same time.
 	template <class Work> void scatter(Work&& work) const
 	{
-#pragma omp parallel if (parallel)
-		{
-			const Share mine(*this);
-			for (int s = mine.first + mine.first % 2; s < mine.last; s += 2)
-				work(s, first[s], first[s + 1]);
-#pragma omp barrier
-			for (int s = mine.first + 1 - mine.first % 2; s < mine.last; s += 2)
-				work(s, first[s], first[s + 1]);
-		}
+		const int even = (count() + 1) / 2, odd = count() / 2;
+		ThreadTeam::run(even, threads(), [&](int s, int) { work(2 * s, first[2 * s], first[2 * s + 1]); });
+		ThreadTeam::run(odd, threads(), [&](int s, int) { work(2 * s + 1, first[2 * s + 1], first[2 * s + 2]); });
 	}
 
 	/// work(strip, firstPoint, lastPoint) for all strips at once: for loops that write to their own points only.
 	template <class Work> void gather(Work&& work) const
 	{
-#pragma omp parallel if (parallel)
-		{
-			const Share mine(*this);
-			for (int s = mine.first; s < mine.last; ++s)
-				work(s, first[s], first[s + 1]);
-		}
+		ThreadTeam::run(count(), threads(), [&](int s, int) { work(s, first[s], first[s + 1]); });
 	}
 
 private:
-	/// Strips of the thread that asks: as many points for each thread as whole strips allow, and the same ones in every loop, so
-	/// that they stay in its cache.
-	struct Share {
-		int first, last;
-		explicit Share(const Strips& strips)
-		{
-#ifdef _OPENMP
-			first = strips.beginOf(omp_get_thread_num(), omp_get_num_threads());
-			last  = strips.beginOf(omp_get_thread_num() + 1, omp_get_num_threads());
-#else
-			first = 0;
-			last  = strips.count();
-#endif
-		}
-	};
-
-	/// First strip whose middle point belongs to the given part of the points.
-	int beginOf(int part, int parts) const
-	{
-		const long points = first.back();
-		int        s      = 0;
-		while (s < count() && (static_cast<long>(first[s]) + first[s + 1]) * parts < 2 * points * part)
-			++s;
-		return part == parts ? count() : s;
-	}
+	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
 };
 
 } // namespace talik

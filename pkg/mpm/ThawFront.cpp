@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/ThawFront.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -499,20 +500,22 @@ double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirror
 	if (!present()) return 0.0;
 	fold(mirrors);
 	const int count = nodeCount();
-#pragma omp parallel if (range.parallel)
-	{
-#pragma omp for schedule(static)
-		for (int slot = 0; slot < count; ++slot) {
-			prepare(slot, constraints, dt);
-			press(slot, dt);
-		}
-#pragma omp for schedule(static)
-		for (int slot = 0; slot < count; ++slot) {
-			pressAsBeside(slot, dt);
-			work_[slot] = slide(slot, dt);
-			correct(slot);
-		}
-	}
+	constexpr int piece     = 64;
+	const auto    overSlots = [&](auto&& work) {
+                ThreadTeam::run((count + piece - 1) / piece, range.parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
+                        for (int slot = i * piece; slot < std::min(count, (i + 1) * piece); ++slot)
+                                work(slot);
+                });
+	};
+	overSlots([&](int slot) {
+		prepare(slot, constraints, dt);
+		press(slot, dt);
+	});
+	overSlots([&](int slot) {
+		pressAsBeside(slot, dt);
+		work_[slot] = slide(slot, dt);
+		correct(slot);
+	});
 	unfold(mirrors, impulse);
 	for (int slot = 0; slot < count; ++slot)
 		for (int side = 0; side < 2; ++side)

@@ -120,7 +120,12 @@ talik::RigidContactSettings BodyContact::build() const
 {
 	talik::requireSetting(std::isfinite(thickness) && thickness > 0, "BodyContact.thickness", thickness, "must be positive, in m");
 	talik::requireSetting(
-	        std::isnan(frictionAngle) || (frictionAngle >= 0 && frictionAngle < 1.57), "BodyContact.frictionAngle", frictionAngle, "must lie in [0, pi/2), in rad");
+	        std::isnan(frictionAngle) || (frictionAngle >= 0 && frictionAngle < 90), "BodyContact.frictionAngle", frictionAngle, "must lie in [0, 90), in degrees");
+	talik::requireSetting(
+	        !(frictionAngle > 0 && frictionAngle < 1.58),
+	        "BodyContact.frictionAngle",
+	        frictionAngle,
+	        "is in degrees, as in MohrCoulombSkeleton (FrictMat has radians); give " + std::to_string(int(std::lround(frictionAngle * 180 / M_PI))) + " if radians were meant");
 	talik::requireSetting(bodySteps >= 1, "BodyContact.bodySteps", bodySteps, "must be 1 or more");
 	const talik::RigidContactSettings settings { stiffness, shearRatio, damping };
 	talik::underScriptNames({ { "bodies.", "BodyContact." } }, [&] { settings.validate(); });
@@ -137,7 +142,7 @@ void BodyContact::refuse(const Body& body, const string& reason) const
 
 Real BodyContact::frictionOf(const Body& body) const
 {
-	if (!std::isnan(frictionAngle)) return std::tan(frictionAngle);
+	if (!std::isnan(frictionAngle)) return std::tan(frictionAngle * M_PI / 180);
 	const auto* material = dynamic_cast<const FrictMat*>(body.material.get());
 	if (!material) refuse(body, "its material has no frictionAngle: give it a FrictMat or set BodyContact.frictionAngle");
 	return std::tan(material->frictionAngle);

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <pkg/multiscale/Checkpoint.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 namespace py = boost::python;
 
@@ -21,6 +22,7 @@ void Checkpoint::start()
 
 void Checkpoint::action()
 {
+	const talik::StepGate gate;
 	if (!started) start();
 	if (every > 0 && std::chrono::duration<double>(Clock::now() - last).count() < every) return;
 	tryToWrite();

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <lib/factory/ClassFactory.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/multiscale/FileBesides.hpp>
 
-#include <boost/crc.hpp>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
-#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace talik {
 using yade::Scene;
@@ -22,8 +19,6 @@ namespace {
 	constexpr std::size_t headerLength  = 4096;
 	const char            firstLine[]   = "Talik checkpoint";
 
-	using Checksum = boost::crc_optimal<64, 0x42F0E1EBA9EA3693ULL, ~0ULL, ~0ULL, true, true>;
-
 	std::string hexadecimal(std::uint64_t value)
 	{
 		std::ostringstream text;
@@ -31,94 +26,7 @@ namespace {
 		return text.str();
 	}
 
-	[[noreturn]] void failToWrite(const std::string& file, const std::string& why) { throw std::runtime_error("checkpoint '" + file + "' could not be written: " + why); }
 	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
-
-	std::filesystem::path folderOf(const std::string& file)
-	{
-		const auto folder = std::filesystem::path(file).parent_path();
-		return folder.empty() ? std::filesystem::path(".") : folder;
-	}
-
-	// ---- writing --------------------------------------------------------------------------------------------------------
-
-	/// Stream buffer over a file that knows how much went through it and its checksum. Nothing reaches `file` unless commit() ends.
-	class FileBesides : public std::streambuf {
-	public:
-		explicit FileBesides(std::string file)
-		        : file_(std::move(file))
-		        , beside_(file_ + ".part")
-		        , buffer_(std::size_t(1) << 20)
-		{
-			std::error_code error;
-			std::filesystem::create_directories(folderOf(file_), error);
-			descriptor_ = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-			if (descriptor_ < 0) failToWrite(file_, std::strerror(errno));
-			write(std::string(headerLength, ' ').data(), headerLength);
-			setp(buffer_.data(), buffer_.data() + buffer_.size());
-		}
-		~FileBesides() override
-		{
-			if (descriptor_ >= 0) ::close(descriptor_);
-			if (!committed_) ::unlink(beside_.c_str());
-		}
-
-		std::uint64_t bytes() const { return bytes_; }
-		std::uint64_t checksum() const { return checksum_.checksum(); }
-		int           problem() const { return problem_; }
-		bool          flush() { return sync() == 0; }
-
-		/// Puts the header in its place, waits for the disk, and lets the file take the place of the former one.
-		void commit(std::string header)
-		{
-			header.resize(headerLength, ' ');
-			if (::pwrite(descriptor_, header.data(), headerLength, 0) != ssize_t(headerLength) || ::fsync(descriptor_) != 0) failToWrite(file_, std::strerror(errno));
-			const int open = descriptor_;
-			descriptor_    = -1;
-			if (::close(open) != 0 || std::rename(beside_.c_str(), file_.c_str()) != 0) failToWrite(file_, std::strerror(errno));
-			committed_       = true;
-			const int folder = ::open(folderOf(file_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-			if (folder < 0) return;
-			::fsync(folder); // the new name survives a power failure, too
-			::close(folder);
-		}
-
-	protected:
-		int_type overflow(int_type c) override
-		{
-			if (sync() != 0) return traits_type::eof();
-			if (!traits_type::eq_int_type(c, traits_type::eof())) sputc(traits_type::to_char_type(c));
-			return traits_type::not_eof(c);
-		}
-		int sync() override
-		{
-			const std::size_t length = std::size_t(pptr() - pbase());
-			checksum_.process_bytes(pbase(), length);
-			bytes_ += length;
-			const bool written = write(pbase(), length);
-			setp(buffer_.data(), buffer_.data() + buffer_.size());
-			return written ? 0 : -1;
-		}
-
-	private:
-		bool write(const char* data, std::size_t length)
-		{
-			while (length > 0 && problem_ == 0) {
-				const ssize_t done = ::write(descriptor_, data, length);
-				if (done < 0 && errno == EINTR) continue;
-				if (done < 0) problem_ = errno;
-				else data += done, length -= std::size_t(done);
-			}
-			return problem_ == 0;
-		}
-
-		std::string       file_, beside_;
-		std::vector<char> buffer_;
-		int               descriptor_ = -1, problem_ = 0;
-		bool              committed_ = false;
-		std::uint64_t     bytes_     = 0;
-		Checksum          checksum_;
-	};
 
 	/// A step that has only begun is written as not begun; in a periodic scene the cell has moved already, there it stays begun.
 	class BetweenSteps {
@@ -300,16 +208,16 @@ std::vector<std::string>& checkpointClasses()
 
 void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& scene)
 {
-	FileBesides beside(file);
+	FileBesides beside("checkpoint", file, headerLength);
 	try {
 		const BetweenSteps              whole(*scene);
 		boost::archive::binary_oarchive archive(beside);
 		boost::shared_ptr<Scene>        held = scene;
 		archive << boost::serialization::make_nvp("scene", held);
 	} catch (const boost::archive::archive_exception& problem) {
-		failToWrite(file, beside.problem() ? std::strerror(beside.problem()) : problem.what());
+		beside.fail(beside.problem() ? std::strerror(beside.problem()) : problem.what());
 	}
-	if (!beside.flush()) failToWrite(file, std::strerror(beside.problem()));
+	if (!beside.flush()) beside.fail(std::strerror(beside.problem()));
 	CheckpointHeader h;
 	h.format   = currentFormat;
 	h.bytes    = beside.bytes();
@@ -327,8 +235,8 @@ void requireWritable(const std::string& file)
 	std::error_code error;
 	if (std::filesystem::is_directory(file, error)) throw std::invalid_argument("Checkpoint.file is '" + file + "', a folder: give the name of a file in it.");
 	try {
-		FileBesides probe(file);
-		if (probe.problem()) failToWrite(file, std::strerror(probe.problem()));
+		const FileBesides probe("checkpoint", file, headerLength);
+		if (probe.problem()) probe.fail(std::strerror(probe.problem()));
 	} catch (const std::runtime_error& problem) {
 		throw std::invalid_argument("Checkpoint.file is '" + file + "': " + problem.what() + "; choose a file in a folder of yours.");
 	}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/mpm/Check.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
 
 namespace yade {
@@ -46,6 +47,7 @@ GroundBoundary::Pointer InsulatedBoundary::build() const { return std::make_shar
 GroundBoundary::Pointer WallTemperature::build() const { return std::make_shared<talik::WallTemperature<2>>(where(), overTime(temperature)); }
 GroundBoundary::Pointer SurfaceTemperature::build() const
 {
+	talik::requireSetting(heatTransferCoefficient > 0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient, "must be positive, in W/(m^2 K); without exchange leave the boundary out");
 	return std::make_shared<talik::SurfaceTemperature<2>>(where(), overTime(temperature), heatTransferCoefficient);
 }
 GroundBoundary::Pointer HeatFlux::build() const { return std::make_shared<talik::HeatFlux<2>>(where(), overTime(flux)); }

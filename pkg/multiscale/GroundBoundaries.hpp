@@ -26,7 +26,7 @@ public:
 		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface as far as air from above (or through a side without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc: inside the ellipse that fits lower..upper (a pipe)."))
 		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region [m]."))
 		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region [m]."))
-		((vector<Real>,times,,,"Instants of a value that changes in time [s], increasing; linear in between, constant outside. Empty: the value is constant."))
+		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s] (days times talik.day), increasing; linear in between, constant outside. Empty: the value is constant."))
 		((vector<Real>,values,,,"Values at these instants, in the unit [that of the attribute that they replace]."))
 		,talik::SequenceConverter<GroundBoundary>::registerOnce();
 	);
@@ -84,7 +84,7 @@ public:
 	virtual ~WallTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, whose edge may lie anywhere between nodes. Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10); a pipe: WallTemperature(region='disc',lower=(-.4,-2),upper=(.4,-1.2),temperature=15).",
+	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, whose edge may lie anywhere between nodes: a pipe has region='disc',lower=(-.4,-2),upper=(.4,-1.2). Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 	);
 	// clang-format on
@@ -96,9 +96,9 @@ public:
 	virtual ~SurfaceTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,1],values=[-5,10]).",
+	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,10*talik.day],values=[-5,10]).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
-		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, scaled by the thermal time scale; infinite: the surface itself has the temperature."))
+		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, per calendar time; infinite: the surface itself has the temperature."))
 	);
 	// clang-format on
 };
@@ -110,7 +110,7 @@ public:
 	Pointer build() const override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(HeatFlux,GroundBoundary,"Heat into the ground per unit area of its surface. Example: HeatFlux(region='surface',flux=50).",
-		((Real,flux,0,,"Into the ground [W/m^2], scaled by the thermal time scale; times and values may replace it."))
+		((Real,flux,0,,"Into the ground [W/m^2], per calendar time; times and values may replace it."))
 	);
 	// clang-format on
 };
@@ -122,7 +122,7 @@ public:
 	Pointer build() const override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WaterFlux,GroundBoundary,"Water fed into the ground per unit area of a side or of the surface (rain, a spring; negative: drawn out), whatever pressure that takes; refused where a DrainedBoundary prescribes the pressure. The balance keeps account of it as negative waterOut. Example, 20 mm of rain a day: WaterFlux(region='surface',flux=0.02/86400).",
-		((Real,flux,0,,"Volume of water per area and time into the ground [m/s], scaled by PoreWater.hydraulicTimeScale; times and values may replace it."))
+		((Real,flux,0,,"Volume of water per area and time into the ground [m/s], scaled like the conductivity (calendar time, see PoreWater.hydraulicTimeScale); times and values may replace it."))
 		((Real,temperature,NaN,,"Of the water that enters [degC], 0 to 100; NaN: that of the ground where it enters."))
 	);
 	// clang-format on

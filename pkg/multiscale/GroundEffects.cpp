@@ -41,6 +41,10 @@ talik::HeatSettings HeatTransfer::build() const
 {
 	talik::HeatSettings heat;
 	heat.thermalTimeScale = thermalTimeScale;
+	heat.followsMotion     = followsMotion;
+	heat.movingTimeScale   = movingTimeScale;
+	heat.motionTolerance   = motionTolerance;
+	heat.eventDisplacement = eventDisplacement;
 	heat.source           = source;
 	heat.smoothingTime    = smoothingTime;
 	heat.enthalpyForm     = talik::enthalpyFormFromName(enthalpyForm);
@@ -119,7 +123,8 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 	water.permeability.impedance             = impedance;
 	water.permeability.residualSaturation    = residualSaturation;
 	water.permeability.floor                 = relativeConductivityFloor;
-	water.permeability.hydraulicTimeScale    = hydraulicTimeScale;
+	water.hydraulicTimeScale                 = hydraulicTimeScale;
+	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
 	water.picTime                            = picTime;
 	talik::requireSetting(!(picTime < 0), "PoreWater.picTime", picTime, "must not be negative, in s; inf: none dies out, nan: chosen");
 	talik::underScriptNames(
@@ -137,6 +142,7 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 		        water.state.validate();
 		        water.permeability.validate();
 	        });
+	water.permeability.hydraulicTimeScale = 1;
 	return water;
 }
 

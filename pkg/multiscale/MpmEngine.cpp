@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/mpm/GroundChecks.hpp>
 #include <pkg/mpm/StopAfterStep.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/multiscale/FileBesides.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
+#include <pkg/multiscale/Plausibility.hpp>
+#include <pkg/rve/HoldGil.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <iostream>
+#include <mutex>
 #include <numeric>
+#include <set>
+#include <sstream>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -14,10 +23,12 @@ namespace yade {
 YADE_PLUGIN((MpmEngine));
 
 namespace {
-	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy sxy vx vy poreFill.
-	constexpr int numbersPerPoint = 13;
+	/// One added point in pointInput: x y volume porosity temperature pressure skeleton sxx syy szz sxy vx vy poreFill.
+	constexpr int numbersPerPoint = 14;
 
-	const char archiveMagic[] = "talik ground 3";
+	constexpr double secondsPerDay = 86400;
+
+	const char archiveMagic[] = "talik ground 5";
 
 	np::ndarray asArray(const string& name, const py::object& values)
 	{
@@ -41,7 +52,7 @@ namespace {
 		if (!uniform && size != long(points) * components)
 			throw std::invalid_argument(
 			        "MpmEngine.addPoints: " + name + " has " + std::to_string(size) + " numbers for " + std::to_string(points) + " points: give "
-			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + ".");
+			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + (name == "stress" ? ", in the order of field('stress'): xx, yy, zz, xy." : "."));
 		for (int p = 0; p < points; p++)
 			for (int c = 0; c < components; c++)
 				table[p * numbersPerPoint + first + c] = data[uniform ? c : p * components + c];
@@ -56,10 +67,18 @@ namespace {
 	{
 		static const vector<Column> columns {
 			{ "volume", 2, 1, { NaN } },  { "porosity", 3, 1, { 0.4 } }, { "temperature", 4, 1, { 0 } },  { "pressure", 5, 1, { 0 } },
-			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 3, { NaN, NaN, NaN } }, { "velocity", 10, 2, { 0, 0 } },
-			{ "poreFill", 12, 1, { NaN } },
+			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 4, { NaN, NaN, NaN, NaN } }, { "velocity", 11, 2, { 0, 0 } },
+			{ "poreFill", 13, 1, { NaN } },
 		};
 		return columns;
+	}
+
+	/// skeleton is the number of a law: half a number is none.
+	void requireWholeNumbers(const vector<Real>& table)
+	{
+		for (std::size_t row = 0; row < table.size(); row += numbersPerPoint)
+			if (table[row + 6] != std::floor(table[row + 6]) || std::abs(table[row + 6]) > 1e9)
+				throw std::invalid_argument("MpmEngine.addPoints: skeleton is " + boost::lexical_cast<string>(table[row + 6]) + ": give the number of a law in skeletons, a whole number.");
 	}
 
 	talik::PointInput<2> pointFrom(const Real* row)
@@ -71,12 +90,116 @@ namespace {
 		point.temperature = row[4];
 		point.pressure    = row[5];
 		point.skeleton    = int(row[6]);
-		point.stress      = { row[7], row[8], 0.5 * (row[7] + row[8]), row[9] };
-		point.velocity    = { row[10], row[11] };
-		point.poreFill    = row[12];
+		point.stress      = { row[7], row[8], row[9], row[10] };
+		point.velocity    = { row[11], row[12] };
+		point.poreFill    = row[13];
 		return point;
 	}
 } // namespace
+
+// ---- before the first step -------------------------------------------------------------------------------------------------
+
+namespace {
+	/// All engines that live, so that a change of a setting finds the grounds that were made with it.
+	struct Register {
+		std::recursive_mutex guard; // looking into an engine may let Python's collector end another one
+		std::set<MpmEngine*> engines;
+		template <class Visitor> void visit(Visitor&& look)
+		{
+			std::lock_guard<std::recursive_mutex> lock(guard);
+			for (MpmEngine* engine : std::set<MpmEngine*>(engines))
+				if (engines.count(engine)) look(*engine);
+		}
+	};
+	Register& everyEngine()
+	{
+		static Register* const all = new Register; // outlives engines that Python lets go at its end
+		return *all;
+	}
+
+	/// Whether a Python value is this object, or a list that has it.
+	bool contains(const py::object& value, const shared_ptr<Serializable>& part)
+	{
+		if (PyList_Check(value.ptr())) {
+			for (int k = 0; k < py::len(value); k++)
+				if (contains(value[k], part)) return true;
+			return false;
+		}
+		const py::extract<Serializable*> object(value);
+		return object.check() && object() == part.get();
+	}
+}
+
+void MpmEngine::enrol()
+{
+	std::lock_guard<std::recursive_mutex> lock(everyEngine().guard);
+	everyEngine().engines.insert(this);
+}
+
+MpmEngine::~MpmEngine()
+{
+	std::lock_guard<std::recursive_mutex> lock(everyEngine().guard);
+	everyEngine().engines.erase(this);
+}
+
+bool MpmEngine::hasBegun() const
+{
+	if (!ground) return false;
+	const auto laws = activeSkeletons();
+	return begun || std::any_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->changedByHand(); });
+}
+
+bool MpmEngine::holds(const shared_ptr<Serializable>& part) const
+{
+	if (part.get() == this) return true;
+	const py::list values(pyDict().values());
+	for (int k = 0; k < py::len(values); k++)
+		if (contains(values[k], part)) return true;
+	return false;
+}
+
+bool MpmEngine::heldByWaitingGround(const shared_ptr<Serializable>& part)
+{
+	bool held = false;
+	everyEngine().visit([&](MpmEngine& engine) { held = held || (engine.ground && !engine.hasBegun() && engine.holds(part)); });
+	return held;
+}
+
+void MpmEngine::renewWaitingGrounds(const shared_ptr<Serializable>& part)
+{
+	everyEngine().visit([&](MpmEngine& engine) {
+		if (engine.ground && !engine.hasBegun() && engine.holds(part)) engine.discardGround();
+	});
+}
+
+/// Of a ground that has not begun: its inputs have all that it was made from.
+void MpmEngine::discardGround()
+{
+	ground.reset();
+	if (!watched) return;
+	watched->times.clear();
+	watched->rows.clear();
+	watched->components.clear();
+	if (watchesDefault) watched->fields.clear();
+}
+
+bool MpmEngine::isAsSet() const
+{
+	try {
+		checkFixed();
+	} catch (const std::invalid_argument&) {
+		return false;
+	}
+	const auto laws = activeSkeletons();
+	return std::none_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->sourcesChanged(); });
+}
+
+/// Looking at a ground does not fix it: until it has begun it is what its settings say now.
+void MpmEngine::followInputs()
+{
+	if (!ground || hasBegun() || isAsSet()) return;
+	discardGround();
+}
 
 // ---- points ----------------------------------------------------------------------------------------------------------------
 
@@ -92,7 +215,7 @@ py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 
 void MpmEngine::addPoints(py::dict arrays)
 {
-	if (ground) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
+	if (hasBegun()) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
 	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) [m].");
 	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
 	if (position.get_nd() != 2 || position.shape(1) != 2) throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2).");
@@ -111,7 +234,9 @@ void MpmEngine::addPoints(py::dict arrays)
 			std::copy(column.byDefault.begin(), column.byDefault.end(), &rows[p * numbersPerPoint + column.first]);
 	}
 	if (py::len(unknown) > 0) throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + string(py::extract<string>(unknown[0])) + "'.");
+	requireWholeNumbers(rows);
 	pointInput.insert(pointInput.end(), rows.begin(), rows.end());
+	if (ground) discardGround();
 }
 
 int  MpmEngine::lawOf(int id) const { return int(pointInput[id * numbersPerPoint + 6]); }
@@ -119,11 +244,16 @@ void MpmEngine::setLawOf(int id, int number) { pointInput[id * numbersPerPoint +
 
 int MpmEngine::pointCount() const { return int(pointInput.size()) / numbersPerPoint; }
 
-void MpmEngine::addPointsToGround()
+/// goesOn: with a state that comes afterwards.
+void MpmEngine::addPointsToGround(bool goesOn)
 {
 	const auto laws = activeSkeletons();
 	for (int id = 0; id < pointCount(); id++) {
 		talik::PointInput<2> point = pointFrom(&pointInput[id * numbersPerPoint]);
+		if (!std::isnan(point.stress[0]) && !goesOn && motion && point.skeleton >= 0 && point.skeleton < int(laws.size()) && laws[point.skeleton]->beginsWithOwnStress())
+			throw std::invalid_argument(
+			        "MpmEngine.addPoints: stress of point " + std::to_string(id) + " is given, but its " + laws[point.skeleton]->getClassName()
+			        + " begins with the stress of its sample: leave stress out, and bring the samples to it by talik.slope.settle or depthBands.");
 		if (std::isnan(point.stress[0])) {
 			point.stress.fill(0);
 			if (point.skeleton >= 0 && point.skeleton < int(laws.size())) laws[point.skeleton]->initialStress(id, point.position, point.stress);
@@ -148,6 +278,9 @@ void MpmEngine::checkPresence() const
 	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
 	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
+	if (freezing && water && freezing->residualSaturation < 0.01)
+		throw std::invalid_argument(
+		        "FreezingCurve.residualSaturation is " + std::to_string(freezing->residualSaturation) + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
 	if (bodies && !motion) throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
 	if (water && !motion) throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
 	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
@@ -177,6 +310,7 @@ void MpmEngine::checkChangeable() const
 	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
 	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
 	require(limitInterval >= 1, "limitInterval", limitInterval, "1 or more steps");
+	require(!std::isnan(stopAtDay), "stopAtDay", stopAtDay, "a day of the calendar, or infinity");
 	if (bodies) bodies->build();
 }
 
@@ -215,8 +349,12 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	s.poreFill          = poreFill;
 	for (const auto& boundary : boundaries)
 		s.boundaries.push_back(boundary->build());
+	std::vector<talik::Vec<2>> places;
+	for (int id = 0; id < pointCount(); id++)
+		places.push_back({ pointInput[id * numbersPerPoint], pointInput[id * numbersPerPoint + 1] });
 	if (motion)
 		for (const auto& law : activeSkeletons()) {
+			law->placePoints(places);
 			s.skeletons.push_back(law->build(pointCount()));
 			if (tolerance > 0) law->setTolerance(tolerance);
 		}
@@ -228,26 +366,88 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 
 void MpmEngine::initialise()
 {
+	followInputs();
 	if (ground) return;
+	const bool goesOn = begun || !saved.empty();
+	begun             = false;
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
+	stableStep       = 0;
 	toleranceInForce = tolerance;
 	try {
-		addPointsToGround();
+		addPointsToGround(goesOn);
 		ground->initialise();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
+		if (!goesOn) {
+			sayGraveDoubts();
+			warnOfCalendar();
+		}
 	} catch (...) {
 		ground.reset();
 		throw;
 	}
 }
 
+namespace {
+	vector<talik::PointInput<2>> pointsFrom(const vector<Real>& table)
+	{
+		vector<talik::PointInput<2>> points;
+		for (std::size_t row = 0; row < table.size(); row += numbersPerPoint)
+			points.push_back(pointFrom(&table[row]));
+		return points;
+	}
+}
+
+py::list MpmEngine::doubts() const
+{
+	py::list sentences;
+	for (const auto& doubt : talik::doubtsAbout(*this, pointsFrom(pointInput)))
+		sentences.append(doubt.sentence);
+	return sentences;
+}
+
+/// Once, however often a ground that has not begun is made anew.
+void MpmEngine::say(const string& sentence)
+{
+	if (said.insert(sentence).second) std::cerr << sentence << std::endl;
+}
+
+void MpmEngine::sayGraveDoubts()
+{
+	for (const auto& doubt : talik::doubtsAbout(*this, pointsFrom(pointInput)))
+		if (doubt.grave) say("Talik doubts: " + doubt.sentence);
+}
+
 talik::Ground<2>& MpmEngine::runningGround()
 {
 	initialise();
 	return *ground;
+}
+
+/// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold.
+void MpmEngine::warnOfCalendar()
+{
+	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1)) {
+		std::ostringstream text;
+		text << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
+		     << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing.";
+		say(text.str());
+	}
+	const double step = ground->stableTimeStep().step;
+	const auto&  c    = ground->calendar();
+	const double slow = std::min(heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
+	for (std::size_t i = 0; i < boundaries.size(); i++) {
+		const auto& b = *boundaries[i];
+		if (b.times.size() < 2 || !(b.times.back() > 0) || !(b.times.back() < slow)) continue;
+		std::ostringstream text;
+		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back() << " s of calendar time, within the first step of "
+		     << slow << " s; days are given as days * talik.day";
+		if (heat && heat->thermalTimeScale != 1) text << ", and one second of motion is " << heat->thermalTimeScale << " s of the calendar";
+		text << ".";
+		say(text.str());
+	}
 }
 
 // ---- the step --------------------------------------------------------------------------------------------------------------
@@ -318,9 +518,26 @@ void MpmEngine::followAttributes()
 	s.motionFraction = motionFraction;
 	s.resting        = resting;
 	if (tolerance != toleranceInForce) followTolerance();
+	if (heat) followHeat();
 	if (s.motion)
 		for (const auto& law : activeSkeletons())
 			law->followAttributes();
+}
+
+/// Scales of the calendar may change between two steps.
+void MpmEngine::followHeat()
+{
+	auto& inForce = *ground->settings().heat;
+	if (inForce.thermalTimeScale == heat->thermalTimeScale && inForce.movingTimeScale == heat->movingTimeScale && inForce.motionTolerance == heat->motionTolerance)
+		return;
+	auto changed             = ground->settings();
+	changed.heat             = heat->build();
+	changed.heat->followsMotion = inForce.followsMotion;
+	talik::checkSettings(changed);
+	inForce.thermalTimeScale = heat->thermalTimeScale;
+	inForce.movingTimeScale  = heat->movingTimeScale;
+	inForce.motionTolerance  = heat->motionTolerance;
+	stepsUntilLimit          = 0;
 }
 
 void MpmEngine::followTolerance()
@@ -351,7 +568,7 @@ int MpmEngine::findStableStep()
 	Real steps        = limitInterval;
 	if (freezing)
 		for (const auto& limit : stable.limits)
-			if (limit.name == "heat") steps = std::min(steps, 0.5 * limit.step / stableStep);
+			if (limit.name == "heat") steps = std::min(steps, 0.5 * limit.step / stableStep * (heat->followsMotion ? heat->movingTimeScale / heat->thermalTimeScale : 1));
 	return std::max(1, int(steps));
 }
 
@@ -366,9 +583,25 @@ int MpmEngine::subSteps(double dt) const
 	return std::max(1, int(steps));
 }
 
+std::atomic<bool> MpmEngine::runWaitedFor { false };
+
+namespace {
+	/// The error comes up where the run is waited for: YADE's log does not say it as well.
+	void sayNoMore()
+	{
+		const talik::HoldGil held;
+		try {
+			py::import("talik.console").attr("hush")();
+		} catch (const py::error_already_set&) {
+			PyErr_Clear();
+		}
+	}
+}
+
 /// A step that fails leaves the scene between two steps: it can be looked at, saved and, with other settings, continued.
 void MpmEngine::action()
 {
+	const talik::StepGate gate;
 	if (inspected) throw std::runtime_error("MpmEngine: O shows one of the samples of this ground; mpm.back() returns to the ground, which steps then.");
 	failure.clear();
 	try {
@@ -377,6 +610,7 @@ void MpmEngine::action()
 		failure = problem.what();
 		failures++;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
+		if (runWaitedFor) sayNoMore();
 		throw;
 	}
 }
@@ -384,18 +618,61 @@ void MpmEngine::action()
 void MpmEngine::stepGround()
 {
 	initialise();
+	begun = true;
 	followAttributes();
 	const bool newLimit = watchStableStep();
 	if (watched) recordWatched();
+	const double before = ground->calendar().time;
 	if (bodies) advanceAmongBodies();
 	else advanceAlone(newLimit);
 	if (watched) recordWatched();
+	stopAtTheDay(before);
+}
+
+void MpmEngine::stopAtTheDay(double before)
+{
+	const double wanted = stopAtDay * secondsPerDay;
+	if (before < wanted && ground->calendar().time >= wanted) scene->stopAtIter = scene->iter + 1;
+}
+
+/// Of several grounds the first chooses the step: one that chose its own after it would run by another clock than the scene.
+bool MpmEngine::leadsTimeStep() const
+{
+	for (const auto& engine : scene->engines)
+		if (const auto* other = dynamic_cast<const MpmEngine*>(engine.get()))
+			if (!other->dead && other->automaticTimeStep) return other == this;
+	return true;
+}
+
+/// What the grounds behind this one want.
+Real MpmEngine::timeStepOfOthers()
+{
+	Real step = std::numeric_limits<Real>::infinity();
+	for (const auto& engine : scene->engines) {
+		auto* other = dynamic_cast<MpmEngine*>(engine.get());
+		if (!other || other == this || other->dead || !other->automaticTimeStep) continue;
+		other->scene = scene;
+		step         = std::min(step, other->wantedStep());
+	}
+	return step;
+}
+
+Real MpmEngine::wantedStep()
+{
+	initialise();
+	if (stableStep == 0) findStableStep();
+	if (!bodies) return stableStep;
+	bodies->collect(*scene, *this, *ground->bodies());
+	return bodies->timeStep(*scene, stableStep);
 }
 
 /// A step beyond the limit takes several of the ground's, in which the limit moves on.
 void MpmEngine::advanceAlone(bool newLimit)
 {
-	if (automaticTimeStep && newLimit) scene->dt = stableStep;
+	if (automaticTimeStep && leadsTimeStep()) {
+		const Real others = timeStepOfOthers();
+		if (newLimit || others < scene->dt) scene->dt = std::min(stableStep, others);
+	}
 	Real done = 0;
 	for (bool whole = false; !whole;) {
 		const Real left = scene->dt - done;
@@ -421,7 +698,7 @@ void MpmEngine::advanceAmongBodies()
 {
 	auto& contact = *ground->bodies();
 	bodies->collect(*scene, *this, contact);
-	if (automaticTimeStep) scene->dt = bodies->timeStep(*scene, stableStep);
+	if (automaticTimeStep && leadsTimeStep()) scene->dt = std::min(bodies->timeStep(*scene, stableStep), timeStepOfOthers());
 	if (bodies->due(*scene) > 1e-9 * scene->dt) {
 		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);
 		const int    count = subSteps(interval);
@@ -667,6 +944,8 @@ namespace {
 void MpmEngine::watch(py::object ids, Real interval, py::object names)
 {
 	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	followInputs();
+	watchesDefault = py::len(names) == 0;
 	shared_ptr<PointWatch> wanted(new PointWatch);
 	wanted->interval         = interval;
 	const np::ndarray points = asArray("watch: ids", ids);
@@ -756,6 +1035,51 @@ py::object MpmEngine::believedError()
 
 double MpmEngine::groundTime() const { return ground ? ground->time() : 0; }
 
+py::dict MpmEngine::calendar()
+{
+	const auto& g = runningGround();
+	const auto& c = g.calendar();
+	const bool  follows = heat && heat->followsMotion;
+	py::dict    d;
+	d["day"]           = c.time / secondsPerDay;
+	d["scale"]         = c.scale;
+	d["followsMotion"] = follows;
+	d["speed"]         = follows ? py::object(c.speed) : py::object();
+	d["moving"]        = follows ? py::object(c.moving != 0) : py::object();
+	d["seepageScale"]  = g.seepageScale();
+	d["largestConductivity"] = water ? py::object(g.largestConductivity()) : py::object();
+	return d;
+}
+
+py::list MpmEngine::events()
+{
+	const auto& g = runningGround();
+	if (!heat || !heat->followsMotion)
+		throw std::runtime_error("MpmEngine.events: nobody looks for events where the scale of the calendar does not follow the motion; set HeatTransfer.followsMotion=True before the first step.");
+	py::list          list;
+	const auto        events = g.events();
+	const std::size_t ended  = g.endedEvents().size();
+	for (std::size_t i = 0; i < events.size(); i++) {
+		const auto& e = events[i];
+		py::dict    d;
+		d["day"]      = e.begin / secondsPerDay;
+		d["duration"] = e.duration;
+		d["days"]     = e.passed / secondsPerDay;
+		d["volume"]   = e.volume;
+		d["largest"]  = e.largest;
+		d["goesOn"]   = i >= ended;
+		list.append(d);
+	}
+	return list;
+}
+
+void MpmEngine::setDay(Real day)
+{
+	if (!std::isfinite(day)) throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
+	runningGround().setCalendar(day * secondsPerDay);
+	begun = true;
+}
+
 double MpmEngine::skemptonB()
 {
 	auto& g = runningGround();
@@ -780,7 +1104,12 @@ void MpmEngine::setTemperature(py::object values)
 	const int         n     = g.points().count();
 	const bool        same  = array.get_nd() == 0;
 	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
-	const Real*  data = reinterpret_cast<const Real*>(array.get_data());
+	const Real* data = reinterpret_cast<const Real*>(array.get_data());
+	for (int id = 0; id < (same ? 1 : n); id++)
+		if (!(data[id] > -100 && data[id] < 100))
+			throw std::invalid_argument("MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
+	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
+	begun = true;
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
 	for (int id = 0; id < n; id++)
@@ -793,24 +1122,46 @@ void MpmEngine::resetDisplacement()
 	auto&     f = g.points().fields();
 	const int n = g.points().count();
 	for (int axis = 0; axis < 2; axis++)
-		if (Real* displacement = f.find("displacement", axis)) std::fill(displacement, displacement + n, 0.);
+		if (Real* displacement = f.find("displacement", axis)) {
+			// an event that goes on keeps what it moved so far
+			if (Real* before = f.find("displacementBefore", axis))
+				for (int p = 0; p < n; p++)
+					before[p] -= displacement[p];
+			std::fill(displacement, displacement + n, 0.);
+		}
 	for (int c = 0; c < 4; c++)
 		if (Real* deformation = f.find("deformationGradient", c)) std::fill(deformation, deformation + n, c % 3 == 0 ? 1. : 0.);
 }
 
 // ---- archives --------------------------------------------------------------------------------------------------------------
 
+namespace {
+	/// Bit by bit, but for numbers that are none: archives of text keep only that.
+	std::uint64_t digestOf(const vector<Real>& numbers)
+	{
+		talik::Checksum checksum;
+		for (const Real number : numbers) {
+			const Real plain = std::isnan(number) ? std::numeric_limits<Real>::quiet_NaN() : number;
+			checksum.process_bytes(&plain, sizeof plain);
+		}
+		return checksum.checksum();
+	}
+}
+
 void MpmEngine::preSave(MpmEngine&)
 {
-	if (!ground) return;
+	if (!ground || !hasBegun()) return; // until it has begun it comes from its inputs
 	talik::ByteWriter writer;
 	writer.block(archiveMagic);
 	writer.block(&stableStep, sizeof stableStep);
 	writer.block(&stepsUntilLimit, sizeof stepsUntilLimit);
+	writer.number(digestOf(pointInput));
 	for (const auto& array : ground->state()) {
 		writer.block(array.name);
 		writer.block(array.data, array.bytes);
 	}
+	const auto& events = ground->endedEvents();
+	writer.block(string(reinterpret_cast<const char*>(events.data()), events.size() * sizeof(talik::MotionEvent)));
 	for (const auto& law : activeSkeletons())
 		writer.block(law->savedState());
 	saved = talik::toBase64(writer.bytes());
@@ -825,17 +1176,24 @@ void MpmEngine::postSave(MpmEngine&)
 void MpmEngine::restoreSavedState()
 {
 	if (saved.empty()) return;
+	begun = true;
 	const string      bytes = talik::fromBase64(saved);
 	talik::ByteReader reader(bytes);
 	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik: continue it with the version that saved it.");
 	// the run goes on with the same time steps as if it had not been saved
 	reader.block(&stableStep, sizeof stableStep);
 	reader.block(&stepsUntilLimit, sizeof stepsUntilLimit);
+	if (reader.number() != digestOf(pointInput)) throw std::runtime_error("MpmEngine: the points in the file are not those of its saved state, it is damaged: load an earlier file.");
 	for (const auto& array : ground->state()) {
 		const string name = reader.block();
 		if (name != array.name) throw std::runtime_error("MpmEngine: the saved state has the field '" + name + "' where this Talik has '" + array.name + "': continue it with the version that saved it.");
 		reader.block(array.data, array.bytes);
 	}
+	const string events = reader.block();
+	if (events.size() % sizeof(talik::MotionEvent) != 0) throw std::runtime_error("MpmEngine: the saved events are damaged; go on from another checkpoint.");
+	vector<talik::MotionEvent> ended(events.size() / sizeof(talik::MotionEvent));
+	std::copy_n(events.data(), events.size(), reinterpret_cast<char*>(ended.data()));
+	ground->setEndedEvents(ended);
 	ground->stateRestored();
 	for (const auto& law : activeSkeletons())
 		law->restoreState(reader.block());

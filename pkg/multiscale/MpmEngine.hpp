@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <atomic>
 #include <core/GlobalEngine.hpp>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <pkg/multiscale/PointWatch.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
+#include <set>
 
 namespace yade {
 
@@ -17,7 +19,7 @@ namespace yade {
 /// (talik::Ground) knows no YADE; this class gives it YADE's attributes, time step, archives and NumPy views.
 class MpmEngine : public GlobalEngine {
 public:
-	virtual ~MpmEngine() {};
+	virtual ~MpmEngine();
 	void action() override;
 
 	/// position (n,2) [m]; the rest scalars or arrays of n.
@@ -25,6 +27,13 @@ public:
 	/// Checks every setting and sets the initial state; done by the first step otherwise.
 	void   initialise();
 	bool   isInitialised() const { return bool(ground); }
+	/// A step was taken, or the state changed by hand: settings that the ground was built with stay from then on. Until then a change of
+	/// them makes the ground anew from its inputs.
+	bool   hasBegun() const;
+	/// Whether a ground that was made but has not begun holds this object.
+	static bool heldByWaitingGround(const shared_ptr<Serializable>& part);
+	/// Waiting grounds that hold this object are made anew when they are next asked.
+	static void renewWaitingGrounds(const shared_ptr<Serializable>& part);
 	double stableTimeStep();
 
 	::boost::python::dict   timeStepLimits();
@@ -46,11 +55,19 @@ public:
 	int                     pointCount() const;
 	::boost::python::list   skeletonNumbers() const;
 	double                  groundTime() const;
+	::boost::python::dict   calendar();
+	::boost::python::list   events();
+	void                    setDay(Real day);
 	double                  skemptonB();
+	/// Sentences about settings that are valid and hardly meant.
+	::boost::python::list   doubts() const;
 	void                    resetDisplacement();
 	void                    setTemperature(::boost::python::object values);
 	/// Gives points other skeleton laws between two steps; on an exception the ground is as before.
 	void                    exchangeSkeletons(const vector<shared_ptr<SkeletonLaw>>& laws, const ::boost::python::object& skeletonOf);
+
+	/// Python waits for the end of the run under way and learns there of an error.
+	static std::atomic<bool> runWaitedFor;
 
 	void preSave(MpmEngine&);
 	void postSave(MpmEngine&);
@@ -65,7 +82,12 @@ private:
 	void                     checkPresence() const;
 	void                     checkChangeable() const;
 	void                     checkFixed() const;
-	void                     addPointsToGround();
+	bool                     isAsSet() const;
+	bool                     holds(const shared_ptr<Serializable>& part) const;
+	void                     discardGround();
+	void                     followInputs();
+	void                     enrol();
+	void                     addPointsToGround(bool goesOn);
 	void                     restoreSavedState();
 	void                     checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
 	void                     takeOver(const vector<shared_ptr<SkeletonLaw>>& before, const std::map<string, string>& state);
@@ -73,6 +95,14 @@ private:
 	void                     setLawOf(int id, int number);
 	void                     followAttributes();
 	void                     followTolerance();
+	void                     followHeat();
+	void                     warnOfCalendar();
+	void                     stopAtTheDay(double before);
+	void                     sayGraveDoubts();
+	void                     say(const string& sentence);
+	bool                     leadsTimeStep() const;
+	Real                     timeStepOfOthers();
+	Real                     wantedStep();
 	bool                     watchStableStep();
 	int                      findStableStep();
 	int                      subSteps(double dt) const;
@@ -89,7 +119,9 @@ private:
 
 	std::shared_ptr<talik::Ground<2>> ground;
 	long                              stepsUntilLimit = 0, stepsAtStart = 0;
+	bool                              begun = false, watchesDefault = false;
 	string                            failure;
+	std::set<string>                  said;
 	long                              failures        = 0;
 	double                            stableStep      = 0;
 	double                            toleranceInForce = 0;
@@ -116,21 +148,22 @@ public:
 		((vector<shared_ptr<SkeletonLaw>>,skeletons,,,"Skeleton laws; addPoints(skeleton=i) says which a point has."))
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
-		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit."))
+		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit. Of several grounds in O.engines the first sets it, to the smallest of their steps."))
 		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]; cut to what is stable wherever the points lie: 0.408 with quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see believedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
+		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. The calendar's O.stopAtTime. May be changed while running."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
-		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, twelve numbers each."))
+		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, fourteen numbers each."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
-		,/*ctor*/ ,
+		,/*ctor*/ enrol(); ,
 		/*py*/
-		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], stress (n,3) xx yy xy [Pa], velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
+		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy [Pa] as field('stress') gives it, not of points with samples, velocity (n,2) [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
 		.def("timeStepLimits",&MpmEngine::timeStepLimits,"Dictionary of all limits of the time step [s] and, under 'governing', the name of the smallest.")
@@ -147,17 +180,24 @@ public:
 		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free surface', boundaries, 'deformation record', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
+		.def("doubts",&MpmEngine::doubts,"Sentences about settings that are valid and yet hardly what was meant; talik.check(mpm) prints them, the first step prints those of which nothing sensible comes.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
 		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")
 		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
 		.add_property("believedError",&MpmEngine::believedError,"Error of effective stress that the samples are believed to have caused since the start, root mean square over points and steps, over that of the stress itself [-]: from the differences between predicted and sampled stress and between two rates of strain, as they were measured. None without tolerance. Error of grid and time step is not in it.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
-		.add_property("time",&MpmEngine::groundTime,"Time of the ground [s].")
+		.add_property("time",&MpmEngine::groundTime,"Time of motion of the ground [s]; see calendar for that of heat, weather and seepage.")
+		.add_property("calendar",&MpmEngine::calendar,"Dictionary: day, calendar time in days, at which tables of boundaries are read; scale, calendar time per time of motion in the last step [-]; followsMotion; speed of the fastest point [m/s] and moving, whether an event goes on (both with followsMotion only); seepageScale, what hastens seepage and rain [-]; largestConductivity, up to which it does [m/s], None without water.")
+		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per metre], largest displacement [m], goesOn. An event begins when the fastest point passes motionTolerance and ends when all have been below half of it for 0.2 s.")
+		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
 		.add_property("flip",&MpmEngine::refusedFlip,&MpmEngine::refuseFlip,"Replaced by picTime.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
+		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, setDay, exchangeSkeletons, replaceSample). Until then every setting may be changed, also after fields were read.")
+		.def("heldByWaitingGround",&MpmEngine::heldByWaitingGround,(::boost::python::arg("part")),"True if a ground whose fields were read but that has not begun holds this object.").staticmethod("heldByWaitingGround")
+		.def("renewWaitingGrounds",&MpmEngine::renewWaitingGrounds,(::boost::python::arg("part")),"Grounds that hold this object and have not begun are made anew from their settings when they are next asked. Done by every change of an attribute.").staticmethod("renewWaitingGrounds")
 	);
 	// clang-format on
 	/// The share per step that picTime has replaced.

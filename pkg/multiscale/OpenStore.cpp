@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/OpenStore.hpp>
 #include <pkg/rve/ScenePacking.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 #include <omp.h>
 #include <set>
@@ -115,7 +116,8 @@ std::vector<PackedUpdateResult<2>> OpenStore::update(const std::vector<PackedReq
 	const int workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
 #pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
 	for (long k = 0; k < long(requests.size()); k++) {
-		const auto& request = requests[std::size_t(k)];
+		const auto&            request = requests[std::size_t(k)];
+		const StepGate::Helper helper;
 		try {
 			results[std::size_t(k)] = inPlane(samples[request.sample].awake->apply(inSpace(request.displacementGradient), request.iceSaturation, options));
 		} catch (...) {

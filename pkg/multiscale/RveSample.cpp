@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/RveSample.hpp>
+#include <pkg/rve/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <cmath>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -24,6 +26,7 @@ void RveSample::setPacked(PackedState<2> s) { state = std::make_shared<PackedSta
 
 void RveSample::action()
 {
+	const talik::StepGate gate;
 	PackedSample<2> sample(packed());
 	sample.advance(InPlane(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
 	setPacked(sample.state());
@@ -52,10 +55,23 @@ shared_ptr<Scene> RveSample::open() const
 	return scene;
 }
 
-void RveSample::repack(const shared_ptr<Scene>& scene) { setPacked(talik::packScene(*scene, state.get())); }
+void RveSample::repack(const shared_ptr<Scene>& scene)
+{
+	if (!scene) throw std::invalid_argument("RveSample.repack: the scene is None: give the Scene that open() returned.");
+	setPacked(talik::packScene(*scene, state.get()));
+}
+
+namespace {
+	void requireSaturation(const char* method, Real iceSaturation)
+	{
+		if (iceSaturation >= 0 && iceSaturation <= 1) return;
+		throw std::invalid_argument(string(method) + ": iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
+	}
+}
 
 py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
 {
+	requireSaturation("RveSample.apply", iceSaturation);
 	talik::PackedUpdateOptions options;
 	options.maxInertialNumber = maxInertialNumber;
 	options.maxStrainPerStep  = maxStrainPerStep;
@@ -79,10 +95,17 @@ void RveSample::advance(const Matrix3r& velGrad, long steps)
 	setPacked(sample.state());
 }
 
-void RveSample::freeze(Real iceSaturation) { apply(Matrix3r::Zero(), iceSaturation); }
+void RveSample::freeze(Real iceSaturation)
+{
+	requireSaturation("RveSample.freeze", iceSaturation);
+	apply(Matrix3r::Zero(), iceSaturation);
+}
 
 bool RveSample::servo(Real stressX, Real stressY)
 {
+	for (const auto& [name, stress] : { std::make_pair("stressX", stressX), std::make_pair("stressY", stressY) })
+		if (!std::isfinite(stress) || !(stress < 0))
+			throw std::invalid_argument(string("RveSample.servo: ") + name + " is " + boost::lexical_cast<string>(stress) + " Pa: give a compression, that is a negative number.");
 	talik::PackedServoOptions<2> options;
 	options.principalStress = talik::PackedTypes<2>::Vector(stressX, stressY);
 	PackedSample<2> sample(packed());
@@ -163,7 +186,7 @@ py::object RveSample::stateBytes() const
 
 void RveSample::setTimeStep(Real dt)
 {
-	if (!(dt > 0)) throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
 	PackedState<2> s = packed();
 	s.dt             = dt;
 	setPacked(std::move(s));
@@ -179,6 +202,17 @@ void RveSample::setThawStrain(Real strain)
 		        + boost::lexical_cast<string>(porosity) + ", which is all of eq. (8).");
 	if (s.iceSaturation > 0) throw std::invalid_argument("RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation) + "): set it before the sample freezes.");
 	s.thawStrain.thawStrain = strain;
+	setPacked(std::move(s));
+}
+
+void RveSample::setThawedStrength(Real strength)
+{
+	if (!(strength >= 0) || !std::isfinite(strength))
+		throw std::invalid_argument("RveSample.thawedStrength is " + boost::lexical_cast<string>(strength) + ": give a strength in Pa, 0 or more.");
+	PackedState<2> s = packed();
+	if (!s.ice.formsBondsEver())
+		throw std::invalid_argument("RveSample.thawedStrength is set on a sample whose grains carry no ice bonds: prepare it with ice=True.");
+	s.ice.thawedStrength = strength;
 	setPacked(std::move(s));
 }
 

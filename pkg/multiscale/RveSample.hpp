@@ -33,12 +33,16 @@ public:
 	void                   setTimeStep(Real);
 	Real                   thawStrain() const { return packed().thawStrain.thawStrain; }
 	void                   setThawStrain(Real);
+	Real                   thawedStrength() const { return packed().ice.thawedStrength; }
+	void                   setThawedStrength(Real);
 	Matrix3r               deformation() const;
 	::boost::python::object stateBytes() const;
 	string                 path() const { return talik::PackedSample<2>(packed()).path(); }
 	static void            usePortablePath(bool portable) { talik::PackedSample<2>::forcePortable(portable); }
 
 	const talik::PackedState<2>& packed() const;
+	/// Another one whenever the state has changed; empty sample: null.
+	std::shared_ptr<const talik::PackedState<2>> stateNow() const { return state; }
 	void                         setPacked(talik::PackedState<2>);
 	/// The YADE scene that this sample opens into, without its present state; empty if it never had one.
 	const string& templateScene() const { return sceneBytes; }
@@ -66,7 +70,7 @@ public:
 		.def("repack",&RveSample::repack,(::boost::python::arg("scene")),"Take over the state of an opened scene.")
 		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) F_old (3x3, in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress (xx,yy,xy), steps, flipped, blewUp, reason.")
 		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, DEM time] (3x3, in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
-		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation: bonds and ice springs form stress-free.")
+		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation, 0 to 1: bonds and ice springs form stress-free.")
 		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY")),"Bring the sample to principal stresses [Pa], both negative; True when they were reached.")
 		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, bondsMelted, coordinationNumber, porosity, fabric (xx,yy,xy), unbalancedForce, kineticEnergy.")
 		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays: position (n,2), radius (n,), contact (m,2) grain indices, cellDist (m,2), bond (m,) 0 frictional 1 intact 2 broken, shear (m,), hSize (2,2).")
@@ -75,6 +79,7 @@ public:
 		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
 		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
 		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao as mechanical shrinkage of grains prepared frozen, (r/r_0)^2 = 1-thawStrain*(1-S_i/S_frozen), S_frozen the largest ice saturation so far; not undone by refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A scene opened from it keeps the radii of that moment.")
+		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.calibrate.thawedStrength finds the one that gives a cohesion.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
 		.add_property("path",&RveSample::path,"What the steps of samples run on here: avx2 or portable.")
 		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/FileBesides.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 
@@ -63,9 +64,69 @@ void RveSkeleton::checkSettings(int pointCount) const
 		if (scene == Omega::instance().getScene())
 			throw std::invalid_argument("RveSkeleton.scenes holds the current scene: load a sample in a scene of its own, see talik.scratchScene.");
 	}
+	if (seed < 0) throw std::invalid_argument("RveSkeleton.seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
 	if (!sampleOf.empty() && int(sampleOf.size()) != pointCount)
 		throw std::invalid_argument(
 		        "RveSkeleton.sampleOf has " + std::to_string(sampleOf.size()) + " numbers for " + std::to_string(pointCount) + " points: give one per point, or none.");
+}
+
+namespace {
+	/// Mixes the bits of a number so that neighbours have nothing in common (splitmix64).
+	std::uint64_t mixed(std::uint64_t z)
+	{
+		z += 0x9e3779b97f4a7c15;
+		z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+		z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+		return z ^ (z >> 31);
+	}
+
+	std::size_t digestOf(const shared_ptr<Scene>& scene) { return std::hash<std::string>()(talik::sceneToBytes(scene)); }
+
+	constexpr double placeUnit = 1e-6; ///< places that differ by less are the same [m]: round-off must not decide
+
+	int dealtAt(double x, double y, int samples, int seed)
+	{
+		std::uint64_t chance = mixed(std::uint64_t(seed));
+		for (const double coordinate : { x, y })
+			chance = mixed(chance ^ std::uint64_t(std::llround(coordinate / placeUnit)));
+		return int(chance % std::uint64_t(samples));
+	}
+}
+
+py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
+{
+	if (samples < 1) throw std::invalid_argument("RveSkeleton.deal: samples is " + std::to_string(samples) + ": give 1 or more.");
+	if (seed < 0) throw std::invalid_argument("RveSkeleton.deal: seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
+	const np::ndarray array = np::from_object(position, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
+	if (array.get_nd() != 2 || array.shape(1) != 2) throw std::invalid_argument("RveSkeleton.deal: position is not an array (n,2).");
+	const Real* data = reinterpret_cast<const Real*>(array.get_data());
+	py::list    numbers;
+	for (int p = 0; p < array.shape(0); p++)
+		numbers.append(dealtAt(data[2 * p], data[2 * p + 1], samples, seed));
+	return numbers;
+}
+
+void RveSkeleton::placePoints(const std::vector<talik::Vec<2>>& positions) { places = positions; }
+
+vector<int> RveSkeleton::dealt(int pointCount) const
+{
+	const int   count = std::max(1, int(samples.size() + scenes.size()));
+	vector<int> numbers(pointCount, 0);
+	for (int id = 0; id < std::min(pointCount, int(places.size())); id++)
+		numbers[id] = dealtAt(places[id][0], places[id][1], count, seed);
+	return numbers;
+}
+
+/// Samples may have been strained or frozen since.
+bool RveSkeleton::sourcesChanged() const
+{
+	if (!model) return false;
+	if (takenStates.size() != samples.size() || takenScenes.size() != scenes.size()) return true;
+	for (std::size_t k = 0; k < scenes.size(); k++)
+		if (!scenes[k] || digestOf(scenes[k]) != takenScenes[k]) return true;
+	for (std::size_t k = 0; k < samples.size(); k++)
+		if (!samples[k] || samples[k]->stateNow() != takenStates[k]) return true;
+	return false;
 }
 
 string RveSkeleton::reasonAgainstPacking() const
@@ -106,10 +167,17 @@ SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
 {
 	checkSettings(pointCount);
 	makeStore();
+	byHand = false;
+	takenStates.clear();
+	for (const auto& sample : samples)
+		takenStates.push_back(sample->stateNow());
+	takenScenes.clear();
+	for (const auto& scene : scenes)
+		takenScenes.push_back(digestOf(scene));
 	std::shared_ptr<talik::SampleStore> store;
 	if (packedStore) store = packedStore;
 	else store = openStore;
-	model = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? vector<int>(pointCount, 0) : sampleOf, scheduling());
+	model = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? dealt(pointCount) : sampleOf, scheduling());
 	model->onBlowUp = [this](int id) {
 		keepBlownUp(id);
 		return onBlowUp == "stop";
@@ -122,13 +190,13 @@ void RveSkeleton::keepBlownUp(int id) const
 	if (blowUpFolder.empty()) return;
 	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
 	try {
-		std::filesystem::create_directories(blowUpFolder);
-		std::ofstream stream(file, std::ios::binary);
-		stream << talik::sceneToBytes(scene(id));
-		if (!stream.flush()) throw std::runtime_error("it cannot be written");
+		const string       bytes = talik::sceneToBytes(scene(id));
+		talik::FileBesides beside("sample", file.string());
+		beside.sputn(bytes.data(), std::streamsize(bytes.size()));
+		beside.commit();
 		std::cerr << "The sample of point " << id << " blew up; its last good state is in " << file.string() << "." << std::endl;
 	} catch (const std::runtime_error& problem) {
-		std::cerr << "The sample of point " << id << " blew up and " << file.string() << " could not be written: " << problem.what() << "." << std::endl;
+		std::cerr << "The sample of point " << id << " blew up and its last good state was not kept: " << problem.what() << "." << std::endl;
 	}
 }
 
@@ -162,6 +230,7 @@ void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
 	const std::size_t number = running().sampleNumber(id);
 	if (openStore) openStore->setScene(number, sample->open());
 	else packedStore->setState(number, std::make_shared<talik::PackedState<2>>(sample->packed()));
+	byHand = true;
 	running().askNext(id);
 }
 
@@ -199,6 +268,7 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 		countByHand(*former, *state);
 		packedStore->setState(number, state);
 	}
+	byHand = true;
 	running().askNext(id);
 }
 

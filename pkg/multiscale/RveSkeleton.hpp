@@ -15,6 +15,10 @@ class RveSkeleton : public SkeletonLaw {
 public:
 	virtual ~RveSkeleton() {};
 	Pointer build(int pointCount) override;
+	void    placePoints(const std::vector<talik::Vec<2>>&) override;
+	bool    sourcesChanged() const override;
+	bool    beginsWithOwnStress() const override { return true; }
+	bool    changedByHand() const override { return byHand; }
 	string  savedState() const override;
 	void    restoreState(const string&) override;
 	void    followAttributes() override;
@@ -23,6 +27,8 @@ public:
 	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return running().errorSquares(batch); }
 	void    keepOnly(const talik::SkeletonBatch<2>& batch) override { running().keepOnly(batch); }
 
+	/// Numbers of the samples, 0 to samples-1, that points at these places [m] (n,2) take by chance.
+	static ::boost::python::list deal(const ::boost::python::object& position, int samples, int seed);
 	/// The sample of a point as it is now, a copy: packed, or as a scene.
 	shared_ptr<RveSample>   sample(int id) const;
 	shared_ptr<Scene>       scene(int id) const;
@@ -44,11 +50,16 @@ private:
 	void                    keepBlownUp(int id) const;
 	string                  reasonAgainstPacking() const;
 	void                    makeStore();
+	vector<int>             dealt(int pointCount) const;
 
 	std::shared_ptr<talik::SampleSkeleton> model;
 	std::shared_ptr<talik::PackedStore>    packedStore; ///< one of the two
 	std::shared_ptr<talik::OpenStore>      openStore;
 	vector<shared_ptr<RveSample>>          prototypes; ///< of packed samples
+	std::vector<std::shared_ptr<const talik::PackedState<2>>> takenStates; ///< of `samples` when they were built from
+	std::vector<std::size_t>               takenScenes; ///< digests of `scenes` then
+	std::vector<talik::Vec<2>>             places; ///< of all points of the ground, by id
+	bool                                   byHand = false;
 	bool                                   told = false;
 
 public:
@@ -57,7 +68,8 @@ public:
 		((vector<shared_ptr<RveSample>>,samples,,,"Prepared samples, ice-free; the first step freezes them to the ice saturation of their points, free of stress."))
 		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that stock YADE runs."))
 		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot be packed all run open, which is said once; a call then takes about 20 times as long."))
-		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: the first one for all. See talik.slope.depthBands."))
+		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: they are dealt to the points by chance, see seed. See talik.slope.depthBands."))
+		((int,seed,1,,"Of the chance by which samples are dealt to points where sampleOf is empty, >= 0. A point takes the same one whatever the order of the points and the number of threads: its place and the seed decide."))
 		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the reference). Where MpmEngine.tolerance is set every point begins with it and is steered from there."))
 		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change. A third of MpmEngine.tolerance where that is set."))
 		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
@@ -71,6 +83,7 @@ public:
 		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for O.load; empty: none is written. It can be seen by scene(id) in any case."))
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
+		.def("deal",&RveSkeleton::deal,(::boost::python::arg("position"),::boost::python::arg("samples"),::boost::python::arg("seed")=1),"List: the number, 0 to samples-1, of the sample that a point at each position (n,2) [m] takes by chance.").staticmethod("deal")
 		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see scene.")
 		.def("scene",&RveSkeleton::scene,(::boost::python::arg("id")),"A copy of the sample behind a point as a YADE scene, in either form. See talik.inspect.")
 		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point; the next step asks it. Bonds lost or made by hand are counted. ValueError if it cannot be a sample: the point keeps the one it had.")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>
 
@@ -191,10 +192,10 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 	const Arrays a = arrays();
 	if (accuracy) accuracy->countStep();
 	flagScratch.assign(batch.count, 0);
-#pragma omp parallel for schedule(static)
-	for (int k = 0; k < batch.count; k++) {
+	constexpr int piece  = 256;
+	const auto    follow = [&](int k) {
 		const int place = batch.place[k];
-		if (!isolated.empty() && isolated.count(batch.id[place])) continue;
+		if (!isolated.empty() && isolated.count(batch.id[place])) return;
 		Matrix step;
 		step << batch.gradient[0][place], batch.gradient[1][place], batch.gradient[2][place], batch.gradient[3][place];
 		const Matrix h = a.accumulated(place);
@@ -202,7 +203,11 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
 		if (isDue(a, place, iceSaturation)) flagScratch[k] = 1;
 		else predict(batch, place, a);
-	}
+	};
+	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
+		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); k++)
+			follow(k);
+	});
 	if (!changed.empty()) flagChanged(batch);
 	dueScratch.clear();
 	for (int k = 0; k < batch.count; k++)

@@ -85,6 +85,7 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 	const Laws before = activeSkeletons();
 	const auto state  = copyState(running, before, laws);
 	const auto former = std::make_tuple(skeleton, skeletons, pointInput);
+	begun = true;
 	preSave(*this);
 	const string whole = std::move(saved);
 	saved.clear();
@@ -113,6 +114,7 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 	const auto steps = std::make_pair(stableStep, stepsUntilLimit);
 	ground.reset();
 	initialise();
+	begun = true;
 	std::tie(stableStep, stepsUntilLimit) = steps;
 	overwriteState(*ground, state);
 	auto& points = ground->points();

@@ -15,6 +15,14 @@ public:
 	virtual ~SkeletonLaw() {};
 	/// The model of one run; pointCount is the number of all points of the ground, whose ids count from 0.
 	virtual Pointer build(int pointCount);
+	/// Before build(): where the points were added, by id [m].
+	virtual void placePoints(const std::vector<talik::Vec<2>>&) { }
+	/// What build() took from other objects has changed since, so that it would build another model now.
+	virtual bool sourcesChanged() const { return false; }
+	/// The model was changed by hand since build().
+	virtual bool changedByHand() const { return false; }
+	/// Points begin with a stress of the law's own; one that the user gives is none of theirs.
+	virtual bool beginsWithOwnStress() const { return false; }
 	/// What the model keeps beside the fields of the points, as bytes, and back.
 	virtual string savedState() const { return ""; }
 	virtual void   restoreState(const string&) { }
@@ -63,7 +71,7 @@ public:
 		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
 		((Real,cohesion,1e3,,"Thawed cohesion [Pa], >= 0."))
 		((Real,cohesionFrozen,500e3,,"Cohesion at full ice saturation [Pa], >= 0."))
-		((Real,frictionAngle,30,,"[deg], 0 to below 90."))
+		((Real,frictionAngle,30,,"[deg], 0 to below 90 (FrictMat of YADE has radians)."))
 		((Real,dilationAngle,0,,"[deg], 0 to frictionAngle."))
 		((Real,tensileStrength,0,,"Thawed tensile strength [Pa], >= 0."))
 		((Real,tensileStrengthFrozen,200e3,,"Tensile strength at full ice saturation [Pa], >= 0."))

@@ -201,6 +201,7 @@ void OpenSample::adopt(shared_ptr<Scene> adopted)
 	scene                      = std::move(adopted);
 	scene->cell->flipFlippable = false;
 	forbidRedirection(*scene);
+	scene->dt = timeStepForIce(*scene);
 	measureGrains();
 	lastStress = loveWeber(*scene);
 }
@@ -322,7 +323,7 @@ void OpenSample::setIceSaturation(double iceSaturation)
 	const double before = this->iceSaturation();
 	const auto   model  = iceMaterials.front()->model();
 	const bool   melts = model.melted(iceSaturation) && !model.melted(before), births = model.formsBonds(before, iceSaturation);
-	if (melts) melted += intactBonds();
+	if (melts && !model.bondsOutlastIce()) melted += intactBonds();
 	for (auto* material : iceMaterials)
 		material->iceSaturation = iceSaturation;
 	if (births && !model.melted(iceSaturation)) bondAll();

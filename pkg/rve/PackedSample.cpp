@@ -335,6 +335,8 @@ template <int Dim>
 PackedUpdateResult<Dim> PackedSample<Dim>::apply(const Matrix& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	checkOptions(options);
+	if (!(targetIceSaturation >= 0 && targetIceSaturation <= 1))
+		throw std::invalid_argument("packed sample: ice saturation " + std::to_string(targetIceSaturation) + " must lie in 0..1");
 	return updateWorkspace<Dim>(*workspace, state(), displacementGradient, targetIceSaturation, options);
 }
 
@@ -349,7 +351,7 @@ template <int Dim> void PackedSample<Dim>::setFriction(double tangent)
 
 template <int Dim> bool PackedSample<Dim>::servo(const PackedServoOptions<Dim>& options)
 {
-	if (!(options.principalStress.maxCoeff() < 0))
+	if (!options.principalStress.allFinite() || !(options.principalStress.maxCoeff() < 0))
 		throw std::invalid_argument("packed sample: principalStress = " + std::to_string(options.principalStress.maxCoeff()) + " Pa must be compressive (negative)");
 	const PackedState<Dim> before = state();
 	try {

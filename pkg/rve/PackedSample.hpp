@@ -57,7 +57,8 @@ template <int Dim> struct PackedServoOptions {
 // Whenever s is limited, the part s_ice carried by ice shrinks in proportion. Birth: u_ice = u_n, u_grain = min(u_n, 0), s_ice = 0: free of
 // force. A change of S_i at fixed geometry, parallel rule: growth keeps forces (u_ice moves), melting scales k_ice (u_n - u_ice) and s_ice
 // with k_ice. forceContinuous: one reference for both springs that keeps F_n; secant: references zero, s scales with k_g + k_ice.
-// At S_i <= S_melt every bond returns to NONE and the ice's parts are dropped.
+// At S_i <= S_melt every bond returns to NONE and the ice's parts are dropped; with a thawed strength intact bonds stay, with that
+// strength, and one that fails then returns to NONE.
 
 /// One periodic sample of discs (Dim 2) or spheres (Dim 3), advanced by the fused step. Follows stock YADE 2023.02a
 /// (ScGeom, Cundall-Strack, NewtonIntegrator with homoDeform 2) step by step, plus the ice bonds of IceBondModel.

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <omp.h>
+#include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/rve/PackedProtocol.hpp>
 #include <pkg/rve/PackedSamplePool.hpp>
 #include <pkg/rve/PackedWorkspace.hpp>
@@ -164,31 +164,27 @@ SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const P
 		if (k == 0 || compare(order[k - 1], order[k]) != 0) tasks.push_back({ k, k, nullptr });
 		tasks.back().end = k + 1;
 	}
-	const int wanted = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(std::max<std::size_t>(1, tasks.size()))));
+	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadTeam::threads(), int(std::max<std::size_t>(1, tasks.size()))));
 	while (workers.size() < std::size_t(wanted))
 		workers.push_back(std::make_unique<Worker>());
 	std::vector<PackedUpdateResult<Dim>> results(requests.size());
-#pragma omp parallel num_threads(wanted)
-	{
-		Worker& worker = *workers[std::size_t(omp_get_thread_num())];
-		if (!worker.workspace || worker.workspace->portableOnly() != portablePathForced())
-			worker.workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
-#pragma omp for schedule(dynamic, 1)
-		for (long t = 0; t < long(tasks.size()); ++t) {
-			Task& task = tasks[std::size_t(t)];
-			try {
-				const std::size_t first  = order[task.begin];
-				Parked&           sample = samples[requests[first].sample];
-				results[first]           = worker.update(sample, requests[first], options);
-				for (std::size_t k = task.begin + 1; k < task.end; ++k) {
-					results[order[k]]                = results[first];
-					samples[requests[order[k]].sample] = sample;
-				}
-			} catch (...) {
-				task.failure = std::current_exception();
+	ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
+		Task& task = tasks[std::size_t(t)];
+		try {
+			Worker& worker = *workers[std::size_t(member)];
+			if (!worker.workspace || worker.workspace->portableOnly() != portablePathForced())
+				worker.workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
+			const std::size_t first  = order[task.begin];
+			Parked&           sample = samples[requests[first].sample];
+			results[first]           = worker.update(sample, requests[first], options);
+			for (std::size_t k = task.begin + 1; k < task.end; ++k) {
+				results[order[k]]                = results[first];
+				samples[requests[order[k]].sample] = sample;
 			}
+		} catch (...) {
+			task.failure = std::current_exception();
 		}
-	}
+	});
 	for (const Task& task : tasks)
 		if (task.failure) std::rethrow_exception(task.failure);
 	return results;

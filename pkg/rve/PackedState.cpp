@@ -8,7 +8,7 @@ namespace talik {
 
 namespace {
 
-	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '1' };
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '2' };
 
 	class Writer {
 	public:
@@ -60,7 +60,7 @@ namespace {
 		for (auto* v : { &p.dt, &p.damping, &p.thickness, &p.friction, &p.stiffnessRatio, &p.density, &p.iceSaturation, &p.radiusFactor,
 		                 &p.thawStrain.thawStrain, &p.thawStrain.frozenSaturation, &p.ice.grainYoung, &p.ice.iceYoung, &p.ice.tensileStrength0,
 		                 &p.ice.tensileStrengthI, &p.ice.shearStrength0, &p.ice.shearStrengthI, &p.ice.exponent, &p.ice.bondAreaFactor,
-		                 &p.ice.meltSaturation, &p.ice.bondSaturation, &p.ice.bondRange })
+		                 &p.ice.meltSaturation, &p.ice.bondSaturation, &p.ice.bondRange, &p.ice.thawedStrength })
 			stream.value(*v);
 		stream.value(p.ice.rule);
 		stream.value(p.ice.cohesionDisablesFriction);
@@ -130,7 +130,8 @@ template <int Dim> void PackedParameters<Dim>::checkParameters() const
 	if (Dim == 2 && !(thickness > 0)) refuse("thickness", thickness, "m must be positive; 0.1 m is the usual disc");
 	if (!(density > 0)) refuse("density", density, "kg/m^3 must be positive");
 	if (!(ice.grainYoung > 0)) refuse("ice.grainYoung", ice.grainYoung, "Pa must be positive");
-	if (!(ice.iceYoung >= 0)) refuse("ice.iceYoung", ice.iceYoung, "Pa must not be negative");
+	if (!(ice.iceYoung >= 0) || !std::isfinite(ice.iceYoung)) refuse("ice.iceYoung", ice.iceYoung, "Pa must be finite and not negative");
+	if (!(ice.thawedStrength >= 0) || !std::isfinite(ice.thawedStrength)) refuse("ice.thawedStrength", ice.thawedStrength, "Pa must be finite and not negative");
 	if (!(ice.bondSaturation >= ice.meltSaturation)) refuse("ice.bondSaturation", ice.bondSaturation, "must not be smaller than ice.meltSaturation");
 	if (!(ice.meltSaturation >= 0)) refuse("ice.meltSaturation", ice.meltSaturation, "must not be negative");
 	if (!(iceSaturation >= 0 && iceSaturation <= 1)) refuse("iceSaturation", iceSaturation, "must lie in 0..1");

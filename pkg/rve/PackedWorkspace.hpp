@@ -119,7 +119,9 @@ private:
 	void        relaxBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
 
 	void   removeBonds();
-	void   rescaleBonds(double oldRatio, double newRatio);
+	void   rescaleBonds(double oldRatio, double newRatio, bool melted);
+	bool   outlasts(std::uint8_t bond) const { return bond == std::uint8_t(BondState::BONDED) && base.ice.bondsOutlastIce(); }
+	bool   anyBond() const;
 	void   rescaleBond(Lanes& lanes, std::size_t lane, double oldRatio, double newRatio, double* shear, double* iceShear);
 	void   shrinkGrains(double saturationBefore);
 	void   setStrengths();

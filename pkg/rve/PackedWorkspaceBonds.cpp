@@ -48,10 +48,11 @@ template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& eve
 {
 	const Lanes&      lanes = lanesOf(event.periodic != 0);
 	const std::size_t b = event.lane / 4, l = event.lane % 4;
+	const bool        thawed = base.ice.melted(base.iceSaturation); // a bond that has outlasted its ice leaves a frictional contact
 	if (event.normalForce < lanes.ice[b].floor[l]) {
 		++base.bondsBrokenInTension;
 		memory            = BondMemory();
-		memory.bond       = event.overlap > 0 ? bondBroken : bondNone;
+		memory.bond       = event.overlap > 0 && !thawed ? bondBroken : bondNone;
 		event.normalForce = 0;
 		clearShear<Dim>(event.shear);
 		clearShear<Dim>(event.iceShear);
@@ -65,7 +66,7 @@ template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& eve
 		clearShear<Dim>(event.iceShear);
 		return;
 	}
-	const double push     = grain * iceRatio * std::max(event.overlap - memory.iceReference, 0.);
+	const double push     = thawed ? 0. : grain * iceRatio * std::max(event.overlap - memory.iceReference, 0.);
 	event.normalForce     = push + grain * std::max(event.overlap, 0.);
 	memory.grainReference = 0;
 	limitShear<Dim>(event, view.friction * event.normalForce);
@@ -73,7 +74,7 @@ template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& eve
 		memory.bond = bondBroken | PackedContacts<Dim>::iceSpringUncut;
 	} else {
 		memory      = BondMemory();
-		memory.bond = bondBroken;
+		memory.bond = thawed ? bondNone : bondBroken;
 		clearShear<Dim>(event.iceShear);
 	}
 }
@@ -152,7 +153,8 @@ void PackedWorkspace<Dim>::rescaleBond(Lanes& lanes, std::size_t lane, double ol
 	}
 }
 
-template <int Dim> void PackedWorkspace<Dim>::rescaleBonds(double oldRatio, double newRatio)
+/// melted: only bonds that outlast the ice are left with any of it.
+template <int Dim> void PackedWorkspace<Dim>::rescaleBonds(double oldRatio, double newRatio, bool melted)
 {
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
@@ -165,7 +167,7 @@ template <int Dim> void PackedWorkspace<Dim>::rescaleBonds(double oldRatio, doub
 				shear[d]    = lanes.block[b].shear[d][l];
 				iceShear[d] = lanes.ice[b].iceShear[d][l];
 			}
-			rescaleBond(lanes, lane, oldRatio, newRatio, shear, iceShear);
+			rescaleBond(lanes, lane, oldRatio, melted && !outlasts(bond) ? 0. : newRatio, shear, iceShear);
 			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
 				lanes.block[b].shear[d][l]  = shear[d];
 				lanes.ice[b].iceShear[d][l] = iceShear[d];
@@ -178,10 +180,17 @@ template <int Dim> void PackedWorkspace<Dim>::removeBonds()
 {
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (BondMemory& memory : lanes->memory) {
+			if (outlasts(memory.bond)) continue;
 			base.bondsMelted += memory.bond == bondBonded;
 			memory = BondMemory();
 		}
-	carryBonds(false);
+	carryBonds(anyBond());
+}
+
+template <int Dim> bool PackedWorkspace<Dim>::anyBond() const
+{
+	const auto carries = [](const BondMemory& m) { return m.bond != bondNone; };
+	return std::any_of(innerLanes.memory.begin(), innerLanes.memory.end(), carries) || std::any_of(periodicLanes.memory.begin(), periodicLanes.memory.end(), carries);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::shrinkGrains(double saturationBefore)
@@ -203,7 +212,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	if (saturation == base.iceSaturation) return;
 	const double newRatio = base.ice.iceStiffnessRatio(saturation);
 	const bool   melted = base.ice.melted(saturation), births = !melted && base.ice.formsBonds(base.iceSaturation, saturation);
-	if (carriesBonds) rescaleBonds(iceRatio, melted ? 0. : newRatio);
+	if (carriesBonds) rescaleBonds(iceRatio, newRatio, melted);
 	if (melted && carriesBonds) removeBonds();
 	const double before = base.iceSaturation;
 	base.iceSaturation  = saturation;
@@ -218,7 +227,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 
 template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 {
-	if (base.ice.melted(base.iceSaturation)) return 0;
+	if (base.ice.melted(base.iceSaturation) || !base.ice.formsBondsEver()) return 0;
 	std::size_t formed = 0;
 	carryBonds(true);
 	rebuildLists(1.01 * base.ice.bondRange * largestRadius);
@@ -247,9 +256,7 @@ template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 		}
 	}
 	base.bondsFormed += formed;
-	if (formed == 0)
-		carryBonds(std::any_of(innerLanes.memory.begin(), innerLanes.memory.end(), [](const BondMemory& m) { return m.bond != bondNone; })
-		           || std::any_of(periodicLanes.memory.begin(), periodicLanes.memory.end(), [](const BondMemory& m) { return m.bond != bondNone; }));
+	if (formed == 0) carryBonds(anyBond());
 	return formed;
 }
 

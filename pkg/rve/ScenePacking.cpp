@@ -9,6 +9,10 @@
 #include <pkg/rve/PackedNeighbours.hpp>
 #include <pkg/rve/ScenePacking.hpp>
 
+#include <boost/archive/codecvt_null.hpp>
+#include <boost/archive/xml_iarchive.hpp>
+#include <boost/math/special_functions/nonfinite_num_facets.hpp>
+#include <locale>
 #include <omp.h>
 #include <set>
 #include <sstream>
@@ -20,6 +24,7 @@ using namespace yade;
 namespace talik {
 namespace {
 
+	constexpr double   stiffnessSafety = 0.3; ///< time step in units of sqrt(m/k_n) of the smallest grain, as samples are prepared with
 	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
 
 	/// Bodies that were not erased, ascending by id.
@@ -285,6 +290,7 @@ namespace {
 		state.friction          = std::tan(material.frictionAngle);
 		state.stiffnessRatio    = material.poisson;
 		state.density           = material.density;
+		state.ice               = IceBondModel::none();
 		if (isIceBondScene(scene)) {
 			const auto& ice     = static_cast<const IceBondMat&>(material);
 			const auto  law     = lawOf(scene);
@@ -453,6 +459,20 @@ namespace {
 	}
 } // namespace
 
+double timeStepForIce(const Scene& scene)
+{
+	double limit = std::numeric_limits<double>::infinity(), stiffening = 1;
+	for (const Body* body : presentBodies(scene)) {
+		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
+		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
+		if (!ice || !sphere || !(ice->iceYoung > 0) || !(body->state->mass > 0)) continue;
+		const double stiffened = 1 + ice->iceYoung / ice->young;
+		stiffening             = std::max(stiffening, stiffened);
+		limit                  = std::min(limit, stiffnessSafety * std::sqrt(body->state->mass / (ice->young * sphere->radius * stiffened)));
+	}
+	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
+}
+
 std::string reasonAgainstPacking(const Scene& scene)
 {
 	HoldGil gil;
@@ -474,6 +494,7 @@ PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
 	packCell(scene, state);
 	packParameters(scene, state);
 	packContacts(scene, former, indexOf, state);
+	if (!former) state.dt = timeStepForIce(scene);
 	if (former) {
 		state.thawStrain           = former->thawStrain;
 		state.bondsFormed          = former->bondsFormed;
@@ -510,6 +531,7 @@ void openInto(Scene& scene, const PackedState<2>& s)
 			material.iceSaturation     = s.iceSaturation;
 			material.radiusRatio       = s.radiusFactor;
 			material.radiusRatioBefore = s.radiusFactor;
+			material.thawedStrength    = s.ice.thawedStrength;
 		}
 	openCell(scene, s);
 	openContacts(scene, s);
@@ -540,6 +562,18 @@ shared_ptr<Scene> sceneFromBytes(const std::string& bytes, int threads)
 		throw;
 	}
 	omp_set_num_threads(before);
+	return scene;
+}
+
+shared_ptr<Scene> sceneFromFile(const std::string& content, bool xml)
+{
+	std::istringstream stream(content);
+	stream.imbue(std::locale(std::locale(std::locale::classic(), new boost::archive::codecvt_null<char>), new boost::math::nonfinite_num_get<char>));
+	shared_ptr<Scene> scene;
+	const auto        read = [&](auto&& archive) { archive >> boost::serialization::make_nvp("scene", scene); };
+	if (xml) read(boost::archive::xml_iarchive(stream, boost::archive::no_codecvt));
+	else read(boost::archive::binary_iarchive(stream, boost::archive::no_codecvt));
+	if (!scene) throw std::invalid_argument("it holds no scene");
 	return scene;
 }
 

@@ -12,7 +12,9 @@ if 'yade.wrapper' not in _sys.modules:
 from contextlib import contextmanager as _contextmanager
 from time import sleep as _sleep
 
-from . import _talik, console as _console
+from . import _talik, console as _console, copying as _copying
+
+day = 86400.0  # [s]: tables of boundaries are in seconds of calendar time, times=[0, 30 * talik.day]
 
 
 def _publishClasses():
@@ -22,7 +24,9 @@ def _publishClasses():
 	names = _talik.registerClasses()
 	for name in names:
 		constructor = getattr(wrapper, name)
+		_console.letCallsWait(constructor)
 		_console.nameAttributesInErrors(constructor)
+		_copying.makeCopyable(constructor)
 		globals()[name] = constructor
 		setattr(builtins, name, constructor)
 	return [getattr(wrapper, name) for name in names]
@@ -81,6 +85,7 @@ def _watchRunsAndSteps():
 	from yade import O
 	_console.makeRunsInterruptible(type(O))
 	_console.makeStepsKnown(type(O))
+	_console.makeFilesSafe(type(O))
 
 
 _watchRunsAndSteps()
@@ -93,6 +98,8 @@ def scratchScene():
 	>>> with talik.scratchScene():
 	...     O.bodies.append(sphere((0, 0, 0), 1))
 	"""
+	from yade import O
+	_console.awaitRest(O)
 	former = _talik.exchangeScene(_talik.emptyScene())
 	try:
 		yield
@@ -101,7 +108,7 @@ def scratchScene():
 
 
 _submodules = (
-	'accuracy', 'calibrate', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'refinement', 'rve', 'shearband', 'slope',
+	'accuracy', 'bodies', 'calibrate', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'realisation', 'refinement', 'rve', 'shearband', 'slope',
 	'slumppage', 'thawslump', 'weather',
 )
 
@@ -121,6 +128,18 @@ from .inspection import back, inspect, inspectPoint as _inspectPoint, backToGrou
 
 _sys.modules['yade.wrapper'].MpmEngine.inspect = _inspectPoint
 _sys.modules['yade.wrapper'].MpmEngine.back = _backToGround
+
+
+def check(mpm):
+	"""Prints settings of a ground that are valid and yet hardly what was meant, a line each with value and what it was probably meant to
+	be; returns them as a list. Works before and after the first step, which prints the worst by itself.
+
+	>>> talik.check(mpm)
+	[]"""
+	doubts = mpm.doubts()
+	for doubt in doubts:
+		print(doubt)
+	return doubts
 
 
 def resume(file):

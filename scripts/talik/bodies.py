@@ -35,12 +35,12 @@ def draw(axes, bodies, **style):
 	>>> talik.bodies.draw(axes, O.bodies)"""
 	style = {"color": "black", "linewidth": 1.0, **style}
 	for body in bodies:
-		line = outline(body)
+		line, position = outline(body), np.array(body.state.pos)[:2]
 		if line is not None:
 			axes.fill(*line.T, facecolor="0.75", edgecolor="none", zorder=2)
 			axes.plot(*line.T, zorder=3, **style)
 			if hasattr(body.shape, "radius"):
-				axes.plot(*np.array([body.state.pos[:2], line[0]]).T, zorder=3, **style)
+				axes.plot(*np.array([position, line[0]]).T, zorder=3, **style)
 		elif hasattr(body.shape, "axis") and body.shape.axis < 2:
 			across = axes.axvline if body.shape.axis == 0 else axes.axhline
 			across(body.state.pos[body.shape.axis], zorder=3, **style)

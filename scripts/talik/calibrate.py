@@ -4,6 +4,7 @@
 	result = talik.calibrate.calibrate(talik.rve.pack(talik.rve.prepare(grains=400)))
 	mpm.skeleton = MohrCoulombSkeleton(**result.parameters())
 	scripts/calibrate --grains 400            # the same as a command: table, picture, JSON
+	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
@@ -103,6 +104,132 @@ def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5)
 	return max(0.0, float(-test.smooth(test.axial).min()))
 
 
+def thawedTest(sample, pressure, strain=0.02, perCall=2e-5):
+	"""Compression of an ice-free RveSample that was frozen at an isotropic `pressure` [Pa] and has thawed there: bonds that outlast their
+	ice (RveSample.thawedStrength) are all that is left of them.
+
+	>>> test = talik.calibrate.thawedTest(packed, pressure=50e3, strain=2e-4)"""
+	tested = sample.copy()
+	if not tested.servo(-pressure, -pressure):
+		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	tested.freeze(1)
+	tested.freeze(0)
+	return _drive(tested, 0.0, pressure, strain, perCall)
+
+
+def thawedCohesion(sample, strength, pressures=(5e3, 10e3, 20e3, 40e3)):
+	"""Cohesion [Pa] that bonds of a thawed strength [Pa] leave to an ice-free RveSample when it was frozen and has thawed, at the peak.
+
+	By how much the peak t - s' sin(phi) exceeds that of the same sample without them at the same pressure, over cos(phi), mean over `pressures` [Pa].
+
+	>>> cohesion = talik.calibrate.thawedCohesion(packed, strength=0.3e6)"""
+	bonded = _withThawedStrength(sample, strength)
+	plain = _withThawedStrength(sample, 0.0)
+	cohesions = []
+	for pressure in pressures:
+		mean, shear = thawedTest(plain, pressure).peak
+		sine = shear / mean
+		mean, shear = thawedTest(bonded, pressure).peak
+		cohesions.append((shear - mean * sine) / math.sqrt(1 - sine ** 2))
+	return float(np.mean(cohesions))
+
+
+def thawedStrength(samples, cohesion, pressures=(5e3, 10e3, 20e3, 40e3)):
+	"""RveSample.thawedStrength [Pa] that gives thawed ground a cohesion [Pa], and the cohesion measured with it: (strength, measured).
+
+	Read off the mean curve of thawedCohesion over the strength, made to rise: single tests scatter by a kPa.
+
+	samples   ice-free RveSample, or a list of realisations, over which the mean is taken
+	cohesion  of thawed ground, 0 or more
+
+	>>> strength, measured = talik.calibrate.thawedStrength(packed, cohesion=2e3, pressures=(10e3,))"""
+	if not 0 <= cohesion < math.inf:
+		raise ValueError(f"thawed cohesion is {cohesion!r}; give a cohesion in Pa, 0 or more")
+	if cohesion == 0:
+		return 0.0, 0.0
+	samples = samples if isinstance(samples, (list, tuple)) else [samples]
+
+	def measured(strength):
+		return float(np.mean([thawedCohesion(sample, strength, pressures) for sample in samples]))
+
+	strengths, cohesions = [0.0], [0.0]
+	while cohesions[-1] < cohesion and len(strengths) < 9:
+		strengths.append(2 * strengths[-1] or 50.0 * cohesion)
+		cohesions.append(max(cohesions[-1], measured(strengths[-1])))
+	if cohesions[-1] < cohesion:
+		raise RuntimeError(f"calibrate: bonds of {strengths[-1]:g} Pa leave {cohesions[-1]:g} Pa of the cohesion {cohesion:g} Pa; choose a smaller one")
+	first = next(k for k, reached in enumerate(cohesions) if reached >= cohesion)
+	part = (cohesion - cohesions[first - 1]) / (cohesions[first] - cohesions[first - 1])
+	strength = strengths[first - 1] + part * (strengths[first] - strengths[first - 1])
+	return strength, measured(strength)
+
+
+# ---- realisations ---------------------------------------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Scatter:
+	"""What realisations of one size measure, each an array over them.
+
+	>>> scatter = talik.calibrate.scatterOf([packed, packed], strain=5e-4)
+	>>> bool(scatter.frictionAngle.std() == 0)
+	True"""
+
+	grains: int
+	frictionAngle: np.ndarray  # without ice [deg]
+	young: np.ndarray  # without ice [Pa]
+	frozenStrength: np.ndarray  # largest deviator at full ice saturation and 100 kPa [Pa]
+	frozenYoung: np.ndarray  # [Pa]
+
+	def row(self):
+		"""Mean and standard deviation of one realisation, as text."""
+		columns = [(self.frictionAngle, 1, 1), (self.young, 1e-6, 1), (self.frozenStrength, 1e-3, 0), (self.frozenYoung, 1e-6, 0)]
+		cells = [f"{scale * values.mean():.{digits}f} ± {scale * _deviation(values):.{digits}f}" for values, scale, digits in columns]
+		return f"| {self.grains} | {len(self.young)} | {' | '.join(cells)} |"
+
+
+scatterHead = "| grains | realisations | φ [°] | E [MPa] | frozen strength [kPa] | frozen E [MPa] |\n|---|---|---|---|---|---|"
+
+
+def _deviation(values):
+	return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+
+
+def scatterOf(samples, pressures=(30e3, 100e3), strain=0.02):
+	"""Friction angle, stiffness and frozen strength of packed, ice-free realisations (RveSample), each by biaxial tests of its own.
+
+	The friction angle is that of a line through the origin, sin(phi) = t/s' at the peak, mean over `pressures` [Pa].
+
+	>>> print(talik.calibrate.scatterOf([packed], strain=5e-4).grains)
+	30"""
+	rows = []
+	for sample in samples:
+		thawed = [biaxialTest(sample, 0.0, pressure, strain) for pressure in pressures]
+		frozen = biaxialTest(sample, 1.0, max(pressures), strain)
+		sine = np.mean([test.peak[1] / test.peak[0] for test in thawed])
+		rows.append((math.degrees(math.asin(sine)), np.mean([test.elasticity()[0] for test in thawed]), frozen.deviator.max(), frozen.elasticity()[0]))
+	return Scatter(len(samples[0].arrays()["radius"]), *np.array(rows).T)
+
+
+def scatter(grains=(60, 100, 200, 400), realisations=8, seed=1, strain=0.02, told=print, **prepared):
+	"""Table of scatterOf over the number of grains, a list of Scatter; `told` is given each line as soon as it is known.
+
+	>>> lines = []
+	>>> table = talik.calibrate.scatter(grains=(30,), realisations=1, strain=5e-4, told=lines.append, porosity=0.19)"""
+	told(scatterHead)
+	table = []
+	for number in grains:
+		table.append(scatterOf(slope.pack(rve.prepare(grains=number, realisations=realisations, seed=seed, ice=True, **prepared)), strain=strain))
+		told(table[-1].row())
+	return table
+
+
+def _withThawedStrength(sample, strength):
+	other = sample.copy()
+	other.thawedStrength = strength
+	return other
+
+
 def _drive(tested, iceSaturation, pressure, strain, perCall):
 	stiffness = 0.6e9 * (6 if iceSaturation > 0 else 1) * 5e-3 / 0.1  # order of magnitude, for the control of the lateral stress
 	across, integral, rows = 0.0, 0.0, []
@@ -133,7 +260,7 @@ class Calibration:
 	cohesion: np.ndarray  # [Pa]
 	frictionAngle: float  # [deg]
 	young: np.ndarray  # [Pa]
-	youngScatter: np.ndarray  # largest deviation from the mean over the pressures [-]
+	youngScatter: np.ndarray  # largest deviation from the mean over the pressures and realisations [-]
 	poisson: float
 	tensileStrength: np.ndarray  # [Pa]
 	residuals: np.ndarray  # of each test [-]
@@ -186,7 +313,7 @@ class Calibration:
 
 
 def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain=0.02):
-	"""Calibration of a packed, ice-free sample (RveSample).
+	"""Calibration of a packed, ice-free sample (RveSample), or of a list of realisations, to all of whose tests one law is fitted.
 
 	iceSaturations  in 0..1, both of them included; the law is linear between them
 	pressures       [Pa], > 0, two or more
@@ -195,17 +322,19 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
 		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
-	if sample.iceSaturation > 0:
-		raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")
+	samples = list(sample) if isinstance(sample, (list, tuple)) else [sample]
+	for sample in samples:
+		if sample.iceSaturation > 0:
+			raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")
 	saturations = np.array(sorted(iceSaturations), dtype=float)
 	if saturations[0] != 0 or saturations[-1] != 1:
 		raise ValueError(f"iceSaturations is {iceSaturations!r}; the law needs 0 and 1 among them, and nothing outside")
 	start = time.process_time()
-	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures]
-	tension = np.array([tensileTest(sample, s, min(pressures)) for s in saturations])
+	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures for sample in samples]
+	tension = np.array([np.mean([tensileTest(sample, s, min(pressures)) for sample in samples]) for s in saturations])
 	seconds = time.process_time() - start
 	cohesion, sine, residuals = _fitStrength(tests, saturations)
-	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures), 2)
+	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures) * len(samples), 2)
 	young = elastic[:, :, 0].mean(axis=1)
 	return Calibration(
 		tests=tests, iceSaturation=saturations, cohesion=cohesion, frictionAngle=math.degrees(math.asin(sine)), young=young,
@@ -233,14 +362,25 @@ def _fitStrength(tests, saturations):
 
 def main():
 	parser = argparse.ArgumentParser(prog="scripts/calibrate", description="MohrCoulombSkeleton calibrated on a sample by biaxial tests.")
-	parser.add_argument("--grains", type=int, default=400, help="in the sample")
+	parser.add_argument("--grains", type=_numbers, default=None, help="in the sample; with --scatter a list, e.g. 60,100,200,400")
+	parser.add_argument("--scatter", action="store_true", help="print mean and scatter of friction angle, stiffness and frozen strength over realisations instead")
+	parser.add_argument("--realisations", type=int, default=8, help="of each number of grains, with --scatter")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
-	result = calibrate(slope.pack(rve.prepare(grains=options.grains, ice=True)))
+	if options.scatter:
+		lines = []
+		scatter(options.grains or (60, 100, 200, 400), options.realisations, told=lambda line: (lines.append(line), print(line, flush=True)))
+		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
+		return
+	result = calibrate(slope.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)))
 	print(result.report())
 	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")
+
+
+def _numbers(text):
+	return tuple(int(part) for part in text.split(","))
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ import os
 from yade import O, wrapper
 
 from talik import _talik
+from talik.console import awaitRest, checkedLabels
 
 
 def keep(file, every=600.0):
@@ -32,6 +33,7 @@ def write(file):
 	"""Writes the scene into `file` now.
 
 	>>> talik.checkpoint.write(folder + "/slope.checkpoint")"""
+	awaitRest(O)
 	wrapper.Checkpoint.write(os.path.abspath(os.fspath(file)))
 
 
@@ -52,9 +54,10 @@ def resume(file):
 	>>> talik.checkpoint.write(folder + "/slope.checkpoint")
 	>>> mpm = talik.checkpoint.resume(folder + "/slope.checkpoint")"""
 	file = os.path.abspath(os.fspath(file))
+	awaitRest(O)
 	former = _talik.exchangeScene(wrapper.Checkpoint.read(file))
 	try:
-		O.engines = O.engines  # names the labelled ones
+		checkedLabels(O, file)
 		for engine in O.engines:
 			if isinstance(engine, wrapper.Checkpoint):
 				engine.file = file

@@ -6,14 +6,21 @@ Stock YADE notices Ctrl-C during O.run(n, True) and O.wait() only when the run h
 two steps and KeyboardInterrupt comes up; the scene can be looked at, saved and run on.
 """
 
+import builtins
 import difflib
+import functools
+import inspect
+import keyword
 import os
 import re
 import signal
 import sys
 import threading
 import time
+import types
 from contextlib import contextmanager
+
+from yade import log
 
 from talik import _talik
 
@@ -27,15 +34,17 @@ def makeRunsInterruptible(omegaClass):
 	stockRun, stockWait = omegaClass.run, omegaClass.wait
 	signals, omegaClass._stockWait = _watcher(), stockWait
 	unwaited = []  # a run was started and nobody has asked yet how it ended
+	omegaClass._mayStir = False  # the last step of a run that was paused may still be under way
 
 	def run(self, nSteps=-1, wait=False):
 		if not self.running:
 			_talik.refuseToAbort()
 		unwaited[:] = [] if wait else [True]
+		omegaClass._mayStir = True
 		if not wait:
 			return stockRun(self, nSteps)
 		before = _failures(self)
-		with _pausedBySignal(self, signals):
+		with _pausedBySignal(self, signals), _saidOnce():
 			stockRun(self, nSteps, True)
 		if _failures(self) > before:
 			_raiseFailure(self)
@@ -49,6 +58,32 @@ def makeRunsInterruptible(omegaClass):
 
 	run.__doc__, wait.__doc__ = stockRun.__doc__, stockWait.__doc__
 	omegaClass.run, omegaClass.wait = run, wait
+
+
+@contextmanager
+def _saidOnce():
+	"""What ends a run that is waited for comes up as an exception: YADE need not log it besides."""
+	_talik.setRunWaitedFor(True)
+	try:
+		yield
+	finally:
+		_talik.setRunWaitedFor(False)
+		for name, level in _hushed.items():
+			if level is None:
+				log.unsetLevel(name)
+			else:
+				log.setLevel(name, level)
+		_hushed.clear()
+
+
+_hushed = {}  # loggers of YADE that are silent for now, and their levels
+
+
+def hush():
+	"""For an engine of ours that is about to fail in such a run."""
+	for name in ("ThreadRunner", "yadeWrapper.cpp"):
+		_hushed[name] = log.getUsedLevels().get(name)
+		log.setLevel(name, 0)
 
 
 def makeStepsKnown(omegaClass):
@@ -123,8 +158,106 @@ def awaitEndOfStep(omega, quiet=0.02, patience=60):
 			still, step = time.monotonic(), omega.iter
 
 
+def awaitRest(omega, patience=1.0):
+	"""Returns when the step that was under way when a run was paused has ended, at once where there was no such run or it goes on.
+
+	patience  [s] for engines that are not ours: after an error of theirs YADE believes the step to be under way for good"""
+	if not omega._mayStir or omega.running or _talik.stepUnderWay() or isinstance(threading.current_thread(), threading._DummyThread):
+		return
+	_talik.callBetweenSteps(lambda: None, (), {})
+	awaitEndOfStep(omega, patience=patience)
+	type(omega)._mayStir = False
+
+
 def _failed(omega):
 	return any(getattr(engine, "failure", "") for engine in omega.engines)
+
+
+# --- calls while O runs ----------------------------------------------------------------------------------------------------
+
+
+def _betweenSteps(function):
+	def call(*positional, **named):
+		return _talik.callBetweenSteps(function, positional, named)
+
+	return functools.update_wrapper(call, function, assigned=("__name__", "__doc__"), updated=())
+
+
+def letCallsWait(cls):
+	"""Every method and attribute of a class waits for the end of the step that is under way, and the next step waits for it: nothing is
+	read or changed while an engine works on it. What Python adds to a class afterwards is made of these."""
+	for name in dir(cls):
+		member = inspect.getattr_static(cls, name)
+		if name.startswith("__") or isinstance(member, types.FunctionType):
+			continue
+		if type(member) is property:
+			if name not in vars(cls):
+				continue  # of stock YADE; none of our steps changes it
+			setter = member.fset and _betweenSteps(member.fset)
+			setattr(cls, name, property(_betweenSteps(member.fget), setter, member.fdel, member.__doc__))
+		elif isinstance(member, staticmethod):
+			setattr(cls, name, staticmethod(_betweenSteps(member.__func__)))
+		elif type(member).__name__ == "function":  # of Boost.Python
+			setattr(cls, name, _betweenSteps(member))
+
+
+def makeFilesSafe(omegaClass):
+	"""The scene is saved between two steps of our engines, also while O runs, with a checksum if there is something of ours in it; and a
+	file that is damaged is refused before YADE reads it. Doing it twice changes nothing."""
+	if hasattr(omegaClass, "_stockSave"):
+		return
+	for name in ("saveTmp", "sceneToString"):
+		setattr(omegaClass, name, _betweenSteps(getattr(omegaClass, name)))
+	stockSave, stockLoad = omegaClass._stockSave, omegaClass._stockLoad = _betweenSteps(omegaClass.save), omegaClass.load
+
+	def save(self, file, quiet=False):
+		if file.startswith(":memory:") or not _holdsOurs(self):
+			return stockSave(self, file, quiet)
+		from talik.files import saveScene
+
+		saveScene(file, lambda plain: stockSave(self, plain, quiet))
+		_talik.setSceneFile(file)
+
+	def load(self, file, quiet=False):
+		if os.path.isfile(file):
+			from talik.files import sceneContent
+
+			sceneContent(file)
+		try:
+			stockLoad(self, file, quiet)
+		except RuntimeError as problem:
+			raise RuntimeError(f"'{file}' cannot be read ({problem}): it is damaged or cut off, or of another version of YADE or Talik; take an earlier file") from None
+
+	save.__doc__, load.__doc__ = stockSave.__doc__, stockLoad.__doc__
+	omegaClass.save, omegaClass.load = save, load
+
+
+def _holdsOurs(omega):
+	ours = set(_talik.ownClasses())
+	return any(type(part).__name__ in ours for part in [*omega.engines, *omega.materials])
+
+
+# --- labels ----------------------------------------------------------------------------------------------------------------
+
+
+def checkedLabels(omega, file):
+	"""Makes the labels of engines and functors names, as YADE does when it loads a scene; ValueError if one is no name: YADE runs it as
+	a program."""
+	from yade import wrapper
+
+	for part in _labelled(omega.engines):
+		label = getattr(part, "label", "")
+		if label and (not label.isidentifier() or keyword.iskeyword(label) or hasattr(builtins, label) and not isinstance(getattr(builtins, label), wrapper.Serializable)):
+			raise ValueError(f"'{file}': the label of {type(part).__name__} is {label!r}, which is no name for it; YADE would run it as a program. Take scenes only from those whose programs you would run.")
+	omega.engines = omega.engines
+
+
+def _labelled(engines):
+	for engine in engines:
+		yield engine
+		for holder in [engine, *(getattr(engine, name, None) for name in ("geomDispatcher", "physDispatcher", "lawDispatcher", "boundDispatcher"))]:
+			yield from getattr(holder, "functors", ())
+		yield from getattr(engine, "comb", ())
 
 
 # --- attributes ------------------------------------------------------------------------------------------------------------
@@ -144,23 +277,20 @@ _wanted = {
 
 def nameAttributesInErrors(cls):
 	"""A value of a wrong type and a name that does not exist are refused by one sentence: class, attribute, value, remedy."""
-	stockInit, stockSet = cls.__init__, cls.__setattr__
+	stockInit, stockSet, stockUpdate = cls.__init__, cls.__setattr__, cls.updateAttrs
 
 	def __setattr__(self, name, value):
 		if not hasattr(type(self), name):
 			raise AttributeError(_unknown(type(self), name)) from None
-		used = _usedByRunningGround(self, name)
-		before = getattr(self, name) if used else None
-		try:
-			stockSet(self, name, value)
-		except (TypeError, OverflowError):
-			raise TypeError(f"{type(self).__name__}.{name} is {value!r}: give {_remedy(type(self), name)}.") from None
-		if used and not _same(before, getattr(self, name)):
-			stockSet(self, name, before)
-			raise ValueError(
-				f"{type(self).__name__}.{name} is {value!r} too late: the running ground was built with {before!r} and stays so. "
-				"Set it before the first step or begin anew; what changes in time is given by times and values."
-			)
+		with _seenByGrounds(self, [name], stockSet):
+			try:
+				stockSet(self, name, value)
+			except (TypeError, OverflowError):
+				raise TypeError(f"{type(self).__name__}.{name} is {value!r}: give {_remedy(type(self), name)}.") from None
+
+	def updateAttrs(self, attributes):
+		with _seenByGrounds(self, [name for name in attributes if hasattr(type(self), name)], stockSet):
+			stockUpdate(self, attributes)
 
 	def __init__(self, *positional, **attributes):
 		try:
@@ -170,16 +300,40 @@ def nameAttributesInErrors(cls):
 				_findCulprit(cls, attributes)
 			raise
 
-	__init__.__doc__ = stockInit.__doc__
-	cls.__init__, cls.__setattr__ = __init__, __setattr__
+	__init__.__doc__, updateAttrs.__doc__ = stockInit.__doc__, stockUpdate.__doc__
+	cls.__init__, cls.__setattr__, cls.updateAttrs = __init__, _betweenSteps(__setattr__), _betweenSteps(updateAttrs)
+
+
+@contextmanager
+def _seenByGrounds(part, names, stockSet):
+	"""What the block changes of a part of a ground: a ground that has begun was built with it, so that it is set back and refused; one that
+	was only looked at is made anew."""
+	from yade import wrapper
+
+	used = [name for name in names if _usedByRunningGround(part, name)]
+	waiting = [name for name in names if isinstance(getattr(type(part), name), property)] if wrapper.MpmEngine.heldByWaitingGround(part) else []
+	before = {name: getattr(part, name) for name in {*used, *waiting}}
+	yield
+	for name in used:
+		value = getattr(part, name)
+		if not _same(before[name], value):
+			for changed in used:
+				stockSet(part, changed, before[changed])
+			raise ValueError(
+				f"{type(part).__name__}.{name} is {value!r} too late: the running ground was built with {before[name]!r} and stays so. "
+				"Set it before the first step or begin anew; what changes in time is given by times and values."
+			)
+	if any(not _same(before[name], getattr(part, name)) for name in waiting):
+		wrapper.MpmEngine.renewWaitingGrounds(part)
 
 
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
 _readWhileRunning = {
 	"MpmEngine": {
 		"gravity", "damping", "picTime", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
-		"label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
+		"stopAtDay", "label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
+	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
 	"RveSkeleton": {"threads", "onBlowUp", "blowUpFolder"},
 }
@@ -193,10 +347,11 @@ def _usedByRunningGround(part, name):
 
 	if not any(issubclass(cls, kind) for kind in _partsOfGround(wrapper.MpmEngine)):
 		return False
-	grounds = [engine for engine in O.engines if isinstance(engine, wrapper.MpmEngine) and engine.initialised]
+	grounds = [engine for engine in O.engines if isinstance(engine, wrapper.MpmEngine) and engine.begun]
 	return any(_talik.sameObject(part, held) for ground in grounds for held in _heldBy(ground))
 
 
+@functools.lru_cache(maxsize=None)
 def _partsOfGround(engineClass):
 	"""Classes of the objects that an MpmEngine holds, and its own."""
 	from yade import wrapper
@@ -205,12 +360,16 @@ def _partsOfGround(engineClass):
 	return [engineClass] + [getattr(wrapper, kind.group(1)) for kind in kinds if kind and hasattr(wrapper, kind.group(1))]
 
 
+@functools.lru_cache(maxsize=None)
+def _holdingAttributes(engineClass):
+	return [name for name in dir(engineClass) if re.search(r":yattrtype:`(vector<)?shared_ptr<", getattr(engineClass, name).__doc__ or "")]
+
+
 def _heldBy(ground):
 	yield ground
-	for name in dir(type(ground)):
-		if re.search(r":yattrtype:`(vector<)?shared_ptr<", getattr(type(ground), name).__doc__ or ""):
-			value = getattr(ground, name)
-			yield from (part for part in (value if isinstance(value, list) else [value]) if part is not None)
+	for name in _holdingAttributes(type(ground)):
+		value = getattr(ground, name)
+		yield from (part for part in (value if isinstance(value, list) else [value]) if part is not None)
 
 
 def _same(a, b):

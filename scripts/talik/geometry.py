@@ -28,7 +28,7 @@ def fill(mpm, polygon, pointsPerCell=4, **attributes):
 	"""Adds points that fill `polygon` to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
 
 	Attributes are those of MpmEngine.addPoints: porosity [-], poreFill (part of the pores that holds water or ice) [-], temperature
-	[degC], pressure (pore water) [Pa], stress (n, 3) [Pa], velocity (n, 2) [m/s], skeleton (index). Each is a number (a row of
+	[degC], pressure (pore water) [Pa], stress (n, 4) xx yy zz xy [Pa], velocity (n, 2) [m/s], skeleton (index). Each is a number (a row of
 	components), an array of one value per point, or a function f(x, y) of the points' coordinates [m], arrays (n,), that returns
 	such an array:
 

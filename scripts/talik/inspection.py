@@ -16,7 +16,7 @@ import atexit
 from yade import O, wrapper
 
 from talik import _talik
-from talik.console import awaitEndOfStep
+from talik.console import awaitEndOfStep, awaitRest
 
 _shown = []  # views that are open, the innermost last
 _left = []  # the scene left last stays alive: a long step of it may still be ending in YADE's thread
@@ -107,6 +107,7 @@ def inspectPoint(mpm, id, live=False):
 	point = int(id)
 	if O.running or _talik.stepUnderWay():
 		raise RuntimeError("MpmEngine.inspect needs a simulation that rests between two steps: call O.pause() first, and look from outside of its engines.")
+	awaitRest(O)
 	mpm.initialise()
 	skeleton = _skeletonOf(mpm, point)
 	if live and any(view.live and _isOf(view, mpm) and view.point == point for view in _shown):

@@ -2,13 +2,14 @@
 """Files that a run leaves behind: a ParaView series of all point fields, frames for pictures, a summary.
 
 	series = talik.output.ParaViewSeries(mpm, "output/slope")
-	frames = talik.output.Frames(mpm, times=[2.5, 5, 10, 15])
+	frames = talik.output.Frames(mpm, times=[2.5, 5, 10, 15])  # or days=True: days of the calendar
 	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
 	talik.output.writeSummary("output/slope/summary.json", points=mpm.numberOfPoints, ...)
 
 An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) must be among them.
 """
 
+import io
 import json
 import math
 from pathlib import Path
@@ -55,7 +56,8 @@ def allFields(mpm):
 
 
 class ParaViewSeries:
-	"""Files <name>_<number>.vtu and <name>.pvd in `folder`; open the .pvd in ParaView. Times are those of `clock`, default O.time.
+	"""Files <name>_<number>.vtu and <name>.pvd in `folder`; open the .pvd in ParaView. Times are those of `clock`, default O.time;
+	lambda: mpm.calendar["day"] gives days.
 
 	>>> file = talik.output.ParaViewSeries(mpm, folder).write()"""
 
@@ -184,20 +186,28 @@ class SampleSeries:
 
 
 class Frames:
-	"""Keeps all fields at given simulated times, for talik.plots; `frames` is a list of {"time": t, field: array}.
+	"""Keeps all fields at given simulated times, for talik.plots; `frames` is a list of {"time": t [s], "day": of the calendar, field: array}.
+
+	days  the times are days of the engine's calendar, not those of the clock
 
 	>>> frames = talik.output.Frames(mpm, times=[0.1, 0.2])
 	>>> O.engines = O.engines + [frames.runner()]"""
 
-	def __init__(self, mpm, times, clock=None):
-		self.mpm, self.clock = mpm, clock or _sceneTime
+	def __init__(self, mpm, times, clock=None, days=False):
+		self.mpm, self.clock, self.days = mpm, clock or _sceneTime, days
 		self.times = sorted(float(t) for t in times)
 		self.frames = []
 
 	def take(self):
 		"""Keeps a frame when the next of the times is reached."""
-		if len(self.frames) < len(self.times) and self.clock() >= self.times[len(self.frames)] * (1 - 1e-12):
-			self.frames.append({"time": self.clock(), **allFields(self.mpm)})
+		reached = _dayOf(self.mpm) if self.days else self.clock()
+		if len(self.frames) < len(self.times) and reached >= self.times[len(self.frames)] * (1 - 1e-12):
+			self.takeNow()
+
+	def takeNow(self):
+		"""Keeps a frame, whatever the time."""
+		day = _dayOf(self.mpm)
+		self.frames.append({"time": self.clock(), **({} if day is None else {"day": day}), **allFields(self.mpm)})
 
 	def runner(self, iterPeriod=1):
 		return runner(self.take, iterPeriod=iterPeriod)
@@ -205,9 +215,15 @@ class Frames:
 	def save(self, path):
 		"""All frames in one compressed NumPy file; loadFrames(path) reads it back."""
 		arrays = {f"{index}/{name}": value for index, frame in enumerate(self.frames) for name, value in frame.items()}
-		beside = Path(path).with_suffix(".part.npz")
-		np.savez_compressed(beside, **arrays)
-		beside.replace(path)
+		content = io.BytesIO()
+		np.savez_compressed(content, **arrays)
+		writeWhole(path, content.getvalue())
+
+
+def _dayOf(mpm):
+	"""Day of the calendar; None where heat has no scale of its own and the clock says it all."""
+	calendar = getattr(mpm, "calendar", None)
+	return None if calendar is None or (calendar["scale"] == 1 and not calendar["followsMotion"]) else calendar["day"]
 
 
 def loadFrames(path):

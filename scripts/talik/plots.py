@@ -109,18 +109,17 @@ def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
 	return axes.tricontour(mesh, iceSaturation, levels=[level], **{"colors": "crimson", "linewidths": 1.2, **style})
 
 
-def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), thermalTimeScale=1.0, watched=None, into=None):
+def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), watched=None, into=None):
 	"""A figure with one row per time and one column per field, like Fig. 6 of Yu & Zhao.
 
-	frames            list of {"time": t [s], "position": (n, 2), "volume": (n,), "iceSaturation": (n,), field: array, ...}
-	thermalTimeScale  f_T, for the thaw days in the row labels
-	watched           {letter: (x, y)} marked points, or {letter: id} points that are followed
-	into              figure or subfigure to draw into; default: a new one
+	frames   list of {"time": t [s], "day": of the calendar, "position": (n, 2), "volume": (n,), "iceSaturation": (n,), field: array, ...}
+	watched  {letter: (x, y)} marked points, or {letter: id} points that are followed
+	into     figure or subfigure to draw into; default: a new one
 	All rows of a column share one colour scale; the crimson line is the thaw front S_i = 0.5.
 
 	>>> frames = talik.output.Frames(mpm, times=[0])
 	>>> frames.take()
-	>>> fig = talik.plots.slopeHistory(frames.frames, thermalTimeScale=1e8)"""
+	>>> fig = talik.plots.slopeHistory(frames.frames)"""
 	if not frames:
 		raise ValueError("frames is empty; give at least one frame of talik.output.Frames")
 	fields = [name for name in fields if name in frames[0]]
@@ -134,7 +133,7 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, _placesOf(watched, frame))
 		fig.colorbar(drawn, ax=grid[:, column], label=label, location="bottom", shrink=0.85, aspect=30)
 	for row, frame in enumerate(frames):
-		grid[row, 0].set_title(timeLabel(frame["time"], thermalTimeScale), loc="left", fontsize=10)
+		grid[row, 0].set_title(timeLabel(frame["time"], frame.get("day")), loc="left", fontsize=10)
 		grid[row, 0].set_ylabel("y [m]")
 	for axes in grid[-1]:
 		axes.set_xlabel("x [m]")
@@ -156,13 +155,29 @@ def _placesOf(watched, frame):
 	return {letter: frame["position"][point] if np.ndim(point) == 0 else point for letter, point in (watched or {}).items()}
 
 
-def timeLabel(time, thermalTimeScale=1.0):
-	"""Simulated time and, where heat runs faster than motion, the thaw days that it stands for.
+def timeLabel(time, day=None):
+	"""Time of motion [s] and, where heat has a calendar of its own, the day.
 
-	>>> talik.plots.timeLabel(2.0, thermalTimeScale=8.64e5)
-	't = 2 s (20 thaw days)'"""
-	days = "" if thermalTimeScale == 1 else f" ({time * thermalTimeScale / 86400:.3g} thaw days)"
-	return f"t = {time:.3g} s{days}"
+	>>> talik.plots.timeLabel(2.0, day=20)
+	'day 20 (2 s of motion)'"""
+	return f"t = {time:.3g} s" if day is None else f"day {day:.3g} ({time:.3g} s of motion)"
+
+
+def calendarHistory(axes, history, events, label=None):
+	"""Largest displacement over the days of the calendar, events marked by what they moved.
+
+	history  rows of day, time of motion [s], largest displacement [m]
+	events   of MpmEngine.events()
+
+	>>> talik.plots.calendarHistory(talik.plots.figure(5, 3).subplots(), [(0, 0, 0), (1, 0.1, 0.02)], [{"day": 0.5, "days": 0.01, "volume": 1.5, "largest": 0.02}])"""
+	history = np.asarray(history, dtype=float).reshape(-1, 3)
+	line, = axes.plot(history[:, 0], history[:, 2], linewidth=1.2, label=label)
+	for event in events:
+		axes.axvspan(event["day"], event["day"] + event["days"], color=line.get_color(), alpha=0.25, linewidth=1)
+	for event in sorted(events, key=lambda event: -event["volume"])[:5]:
+		axes.annotate(f"{event['volume']:.2g} m²", (event["day"], 1), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
+	axes.set(xlabel="day", ylabel="largest displacement [m]")
+	axes.set_yscale("symlog", linthresh=0.01)
 
 
 def metricAxes(axes, position):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Progress of a long run: simulated time, thaw days, steps per second, expected end.
+"""Progress of a long run: simulated time, day of the calendar, steps per second, expected end.
 
-	progress = talik.progress.Progress(endTime=15, thermalTimeScale=8.64e5)
+	progress = talik.progress.Progress(endDay=150, calendar=lambda: mpm.calendar)
 	O.engines = [mpm, progress.runner()]
 	O.run(); O.wait(); progress.close()
 
@@ -14,7 +14,6 @@ from datetime import timedelta
 
 from tqdm import tqdm
 
-secondsPerDay = 86400.0
 _running = []  # bars that PyRunner commands refer to by their place here
 
 
@@ -28,26 +27,32 @@ def update(place):
 
 
 class Progress:
-	"""Follows a run towards `endTime` [s of simulated time] or `endStep`.
+	"""Follows a run towards `endTime` [s of simulated time], `endDay` of the calendar or `endStep`.
 
-	thermalTimeScale  f_T: thaw days = f_T t / 86400; 1 shows none
+	calendar          function returning MpmEngine.calendar: day and scale are shown
 	interval          [s of wall time] between two lines when the output is not a terminal
 	details           function returning {name: value} shown at the end of the line
 	clock, step       functions for simulated time [s] and step number; default those of O
 	stream            default sys.stderr
 
-	>>> progress = talik.progress.Progress(endTime=15, thermalTimeScale=8.64e5)
+	>>> progress = talik.progress.Progress(endDay=150, calendar=lambda: mpm.calendar)
 	>>> O.engines = O.engines + [progress.runner()]"""
 
-	def __init__(self, endTime=None, endStep=None, thermalTimeScale=1.0, interval=10.0, details=None, clock=None, step=None, stream=None):
-		if (endTime is None) == (endStep is None):
-			raise ValueError(f"endTime is {endTime!r} and endStep is {endStep!r}; give one of the two")
-		end = endTime if endStep is None else endStep
+	def __init__(self, endTime=None, endStep=None, endDay=None, calendar=None, interval=10.0, details=None, clock=None, step=None, stream=None, thermalTimeScale=None):
+		if thermalTimeScale is not None:
+			raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}: thaw days are read from the calendar now; give calendar=lambda: mpm.calendar instead")
+		goals = {"endTime": endTime, "endStep": endStep, "endDay": endDay}
+		given = [name for name, end in goals.items() if end is not None]
+		if len(given) != 1:
+			raise ValueError(f"endTime is {endTime!r}, endStep is {endStep!r} and endDay is {endDay!r}; give one of the three")
+		name, end = given[0], goals[given[0]]
 		if not end > 0:
-			raise ValueError(f"{'endTime' if endStep is None else 'endStep'} is {end!r}; it must be greater than 0")
-		self.clock, self.step = clock or _sceneTime, step or _sceneStep
-		self.goal = self.clock if endStep is None else self.step
-		self.end, self.thermalTimeScale, self.interval = float(end), thermalTimeScale, interval
+			raise ValueError(f"{name} is {end!r}; it must be greater than 0")
+		if name == "endDay" and calendar is None:
+			raise ValueError(f"endDay is {endDay!r} without a calendar; give calendar=lambda: mpm.calendar")
+		self.clock, self.step, self.calendar = clock or _sceneTime, step or _sceneStep, calendar
+		self.goal = {"endTime": self.clock, "endStep": self.step, "endDay": self._day}[name]
+		self.end, self.interval = float(end), interval
 		self.details = details or dict
 		self.stream = stream or sys.stderr
 		self.wallStart = self.wallLast = time.monotonic()
@@ -95,6 +100,9 @@ class Progress:
 			return None
 		return max(self.end - self.goal(), 0.0) * (time.monotonic() - self.wallStart) / done
 
+	def _day(self):
+		return self.calendar()["day"]
+
 	def _bar(self):
 		form = "{percentage:3.0f}%|{bar}| {postfix} [{elapsed}<{remaining}]"
 		return tqdm(total=self.end, initial=self.goalStart, bar_format=form, file=self.stream, dynamic_ncols=True, miniters=0)
@@ -107,8 +115,9 @@ class Progress:
 
 	def _state(self):
 		parts = [f"t = {self.clock():.4g} s"]
-		if self.thermalTimeScale != 1:
-			parts.append(f"{self.clock() * self.thermalTimeScale / secondsPerDay:.1f} thaw days")
+		if self.calendar is not None:
+			calendar = self.calendar()
+			parts.append(f"day {calendar['day']:.1f}, {calendar['scale']:.2g} times as fast")
 		parts += [f"step {self.step()}", f"{self.stepsPerSecond():.1f} steps/s"]
 		parts += [f"{name} {value}" for name, value in self.details().items()]
 		return ", ".join(parts)

@@ -2,6 +2,7 @@
 """Samples: periodic packings of grains that stand behind the material points of a slope.
 
 	sample = talik.rve.prepare(grains=400, pressure=100e3)       # the paper's sample, at 100 kPa isotropic
+	several = talik.rve.prepare(grains=100, realisations=8)      # a list of samples that differ by chance
 	band = talik.rve.servo(sample, stressX=-15e3, stressY=-30e3) # the same sample at another stress
 	other = talik.rve.load("somebody.yade.gz")                   # any periodic YADE scene of spheres
 
@@ -18,6 +19,7 @@ import json
 import math
 import os
 import re
+import sys
 import tempfile
 from pathlib import Path
 
@@ -25,8 +27,9 @@ import numpy as np
 from yade import O
 
 import talik
-from talik import packing
-from talik.files import writableFolder, writeWhole
+from talik import packing, realisation
+from talik.console import checkedLabels
+from talik.files import sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
 recipeVersion = 2  # part of the cache key: raise it whenever the recipe gives other samples
@@ -85,6 +88,7 @@ def prepare(
 	damping=0.3,
 	ice=None,
 	cache=True,
+	realisations=None,
 	**iceBond,
 ):
 	"""The sample of Yu & Zhao sect. 3.1: discs compacted to an isotropic pressure, in equilibrium, without ice.
@@ -103,6 +107,8 @@ def prepare(
 	ice             True: materials and laws that can carry ice bonds (ice saturation 0); False: YADE's FrictMat.
 	                Default: True where Talik's classes are loaded
 	cache           True: the user's cache; a folder; False: make it anew
+	realisations    a number: that many samples of other random positions, a list, for RveSkeleton(samples=[…]); they are made by as many
+	                yades at a time as there are cores. The first one is the sample of `seed` alone
 	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9
 
 	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure.
@@ -112,11 +118,29 @@ def prepare(
 	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
 	_require("porosity", porosity, 0.10 <= porosity <= 0.23, "a two-dimensional porosity between 0.10 and 0.23 (dense and loose limits of discs)")
 	_require("friction", friction, friction >= 0, "a friction coefficient, at least 0")
-	_require("seed", seed, isinstance(seed, int) and seed >= 0, "a whole number, at least 0")
-	parameters = dict(
-		kind="prepare", recipe=recipeVersion, **dataclasses.asdict(material), pressure=pressure, porosity=porosity, friction=friction, seed=seed
+	_require("seed", seed, _isWhole(seed) and seed >= 0, "a whole number, at least 0")
+
+	def made(start, folder, make):
+		parameters = dict(
+			kind="prepare", recipe=recipeVersion, **dataclasses.asdict(material), pressure=pressure, porosity=porosity, friction=friction, seed=start
+		)
+		return _cached(parameters, folder, make)
+
+	def compacted(start):
+		return lambda: _compacted(material, pressure, porosity, friction, start)
+
+	if realisations is None:
+		return made(seed, cache, compacted(seed))
+	_require("realisations", realisations, _isWhole(realisations) and realisations >= 1, "a whole number, at least 1")
+	folder = str(_cacheFolder(cache))
+	settings = dict(
+		grains=grains, radius=tuple(radius), pressure=pressure, porosity=porosity, thickness=thickness, young=young, stiffnessRatio=stiffnessRatio, friction=friction,
+		density=density, damping=damping, ice=material.ice, cache=folder, **iceBond,
 	)
-	return _cached(parameters, cache, lambda: _compacted(material, pressure, porosity, friction, seed))
+	return realisation.prepareAll(
+		lambda call: _inCache(lambda make: made(call["seed"], folder, make)), lambda call: made(call["seed"], folder, compacted(call["seed"])),
+		[dict(settings, seed=start) for start in realisation.seedsOf(seed, realisations)], f"{realisations} realisations of {grains} grains",
+	)
 
 
 def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True):
@@ -152,18 +176,26 @@ def load(path):
 
 
 def openFile(path):
-	"""Loads a saved scene into the current scene of `O`; one exception that says what is wrong with the file.
+	"""A saved scene becomes the current one of `O`; one exception that says what is wrong with the file. Labels of engines become names,
+	as with O.load, if they are names; a scene is a program all the same: its PyRunners run with its first step.
 
 	>>> with talik.scratchScene():
 	...     talik.rve.openFile(sample.path)"""
 	if not os.path.isfile(path):
 		raise FileNotFoundError(f"sample file '{path}' does not exist; give the path of a scene saved by O.save")
+	content = sceneContent(path)
 	try:
-		O.load(path)
+		scene = talik._talik.readScene(content, path.removesuffix(".gz").removesuffix(".bz2").endswith(".xml"))
 	except Exception as error:
 		raise ValueError(
 			f"'{path}' is not a YADE scene that can be read ({error}); it must be saved by O.save of this YADE, and be complete"
 		) from None
+	former = talik._talik.exchangeScene(scene)
+	try:
+		checkedLabels(O, path)
+	except BaseException:
+		talik._talik.exchangeScene(former)
+		raise
 
 
 # --- making --------------------------------------------------------------------------------------------------------------
@@ -212,19 +244,50 @@ def _isotropic():
 
 def _cached(parameters, cache, make):
 	folder = _cacheFolder(cache)
-	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout(parameters["ice"])}, sort_keys=True).encode()).hexdigest()[:20]
+	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout(parameters["ice"]), "sheet": 2}, sort_keys=True).encode()).hexdigest()[:20]
 	scene, sheet = folder / f"{key}.yade.gz", folder / f"{key}.json"
-	if cache is not False and scene.is_file() and sheet.is_file():
+	if cache is not False and (scene.exists() or sheet.exists()):
 		try:
-			return _fromSheet(sheet, scene)
-		except (ValueError, TypeError, KeyError):
-			pass  # a damaged sheet: the sample is made again and replaces it
+			return _fromSheet(sheet, scene, parameters)
+		except (OSError, ValueError, TypeError, KeyError) as problem:
+			print(f"talik.rve: the cached sample {scene} is {_said(problem)}; it is made anew.", file=sys.stderr)
+	writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
 	with talik.scratchScene():
 		extra = make()
 		sample = _measured(str(scene), {**parameters, **extra})
-		writeWhole(scene, gzip.compress(O.sceneToString(), 6, mtime=0))
-	writeWhole(sheet, json.dumps(dataclasses.asdict(sample), indent="\t"))
-	return _fromSheet(sheet, scene)  # the same whether it was made or found
+		content = gzip.compress(O.sceneToString(), 6, mtime=0)
+		writeWhole(scene, content)
+	values = dataclasses.asdict(sample)
+	writeWhole(sheet, json.dumps({**values, "seal": _seal(values, content)}, indent="\t"))
+	return _fromSheet(sheet, scene, parameters)  # the same whether it was made or found
+
+
+def _seal(values, content):
+	"""Ties sheet and scene to each other, wherever they lie."""
+	sheet = json.dumps({name: value for name, value in values.items() if name != "path"}, sort_keys=True)
+	return hashlib.sha256(sheet.encode() + content).hexdigest()
+
+
+def _said(problem):
+	if isinstance(problem, OSError):
+		return f"not readable ({problem.strerror})"
+	return str(problem) if type(problem) is ValueError else "damaged, its sheet cannot be read"
+
+
+class _NotThere(Exception):
+	pass
+
+
+def _inCache(made):
+	"""The sample that a call of _cached finds, without making one; None if there is none."""
+
+	def refuse():
+		raise _NotThere
+
+	try:
+		return made(refuse)
+	except _NotThere:
+		return None
 
 
 @functools.lru_cache(maxsize=None)
@@ -250,11 +313,20 @@ def _cacheFolder(cache):
 		return Path(tempfile.mkdtemp(prefix="talik-sample-"))
 	else:
 		folder = Path(cache)
-	return writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
+	return folder
 
 
-def _fromSheet(sheet, scene):
-	values = json.loads(sheet.read_text())
+def _fromSheet(sheet, scene, parameters):
+	"""The sample of a sheet; ValueError unless the sheet is whole and of these parameters, and the scene the one that it was written for."""
+	try:
+		values = json.loads(sheet.read_text())
+	except ValueError:
+		raise TypeError("no sheet") from None
+	if values.pop("seal") != _seal(values, scene.read_bytes()):
+		raise ValueError("damaged: sheet and scene do not fit together")
+	wanted = json.loads(json.dumps(parameters))
+	if any(values["parameters"].get(name) != value for name, value in wanted.items()):
+		raise ValueError("another one, its sheet has other parameters")
 	values.update(path=str(scene), size=tuple(values["size"]), stress=tuple(values["stress"]))
 	return Sample(**values)
 
@@ -300,13 +372,17 @@ def _checkScene(path):
 		raise ValueError(f"'{path}': the cell is inclined in z (hSize = {h}); for plane strain its third vector must be (0, 0, thickness)")
 
 
+def _isWhole(value):
+	return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
 def _require(name, value, condition, remedy):
 	if not condition:
 		raise ValueError(f"{name} is {value!r}; it must be {remedy}")
 
 
 def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond):
-	_require("grains", number, isinstance(number, int) and number >= 20, "a whole number, at least 20")
+	_require("grains", number, _isWhole(number) and number >= 20, "a whole number, at least 20")
 	try:
 		smallest, largest = (float(r) for r in radius)
 	except (TypeError, ValueError):
@@ -344,7 +420,7 @@ def _grainsOf(sample):
 
 
 def pack(sample):
-	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, see talik.slope.pack.
+	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, of a list of them a list, see talik.slope.pack.
 
 	>>> packed = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19))"""
 	from talik import slope

@@ -5,8 +5,6 @@ A slope at rest carries a different stress at every depth. Its samples are there
 bands while they are still frictional; they are frozen afterwards, by the first step, so that bonds and ice start free of stress.
 """
 
-import math
-
 import numpy as np
 
 from yade import O, wrapper
@@ -14,23 +12,22 @@ from yade import O, wrapper
 import talik
 from talik import rve
 
-stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain, with all ice present
-
 
 def pack(sample):
-	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object.
+	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object; of a list of them a list.
 
 	The time step is lowered to what the contacts need when they are stiffened by full ice saturation, and the work of the
 	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed.
 
 	>>> packed = talik.slope.pack(sample)"""
+	if isinstance(sample, (list, tuple)):
+		return [pack(one) for one in sample]
 	if isinstance(sample, wrapper.Scene):
-		return _stable(wrapper.RveSample.fromScene(sample), None)
+		return wrapper.RveSample.fromScene(sample)
 	path = getattr(sample, "path", sample)
 	with talik.scratchScene():
 		rve.openFile(str(path))
-		material = O.bodies[0].material
-		return _stable(wrapper.RveSample.fromScene(O._sceneObj), material)
+		return wrapper.RveSample.fromScene(O._sceneObj)
 
 
 def openScene(sample):
@@ -42,25 +39,18 @@ def openScene(sample):
 	path = getattr(sample, "path", sample)
 	with talik.scratchScene():
 		rve.openFile(str(path))
-		O.dt = _stable(O, O.bodies[0].material).dt
+		O.dt = talik._talik.timeStepForIce(O._sceneObj)
 		return O._sceneObj
 
 
-def _stable(packed, material):
-	iceYoung = getattr(material, "iceYoung", 0.0)
-	if iceYoung > 0:
-		packed.dt = packed.dt / math.sqrt(1 + iceYoung / material.young)
-	return packed
-
-
-def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3):
-	"""(sigma_h, sigma_v) [Pa, tension positive] at a depth [m] below the surface in drained ground at rest.
+def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3, load=0.0):
+	"""(sigma_h, sigma_v) [Pa, tension positive] at a depth [m] below the surface in drained ground at rest, under a load [Pa] on the surface.
 
 	Above the depth where the vertical pressure reaches `smallest` [Pa] it is kept: a sample needs some confinement to be one.
 
 	>>> talik.slope.geostaticStress(depth=2.0, density=2000, gravity=10, lateralRatio=0.5)
 	(-20000.0, -40000.0)"""
-	vertical = max(density * gravity * depth, smallest / lateralRatio)
+	vertical = max(density * gravity * depth + load, smallest / lateralRatio)
 	return -lateralRatio * vertical, -vertical
 
 
@@ -79,25 +69,63 @@ def surfaceHeight(polygon, x):
 	return max(heights)
 
 
-def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRatio=0.7, gravity=9.81):
+def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRatio=0.7, gravity=9.81, seed=1, load=0.0):
 	"""Samples of depth bands and the band of each point: (samples, sampleOf) for RveSkeleton.
 
 	position       (n,2) of the points [m]
 	polygon        outline of the ground, for the depth below its surface
-	sample         RveSample, frictional, that is brought to the stress in the middle of each band
+	sample         RveSample, frictional, that is brought to the stress in the middle of each band; a list: realisations of it, dealt to
+	               the points of every band by chance
 	density        of the ground [kg/m3]
 	bandThickness  [m]
 	lateralRatio   horizontal over vertical stress at rest [-]
+	seed           of that chance, see RveSkeleton.seed
+	load           pressure on the surface [Pa], 0 or more
 
 	>>> position = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 2), (0, 2)], 0.5)[0]
 	>>> samples, sampleOf = talik.slope.depthBands(position, [(0, 0), (1, 0), (1, 2), (0, 2)], packed, density=2000, bandThickness=1)"""
 	depth = np.array([surfaceHeight(polygon, x) - y for x, y in position])
 	band = np.maximum(0, np.floor(depth / bandThickness)).astype(int)
-	samples = []
-	for b in range(band.max() + 1):
-		goal = geostaticStress((b + 0.5) * bandThickness, density, gravity, lateralRatio)
-		banded = sample.copy()
-		if not banded.servo(*goal):
-			raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {b}; choose a lateralRatio nearer to 1")
-		samples.append(banded)
-	return samples, [int(b) for b in band]
+	realisations = sample if isinstance(sample, (list, tuple)) else [sample]
+	pairs = list(zip(map(int, band), wrapper.RveSkeleton.deal(position, len(realisations), seed)))
+	used = sorted(set(pairs))
+	samples = [_broughtTo(realisations[k], geostaticStress((b + 0.5) * bandThickness, density, gravity, lateralRatio, load=load), b) for b, k in used]
+	return samples, [used.index(pair) for pair in pairs]
+
+
+def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
+	"""Brings the samples of a filled MpmEngine to the weight above their points, before they freeze and before the first step.
+
+	A sample that freezes at a pressure that its point does not carry expands when its ice lets go of it: 8 mm in two metres of ground with
+	samples of 100 kPa under 20 kPa. The samples of mpm.skeleton are replaced by those of depth bands; several of them are realisations.
+
+	polygon        outline of the ground, for the depth below its surface
+	bandThickness  [m]; default a cell of the grid
+	lateralRatio   horizontal over vertical effective stress at rest [-]
+	load           pressure on the surface [Pa], 0 or more
+
+	>>> mpm = MpmEngine(gridSpacing=0.5, gravity=(0, -9.81), skeleton=RveSkeleton(samples=[packed]))
+	>>> added = talik.geometry.fill(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)])
+	>>> talik.slope.settle(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)], load=20e3)"""
+	skeleton = mpm.skeleton
+	if not isinstance(skeleton, wrapper.RveSkeleton) or not skeleton.samples:
+		raise ValueError("settle: mpm.skeleton has no samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
+	if mpm.begun:
+		raise ValueError("settle: the ground has begun; settle its samples before the first step")
+	if not mpm.gravity[1] < 0:
+		raise ValueError(f"settle: mpm.gravity is {tuple(mpm.gravity)}, nothing weighs on the samples; give a gravity downwards")
+	masses, weight = mpm.balance(), -mpm.gravity[1]
+	density = (masses["solidMass"] + masses["waterMass"]) / mpm.field("volume").sum()
+	if mpm.water is not None:  # what the pore water carries the grains do not
+		depth = np.array([surfaceHeight(polygon, x) - y for x, y in mpm.field("position")])
+		density -= float(mpm.field("pressure") @ depth / (depth @ depth)) / weight
+	skeleton.samples, skeleton.sampleOf = depthBands(
+		mpm.field("position"), polygon, list(skeleton.samples), density, bandThickness or mpm.gridSpacing, lateralRatio, weight, skeleton.seed, load
+	)
+
+
+def _broughtTo(sample, goal, band):
+	banded = sample.copy()
+	if not banded.servo(*goal):
+		raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {band}; choose a lateralRatio nearer to 1")
+	return banded

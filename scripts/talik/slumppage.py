@@ -50,7 +50,7 @@ def summaryOf(folder):
 
 
 def draw(folder, outline, threshold=0.2):
-	"""slope.png and page.png from frames.npz, samples.npz and summary.json in the folder of a run.
+	"""slope.png, page.png and calendar.png from frames.npz, samples.npz and summary.json in the folder of a run.
 
 	outline, threshold  as for talik.shearband.measure
 	FileNotFoundError where no run left its results."""
@@ -59,12 +59,15 @@ def draw(folder, outline, threshold=0.2):
 		raise FileNotFoundError(f"{folder} holds no {framesName} to draw from: give the folder in which a run left its results (--output)")
 	frames, (samples, watched) = output.loadFrames(folder / framesName)[1:], loadSamples(folder / samplesName)
 	summary = summaryOf(folder)
-	scale, title = summary["ground.thermalTimeScale"], f"{summary['case']}; {slipSurfaces(frames[-1], outline, threshold)}"
-	plots.save(plots.slopeHistory(frames, thermalTimeScale=scale), folder / "slope.png")
-	plots.save(page(frames, samples, watched, scale, title), folder / "page.png", dpi=80)
+	title = f"{summary['case']}; {slipSurfaces(frames[-1], outline, threshold)}"
+	plots.save(plots.slopeHistory(frames), folder / "slope.png")
+	plots.save(page(frames, samples, watched, title), folder / "page.png", dpi=80)
+	fig = plots.figure(7, 3.2)
+	plots.calendarHistory(fig.subplots(), summary["history"], summary["events"])
+	plots.save(fig, folder / "calendar.png")
 
 
-def page(frames, samples=None, watched=None, thermalTimeScale=1.0, title=None):
+def page(frames, samples=None, watched=None, title=None):
 	"""The page of one case.
 
 	frames   of talik.output.Frames; the last four are shown
@@ -75,7 +78,7 @@ def page(frames, samples=None, watched=None, thermalTimeScale=1.0, title=None):
 	slopeHeight, sampleHeight = plots.historyHeight(frames), 4.0 if samples else 0.0
 	fig = plots.figure(12.6, slopeHeight + sampleHeight)
 	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, sampleHeight)) if samples else (fig.subfigures(1, 1), None)
-	plots.slopeHistory(frames, thermalTimeScale=thermalTimeScale, watched=watched, into=upper)
+	plots.slopeHistory(frames, watched=watched, into=upper)
 	for place, (letter, sample) in enumerate(samples.items()):
 		_drawSample(lower, place, 2 * len(samples), letter, sample, frames[-1], (watched or {}).get(letter))
 	if title:
@@ -99,7 +102,7 @@ def _stateOf(frame, point):
 	return f"{state}, $S_i$ = {ice:.2f}, $\\varepsilon_d$ = {frame['deviatoricStrain'][point]:.2f}\n{100 * share:.0f} % of its bonds broke mechanically"
 
 
-def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "deviatoricStrain", "displacement"), threshold=0.2):
+def sideBySide(runs, outline, fields=("iceSaturation", "deviatoricStrain", "displacement"), threshold=0.2):
 	"""One row for each run: its fields at the end, under them all runs: largest displacement and broken bonds over time.
 
 	runs  {label: (frames, bill)}; label says what differs, bill what the run cost
@@ -108,22 +111,22 @@ def sideBySide(runs, outline, thermalTimeScale=1.0, fields=("iceSaturation", "de
 	slopeHeight = plots.historyHeight(ends) + 0.3 + 0.2 * len(ends)
 	fig = plots.figure(12.6, slopeHeight + 3.2)
 	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, 3.2))
-	plots.slopeHistory(ends, fields=fields, thermalTimeScale=thermalTimeScale, into=upper)
-	upper.suptitle(plots.timeLabel(ends[0]["time"], thermalTimeScale), fontsize=11)
+	plots.slopeHistory(ends, fields=fields, into=upper)
+	upper.suptitle(plots.timeLabel(ends[0]["time"], ends[0].get("day")), fontsize=11)
 	rows = [axes for axes in upper.axes if axes.get_title(loc="left")]
 	moved, broken = lower.subplots(1, 2)
 	for axes, (label, (frames, bill)) in zip(rows, runs.items()):
 		axes.set_title("", loc="left")
 		heading = f"{label}: {bill}; {slipSurfaces(frames[-1], outline, threshold)}"
 		axes.text(0, 1.04, heading, transform=axes.transAxes, fontsize=9, in_layout=False)  # it is wider than its column
-		times = [frame["time"] for frame in frames]
+		times = [frame.get("day", frame["time"]) for frame in frames]
 		moved.plot(times, [np.linalg.norm(frame["displacement"], axis=1).max() for frame in frames], marker="o", markersize=3, label=label)
 		if "bondsFormed" in frames[0]:
 			broken.plot(times, [100 * shearband.brokenShare(frame, slice(None)) for frame in frames], marker="o", markersize=3, label=label)
-	moved.set(xlabel="thaw time [s]", ylabel="largest displacement [m]")
+	moved.set(xlabel="day", ylabel="largest displacement [m]")
 	moved.set_yscale("symlog", linthresh=0.01)
 	moved.legend(fontsize=8, frameon=False)
-	broken.set(xlabel="thaw time [s]", ylabel="bonds broken mechanically [%]", ylim=(0, None))
+	broken.set(xlabel="day", ylabel="bonds broken mechanically [%]", ylim=(0, None))
 	if not any("bondsFormed" in frames[0] for frames, _ in runs.values()):
 		broken.set_visible(False)
 	return fig

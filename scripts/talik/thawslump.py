@@ -33,8 +33,10 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 seriesLength = 40  # states in the ParaView series
 checkpointName, memoryTag = "slope.checkpoint", "thawSlump"
 checkpointInterval = 60  # wall time [s]
-remembered = ("name", "presetName", "skeletonName", "thaws", "frameTimes", "restKineticEnergy", "calibrationSeconds", "reached")  # attributes of a run
-frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: instants of the frames
+remembered = ("name", "presetName", "skeletonName", "thaws", "frameDays", "restKineticEnergy", "calibrationSeconds", "thawed", "reached", "history")  # attributes of a run
+frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames
+never = 1e12  # [s of calendar time]
+shownEvents = 12
 bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
 
 
@@ -44,7 +46,7 @@ def runUntil(instant, look=None, interval=0.2):
 	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene."""
 	if O.time >= instant:
 		return
-	O.stopAtTime = instant
+	O.stopAtTime, O.stopAtIter = instant, 0
 	O.run()
 	pause, nextLook = 0.002, time.monotonic() + interval
 	try:
@@ -61,6 +63,14 @@ def runUntil(instant, look=None, interval=0.2):
 	O.wait()
 
 
+def runUntilDay(mpm, day, look=None, longest=math.inf):
+	"""As runUntil, until the calendar of `mpm` reaches `day`, but at most until O.time is `longest` [s]."""
+	if mpm.calendar["day"] >= day:
+		return
+	mpm.stopAtDay = day
+	runUntil(longest, look)
+
+
 @contextmanager
 def atRest():
 	"""O rests between two steps for the block; a run goes on afterwards."""
@@ -68,8 +78,9 @@ def atRest():
 	if running:
 		O.pause()
 		awaitEndOfStep(O)
+	ended = O.stopAtIter < 0  # it stopped by itself in the meantime: YADE marks that so
 	yield
-	if running and O.time < O.stopAtTime:
+	if running and O.time < O.stopAtTime and not ended:
 		O.run()
 
 
@@ -79,10 +90,13 @@ class Preset:
 
 	gridSpacing: float  # [m]; the paper's is 0.2
 	grains: int  # in each sample; the paper's is 400
-	endTime: float  # of thaw [s], f_T seconds of heat each
+	days: float  # of thaw
 	strainTolerance: float = 2e-5
 	bandThickness: float = 0.5  # of samples at the same initial stress [m]
 	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
+	realisations: int = 1  # of the sample, dealt to the points by chance
+	seed: int = 1  # of the samples and of that chance
+	longestMotion: float = math.inf  # of the thaw [s]: a run whose ground never rests ends here
 	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
 
 
@@ -90,10 +104,10 @@ skeletons = ("samples", "MohrCoulomb")
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {
-	"test": Preset(gridSpacing=0.5, grains=60, endTime=0.6, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2, calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3))),
-	"draft": Preset(gridSpacing=0.5, grains=100, endTime=20.0),
-	"standard": Preset(gridSpacing=0.25, grains=200, endTime=15.0),
-	"paper": Preset(gridSpacing=0.2, grains=400, endTime=15.0),
+	"test": Preset(gridSpacing=0.5, grains=60, days=6.0, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2, calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3))),
+	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0),
+	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0),
+	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
 }
 
 
@@ -105,13 +119,16 @@ class Ground:
 	warm: float = 10.0  # [degC] (P)
 	porosity: float = 0.4  # (P)
 	conductivity: float = 1e-4  # k [m/s] (P)
-	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P)
+	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P), while the ground rests (O)
+	movingTimeScale: float = 1.0  # f_m, while it moves (O)
+	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
 	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
 	freezingWidth: float = 0.5  # W of the gauss freezing curve [K] (O)
 	residualSaturation: float = 0.05  # S_r (O)
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
+	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none (O)
 	damping: float = 0.02  # local damping during failure (O)
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
@@ -120,13 +137,13 @@ class ThawSlump:
 	"""One run of a slump: build, bring to rest, thaw, draw.
 
 	name        of the case, used in titles
-	boundaries  function (start) -> list of thermal boundaries that begin to warm at `start` [s]
+	boundaries  function (start) -> list of thermal boundaries that begin to warm at `start` [s of calendar time]
 	preset      a name in presets or a Preset
 	folder      for the results
-	frameTimes  instants at which all fields are kept, since the start of the thaw [s]; default five
+	frameDays   days of the thaw at which all fields are kept; default five
 	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.calibrate"""
 
-	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True, frameTimes=None, skeleton="samples"):
+	def __init__(self, name, boundaries, preset="draft", folder="output", ground=None, thaw=True, frameDays=None, skeleton="samples"):
 		if skeleton not in skeletons:
 			raise ValueError(f"skeleton is {skeleton!r}; choose one of {', '.join(skeletons)}")
 		self.skeletonName = skeleton
@@ -134,14 +151,15 @@ class ThawSlump:
 		self.presetName = preset if isinstance(preset, str) else "own"
 		self.preset = presets[preset] if isinstance(preset, str) else preset
 		self.ground = ground or Ground()
-		self.frameTimes = [part * self.preset.endTime for part in frameParts] if frameTimes is None else sorted(frameTimes)
+		self.frameDays = [part * self.preset.days for part in frameParts] if frameDays is None else sorted(frameDays)
 		self.folder = writableFolder(folder)
 		self.wallStart, self.cpuStart = time.monotonic(), time.process_time()
-		self.calibrationSeconds = None
+		self.calibrationSeconds, self.thawed = None, {}
 		self.mpm = self._build()
-		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
-		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.thawTime)
-		self.reached = None  # last instant of the thaw whose state was kept
+		self.frames = self._frames()
+		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.day)
+		self.reached = None  # last day of the thaw whose state was kept
+		self.history = []  # [day, time of motion [s], largest displacement [m]]
 
 	@classmethod
 	def resumed(cls, folder):
@@ -159,11 +177,14 @@ class ThawSlump:
 		except (KeyError, TypeError) as missing:
 			raise ValueError(f"{self.folder / checkpointName}: another version of Talik wrote this slump ({missing}); go on with that version, or start anew without --resume") from missing
 
-	def endAt(self, endTime):
-		"""The thaw ends at `endTime` [s] in place of the preset's: for a run to be gone on with. Frames taken stay."""
-		self.preset = replace(self.preset, endTime=endTime)
-		taken, untaken = self.frameTimes[:len(self.frames.frames)], self.frameTimes[len(self.frames.frames):]
-		self.frameTimes = self.frames.times = taken + [instant for instant in untaken if instant < endTime] + [endTime]
+	def _frames(self):
+		return output.Frames(self.mpm, self.frameDays, clock=self.thawTime, days=True)
+
+	def endAt(self, days):
+		"""The thaw ends on day `days` in place of the preset's: for a run to be gone on with. Frames taken stay."""
+		self.preset = replace(self.preset, days=days)
+		taken, untaken = self.frameDays[:len(self.frames.frames)], self.frameDays[len(self.frames.frames):]
+		self.frameDays = self.frames.times = taken + [day for day in untaken if day < days] + [days]
 
 	# ---- building
 
@@ -171,18 +192,23 @@ class ThawSlump:
 		p, g = self.preset, self.ground
 		positions, volumes = talik.geometry.fillPolygon(outline, p.gridSpacing, 4, (0.0, 0.0))
 		density = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)
-		sample = slope.pack(rve.prepare(grains=p.grains, ice=True))
-		stress = np.zeros((len(positions), 3))
+		several = slope.pack(rve.prepare(grains=p.grains, ice=True, realisations=p.realisations, seed=p.seed))
+		stress = {}
 		if self.skeletonName == "samples":
-			sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
-			samples, sampleOf = slope.depthBands(positions, outline, sample, density, p.bandThickness, g.lateralRatio)
+			self._keepCohesion(several)
+			for sample in several:
+				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
+			samples, sampleOf = slope.depthBands(positions, outline, several, density, p.bandThickness, g.lateralRatio, seed=p.seed)
 			self.skeleton = wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance)
 		else:
-			calibration = calibrate.calibrate(sample, **p.calibration)
+			calibration = calibrate.calibrate(several, **p.calibration)
 			self.calibrationSeconds = calibration.seconds
-			self.skeleton = wrapper.MohrCoulombSkeleton(**calibration.parameters())
+			law = calibration.parameters()
+			law["cohesions"] = [max(cohesion, g.thawedCohesion) for cohesion in law["cohesions"]]
+			self.skeleton = wrapper.MohrCoulombSkeleton(**law)
 			depths = [slope.surfaceHeight(outline, x) - y for x, y in positions]
-			stress[:, :2] = [slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths]
+			across, down = np.transpose([slope.geostaticStress(depth, density, lateralRatio=g.lateralRatio) for depth in depths])
+			stress = dict(stress=np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1))
 		height = 4 + 4 * p.gridSpacing
 		mpm = wrapper.MpmEngine(
 			gridSpacing=p.gridSpacing,
@@ -191,18 +217,25 @@ class ThawSlump:
 			gravity=(0, -9.81),
 			damping=g.restDamping,
 			skeleton=self.skeleton,
-			heat=wrapper.HeatTransfer(thermalTimeScale=g.thermalTimeScale),
+			heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=g.motionTolerance),  # in nature's time until the slope rests
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
 			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive),
 		)
-		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, stress=stress)
+		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, **stress)
 		mpm.boundaries = [
 			wrapper.RollerBoundary(region="left"),
 			wrapper.RollerBoundary(region="right"),
 			wrapper.FixedBoundary(region="bottom"),
 			wrapper.DrainedBoundary(region="surface", recharge=False),
-		] + self.thermalBoundaries(p.restTime if self.thaws else 1e9)
+		] + self.thermalBoundaries(0.0 if self.thaws else never)
 		return mpm
+
+	def _keepCohesion(self, samples):
+		"""Bonds that outlast their ice, of the strength that gives the samples the thawed cohesion."""
+		strength, self.thawed["cohesion measured [Pa]"] = calibrate.thawedStrength(samples, self.ground.thawedCohesion)
+		self.thawed["strength of bonds [Pa]"] = strength
+		for sample in samples:
+			sample.thawedStrength = strength
 
 	# ---- running
 
@@ -211,8 +244,8 @@ class ThawSlump:
 
 		A checkpoint is kept in the folder every minute, and when the run is interrupted by Ctrl-C: see resumed()."""
 		if self.reached is None:
-			self._rest()
-		progress = Progress(endTime=self.preset.endTime, thermalTimeScale=self.ground.thermalTimeScale, clock=self.thawTime, details=self._details)
+			self.rest()
+		progress = Progress(endDay=self.preset.days, calendar=lambda: self.mpm.calendar, clock=self.thawTime, details=self._details)
 		try:
 			self._thaw(progress.update)
 		except KeyboardInterrupt:
@@ -223,31 +256,40 @@ class ThawSlump:
 			summary = self._results()
 		return summary
 
-	def _rest(self):
+	def rest(self):
+		"""The slope comes to rest in nature's time; then the calendar begins on day 0 and follows the motion."""
 		O.engines = [self.mpm]
 		self.initialBalance = self.mpm.balance()
+		self.mpm.setDay(-1)
 		runUntil(self.preset.restTime)
 		self.restKineticEnergy = self.mpm.balance()["kineticEnergy"]
 		self.mpm.resetDisplacement()
 		self.mpm.damping = self.ground.damping
+		self.mpm.heat.thermalTimeScale, self.mpm.heat.movingTimeScale = self.ground.thermalTimeScale, self.ground.movingTimeScale
+		self.mpm.setDay(0)
 		self.reached = -1.0
 
 	def _thaw(self, look):
-		seriesTimes, self._kept = np.linspace(0, self.preset.endTime, seriesLength + 1), time.monotonic()
+		seriesDays, self._kept = np.linspace(0, self.preset.days, seriesLength + 1), time.monotonic()
 
 		def lookAndKeep():
 			look()
 			self._keepWhenDue()
 
-		for instant in np.union1d(seriesTimes, self.frameTimes):
-			if instant <= self.reached:
+		longest = self.preset.restTime + self.preset.longestMotion
+		for day in np.union1d(seriesDays, self.frameDays):
+			if day <= self.reached:
 				continue
-			runUntil(self.preset.restTime + instant, lookAndKeep)
-			if instant in seriesTimes:
+			runUntilDay(self.mpm, day, lookAndKeep, longest=longest)
+			self.history.append([self.day(), self.thawTime(), self._largestDisplacement()])
+			if day in seriesDays:
 				self.series.write()
 			self.frames.take()
-			self.reached = float(instant)
+			self.reached = float(day)
 			self._keepWhenDue()
+			if O.time >= longest:
+				self.frames.takeNow()
+				break
 
 	# ---- stopped and gone on with
 
@@ -283,17 +325,24 @@ class ThawSlump:
 		self.initialBalance = memory["initialBalance"]
 		self.wallStart -= memory["seconds"]
 		self.cpuStart -= memory["cpuSeconds"]
-		self.frames = output.Frames(self.mpm, self.frameTimes, clock=self.thawTime)
+		self.frames = self._frames()
 		self.frames.frames = [frame for frame in output.loadFrames(self.folder / framesName) if frame["time"] <= self.thawTime()]
-		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.thawTime)
+		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.day)
 		self.series.entries = [tuple(entry) for entry in memory["series"]]
 
 	def thawTime(self):
-		"""Time since the start of the thaw [s]."""
+		"""Time of motion since the start of the thaw [s]."""
 		return self.mpm.time - self.preset.restTime
 
+	def day(self):
+		"""Day of the thaw."""
+		return self.mpm.calendar["day"]
+
+	def _largestDisplacement(self):
+		return float(np.linalg.norm(self.mpm.field("displacement"), axis=1).max())
+
 	def _details(self):
-		return {"sample calls": self.counters()["calls"]}
+		return {"events": len(self.mpm.events()), "sample calls": self.counters()["calls"]}
 
 	def counters(self):
 		"""Calls, DEM steps, seconds and bytes of the samples; zeros where there are none."""
@@ -327,7 +376,6 @@ class ThawSlump:
 		"""Named results of the run so far."""
 		mpm = self.mpm
 		counters = self.counters()
-		displacement = np.linalg.norm(mpm.field("displacement"), axis=1)
 		fields = ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted") if self.skeletonName == "samples" else ()
 		bonds = {name: int(np.nansum(mpm.field(name))) for name in fields}
 		return {
@@ -343,13 +391,17 @@ class ThawSlump:
 			"steps": O.iter,
 			"time step [s]": O.dt,
 			"thaw time [s]": self.thawTime(),
-			"heat time [d]": self.thawTime() * self.ground.thermalTimeScale / 86400,
+			"day": self.day(),
+			"events": mpm.events(),
+			"history": self.history,
+			**{f"calendar.{k}": v for k, v in mpm.calendar.items()},
 			"sample calls": counters["calls"],
 			"sample DEM steps": counters["steps"],
 			"sample wall time [s]": counters["seconds"],
 			"sample memory [MB]": counters["bytes"] / 1e6,
 			"calibration [s]": self.calibrationSeconds,
-			"largest displacement [m]": displacement.max(),
+			**{f"thawed.{k}": v for k, v in self.thawed.items()},
+			"largest displacement [m]": self._largestDisplacement(),
 			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
 			**bonds,
 			**self._bandSummary(),
@@ -394,33 +446,54 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--resume", action="store_true", help="go on with the run that was stopped, from its checkpoint in the folder of the results")
-	parser.add_argument("--duration", type=_duration, help="of the thaw [s], in place of the case's; with --resume the run goes on until then")
+	parser.add_argument("--days", type=_days, help="of the thaw, in place of the case's; with --resume the run goes on until then")
+	parser.add_argument("--duration", type=_oldDuration, help=argparse.SUPPRESS)
 	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
+	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
+	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
+	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
+	parser.add_argument("--thawed-cohesion", type=_cohesion, default=0.0, help="cohesion that stays when the ice has gone [Pa], e.g. 2000")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
 
-def _duration(text):
+def _days(text):
 	if not 0 < float(text) < math.inf:
-		raise argparse.ArgumentTypeError(f"{text} is no length of time: give seconds, above 0")
+		raise argparse.ArgumentTypeError(f"{text} is no length of time: give days, above 0")
 	return float(text)
+
+
+def _count(text):
+	if not text.isdigit() or int(text) < 1:
+		raise argparse.ArgumentTypeError(f"{text} is no number of things: give a whole number, 1 or more")
+	return int(text)
+
+
+def _cohesion(text):
+	if not 0 <= float(text) < math.inf:
+		raise argparse.ArgumentTypeError(f"{text} is no cohesion: give Pa, 0 or more")
+	return float(text)
+
+
+def _oldDuration(text):
+	raise argparse.ArgumentTypeError("a thaw is given in days of the calendar now: --days, ten for each of the former seconds")
 
 
 def _thawStrain(text):
 	return text if text == fullThawStrain else float(text)
 
 
-def runCase(name, boundaries, options, duration=None):
+def runCase(name, boundaries, options, days=None):
 	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O; None when drawn anew.
 
-	duration  of the thaw [s], in place of the preset's"""
+	days  of the thaw, in place of the preset's"""
 	if options.resume:
 		slump = ThawSlump.resumed(options.output)
-		if options.duration is not None:
-			slump.endAt(options.duration)
+		if options.days is not None:
+			slump.endAt(options.days)
 		report(slump.run(), slump.folder)
 		return slump
 	settings = comparison(options)
@@ -431,20 +504,22 @@ def runCase(name, boundaries, options, duration=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, duration), folders[label], Ground(thawStrain=setting["thawStrain"]), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])
 	if len(folders) > 1:
 		runs = {label: (output.loadFrames(folder / framesName), bill(slumppage.summaryOf(folder))) for label, folder in folders.items()}
-		figure = slumppage.sideBySide(runs, outline, Ground.thermalTimeScale)
+		figure = slumppage.sideBySide(runs, outline)
 		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))
 	return slump
 
 
-def _presetOf(options, duration):
+def _presetOf(options, days):
 	preset = presets[options.preset]
-	return replace(preset, endTime=options.duration or duration or preset.endTime)
+	return replace(
+		preset, days=options.days or days or preset.days, grains=options.grains or preset.grains, realisations=options.realisations, seed=options.seed,
+	)
 
 
 def comparison(options):
@@ -466,13 +541,26 @@ def bill(summary):
 	return f"{seconds}, {summary['calibration [s]']:.1f} s of them calibration, no samples"
 
 
+def eventLines(events):
+	"""What moved, in words: one line for each event, the largest first when there are many."""
+	shown = sorted(events, key=lambda event: -event["volume"])[:shownEvents]
+	for event in sorted(shown, key=lambda event: event["day"]):
+		yield f"day {event['day']:.1f}: {event['volume']:.2f} m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m{', and go on' if event['goesOn'] else ''}"
+	if len(events) > shownEvents:
+		yield f"and {len(events) - shownEvents} smaller ones"
+
+
 def report(summary, folder):
 	"""Prints what a run came to, in a few lines."""
 	print(f"{summary['points']} points, {summary['steps']} steps, {summary['sample calls']} sample calls in {summary['wallTime [s]']:.0f} s")
-	print(f"largest displacement {summary['largest displacement [m]']:.3f} m", end="")
+	if summary.get("thawed.strength of bonds [Pa]"):
+		print(f"thawed cohesion {summary['thawed.cohesion measured [Pa]'] / 1e3:.2f} kPa, measured on the samples, by bonds of {summary['thawed.strength of bonds [Pa]'] / 1e3:.0f} kPa that outlast their ice")
+	print(f"{summary['day']:.1f} days in {summary['thaw time [s]']:.1f} s of motion; largest displacement {summary['largest displacement [m]']:.3f} m", end="")
 	if "bondsIntact" in summary:
 		print(f"; bonds intact {summary['bondsIntact']}, broken {summary['bondsBroken']}, melted {summary['bondsMelted']}", end="")
 	print()
+	for line in eventLines(summary["events"]):
+		print(line)
 	for ground in ("frozen", "all"):
 		print(summary.get(f"band in {ground} ground", ""))
 	for letter in ("A", "B"):

@@ -12,13 +12,12 @@ from pathlib import Path
 coldest, warmest = -100.0, 100.0  # what SurfaceTemperature accepts [degC]
 
 
-def airTemperature(path, thermalTimeScale=1.0, start=0.0):
+def airTemperature(path, start=0.0, thermalTimeScale=None):
 	"""Times [s] and air temperatures [degC] of a CSV file, for the attributes times and values of a thermal boundary.
 
-	path              file with the columns time [s], increasing, and air temperature [degC]; further columns are passed over, as are
-	                  empty lines, lines that begin with #, and one line of headings
-	thermalTimeScale  f_T of HeatTransfer, > 0: ground in which heat is hastened by f_T sees the series f_T times as fast
-	start             time of the series [s] at which the run begins
+	path   file with the columns time [s], increasing, and air temperature [degC]; further columns are passed over, as are
+	       empty lines, lines that begin with #, and one line of headings
+	start  time of the series [s] at which the run begins
 
 	ValueError names file, line and fault.
 
@@ -26,8 +25,8 @@ def airTemperature(path, thermalTimeScale=1.0, start=0.0):
 	...     written = file.write("time [s],air [degC]\\n0,-10\\n86400,-5\\n")
 	>>> talik.weather.airTemperature(folder + "/station.csv")
 	([0.0, 86400.0], [-10.0, -5.0])"""
-	if not (math.isfinite(thermalTimeScale) and thermalTimeScale > 0):
-		raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}; it must be a positive number (1: real time)")
+	if thermalTimeScale is not None:
+		raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}: tables are read at calendar time now, whatever the scale; leave it out")
 	if not math.isfinite(start):
 		raise ValueError(f"start is {start!r}; it must be a time of the series in s")
 	times, values = [], []
@@ -41,7 +40,7 @@ def airTemperature(path, thermalTimeScale=1.0, start=0.0):
 		values.append(temperature)
 	if not times:
 		raise ValueError(f"{path} holds no data; it must have lines with time [s] and air temperature [degC]")
-	return [(time - start) / thermalTimeScale for time in times], values
+	return [time - start for time in times], values
 
 
 def _rows(path):

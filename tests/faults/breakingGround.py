@@ -12,7 +12,7 @@ def breakingGround(sample, spacing=0.5, **ofSkeleton):
 		gridSpacing=spacing, lower=(-1, 0), upper=(2, 2), gravity=(0, -9.81), damping=0.1, energyLedger=True,
 		skeleton=wrapper.RveSkeleton(**{"samples": [sample], "strainTolerance": 2e-5, **ofSkeleton}),
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e6), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
-		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", times=[0, 0.005], values=[-1, 15])],
+		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", times=[0, 5e3], values=[-1, 15])],
 	)
 	position, volume = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 1), (0, 1)], spacing)
 	mpm.addPoints(position=position, volume=volume, porosity=0.4, temperature=-1.0, velocity=np.stack([3 * position[:, 1], 0 * position[:, 1]], axis=1))

@@ -137,7 +137,7 @@ namespace {
 		if (!dice.chance("jumps", 0.5)) return TimeTable(dice.between("level", from, to));
 		std::vector<double> times, values;
 		double              time = 0.0;
-		const double        pause = dice.decades("pause", 1e-4, 1.0);
+		const double        pause = dice.decades("pause", 1e-4, 1.0) * (s.heat ? s.heat->thermalTimeScale : 1.0);
 		for (int k = 0; k < 40; ++k) {
 			times.push_back(time);
 			values.push_back(dice.uniform(from, to));

@@ -92,8 +92,8 @@ TEST(Freezing, GroundFrozenToItsResidualWaterCarriesLoadAndWavesAndThawsFromTher
 		auto stiff = elasticOedometer(1e8);
 		s.skeletons.push_back(stiff);
 		s.heat->thermalTimeScale = 1e6;
-		s.motion->picTime   = std::numeric_limits<double>::infinity();
-		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.05, 0.06, 10.0 }, { -20.0, -20.0, 10.0, 10.0 }));
+		s.motion->picTime        = std::numeric_limits<double>::infinity();
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e6, 0.06 * 1e6, 10.0 * 1e6 }, { -20.0, -20.0, 10.0, 10.0 }));
 		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), 2e4);
 		Ground<2> ground(s);
 		fillBox(ground, { 0.0, 0.0 }, { 0.1, 1.0 }, [](PointInput<2>& p) { p.temperature = -20.0; });
@@ -126,11 +126,12 @@ TEST(Freezing, TwentyFreezeThawCyclesOfADrainedColumnLoseNoWaterAndNoHeatAndDoNo
 	auto s = wetColumn(0.8);
 	s.skeletons.push_back(elasticOedometer(1e7));
 	s.heat->thermalTimeScale = 1e7;
+	s.water->hydraulicTimeScale = 1.0;
 	s.motion->localDamping   = 0.2;
 	constexpr double    half = 0.12;
 	std::vector<double> times, values;
 	for (int k = 0; k < 42; ++k) {
-		times.insert(times.end(), { k * half, k * half + 0.2 * half });
+		times.insert(times.end(), { 1e7 * k * half, 1e7 * (k * half + 0.2 * half) });
 		const double t = k % 2 == 0 ? -10.0 : 10.0;
 		values.insert(values.end(), { k == 0 ? 5.0 : -t, t });
 	}
@@ -181,7 +182,8 @@ TEST(Freezing, ASurfaceThatJumpsByEightyKelvinEveryTenStepsLeavesTheGroundBounde
 			auto                with = s;
 			std::vector<double> times, values;
 			for (int k = 0; k < 400; ++k) {
-				times.insert(times.end(), { (10 * k + 0.5) * dt, (10 * k + 10.4) * dt });
+				const double slow = dt * s.heat->thermalTimeScale;
+				times.insert(times.end(), { (10 * k + 0.5) * slow, (10 * k + 10.4) * slow });
 				values.insert(values.end(), 2, k % 2 ? 40.0 : -40.0);
 			}
 			with.boundaries.push_back(std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), measuring ? TimeTable(0.0) : TimeTable(times, values)));

@@ -22,7 +22,7 @@ TEST(Slope, ThawsAndMovesWithEveryEffectOfTheGroundInBalance)
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
-	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.01 }, { -1.0, 15.0 }));
+	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.01 * 8.64e5 }, { -1.0, 15.0 }));
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), -1.0);
 	Ground<2> ground(s);
 	for (int j = 0; j < 10; ++j)

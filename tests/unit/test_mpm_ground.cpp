@@ -89,9 +89,9 @@ Ground<2> busyScene(int parallelFrom = 4000, VelocityTransfer transfer = Velocit
 		             std::make_shared<RollerBoundary<2>>(Region<2>::side("right")),
 		             std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
 		             std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface()),
-		             std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.01 }, { -2.0, 10.0 })),
+		             std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.01 * 1e5 }, { -2.0, 10.0 })),
 		             std::make_shared<WallTemperature<2>>(Region<2>::side("bottom").within({ 0.5, 0.0 }, { 1.0, 0.0 }), 8.0),
-		             std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 }, { 0.0, 2e3 })) };
+		             std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e5 }, { 0.0, 2e3 })) };
 	s.energyLedger = true;
 	s.parallelFrom = parallelFrom;
 	Ground<2> ground(s);
@@ -193,6 +193,7 @@ TEST(MpmGround, SealedSeepageInThreeDimensionsKeepsMassMomentumAndHeat)
 	GroundSettings<3> s  = sceneWith<3>({ true, true, true, true }, 0.1, 1.0);
 	s.heat->thermalTimeScale = 1e5;
 	s.water->permeability.referenceConductivity = 0.1;
+	s.water->hydraulicTimeScale                 = 1.0;
 	Ground<3>    ground(s);
 	std::mt19937 random(5);
 	std::uniform_real_distribution<double> uniform(-1.0, 1.0);

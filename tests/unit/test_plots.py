@@ -40,12 +40,12 @@ def randomPacking(count=120, seed=3):
 
 
 def test_slope_history_has_a_row_per_time_a_column_per_field_and_one_scale_per_column(folder):
-	frames = [thawingSlope(time) for time in (2.5, 5, 10, 15)]
-	fig = plots.slopeHistory(frames, thermalTimeScale=8.64e5, watched={"A": (3.0, 2.0), "B": (4.6, 2.2)})
+	frames = [{**thawingSlope(time), "day": 10 * time} for time in (2.5, 5, 10, 15)]
+	fig = plots.slopeHistory(frames, watched={"A": (3.0, 2.0), "B": (4.6, 2.2)})
 	path = plots.save(fig, os.path.join(folder, "slope-history.png"))
 	panels = [axes for axes in fig.axes if axes.get_label() != "<colorbar>"]
 	assert len(panels) == 4 * 3
-	assert [axes.get_title(loc="left") for axes in panels[::3]] == [f"t = {t:g} s ({10 * t:g} thaw days)" for t in (2.5, 5, 10, 15)]
+	assert [axes.get_title(loc="left") for axes in panels[::3]] == [f"day {10 * t:g} ({t:g} s of motion)" for t in (2.5, 5, 10, 15)]
 	for column in range(3):
 		limits = {axes.collections[0].get_clim() for axes in panels[column::3]}
 		assert len(limits) == 1

@@ -29,9 +29,20 @@ def progressOf(run, stream, **settings):
 	return Progress(clock=lambda: run.time, step=lambda: run.step, stream=stream, **{"endTime": 15, **settings})
 
 
-def test_without_a_terminal_one_line_per_interval_shows_time_thaw_days_rate_and_end():
+def test_days_of_the_calendar_are_a_goal_and_the_scale_of_former_days_is_refused():
+	run = Run()
+	progress = progressOf(run, io.StringIO(), endTime=None, endDay=150, calendar=lambda: {"day": 50 * run.time, "scale": 1.0})
+	run.advance(1.5, 10)
+	assert progress.fraction() == 0.5
+	with pytest.raises(ValueError, match="endDay is 150 without a calendar"):
+		Progress(endDay=150)
+	with pytest.raises(ValueError, match="calendar=lambda: mpm.calendar instead"):
+		Progress(endTime=15, thermalTimeScale=8.64e5)
+
+
+def test_without_a_terminal_one_line_per_interval_shows_time_day_scale_rate_and_end():
 	run, stream = Run(), io.StringIO()
-	progress = progressOf(run, stream, thermalTimeScale=8.64e5, interval=0.05, details=lambda: {"samples": 42})
+	progress = progressOf(run, stream, calendar=lambda: {"day": 10 * run.time, "scale": 8.64e5}, interval=0.05, details=lambda: {"samples": 42})
 	progress.update()
 	assert stream.getvalue() == ""
 	time.sleep(0.06)
@@ -41,7 +52,7 @@ def test_without_a_terminal_one_line_per_interval_shows_time_thaw_days_rate_and_
 	line = stream.getvalue()
 	print(line.strip())
 	assert line.count("\n") == 1
-	assert re.search(r"33\.3 %  t = 5 s, 50\.0 thaw days, step 1000, [\d.]+ steps/s, samples 42, .* so far, end in 0:00:0", line)
+	assert re.search(r"33\.3 %  t = 5 s, day 50\.0, 8\.6e\+05 times as fast, step 1000, [\d.]+ steps/s, samples 42, .* so far, end in 0:00:0", line)
 
 
 def test_expected_end_is_the_time_so_far_scaled_by_what_is_left():

@@ -96,6 +96,7 @@ TEST(Conservation, SealedBoxUnderGravityKeepsMassMomentumAndHeat)
 	s.upper = { 1.0, 1.0 };
 	s.motion->gravity        = { 0.0, -9.81 };
 	s.heat->thermalTimeScale = 1e5;
+	s.water->hydraulicTimeScale = 1.0;
 	for (const char* side : { "left", "right", "bottom", "top" })
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
 	Ground<2> ground(s);
@@ -115,6 +116,7 @@ TEST(Conservation, DrainedAndHeatedColumnAccountsForEverythingThatCrossesItsSurf
 	s.upper = { 0.4, 1.4 };
 	s.motion->gravity        = { 0.0, -9.81 };
 	s.heat->thermalTimeScale = 1e5;
+	s.water->hydraulicTimeScale = 1.0;
 	standOnRollers(s);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
 	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), 2e4);

@@ -289,6 +289,7 @@ TEST(Consolidation, HeatedDrainedSurfaceGivesMcTiguesPressure)
 	const double timeScale      = 1e5;
 	s.heat.emplace();
 	s.heat->thermalTimeScale = timeScale;
+	s.water->hydraulicTimeScale = 1.0; // the two diffusivities of the theory come from different scales
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), 1.0);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("bottom"));
 	Ground<2> ground = startedColumn(s, c, [](PointInput<2>& p) { p.temperature = 0.0; });
@@ -352,6 +353,7 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 		        40000);
 		const double perRoot = front.integralOf([=](double t) { return curve->liquidSaturation(t); }) / 0.95;
 		s.heat->thermalTimeScale = std::pow(2.0 * ratio * std::sqrt(cv) / perRoot, 2);
+		s.water->hydraulicTimeScale = 1.0;
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
 		Ground<2> ground = startedColumn(s, c, [&](PointInput<2>& p) {
 			p.temperature = initial;
@@ -391,6 +393,84 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 	}
 }
 
+// k and M of nature, heat and seepage hastened alike by the calendar: R = X/(2 sqrt(c_v t)) is that of the ground. Points that melt one
+// by one send pulses of the overburden into the pressure of the two cells that they stand in: compared is the profile behind them, from
+// 0.5 to 0.8 of the thawed depth, its mean over the second half of that depth, led on to the front.
+TEST(Consolidation, ThawOfSiltInTheCalendarGivesTheExcessPressureAtTheFrontOfMorgensternAndNixon_slow)
+{
+	citing("Morgenstern & Nixon 1971, R of nature");
+	Drawing drawing("morgenstern_nixon_silt", "Thaw consolidation of silt, R of nature, in the calendar", "depth over thaw depth [-]", "u/P0 [-]");
+	struct Silt {
+		double ratio, conductivity;
+	};
+	for (const Silt silt : { Silt { 0.25, 1e-8 }, Silt { 0.5, 3e-9 }, Silt { 1.0, 1e-9 } }) {
+		const double surface = 10.0, initial = -0.2;
+		ColumnScene  c;
+		c.height = 1.0, c.cells = 40, c.bulkModulus = 2.2e7, c.conductivity = silt.conductivity;
+		const auto curve = makeFreezingCurve("linear", { { "frozenTemperature", -0.1 } });
+		const auto m     = withoutExpansion();
+		const reference::SimilarityFront front(
+		        [=](double t) { return m.conductivity(VolumeFractions::of(porosity, curve->liquidSaturation(t))); },
+		        [=](double t) {
+			        return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t))) + porosity * 910.0 * m.latentHeat * curve->derivative(t);
+		        },
+		        surface,
+		        initial,
+		        4e-3,
+		        40000);
+		const double perRoot = front.integralOf([=](double t) { return curve->liquidSaturation(t); }) / 0.95;
+		// the modulus that this silt must have for the ratio, with the storage of soft water
+		const double cv      = std::pow(perRoot / (2.0 * silt.ratio), 2);
+		const double storage = porosity / c.bulkModulus;
+		c.oedometer          = 1.0 / (silt.conductivity / 9810.0 / cv - storage);
+		c.load               = 2e-3 * c.oedometer;
+		auto s = saturatedColumn(c);
+		s.water->state.densityChange  = false;
+		s.water->state.iceBulkModulus = c.bulkModulus;
+		s.heat.emplace();
+		s.heat->thermalTimeScale = 2e5;
+		s.freezing               = curve;
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
+		Ground<2> ground = startedColumn(s, c, [&](PointInput<2>& p) {
+			p.temperature = initial;
+			p.pressure    = c.load;
+		});
+		const double depth = 0.5 * c.height, h = s.gridSpacing, end = std::pow(depth / perRoot, 2);
+		double       found = 0.0, wanted = 0.0, thawed = 0.0;
+		const auto   compare = [&](bool draw) {
+			const auto p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1), ice = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
+			thawed = 0.0;
+			for (std::size_t k = 0; k < p.size(); ++k)
+				thawed += (1.0 - ice[k] / 0.95) * volume[k] / h;
+			const double passed = ground.calendar().time;
+			// the consolidation belongs to the front as it moved
+			const reference::MorgensternNixon exact { silt.ratio * thawed / (perRoot * std::sqrt(passed)) };
+			char series[16];
+			std::snprintf(series, sizeof series, "R = %.2f", silt.ratio);
+			for (std::size_t k = 0; k < p.size(); ++k) {
+				const double x = (c.height - cellMiddle(y[k], h)) / thawed;
+				if (draw && x < 1.0) drawing.computed(series, x, p[k] / c.load);
+				if (x < 0.5 || x > 0.8) continue; // beyond lie the two cells that melt
+				found += p[k] / c.load;
+				wanted += exact.pressure(x);
+			}
+			if (draw) drawing.reference(series, 0.0, 1.0, [&](double x) { return exact.pressure(x); });
+		};
+		const double dt = ground.stableTimeStep().step;
+		for (long k = 0; ground.calendar().time < end; ++k) {
+			ground.step(dt);
+			if (ground.calendar().time > 0.25 * end && k % 200 == 0) compare(false);
+		}
+		compare(true);
+		const reference::MorgensternNixon exact { silt.ratio };
+		char label[100];
+		std::snprintf(label, sizeof label, "Morgenstern-Nixon, silt of k = %.0e m/s, R = %.2f: ", silt.conductivity, silt.ratio);
+		std::printf("M = %.3g Pa, c_v = %.3g m2/s, seepage x %.3g, heat x %.3g, %.1f days in %.2f s of motion\n", c.oedometer, cv, ground.seepageScale(), ground.calendar().scale, end / 86400.0, ground.time());
+		expectRelative(label + std::string("excess pore pressure at the front over P0"), found / wanted * exact.pressure(1.0), exact.pressure(1.0), 5e-2);
+		expectScaled(label + std::string("settlement over X P0/M"), settlement(ground, c.height) / (thawed * c.load / c.oedometer), exact.degree(), 1.0, 5e-2);
+	}
+}
+
 // At a small ratio the pressure is a few hundredths of the load that every cell lets go when it thaws: what alternates from cell to cell
 // then, and no node sees, must not stay
 TEST(Consolidation, PressureBehindASlowThawFrontScattersByAFractionOfItself_slow)
@@ -414,6 +494,7 @@ TEST(Consolidation, PressureBehindASlowThawFrontScattersByAFractionOfItself_slow
 	        surface, initial, 4e-3, 40000);
 	const double perRoot     = front.integralOf([=](double t) { return curve->liquidSaturation(t); }) / 0.95;
 	s.heat->thermalTimeScale = std::pow(2.0 * ratio * std::sqrt(terzaghi(c).cv()) / perRoot, 2);
+	s.water->hydraulicTimeScale = 1.0;
 	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
 	Ground<2> ground = startedColumn(s, c, [&](PointInput<2>& p) {
 		p.temperature = initial;

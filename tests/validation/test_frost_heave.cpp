@@ -148,7 +148,8 @@ TEST(FrostHeave, ColumnFrozenLoadedUnloadedAndThawedReturnsToItsHeight)
 	s.motion.emplace();
 	s.motion->localDamping = 0.5;
 	s.heat.emplace();
-	s.heat->thermalTimeScale = 2e7;
+	constexpr double hastened = 2e7;
+	s.heat->thermalTimeScale = hastened;
 	s.freezing               = makeFreezingCurve();
 	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
 	soil->youngModulus       = 1e7;
@@ -157,8 +158,10 @@ TEST(FrostHeave, ColumnFrozenLoadedUnloadedAndThawedReturnsToItsHeight)
 	soil->cohesion = soil->cohesionFrozen = 1e7;
 	soil->tensileStrength = soil->tensileStrengthFrozen = 1e7;
 	s.skeletons.push_back(soil);
-	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable({ 1.4, 1.5 }, { -5.0, 5.0 }));
-	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.6, 0.7, 1.0, 1.1 }, { 0.0, 0.0, load, load, 0.0 }));
+	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable({ 1.4 * hastened, 1.5 * hastened }, { -5.0, 5.0 }));
+	addBoundary<Traction<2>>(
+	        s, Region<2>::freeSurface(),
+	        TimeTable({ 0.0, 0.6 * hastened, 0.7 * hastened, 1.0 * hastened, 1.1 * hastened }, { 0.0, 0.0, load, load, 0.0 }));
 	Ground<2> ground(s);
 	fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = 1.0; });
 	ground.initialise();

@@ -44,11 +44,12 @@ GroundSettings<2> channel(const FrozenInclusion& c, double h, double height, dou
 	s.water->state.liquidBulkModulus            = stiffness;
 	s.water->state.iceBulkModulus               = stiffness;
 	s.water->state.cavitationPressure           = -1e4;
-	s.water->permeability.referenceConductivity = c.thawedConductivity();
+	s.water->permeability.referenceConductivity = hastened * c.thawedConductivity();
 	s.water->permeability.referencePorosity     = c.porosity;
 	s.water->permeability.impedance             = c.impedance * c.porosity;
 	s.water->permeability.floor                 = c.smallestRelative;
-	s.water->permeability.hydraulicTimeScale    = hastened;
+	s.water->hydraulicTimeScale                 = 1.0;
+	s.water->largestConductivity                = INFINITY; // hastened beyond what pressure at rest needs: water shall carry its heat
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), c.waterDensity * c.gravity * c.headDifference);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("right"), 0.0);
 	return s;

@@ -225,6 +225,51 @@ TEST(MovingFront, ErrorOfTheFrontFallsWithTheGridSpacing)
 	}
 }
 
+// What passes in a step is f dt: a calendar that slows down and hastens by a thousand on the way ends in the same state
+TEST(MovingFront, AScaleOfTheCalendarThatChangesAThousandfoldOnTheWayLeavesTheFrontWhereItIs)
+{
+	citing(neumannSource);
+	const double days = 10.0;
+	for (const bool sharp : { true, false })
+		for (const bool thaws : { true, false }) {
+			FrontScene s  = cornerOfV02(thaws, Wall::onNodes, sharp, LatentDensity::ice);
+			const double exact = exactFront(s) * std::sqrt(days * day);
+			const auto   front = [&](bool changes) {
+				auto settings = columnSettings(s.spacing, s.depth);
+				settings.mixture = s.mixture;
+				settings.heat.emplace();
+				settings.heat->enthalpyForm     = s.form;
+				settings.heat->thermalTimeScale = 1000.0;
+				settings.freezing               = s.curve;
+				addBoundary<WallTemperature<2>>(settings, Region<2>::side("bottom"), s.surface);
+				Ground<2> ground(settings);
+				fillBox(ground, { 0.0, 0.0 }, { s.spacing, s.depth }, [&](PointInput<2>& p) {
+					p.temperature = s.initial;
+					p.porosity    = porosity;
+				});
+				ground.initialise();
+				const double dt = ground.stableTimeStep().step;
+				for (long k = 0; ground.calendar().time < days * day; ++k) {
+					double& scale = ground.settings().heat->thermalTimeScale;
+					scale         = changes ? std::pow(10.0, 1.5 + 1.5 * std::cos(0.01 * k)) : 1000.0;
+					scale         = std::min(scale, (days * day - ground.calendar().time) / dt * (1.0 + 1e-12));
+					ground.step(dt);
+				}
+				const double farIce = 1.0 - s.curve->liquidSaturation(s.initial), nearIce = 1.0 - s.curve->liquidSaturation(s.surface);
+				const auto   after = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
+				double       changed = 0.0;
+				for (std::size_t p = 0; p < after.size(); ++p)
+					changed += (after[p] - farIce) / (nearIce - farIce) * volume[p];
+				return changed / s.spacing;
+			};
+			const double      constant = front(false), changing = front(true);
+			const std::string name = s.name + ", scale of the calendar 1 to 1000";
+			if (thaws) expectRelative(name + ": front [m]", changing, exact, 1e-2);
+			else expectScaled(name + ": front [m], error in h", changing, exact, s.spacing, 0.25);
+			expectScaled(name + ": front less that of a constant scale [m], in h", changing, constant, s.spacing, 0.02);
+		}
+}
+
 // 1.2 % at h = X/6 when ground thaws, where B-splines have 0.5 %: held to a length, as what freezes
 TEST(MovingFront, ThawAndFreezingWithGimpFollowNeumannWithinATenthOfASpacing)
 {

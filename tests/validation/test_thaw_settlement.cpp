@@ -14,8 +14,17 @@ namespace {
 
 constexpr double porosity = 0.4, spacing = 0.1, height = 0.4, load = 1e5, thawedModulus = 1e7, frozenModulus = 1e8;
 constexpr double stableFrozen = 1.5e-4; ///< time step for the waves of frozen ground [s]
+constexpr double scale = 2e7, seasonScale = 4e6; ///< calendar time over time of motion [-]
 
-/// Dry column between rollers, whose temperature its base sets and whose surface is loaded, in times [s].
+/// A table of the calendar from times of motion [s].
+TimeTable inMotion(double perSecond, std::vector<double> times, std::vector<double> values)
+{
+	for (double& time : times)
+		time *= perSecond;
+	return TimeTable(times, values);
+}
+
+/// Dry column between rollers, whose temperature its base sets and whose surface is loaded, by the calendar.
 Ground<2> column(const TimeTable& temperatures, const TimeTable& loads, double start)
 {
 	auto s = columnSettings(spacing, 0.8);
@@ -24,7 +33,7 @@ Ground<2> column(const TimeTable& temperatures, const TimeTable& loads, double s
 	s.motion.emplace();
 	s.motion->localDamping = 0.5;
 	s.heat.emplace();
-	s.heat->thermalTimeScale = 2e7;
+	s.heat->thermalTimeScale = scale;
 	s.freezing               = makeFreezingCurve();
 	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
 	soil->youngModulus       = thawedModulus;
@@ -54,7 +63,7 @@ double modulusAt(double ice) { return thawedModulus + (frozenModulus - thawedMod
 TEST(ThawSettlement, ColumnLoadedWhileFrozenSettlesOnThawToTheStrainOfThawedGround)
 {
 	citing("Hooke, grains and ice in parallel");
-	Ground<2>    ground = column(TimeTable({ 0.4, 0.5 }, { -5.0, 5.0 }), TimeTable({ 0.0, 0.1 }, { 0.0, load }), -5.0);
+	Ground<2>    ground = column(inMotion(scale, { 0.4, 0.5 }, { -5.0, 5.0 }), inMotion(scale, { 0.0, 0.1 }, { 0.0, load }), -5.0);
 	const double ice    = meanIce(ground);
 	marchTo(ground, 0.4);
 	expectScaled("freeze-load-thaw, column: strain frozen, over that thawed", strainOf(ground), 1.0 - std::exp(-load / modulusAt(ice)), load / thawedModulus, 1e-3);
@@ -68,8 +77,8 @@ TEST(ThawSettlement, ColumnLoadedWhileFrozenSettlesOnThawToTheStrainOfThawedGrou
 TEST(ThawSettlement, ColumnLoadedFrozenUnloadedAndThawedReturnsToItsHeight)
 {
 	citing("Hooke, ice stress-free at birth");
-	const TimeTable temperatures({ 0.3, 0.4, 1.3, 1.4 }, { 1.0, -5.0, -5.0, 5.0 });
-	Ground<2>       ground = column(temperatures, TimeTable({ 0.0, 0.1, 1.0, 1.1 }, { 0.0, load, load, 0.0 }), 1.0);
+	const TimeTable temperatures = inMotion(scale, { 0.3, 0.4, 1.3, 1.4 }, { 1.0, -5.0, -5.0, 5.0 });
+	Ground<2>       ground = column(temperatures, inMotion(scale, { 0.0, 0.1, 1.0, 1.1 }, { 0.0, load, load, 0.0 }), 1.0);
 	const double    thawed = 1.0 - std::exp(-load / thawedModulus);
 	marchTo(ground, 0.3, stableFrozen);
 	expectRelative("load-freeze-unload-thaw, column of the law: strain under load", strainOf(ground), thawed, 1e-2);
@@ -99,9 +108,10 @@ struct Seasons {
 		s.motion->gravity      = { 0.0, -9.81 };
 		s.motion->localDamping = 0.5;
 		s.heat.emplace();
-		s.heat->thermalTimeScale = 4e6;
+		s.heat->thermalTimeScale = seasonScale;
 		s.freezing               = makeFreezingCurve();
 		s.water.emplace();
+		s.water->hydraulicTimeScale                 = 1.0;
 		s.water->permeability.referenceConductivity = 1e-5;
 		s.water->state.liquidBulkModulus            = 2.2e7;
 		s.water->state.iceBulkModulus               = 8.8e7;
@@ -112,7 +122,7 @@ struct Seasons {
 				times.push_back(2.0 * year + time);
 				values.push_back(value);
 			}
-		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(times, values));
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), inMotion(seasonScale, times, values));
 		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
 		Ground<2> ground(s);
 		fillBox(ground, { 0.0, 0.0 }, { spacing, 1.0 }, [&](PointInput<2>& p) {

@@ -353,7 +353,7 @@ def test_engines_in_an_order_that_loses_forces_are_refused():
 def test_settings_without_sense_are_refused():
 	for attributes, pattern in (
 		({"thickness": 0}, "BodyContact.thickness = 0: must be positive"),
-		({"frictionAngle": 30}, "BodyContact.frictionAngle = 30: must lie in"),
+		({"frictionAngle": 90}, "BodyContact.frictionAngle = 90: must lie in"),
 		({"stiffness": -1}, "BodyContact.stiffness = -1: must be positive"),
 		({"damping": 1}, "BodyContact.damping = 1: must lie in"),
 		({"shearRatio": 0}, "BodyContact.shearRatio = 0: must lie in"),

@@ -81,7 +81,7 @@ def thawedColumn(sample, thawStrain, duration=5.0):
 		heat=HeatTransfer(thermalTimeScale=8.64e5), freezing=FreezingCurve(width=0.5, residualSaturation=0.05), water=PoreWater(conductivity=1e-4, bulkModulus=2.2e7),
 		boundaries=[
 			RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom"), DrainedBoundary(region="surface", recharge=False),
-			WallTemperature(region="bottom", times=[0, 0.3, 1.3], values=[-5, -5, 10]),
+			WallTemperature(region="bottom", times=[0, 3 * talik.day, 13 * talik.day], values=[-5, -5, 10]),
 		],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2 * h, top), temperature=-5)
@@ -233,7 +233,7 @@ def test_calibration_of_a_frozen_sample_or_at_one_pressure_is_refused(sample):
 
 
 def warmBase(start):
-	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[0, start, start + 1], values=[-5, -5, 10])]
+	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[start, start + 10 * talik.day], values=[-5, 10])]
 
 
 def labels(figure):
@@ -243,7 +243,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, duration=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, days=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=0.0), **options})
 
 
 def summaries(folder):
@@ -260,7 +260,7 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
 	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
-	for wrong in (["--duration", "-5"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"]):
+	for wrong in (["--days", "-5"], ["--duration", "20"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"], ["--grains", "0"], ["--realisations", "2.5"], ["--realisations", "-1"], ["--thawed-cohesion", "-5"], ["--seed", "x"]):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):
 			thawslump.arguments("example", "output")
@@ -268,6 +268,20 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, redraw=True))
 	with pytest.raises(ValueError, match="skeleton is 'Cam-Clay'; choose one of samples, MohrCoulomb"):
 		thawslump.ThawSlump("Case II", warmBase, "test", skeleton="Cam-Clay")
+
+
+def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
+	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
+	preset = thawslump._presetOf(options, None)
+	slump = {name: thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons}
+	samples, cohesions = slump["samples"].skeleton.samples, slump["MohrCoulomb"].skeleton.cohesions
+	strength, measured = slump["samples"].thawed["strength of bonds [Pa]"], slump["samples"].thawed["cohesion measured [Pa]"]
+	slump["samples"].mpm.initialise()
+	porosities = {round(value, 9) for value in slump["samples"].mpm.field("samplePorosity")}
+	print(f"{len(samples)} samples of {len(samples[0].arrays()['radius'])} grains in {len(porosities)} packings; bonds of {strength:.0f} Pa, {measured:.0f} Pa measured; law {cohesions}")
+	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
+	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.6)
+	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5
 
 
 def test_compare_skeleton_runs_samples_and_the_law_calibrated_on_the_same_sample_and_shows_both_bills_slow(tmp_path, monkeypatch):
@@ -283,7 +297,7 @@ def test_compare_skeleton_runs_samples_and_the_law_calibrated_on_the_same_sample
 		assert (tmp_path / skeleton / "page.png").stat().st_size > 10000
 	assert runs["samples"]["sample calls"] > 0 and runs["samples"]["sample memory [MB]"] > 0 and runs["samples"]["bondsFormed"] > 0
 	assert runs["MohrCoulomb"]["sample calls"] == 0 and runs["MohrCoulomb"]["calibration [s]"] > 0 and "bondsFormed" not in runs["MohrCoulomb"]
-	assert {"x [m]", "y [m]", "thaw time [s]", "largest displacement [m]"} <= labels(figures[0])
+	assert {"x [m]", "y [m]", "day", "largest displacement [m]"} <= labels(figures[0])
 	titles = [text.get_text() for axes in figures[0].axes for text in axes.texts]
 	assert any("samples: " in title and "sample calls" in title and "MB" in title for title in titles)
 	assert any("MohrCoulomb: " in title and "calibration" in title for title in titles)
@@ -303,7 +317,7 @@ def test_compare_thaw_strain_runs_none_a_few_per_cent_and_all_of_it_slow(tmp_pat
 
 
 def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_bonds_that_reaches_the_top_slow(tmp_path):
-	preset = thawslump.Preset(gridSpacing=0.5, grains=100, endTime=60.0)  # the roof breaks between 43 and more than 50 s
+	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=600.0)  # the roof breaks between day 430 and more than 500
 	with talik.scratchScene():
 		slump = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawStrain="full"))
 		summary = slump.run()
@@ -320,7 +334,7 @@ def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_b
 
 
 def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
-	preset = thawslump.Preset(gridSpacing=0.5, grains=60, endTime=20.0)
+	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=200.0)
 	with talik.scratchScene():
 		slump = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path)
 		summary = slump.run()
@@ -335,7 +349,7 @@ def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points_and
 		frames = slump.frames.frames
 		sample = slumppage.sampleOf(slump.skeleton, 0)
 		slumppage.saveSamples(tmp_path / slumppage.samplesName, {"A": sample, "B": sample}, {"A": 0, "B": 1})
-	figure = slumppage.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, 8.64e5, f"Case II; {slumppage.slipSurfaces(frames[-1], thawslump.outline)}")
+	figure = slumppage.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, f"Case II; {slumppage.slipSurfaces(frames[-1], thawslump.outline)}")
 	fields = [axes for axes in figure.axes if axes.collections and axes.name == "rectilinear"]
 	roses = [axes for axes in figure.axes if axes.name == "polar"]
 	wanted = Path(plots.save(figure, tmp_path / "wanted.png", dpi=80)).read_bytes()
@@ -359,7 +373,7 @@ def test_a_slump_of_another_version_is_named_not_half_read(tmp_path):
 
 def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_and_beyond_its_end(tmp_path, monkeypatch):
 	monkeypatch.setattr(thawslump, "seriesLength", 4)  # a checkpoint is due between two states more often than at one
-	preset = thawslump.Preset(gridSpacing=0.5, grains=60, endTime=0.1, strainTolerance=5e-5, bandThickness=1.0, restTime=0.05)
+	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=1.0, strainTolerance=5e-5, bandThickness=1.0, restTime=0.05)
 	whole = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path / "whole")
 	whole.run()
 	wanted, counted = output.allFields(whole.mpm), whole.counters()
@@ -393,7 +407,7 @@ def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_a
 	assert [frame["time"] for frame in slump.frames.frames] == [frame["time"] for frame in whole.frames.frames]
 	assert slump.series.entries == whole.series.entries
 	assert {name: slump.counters()[name] for name in ("calls", "steps")} == {name: counted[name] for name in ("calls", "steps")}
-	slump.endAt(0.12)
+	slump.endAt(1.2)
 	slump.run()
-	print(f"frames of the run that was made longer: {[round(frame['time'], 3) for frame in slump.frames.frames]} s")
-	assert slump.thawTime() == pytest.approx(0.12, abs=1e-3) and len(slump.frames.frames) == len(whole.frames.frames) + 1
+	print(f"frames of the run that was made longer: days {[round(frame['day'], 3) for frame in slump.frames.frames]}")
+	assert slump.day() == pytest.approx(1.2, abs=1e-2) and len(slump.frames.frames) == len(whole.frames.frames) + 1

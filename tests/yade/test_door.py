@@ -359,7 +359,7 @@ def smallGround(skeleton):
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e5), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
 		boundaries=[
 			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
-			wrapper.SurfaceTemperature(region="surface", times=[0, 0.01], values=[-1, 10]),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 1e3], values=[-1, 10]),
 		],
 	)
 	position, volume = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 1), (0, 1)], 0.25)

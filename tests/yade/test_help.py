@@ -36,7 +36,7 @@ def thawingGround(packed):
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e8), freezing=wrapper.FreezingCurve(),
 		boundaries=[
 			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
-			wrapper.SurfaceTemperature(region="surface", times=[0, 0.001], values=[-1, 20]),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 1e5], values=[-1, 20]),
 		],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 1), temperature=-1.0)
@@ -48,7 +48,7 @@ def compressedGround():
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeleton=wrapper.ElasticSkeleton(), boundaries=[wrapper.FixedBoundary(region=side) for side in ("left", "right", "bottom", "top")]
 	)
-	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 2), stress=(-80e3, -100e3, 0))
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 2), stress=(-80e3, -100e3, -90e3, 0))
 	return mpm
 
 

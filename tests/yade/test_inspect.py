@@ -33,7 +33,7 @@ def thawingGround(sample, form="packed"):
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e8), freezing=wrapper.FreezingCurve(),
 		boundaries=[
 			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
-			wrapper.SurfaceTemperature(region="surface", times=[0, 0.001], values=[-1, 20]),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 1e5], values=[-1, 20]),
 		],
 	)
 	position, volume = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 1), (0, 1)], 0.5)

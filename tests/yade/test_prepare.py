@@ -159,7 +159,7 @@ def test_scenes_that_cannot_serve_are_refused_with_the_reason(tmp_path):
 		rve.load(str(tmp_path / "missing.yade.gz"))
 	whole = (tmp_path / "empty.yade.gz").read_bytes()
 	(tmp_path / "cut.yade.gz").write_bytes(whole[: len(whole) // 2])
-	with pytest.raises(ValueError, match="is not a YADE scene that can be read"):
+	with pytest.raises(ValueError, match="damaged or cut off"):
 		rve.load(str(tmp_path / "cut.yade.gz"))
 
 

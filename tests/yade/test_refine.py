@@ -22,7 +22,7 @@ def restingColumn(temperature=-1.0, **settings):
 		gridSpacing=0.25, lower=(0, 0), upper=(1, 2.5), gravity=(0, -9.81), damping=0.7, skeleton=MohrCoulombSkeleton(young=50e6, cohesion=5e3), **freezing,
 		boundaries=[RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom")], **settings,
 	)
-	talik.geometry.fill(mpm, column, pointsPerCell=4, temperature=temperature, stress=lambda x, y: np.stack([-0.6 * (2 - y) * 19e3, -(2 - y) * 19e3, 0 * y], axis=-1))
+	talik.geometry.fill(mpm, column, pointsPerCell=4, temperature=temperature, stress=lambda x, y: np.stack([-0.6 * (2 - y) * 19e3, -(2 - y) * 19e3, -0.8 * (2 - y) * 19e3, 0 * y], axis=-1))
 	O.engines = [mpm]
 	O.run(600, True)
 	return mpm

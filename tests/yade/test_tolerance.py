@@ -61,7 +61,7 @@ def thawingColumn(sample):
 		skeleton=wrapper.RveSkeleton(samples=[at(sample, 0.7 * p, p) for p in (3e3, 13e3, 23e3, 33e3)]),
 		heat=wrapper.HeatTransfer(thermalTimeScale=8.64e5), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(bulkModulus=2.2e7),
 		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right")]
-		+ [wrapper.DrainedBoundary(region="surface", recharge=False), wrapper.SurfaceTemperature(region="surface", times=[0, 0.1], values=[-5, 10])],
+		+ [wrapper.DrainedBoundary(region="surface", recharge=False), wrapper.SurfaceTemperature(region="surface", times=[0, 8.64e4], values=[-5, 10])],
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, height), h)
 	mpm.skeleton.sampleOf = [int((height - y) / 0.5) for _, y in position]
@@ -149,18 +149,16 @@ def slumped(folder, tolerance, heavier=0.0, days=40):
 	"""Largest displacement [m], thawed volume [m2] and sample calls of the draft slump after some days of heat; tolerance 0: the reference.
 	heavier: part by which gravity differs, for twins."""
 	O.reset()
-	preset = replace(thawslump.presets["draft"], endTime=days * 86400 / 8.64e5)
-	air = lambda start: [wrapper.SurfaceTemperature(region="surface", times=[0, start, start + 1], values=[-5, -5, 10])]
+	preset = replace(thawslump.presets["draft"], days=days)
+	air = lambda start: [wrapper.SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[-5, 10])]
 	case = thawslump.ThawSlump("tolerance", air, preset, folder)
 	mpm, O.engines = case.mpm, [case.mpm]
 	mpm.tolerance, mpm.gravity = tolerance, mpm.gravity * (1 + heavier)
 	if tolerance == 0:
 		case.skeleton.strainTolerance = case.skeleton.saturationTolerance = 0
-	thawslump.runUntil(preset.restTime)
-	mpm.resetDisplacement()
-	mpm.damping = case.ground.damping
+	case.rest()
 	frozen = mpm.field("iceSaturation").max()
-	thawslump.runUntil(preset.restTime + preset.endTime)
+	thawslump.runUntilDay(mpm, preset.days)
 	runOut = np.linalg.norm(mpm.field("displacement"), axis=1).max()
 	return runOut, np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume")), case.counters()["calls"]
 

@@ -107,8 +107,8 @@ def test_column_of_samples_loaded_frozen_unloaded_and_thawed_returns_to_its_heig
 		heat=wrapper.HeatTransfer(thermalTimeScale=5e7), freezing=wrapper.FreezingCurve(),
 		boundaries=[
 			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
-			wrapper.SurfaceLoad(region="surface", times=[0.1, 0.15, 0.7, 0.75], values=[confinement, confinement + load, confinement + load, confinement]),
-			wrapper.WallTemperature(region="bottom", times=[0.25, 0.3, 0.85, 0.9], values=[1, -5, -5, 5]),
+			wrapper.SurfaceLoad(region="surface", times=[5e7 * t for t in (0.1, 0.15, 0.7, 0.75)], values=[confinement, confinement + load, confinement + load, confinement]),
+			wrapper.WallTemperature(region="bottom", times=[5e7 * t for t in (0.25, 0.3, 0.85, 0.9)], values=[1, -5, -5, 5]),
 		],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, h, height), porosity=0.4, temperature=1)

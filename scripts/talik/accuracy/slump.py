@@ -10,21 +10,21 @@ from dataclasses import replace
 import numpy as np
 from yade import O, wrapper
 
+import talik
 from talik import thawslump
 from talik.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
 
 
-def warmAir(start, scale):
-	"""Air at -5 °C, warm within ten days of heat."""
-	return [wrapper.SurfaceTemperature(region="surface", times=[0, start, start + 8.64e5 / scale], values=[-5, -5, 10])]
+def warmAir(start):
+	"""Air at -5 °C, warm within ten days."""
+	return [wrapper.SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[-5, 10])]
 
 
 def slump(settings, folder):
 	scale = settings["thermal time scale"]
-	duration = settings["days of heat"] * 86400 / scale
-	preset = thawslump.Preset(settings["grid spacing"], settings["grains"], duration, strainTolerance=settings["sample tolerance"])
+	preset = thawslump.Preset(settings["grid spacing"], settings["grains"], settings["days of heat"], strainTolerance=settings["sample tolerance"])
 	ground = thawslump.Ground(thermalTimeScale=scale, bulkModulus=settings["bulk modulus of water"])
-	case = thawslump.ThawSlump("accuracy", lambda start: warmAir(start, scale), preset, folder, ground)
+	case = thawslump.ThawSlump("accuracy", warmAir, preset, folder, ground)
 	case.mpm.waveFraction, case.mpm.transfer = settings["time-step fraction"], settings["transfer"]
 	case.mpm.tolerance = settings["tolerance"]
 	case.skeleton.maxInertialNumber = settings["inertial number"]
@@ -38,15 +38,11 @@ def run(settings):
 	with tempfile.TemporaryDirectory() as folder:
 		case, preset = slump(settings, folder)
 	mpm = case.mpm
-	O.engines = [mpm]
-	mpm.initialise()
 	with watch:
-		thawslump.runUntil(preset.restTime)
-	mpm.resetDisplacement()
-	mpm.damping = case.ground.damping
+		case.rest()
 	frozen = mpm.field("iceSaturation").max()
 	with watch:
-		thawslump.runUntil(preset.restTime + preset.endTime)
+		thawslump.runUntilDay(mpm, preset.days)
 	runOut = np.linalg.norm(mpm.field("displacement"), axis=1).max()
 	thawed = np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume"))
 	return groundRun(mpm, (runOut, thawed), watch, O.iter)

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/Calendar.hpp>
+#include <pkg/mpm/HeatTransfer.hpp>
+#include <pkg/mpm/SolidMotion.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+template <int D>
+Calendar<D>::Calendar(PointFields& fields, const HeatSettings& settings)
+        : settings_(&settings)
+        , handle_(fields.declare("displacementBefore", "calendar", "m", D))
+{
+}
+
+template <int D> void Calendar<D>::bind(MaterialPoints<D>& points, const SolidMotion<D>& motion, const HeatTransfer<D>& heat)
+{
+	for (int a = 0; a < D; ++a)
+		before_[a] = points.fields().component(handle_, a);
+	displacement_ = motion.displacement;
+	velocity_     = motion.velocity;
+	volume_       = points.volume();
+	capacity_     = heat.heatCapacity;
+	conductivity_ = heat.conductivity;
+}
+
+template <int D> double Calendar<D>::scale(const CalendarState& state, double dt) const
+{
+	const double slow = settings_->movingTimeScale, fast = settings_->thermalTimeScale;
+	const double ratio  = state.speed / settings_->motionTolerance;
+	const double wanted = slow + (fast - slow) / (1.0 + ratio * ratio);
+	return std::max(slow, std::min(wanted, state.reach / dt));
+}
+
+template <int D> typename Calendar<D>::Extremes Calendar<D>::extremesOf(int first, int last) const
+{
+	double       fastest = 0.0, least = std::numeric_limits<double>::infinity();
+	const double* const v     = volume_;
+	const double* const c     = capacity_;
+	const double* const kappa = conductivity_;
+	for (int p = first; p < last; ++p) {
+		double square = 0.0;
+		for (int a = 0; a < D; ++a)
+			square += velocity_[a][p] * velocity_[a][p];
+		fastest = square > fastest ? square : fastest;
+		const double own = c[p] / (v[p] * kappa[p]);
+		least            = own < least ? own : least;
+	}
+	return { fastest, least };
+}
+
+template <int D> void Calendar<D>::measure(CalendarState& state, const Strips& strips, double spacing, double heatFraction)
+{
+	partial_.assign(strips.count(), { 0.0, std::numeric_limits<double>::infinity() });
+	strips.gather([&](int s, int first, int last) { partial_[s] = extremesOf(first, last); });
+	Extremes whole { 0.0, std::numeric_limits<double>::infinity() };
+	for (const Extremes& strip : partial_) {
+		whole.speedSquare = std::max(whole.speedSquare, strip.speedSquare);
+		whole.reach       = std::min(whole.reach, strip.reach);
+	}
+	state.speed = std::sqrt(whole.speedSquare);
+	state.reach = whole.reach * heatFraction * spacing * spacing / (2.0 * D);
+}
+
+template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points)
+{
+	const double tolerance = settings_->motionTolerance;
+	if (!state.moving) {
+		if (!(state.speed > tolerance)) return;
+		state.moving = 1;
+		state.quiet = state.quietCalendar = 0.0;
+		state.event  = { state.time, 0.0, time, 0.0, 0.0, 0.0 };
+		for (int a = 0; a < D; ++a)
+			std::copy_n(displacement_[a], points, before_[a]);
+		return;
+	}
+	const bool slow     = state.speed < 0.5 * tolerance;
+	state.quiet         = slow ? state.quiet + dt : 0.0;
+	state.quietCalendar = slow ? state.quietCalendar + state.scale * dt : 0.0;
+	if (state.quiet < MotionEvent::quietTime) return;
+	const MotionEvent ended = present(state, time, points);
+	if (ended.largest > settings_->eventDisplacement) events.push_back(ended);
+	state.moving = 0;
+}
+
+template <int D> MotionEvent Calendar<D>::present(const CalendarState& state, double time, int points) const
+{
+	MotionEvent event = state.event;
+	event.duration    = time - event.start - state.quiet;
+	event.passed      = state.time - event.begin - state.quietCalendar;
+	measureEvent(event, points);
+	return event;
+}
+
+template <int D> void Calendar<D>::measureEvent(MotionEvent& event, int points) const
+{
+	const double least = settings_->eventDisplacement * settings_->eventDisplacement;
+	double       largest = 0.0;
+	for (int p = 0; p < points; ++p) {
+		double square = 0.0;
+		for (int a = 0; a < D; ++a) {
+			const double moved = displacement_[a][p] - before_[a][p];
+			square += moved * moved;
+		}
+		largest = std::max(largest, square);
+		if (square > least) event.volume += volume_[p];
+	}
+	event.largest = std::sqrt(largest);
+}
+
+template class Calendar<2>;
+template class Calendar<3>;
+
+} // namespace talik

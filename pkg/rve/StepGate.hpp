@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+namespace talik {
+
+/// Held by a step of one of our engines, or by a call from Python into one of our classes: never both at once, in the order in which
+/// they came, so that neither a run nor a console that asks again and again keeps the other out. The thread that holds it may take it
+/// again. Whoever waits lets go of Python's lock meanwhile, which the step inside may need.
+class StepGate {
+public:
+	StepGate();
+	~StepGate();
+	StepGate(const StepGate&) = delete;
+	StepGate& operator=(const StepGate&) = delete;
+
+	/// A thread that works for the step inside: it goes through.
+	class Helper {
+	public:
+		Helper();
+		~Helper();
+		Helper(const Helper&) = delete;
+		Helper& operator=(const Helper&) = delete;
+
+	private:
+		const bool before;
+	};
+
+private:
+	bool taken = false;
+};
+
+} // namespace talik

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Settings that are valid and yet hardly what was meant are answered by one line each; grounds as people mean them by none."""
+
+import numpy as np
+import pytest
+from yade import O, wrapper
+
+import talik
+
+
+def ground(points=None, filled=1, **settings):
+	mpm = wrapper.MpmEngine(**{"gridSpacing": 0.25, "lower": (0, 0), "upper": (2, 2), "gravity": (0, -9.81), "skeleton": wrapper.ElasticSkeleton(), **settings})
+	position, volume = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 1), (0, 1)], 0.25)
+	for _ in range(filled):
+		mpm.addPoints(**{"position": position, "volume": volume, **(points or {})})
+	return mpm
+
+
+def wet(**settings):
+	return ground(**{"water": wrapper.PoreWater(), **settings})
+
+
+def warm(**settings):
+	return ground(**{"heat": wrapper.HeatTransfer(), **settings})
+
+
+def sparse():
+	mpm = ground()
+	mpm.gridSpacing = 0.05
+	return mpm
+
+
+def smallOnes():
+	return ground(points={"volume": 1e-4})
+
+
+def skeleton(cls, **settings):
+	return ground(skeleton=cls(**settings))
+
+
+Material, MohrCoulomb = wrapper.GroundMaterial, wrapper.MohrCoulombSkeleton
+# what was done: (ground, words in the line, said by the first step unasked)
+implausible = {
+	"a polygon filled twice": (lambda: ground(filled=2), ("add to 2 m^2", "filled twice"), True),
+	"volumes 64 times too large": (lambda: ground(points={"volume": 64 / 64}), ("add to 64 m^2",), True),
+	"volumes that leave holes": (smallOnes, ("0.0001 m^2", "0.01562 m^2"), True),
+	"points farther apart than the grid can carry": (sparse, ("gridSpacing is 0.05", "farther apart"), True),
+	"density in g/cm^3": (lambda: ground(material=Material(solidDensity=2.65)), ("solidDensity is 2.65", "2650"), True),
+	"density in g/m^3": (lambda: ground(material=Material(liquidDensity=1e6)), ("liquidDensity is 1e+06", "1000"), True),
+	"heat in kJ": (lambda: warm(material=Material(solidSpecificHeat=0.8)), ("solidSpecificHeat is 0.8", "800"), True),
+	"latent heat in kJ": (lambda: warm(material=Material(latentHeat=334)), ("latentHeat is 334", "3.34e+05"), True),
+	"conductivity in mW": (lambda: warm(material=Material(solidConductivity=2900)), ("solidConductivity is 2900", "2.9"), True),
+	"gravity upwards": (lambda: ground(gravity=(0, 9.81)), ("gravity is (0, 9.81)", "(0, -9.81)"), True),
+	"initial stress in tension": (lambda: ground(points={"stress": (2e4, 4e4, 3e4, 0)}), ("tensile, up to 4e+04", "negative"), True),
+	"permeability in m^2": (lambda: wet(water=wrapper.PoreWater(conductivity=1e-15)), ("conductivity is 1e-15", "1e-14 to 1"), False),
+	"conductivity of a pipe": (lambda: wet(water=wrapper.PoreWater(conductivity=20)), ("conductivity is 20", "1e-14 to 1"), False),
+	"friction in radians": (lambda: skeleton(MohrCoulomb, frictionAngle=0.5), ("frictionAngle is 0.5", "28.65"), True),
+	"load in kPa": (lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", pressure=20)]), ("SurfaceLoad.pressure is 20", "2e+04"), False),
+	"stress in kPa": (lambda: ground(points={"stress": (-20, -40, -30, 0)}), ("stress is 40", "4e+04"), False),
+	"pore pressure in kPa": (lambda: wet(points={"pressure": 10.0}), ("pressure is 10", "1e+04"), False),
+	"stiffness in MPa": (lambda: skeleton(wrapper.ElasticSkeleton, young=20), ("young is 20", "2e+04"), False),
+	"rain in mm/h": (lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=5)]), ("flux is 5", "1.389e-06"), False),
+}
+
+
+@pytest.mark.parametrize("case", implausible)
+def test_a_setting_that_was_hardly_meant_is_named_with_value_and_what_was_probably_meant(case, capfd):
+	make, words, grave = implausible[case]
+	mpm = make()
+	(line,) = talik.check(mpm)
+	assert capfd.readouterr().out.strip() == line
+	print(line)
+	assert all(word in line for word in words), line
+	mpm.initialise()
+	assert (line in capfd.readouterr().err) == grave
+	mpm.initialise()
+	assert capfd.readouterr().err == ""
+
+
+plausible = {
+	"as it stands": ground,
+	"wet": wet,
+	"warm": warm,
+	"random points of equal volume": lambda: scattered(),
+	"one point per cell": lambda: filled(pointsPerCell=1),
+	"sixteen points per cell": lambda: filled(pointsPerCell=16),
+	"a slope with cut cells": lambda: filled(outline=[(0, 0), (2, 0), (1.1, 0.55), (0.3, 1.7)]),
+	"two layers": lambda: layered(),
+	"without friction": lambda: skeleton(MohrCoulomb, frictionAngle=0),
+	"soft clay of small cohesion": lambda: skeleton(MohrCoulomb, frictionAngle=20, cohesion=50, young=2e6),
+	"no gravity": lambda: ground(gravity=(0, 0)),
+	"compressed": lambda: ground(points={"stress": (-2e4, -4e4, -3e4, 0)}),
+}
+
+
+def scattered():
+	mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(2, 2), skeleton=wrapper.ElasticSkeleton())
+	mpm.addPoints(position=np.random.default_rng(5).uniform(0, 1, (200, 2)), volume=1 / 200)
+	return mpm
+
+
+def filled(outline=((0, 0), (1, 0), (1, 1), (0, 1)), **settings):
+	mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(2, 2), skeleton=wrapper.ElasticSkeleton())
+	talik.geometry.fill(mpm, outline, **settings)
+	return mpm
+
+
+def layered():
+	mpm = filled()
+	talik.geometry.fill(mpm, [(0, 1), (1, 1), (1, 1.6), (0, 1.6)])
+	return mpm
+
+
+@pytest.mark.parametrize("case", plausible)
+def test_of_grounds_as_people_mean_them_nothing_is_said(case, capfd):
+	mpm = plausible[case]()
+	assert talik.check(mpm) == []
+	mpm.initialise()
+	assert capfd.readouterr() == ("", "")
+
+
+def test_a_ground_that_is_made_anew_before_its_first_step_does_not_say_it_again(capfd):
+	mpm = ground(gravity=(0, 9.81))
+	mpm.field("position")
+	assert "gravity" in capfd.readouterr().err
+	mpm.damping = 0.1
+	mpm.field("position")
+	O.engines = [mpm]
+	O.step()
+	assert capfd.readouterr().err == ""
+
+
+def test_a_ground_that_goes_on_from_a_file_does_not_say_it_again(tmp_path, capfd):
+	O.engines = [ground(gravity=(0, 9.81))]
+	O.step()
+	assert "gravity" in capfd.readouterr().err
+	talik.checkpoint.write(tmp_path / "x")
+	O.reset()
+	talik.resume(tmp_path / "x")
+	O.step()
+	assert capfd.readouterr().err == ""
