@@ -5,7 +5,7 @@
 #include <pkg/multiscale/ScriptNames.hpp>
 
 namespace yade {
-YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(PoreWater));
+YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater));
 
 talik::MixtureProperties GroundMaterial::build() const
 {
@@ -35,6 +35,15 @@ talik::MixtureProperties GroundMaterial::build() const
 	          { "conductivityMean", "GroundMaterial.conductivityMean" } },
 	        check);
 	return m;
+}
+
+talik::ThawFrontSettings ThawFront::build() const
+{
+	talik::ThawFrontSettings f;
+	f.thawedBelow = thawedBelow;
+	f.frozenAbove = frozenAbove;
+	talik::underScriptNames({ { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
+	return f;
 }
 
 talik::HeatSettings HeatTransfer::build() const

@@ -343,6 +343,8 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	if (heat) s.heat = heat->build();
 	if (bodies) s.bodies = bodies->build();
 	if (freezing) s.freezing = freezing->build();
+	s.thawFront.reset();
+	if (thawFront) s.thawFront = thawFront->build();
 	if (water) s.water = water->build(freezing ? freezing->residualSaturation : 0);
 	s.energyLedger      = energyLedger;
 	s.deformationRecord = motion && deformationRecord;
@@ -467,6 +469,7 @@ void MpmEngine::checkFixed() const
 	effect(bool(s.freezing), bool(freezing), "freezing");
 	effect(bool(s.water), bool(water), "water");
 	effect(bool(s.bodies), bool(bodies), "bodies");
+	effect(bool(s.thawFront), bool(thawFront), "thawFront");
 	require(s.gridSpacing == gridSpacing, "gridSpacing", boost::lexical_cast<string>(gridSpacing));
 	for (int axis = 0; axis < 2; axis++) {
 		require(std::isnan(lower[axis]) || lower[axis] == s.lower[axis], "lower", boost::lexical_cast<string>(lower[axis]));
@@ -1007,6 +1010,7 @@ py::dict MpmEngine::balance()
 	d["dragDissipation"]    = b.dragDissipation;
 	d["dampingDissipation"] = b.dampingDissipation;
 	d["loadWork"]           = b.loadWork;
+	d["slipWork"]           = b.slipWork;
 	return d;
 }
 

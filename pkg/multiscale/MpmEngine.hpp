@@ -142,6 +142,7 @@ public:
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
+		((shared_ptr<ThawFront>,thawFront,shared_ptr<ThawFront>(new ThawFront),,"Effect: frozen and thawed ground have velocities of their own where they meet, so that thin thawed layers slide. Without freezing, motion or a skeleton that can fail it is not there. None: one velocity for all."))
 		((shared_ptr<PoreWater>,water,,,"Effect: pore water flows and carries pressure; needs motion. None: pore water, if any, moves with the grains and carries no pressure."))
 		((shared_ptr<BodyContact>,bodies,,,"Effect: bodies of the scene (walls, facets, boxes, spheres, clumps) and the ground push each other; needs motion. None: the ground does not see them."))
 		((shared_ptr<SkeletonLaw>,skeleton,,,"Skeleton law of all points, unless skeletons lists several."))

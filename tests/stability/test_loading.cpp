@@ -86,7 +86,7 @@ TEST(Loading, GravityAndSettingsSwitchedInMidRunWithoutDampingBringNoEnergyOfThe
 	ground.initialise();
 	const auto total = [&] {
 		const auto b = ground.balance();
-		return b.kineticEnergy + b.gravityEnergy + b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork;
+		return b.kineticEnergy + b.gravityEnergy + b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation + b.slipWork - b.loadWork;
 	};
 	double created = 0.0, turned = 0.0;
 	for (int part = 0; part < 24; ++part) {

@@ -27,7 +27,7 @@ def elasticBlock(**settings):
 
 def createdEnergy(mpm, start):
 	now = mpm.balance()
-	spent = now["skeletonWork"] + now["porePressureWork"] + now["dragDissipation"] + now["dampingDissipation"] - now["loadWork"]
+	spent = now["skeletonWork"] + now["porePressureWork"] + now["dragDissipation"] + now["dampingDissipation"] + now["slipWork"] - now["loadWork"]
 	held = sum(now[name] - start[name] for name in ("kineticEnergy", "gravityEnergy"))
 	turned = now["kineticEnergy"] + abs(now["gravityEnergy"] - start["gravityEnergy"]) + abs(now["skeletonWork"]) + abs(now["porePressureWork"])
 	return (held + spent) / turned
@@ -67,7 +67,7 @@ def test_gravity_switched_in_mid_run_undamped_brings_no_energy_of_its_own():
 		mpm.gravity = gravity
 		run(1)
 		start = mpm.balance()
-		zero = {name: start[name] for name in ("skeletonWork", "porePressureWork", "dragDissipation", "dampingDissipation", "loadWork")}
+		zero = {name: start[name] for name in ("skeletonWork", "porePressureWork", "dragDissipation", "dampingDissipation", "slipWork", "loadWork")}
 		run(150)
 		now = mpm.balance()
 		spent = sum((now[name] - zero[name]) * (-1 if name == "loadWork" else 1) for name in zero)
