@@ -7,6 +7,14 @@
 
 namespace talik {
 
+namespace {
+	/// Path of a point's liquid in a step over h at most: with more, nodes beside ground that has run dry would give away water which they
+	/// do not have.
+	constexpr double largestSeepage = 0.2;
+	/// Part of its liquid that a cell gives away in a step at most.
+	constexpr double largestLoss = 0.5;
+} // namespace
+
 template <int D>
 PoreWater<D>::PoreWater(PointFields& fields, const WaterSettings& water)
         : settings(&water)
@@ -226,7 +234,10 @@ void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt,
 		          dt * liquidDensity,
 		          slope,
 		          enthalpy ? enthalpy->liquidEnthalpy(0.0) : 0.0,
-		          exchange[0] });
+		          exchange[0],
+		          waterMass_,
+		          iceMass_,
+		          largestSeepage * grid.spacing() });
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
@@ -238,9 +249,14 @@ void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt,
 		});
 		const double scale = dt * liquidDensity * volume_[p];
 		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature_[p]) : 0.0;
+		double       square = 0.0;
+		for (int i = 0; i < D; ++i)
+			square += scale * q[i] * scale * q[i];
+		// a point that has run dry has no water for the flux that the nodes of its neighbours see
+		const double most = largestSeepage * grid.spacing() * std::max(0.0, liquidMass(p)), share = square > most * most ? most / std::sqrt(square) : 1.0;
 		Vec<D>       v;
 		for (int i = 0; i < D; ++i) {
-			q[i] *= scale;
+			q[i] *= scale * share;
 			v[i] = velocity[i][p];
 		}
 		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
@@ -451,6 +467,23 @@ void PoreWater<D>::levelCells(
 	});
 }
 
+/// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it. What it keeps counts as having come in.
+template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range)
+{
+	for (int c = range.firstCell; c < range.lastCell; ++c) {
+		double* r = cellRecord(c);
+		if (!(r[0] > 0.0) || r[2] >= -largestLoss) continue;
+		const double given = -largestLoss / r[2];
+		waterOut += r[0] * (1.0 - given) * r[2];
+		enthalpyOut += r[0] * (1.0 - given) * r[3];
+		for (int a = 0; a < D; ++a)
+			momentumOut[a] += r[0] * (1.0 - given) * r[4 + a];
+		for (int k = 0; k < exchangeSize; ++k)
+			r[2 + k] *= given;
+		r[1] = 1.0 / (1.0 + r[2]);
+	}
+}
+
 template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
@@ -460,9 +493,10 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 			const double perMass = 1.0 / r[0];
 			for (int i = 0; i < exchangeSize; ++i)
 				r[2 + i] *= perMass;
-			r[1] = 1.0 / (1.0 + r[2]);
+			if (r[2] >= -largestLoss) r[1] = 1.0 / (1.0 + r[2]);
 		}
 	});
+	keepLastWater(range);
 }
 
 template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)

@@ -69,6 +69,7 @@ public:
 	void levelCells(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// Exchange of each cell per liquid mass.
 	void finishCells(const ActiveRange& range);
+	void keepLastWater(const ActiveRange& range);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
 	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
 
