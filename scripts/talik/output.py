@@ -200,7 +200,7 @@ class Frames:
 
 	def take(self):
 		"""Keeps a frame when the next of the times is reached."""
-		reached = _dayOf(self.mpm) if self.days else self.clock()
+		reached = self.mpm.calendar["day"] if self.days else self.clock()
 		if len(self.frames) < len(self.times) and reached >= self.times[len(self.frames)] * (1 - 1e-12):
 			self.takeNow()
 

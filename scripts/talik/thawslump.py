@@ -119,7 +119,8 @@ class Ground:
 	warm: float = 10.0  # [degC] (P)
 	porosity: float = 0.4  # (P)
 	conductivity: float = 1e-4  # k [m/s] (P)
-	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P), while the ground rests (O)
+	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P)
+	followsMotion: bool = False  # the scale of slow time falls to movingTimeScale while the ground moves (O)
 	movingTimeScale: float = 1.0  # f_m, while it moves (O)
 	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
 	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
@@ -217,9 +218,9 @@ class ThawSlump:
 			gravity=(0, -9.81),
 			damping=g.restDamping,
 			skeleton=self.skeleton,
-			heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=g.motionTolerance),  # in nature's time until the slope rests
+			heat=wrapper.HeatTransfer(followsMotion=g.followsMotion, motionTolerance=g.motionTolerance),  # in nature's time until the slope rests
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
-			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive),
+			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive, **({} if g.followsMotion else dict(hydraulicTimeScale=1))),
 		)
 		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, **stress)
 		mpm.boundaries = [
@@ -342,7 +343,11 @@ class ThawSlump:
 		return float(np.linalg.norm(self.mpm.field("displacement"), axis=1).max())
 
 	def _details(self):
-		return {"events": len(self.mpm.events()), "sample calls": self.counters()["calls"]}
+		return {**({"events": len(self.events())} if self.ground.followsMotion else {}), "sample calls": self.counters()["calls"]}
+
+	def events(self):
+		"""None where the scale does not follow the motion: nobody looks for them."""
+		return self.mpm.events() if self.ground.followsMotion else []
 
 	def counters(self):
 		"""Calls, DEM steps, seconds and bytes of the samples; zeros where there are none."""
@@ -392,7 +397,7 @@ class ThawSlump:
 			"time step [s]": O.dt,
 			"thaw time [s]": self.thawTime(),
 			"day": self.day(),
-			"events": mpm.events(),
+			"events": self.events(),
 			"history": self.history,
 			**{f"calendar.{k}": v for k, v in mpm.calendar.items()},
 			"sample calls": counters["calls"],
@@ -455,6 +460,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
+	parser.add_argument("--calendar", action="store_true", help="slow time follows the motion and hastens seepage too: nature's ratio of both, many times the steps")
 	parser.add_argument("--thawed-cohesion", type=_cohesion, default=0.0, help="cohesion that stays when the ice has gone [Pa], e.g. 2000")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
@@ -504,7 +510,7 @@ def runCase(name, boundaries, options, days=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion, followsMotion=options.calendar), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])
