@@ -57,7 +57,7 @@ struct HeatSettings {
 struct WaterSettings {
 	PoreWaterState state;               ///< bulk moduli, cavitation pressure, densityChange
 	Permeability   permeability;        ///< hydraulic conductivity
-	double         picTime = std::numeric_limits<double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g)
+	double         picTime = std::numeric_limits<double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g); no more than 12.5 ms where seepage is hastened
 	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar.
 	double hydraulicTimeScale = std::numeric_limits<double>::quiet_NaN();
 	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see

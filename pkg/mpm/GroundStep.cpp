@@ -263,9 +263,8 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	const double h = grid.spacing();
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
-	const double given = settings.water->picTime, own = gravityTime(h, lengthOf<D>(settings.motion->gravity));
-	const double chosen = water->scale > 1.0 ? std::min(own, water->longestRest) : own;
-	water->kept         = keptFraction(std::isnan(given) ? chosen : given, clock.dt);
+	const double given = settings.water->picTime, used = std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given;
+	water->kept = keptFraction(water->scale > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
 
 template <int D> void Ground<D>::beginStep(double dt)

@@ -434,7 +434,7 @@ template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState&
 	double taken = 0.0;
 	for (int i = 0; i < 3; ++i)
 		taken += trial[i] - undilated[i];
-	return std::max(0.0, taken) / (3.0 * (3.0 * m.lambda + 2.0 * m.shear));
+	return std::max(0.0, taken) / (3.0 * m.lambda + 2.0 * m.shear);
 }
 
 /// Grains and ice flow together: what their sum exceeds its strength by is taken off both by their stiffnesses.

@@ -65,8 +65,6 @@ struct PlaneLoops {
 		const double* temperature; ///< null: the water carries no enthalpy
 		double        massPerFlux, specificHeat, enthalpyAtZero;
 		double*       exchange;
-		const double *waterMass = nullptr, *iceMass = nullptr; ///< of the points; null: no limit, no ice
-		double        reach     = 0.0;                         ///< path that the liquid of a point can take in a step at most [m]
 	};
 	void (*seep)(const WeightBlock<2>& w, const Seepage& s);
 

@@ -8,9 +8,6 @@
 namespace talik {
 
 namespace {
-	/// Path of a point's liquid in a step over h at most: with more, nodes beside ground that has run dry would give away water which they
-	/// do not have.
-	constexpr double largestSeepage = 0.2;
 	/// Part of its liquid that a cell gives away in a step at most.
 	constexpr double largestLoss = 0.5;
 } // namespace
@@ -234,10 +231,7 @@ void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt,
 		          dt * liquidDensity,
 		          slope,
 		          enthalpy ? enthalpy->liquidEnthalpy(0.0) : 0.0,
-		          exchange[0],
-		          waterMass_,
-		          iceMass_,
-		          largestSeepage * grid.spacing() });
+		          exchange[0] });
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {
@@ -249,14 +243,9 @@ void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt,
 		});
 		const double scale = dt * liquidDensity * volume_[p];
 		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature_[p]) : 0.0;
-		double       square = 0.0;
-		for (int i = 0; i < D; ++i)
-			square += scale * q[i] * scale * q[i];
-		// a point that has run dry has no water for the flux that the nodes of its neighbours see
-		const double most = largestSeepage * grid.spacing() * std::max(0.0, liquidMass(p)), share = square > most * most ? most / std::sqrt(square) : 1.0;
 		Vec<D>       v;
 		for (int i = 0; i < D; ++i) {
-			q[i] *= scale * share;
+			q[i] *= scale;
 			v[i] = velocity[i][p];
 		}
 		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
