@@ -27,7 +27,7 @@ class Preset:
 	thawTime: float  # of the surface being warm [s], f_T seconds of heat each
 
 
-presets = {"test": Preset(0.5, 0.3), "draft": Preset(0.25, 3.0), "standard": Preset(0.125, 3.0)}
+presets = {"test": Preset(0.5, 0.6), "draft": Preset(0.25, 3.0), "standard": Preset(0.125, 3.0)}
 
 width, depth = 8.0, 3.0  # of the ground [m]
 footing = (1.6, 1.2)  # width, height [m]

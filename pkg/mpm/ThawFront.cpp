@@ -273,10 +273,13 @@ template <int D> void ThawFront<D>::push(const Grid<D>& grid, const WeightBlock<
 
 template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 {
-	for (const auto& m : mirrors) {
+	folded_.assign(mirrors.size(), {});
+	for (std::size_t k = 0; k < mirrors.size(); ++k) {
+		const auto& m = mirrors[k];
 		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
+		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
 		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a)
@@ -285,22 +288,24 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		for (int a = 0; a < D; ++a)
 			for (int b = a; b < D; ++b)
 				inner[stressAt + stressIndex<D>(a, b)] += m.sign[a] * m.sign[b] * ghost[stressAt + stressIndex<D>(a, b)];
+		std::fill(ghost, ghost + recordSize, 0.0);
 	}
 }
 
 template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impulse)
 {
-	for (auto m = mirrors.rbegin(); m != mirrors.rend(); ++m) {
-		if (slot_[m->ghost] < 0 || slot_[m->inner] < 0) continue;
-		const double* ghost = record(slot_[m->ghost]);
-		const double* inner = result(slot_[m->inner]);
+	for (std::size_t k = mirrors.size(); k-- > 0;) {
+		const auto& m = mirrors[k];
+		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
+		const std::array<double, 4>& mass  = folded_[k];
+		const double*                inner = result(slot_[m.inner]);
 		// what the sides gain cancels out on a node and its image together; a wall turns the part of the image round
 		for (int a = 0; a < D; ++a)
-			impulse[a] += (m->sign[a] - 1.0)
-			        * (ghost[massAt] * inner[gainAt + a] + ghost[thawedMassAt] * inner[sideSize + gainAt + a] + ghost[liquidMassAt] * inner[liquidGainAt + a]
-			           + ghost[thawedLiquidMassAt] * inner[sideSize + liquidGainAt + a]);
+			impulse[a] += (m.sign[a] - 1.0)
+			        * (mass[0] * inner[gainAt + a] + mass[1] * inner[sideSize + gainAt + a] + mass[2] * inner[liquidGainAt + a]
+			           + mass[3] * inner[sideSize + liquidGainAt + a]);
 		for (int at = 0; at < resultSize; ++at)
-			result(slot_[m->ghost])[at] = m->sign[at % D] * inner[at];
+			result(slot_[m.ghost])[at] = m.sign[at % D] * inner[at];
 	}
 }
 

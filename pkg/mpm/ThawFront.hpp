@@ -154,6 +154,7 @@ private:
 	std::vector<Meeting>       meetings_;
 	std::vector<int>           chosen_;
 	std::vector<double>        modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]
+	std::vector<std::array<double, 4>> folded_; ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
 	std::vector<double>        mappedLiquid_;        ///< by place, liquid mass of points near the front when it was mapped [kg]
 	std::vector<double>        records_, results_, work_;
 };

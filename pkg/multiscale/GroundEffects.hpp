@@ -76,7 +76,7 @@ public:
 	virtual ~ThawFront() {};
 	talik::ThawFrontSettings build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where ground that ice holds meets ground that it does not, each has a velocity of its own on the nodes, so that a thawed layer slides on its frozen base however thin it is. The friction between them is what the law or the samples of the thawed points carry. At work in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: held by ice) and slip [m]. MpmEngine.thawFront=None switches it off, for comparison: a layer thinner than about two cells then moves with its base.",
+	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where ground that ice holds meets ground that it does not, each has a velocity of its own on the nodes, so that a thawed layer slides on its frozen base however thin it is. The friction between them is what the law or the samples of the thawed points carry. At work in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: held by ice) and slip [m]. MpmEngine.thawFront=None switches it off, for comparison: a layer thinner than about two cells then moves with its base. Example: MpmEngine(gridSpacing=0.5,thawFront=ThawFront(frozenAbove=0.1)).",
 		((Real,thawedBelow,0.02,,"Ice saturation at and below which a point becomes thawed ground [-], 0 to below 1: the bonds of samples are gone there."))
 		((Real,frozenAbove,0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form there."))
 	);

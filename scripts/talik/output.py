@@ -206,7 +206,7 @@ class Frames:
 
 	def takeNow(self):
 		"""Keeps a frame, whatever the time."""
-		day = _dayOf(self.mpm)
+		day = self.mpm.calendar["day"] if self.days else _dayOf(self.mpm)
 		self.frames.append({"time": self.clock(), **({} if day is None else {"day": day}), **allFields(self.mpm)})
 
 	def runner(self, iterPeriod=1):

@@ -510,7 +510,7 @@ def runCase(name, boundaries, options, days=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion, followsMotion=options.calendar), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion, followsMotion=getattr(options, "calendar", False)), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])

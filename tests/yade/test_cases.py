@@ -108,7 +108,7 @@ def test_thaw_from_the_base_leaves_no_bond_and_takes_support_by_the_thaw_strain_
 	strain = settled[0.03] / lost
 	print(f"settlement over the depth of ground whose ice is lost ({lost:.2f} m) {100 * strain:.2f} % at a thaw strain of 3 %")
 	assert settled[0.0] < 1e-3
-	assert 0.5 * 0.03 < strain < 1.2 * 0.03
+	assert 0.4 * 0.03 < strain < 1.2 * 0.03  # the frozen roof bridges a part of it: it parts from the ground that sinks under it
 
 
 # ---- shear band -----------------------------------------------------------------------------------------------------------
