@@ -105,6 +105,7 @@ def test_column_of_samples_loaded_frozen_unloaded_and_thawed_returns_to_its_heig
 	mpm = wrapper.MpmEngine(
 		gridSpacing=h, lower=(0, 0), upper=(h, 2 * height), damping=0.5, skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=1e-7),
 		heat=wrapper.HeatTransfer(thermalTimeScale=5e7), freezing=wrapper.FreezingCurve(),
+		thawFront=None,  # it does not slip; with the front 1.6e-5 of strain stay at four cells, see the limits
 		boundaries=[
 			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
 			wrapper.SurfaceLoad(region="surface", times=[5e7 * t for t in (0.1, 0.15, 0.7, 0.75)], values=[confinement, confinement + load, confinement + load, confinement]),
