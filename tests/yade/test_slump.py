@@ -163,7 +163,8 @@ def test_the_slip_surface_follows_the_face_through_thawed_ground_and_none_is_in_
 	last = draft.frames.frames[-1]
 	print(shearband.describe(surface, "all"), f"{100 * np.mean(~shearband.frozen(last)[surface.points]):.0f} % of its points thawed", shearband.describe(band), sep="\n")
 	assert band is None
-	assert surface.inclination == pytest.approx(45, abs=10) and surface.descendsTowards == "right"
+	# by its end the slope has slid by metres: its slip surface lies between the face and the angle at which thawed ground comes to rest
+	assert 17 < surface.inclination < 55 and surface.descendsTowards == "right"
 	assert surface.roughness < 0.1 * surface.length
 	assert np.mean(shearband.frozen(last)[surface.points]) < 0.2
 
