@@ -10,14 +10,6 @@ namespace talik {
 namespace {
 	// ground laid against a body touches it, give or take round-off
 	constexpr double laidAgainst = 1.01;
-
-	template <int D> double dot(const Vec<D>& a, const Vec<D>& b)
-	{
-		double sum = 0.0;
-		for (int i = 0; i < D; ++i)
-			sum += a[i] * b[i];
-		return sum;
-	}
 	/// a + factor b.
 	template <int D> Vec<D> plus(const Vec<D>& a, double factor, const Vec<D>& b)
 	{

@@ -32,14 +32,6 @@ namespace {
 	constexpr double largestLeading = 1e-2;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
 	constexpr double insideShare = 0.25;
-
-	template <int D> double dot(const Vec<D>& a, const Vec<D>& b)
-	{
-		double sum = 0.0;
-		for (int i = 0; i < D; ++i)
-			sum += a[i] * b[i];
-		return sum;
-	}
 } // namespace
 
 void ThawFrontSettings::validate() const
@@ -335,7 +327,7 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
 	m.meets  = true;
 	m.frozenVolume = r[volumeAt];
-	m.inside = r[volumeAt] >= insideShare * fullVolume(node);
+	m.inside = r[volumeAt] >= insideShare * volume_[node];
 	const double mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	m.reducedMass        = mass[0] * mass[1] / (mass[0] + mass[1]);
 	for (int a = 0; a < D; ++a) {

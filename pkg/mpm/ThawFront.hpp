@@ -127,7 +127,6 @@ private:
 	double        widenedShare(const Meeting& meeting) const;
 	void          correct(int slot);
 	void          lead(int place, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const;
-	double        fullVolume(int node) const { return volume_[node]; }
 
 	ThawFrontSettings   settings_;
 	PointFields::Handle sideField_, slipField_, strainField_;

@@ -9,6 +9,14 @@ namespace talik {
 /// Point or vector of D components [2-D: x, y; 3-D: x, y, z].
 template <int D> using Vec = std::array<double, D>;
 
+template <int D> double dot(const Vec<D>& a, const Vec<D>& b)
+{
+	double sum = 0.0;
+	for (int i = 0; i < D; ++i)
+		sum += a[i] * b[i];
+	return sum;
+}
+
 template <int D> double lengthOf(const Vec<D>& v)
 {
 	double sum = 0.0;

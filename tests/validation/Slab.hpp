@@ -107,16 +107,15 @@ private:
 		addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
 		if (slab_.change) slab_.change(s);
 		ground_ = std::make_unique<Ground<2>>(s);
-		fill(s, tilt);
+		fill(s);
 		ground_->initialise();
 	}
 
-	void fill(const GroundSettings<2>& s, double)
+	void fill(const GroundSettings<2>& s)
 	{
 		// points stand on the lattice of the grid, moved with the front; front and surface of an inclined slab are steps
 		const double h = slab_.spacing, step = 0.5 * h, shift = std::fmod(slab_.above * h, step);
 		int          id = 0;
-		std::vector<std::pair<double, int>> tops;
 		for (double y = shift + 0.5 * step - (shift > 0.0 ? step : 0.0); y < s.upper[1]; y += step)
 			for (double x = 0.5 * step; x < s.upper[0]; x += step) {
 				if (y < 0.0) continue;
