@@ -2,8 +2,8 @@
 #include "SampleGroup.hpp"
 
 #include <pkg/multiscale/RveSample.hpp>
-#include <pkg/rve/PackedSamplePool.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 namespace py = boost::python;
 

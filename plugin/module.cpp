@@ -9,9 +9,9 @@
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
-#include <pkg/rve/RunningScene.hpp>
-#include <pkg/rve/ScenePacking.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/open/RunningScene.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 #include <omp.h>
 #include <sstream>
 

@@ -3,7 +3,7 @@
 #include <pkg/icebond/GrainSwelling.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 #include <stdexcept>
 
 namespace yade {

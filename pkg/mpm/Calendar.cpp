@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Calendar.hpp>
-#include <pkg/mpm/HeatTransfer.hpp>
-#include <pkg/mpm/SolidMotion.hpp>
+#include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
 
 #include <algorithm>
 #include <cmath>

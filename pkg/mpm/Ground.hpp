@@ -3,7 +3,7 @@
 
 #include <pkg/mpm/CalendarState.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/MaterialPoints.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
 
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/Grid.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 
 namespace talik {

@@ -3,21 +3,21 @@
 
 // What a ground consists of; shared by the files that implement Ground.
 
-#include <pkg/mpm/AffineVelocity.hpp>
+#include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/Calendar.hpp>
-#include <pkg/mpm/CellMeans.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/CostMeter.hpp>
-#include <pkg/mpm/DeformationRecord.hpp>
-#include <pkg/mpm/EffectPart.hpp>
-#include <pkg/mpm/FreeSurface.hpp>
+#include <pkg/mpm/points/DeformationRecord.hpp>
+#include <pkg/mpm/effects/EffectPart.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/HeatTransfer.hpp>
-#include <pkg/mpm/MomentumSolver.hpp>
-#include <pkg/mpm/PoreContent.hpp>
-#include <pkg/mpm/PoreWater.hpp>
-#include <pkg/mpm/RigidContact.hpp>
-#include <pkg/mpm/SolidMotion.hpp>
-#include <pkg/mpm/ThawFront.hpp>
+#include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/MomentumSolver.hpp>
+#include <pkg/mpm/effects/PoreContent.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawFront.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>

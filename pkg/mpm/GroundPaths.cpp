@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Points that are about to leave the grid are found before the first of them has moved.
 #include <pkg/mpm/GroundParts.hpp>
-#include <pkg/mpm/PlaneLoops.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/Boundary.hpp>
-#include <pkg/mpm/SkeletonModel.hpp>
-#include <pkg/mpm/Vector.hpp>
-#include <pkg/mpm/VelocityTransfer.hpp>
+#include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/mpm/grid/Vector.hpp>
+#include <pkg/mpm/points/VelocityTransfer.hpp>
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 #include <core/Body.hpp>
 #include <lib/serialization/Serializable.hpp>
-#include <pkg/mpm/RigidContact.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
 
 namespace yade {
 class Engine;

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <pkg/multiscale/Checkpoint.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 namespace py = boost::python;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <lib/serialization/Serializable.hpp>
-#include <pkg/mpm/Boundaries.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 
 namespace yade {

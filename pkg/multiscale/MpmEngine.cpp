@@ -6,8 +6,8 @@
 #include <pkg/multiscale/FileBesides.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
-#include <pkg/rve/HoldGil.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/open/HoldGil.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <iostream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/OpenRveSample.hpp>
-#include <pkg/rve/ScenePacking.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
 
 namespace py = boost::python;
 

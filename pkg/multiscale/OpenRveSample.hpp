@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
-#include <pkg/rve/OpenSample.hpp>
+#include <pkg/rve/open/OpenSample.hpp>
 
 namespace yade {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/OpenStore.hpp>
-#include <pkg/rve/ScenePacking.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 #include <omp.h>
 #include <set>

@@ -2,7 +2,7 @@
 #pragma once
 #include <map>
 #include <pkg/multiscale/SampleStore.hpp>
-#include <pkg/rve/OpenSample.hpp>
+#include <pkg/rve/open/OpenSample.hpp>
 
 namespace talik {
 

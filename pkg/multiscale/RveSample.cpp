@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/RveSample.hpp>
-#include <pkg/rve/StepGate.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>

@@ -2,8 +2,8 @@
 #pragma once
 #include <core/GlobalEngine.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
-#include <pkg/rve/PackedSample.hpp>
-#include <pkg/rve/ScenePacking.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
 
 namespace yade {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <cstdint>
-#include <pkg/mpm/PointFields.hpp>
+#include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 
 namespace talik {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <pkg/mpm/SkeletonModel.hpp>
+#include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/multiscale/SampleAccuracy.hpp>
 #include <pkg/multiscale/SampleStore.hpp>
 

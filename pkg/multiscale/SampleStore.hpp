@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 #include <pkg/multiscale/ByteArchive.hpp>
-#include <pkg/rve/PackedSamplePool.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <string>
 #include <vector>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <lib/serialization/Serializable.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/multiscale/SampleAccuracy.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "MinimalMpm.hpp"
 
-#include <pkg/mpm/MohrCoulombReturn.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 
 #include <cmath>
 

@@ -5,11 +5,11 @@
 
 #include <benchmark/benchmark.h>
 #include <omp.h>
-#include <pkg/mpm/Boundaries.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
-#include <pkg/mpm/ObjectiveUpdate.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 // To compare, run both in turn in one shell loop: machines are not equally fast at all times.
 #include "../unit/packedReference.hpp"
 #include <benchmark/benchmark.h>
-#include <pkg/rve/PackedSamplePool.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
 
 using namespace talik;
 using packedReference::Matrix;

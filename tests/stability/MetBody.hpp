@@ -3,7 +3,7 @@
 
 #include "Watch.hpp"
 
-#include <pkg/mpm/RigidContact.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
 
 #include <cmath>
 

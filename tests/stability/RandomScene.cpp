@@ -3,9 +3,9 @@
 
 #include "Dice.hpp"
 
-#include <pkg/mpm/Boundaries.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 
 #include <cmath>
 #include <cstdio>
-#include <pkg/rve/PackedSamplePool.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
 
 using namespace talik;
 using namespace talik::stability;

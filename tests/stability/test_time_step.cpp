@@ -4,7 +4,7 @@
 #include "Report.hpp"
 #include "WetScenes.hpp"
 
-#include <pkg/mpm/ShapeFunctions.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <cmath>
-#include <pkg/rve/PackedSample.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
 
 /// Two equal discs on the x axis, so heavy that no force moves them: displacement and slip are prescribed through their velocities.
 namespace packedPair {

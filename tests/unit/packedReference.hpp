@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 #include <fstream>
-#include <pkg/rve/PackedSample.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>

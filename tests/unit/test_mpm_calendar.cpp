@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The calendar of slow processes: its scale, its events, and what depends on it.
-#include <pkg/mpm/Boundaries.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <gtest/gtest.h>
 #include <omp.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Grid.hpp>
-#include <pkg/mpm/MaterialPoints.hpp>
-#include <pkg/mpm/ShapeFunctions.hpp>
-#include <pkg/mpm/TimeTable.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/boundary/TimeTable.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The composed step: effects, free fall, balances, determinism, checkpoints, refusals.
-#include <pkg/mpm/Boundaries.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <gtest/gtest.h>
 #include <omp.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/PlaneLoops.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Rigid surfaces and their contact with the ground, in two and three dimensions.
-#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/RigidContact.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
 
 #include <gtest/gtest.h>
 #include <omp.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/ElasticSkeleton.hpp>
-#include <pkg/mpm/MohrCoulombReturn.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Identities between what points give to nodes and what nodes give back, on random states.
-#include <pkg/mpm/Boundaries.hpp>
-#include <pkg/mpm/CellMeans.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
-#include <pkg/mpm/FreeSurface.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/MomentumSolver.hpp>
-#include <pkg/mpm/PoreWater.hpp>
-#include <pkg/mpm/SolidMotion.hpp>
+#include <pkg/mpm/effects/MomentumSolver.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <cstdio>
 #include <gtest/gtest.h>
-#include <pkg/rve/PackedSamplePool.hpp>
-#include <pkg/rve/PackedWorkspace.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <random>
 
 using namespace talik;

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <pkg/rve/PackedSample.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
 
 using namespace talik;
 using State  = PackedState<3>;

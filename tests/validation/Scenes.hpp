@@ -3,10 +3,10 @@
 
 // Scenes that several validation tests share: boxes of points, columns, marching to given instants, reading fields.
 
-#include <pkg/mpm/Boundaries.hpp>
-#include <pkg/mpm/ElasticSkeleton.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <cmath>
 #include <functional>

@@ -5,7 +5,7 @@
 #include "Report.hpp"
 #include "Scenes.hpp"
 
-#include <pkg/mpm/RigidContact.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/Check.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+namespace talik {
+
+namespace {
+	const char* const sideNames[3][2] = { { "left", "right" }, { "bottom", "top" }, { "back", "front" } };
+
+	template <int D> std::string text(const Vec<D>& v)
+	{
+		std::ostringstream out;
+		out << "(";
+		for (int a = 0; a < D; ++a)
+			out << (a ? ", " : "") << v[a];
+		out << ")";
+		return out.str();
+	}
+} // namespace
+
+Side sideFromName(const std::string& name, int dimensions)
+{
+	std::string known;
+	for (int a = 0; a < dimensions; ++a)
+		for (int u = 0; u < 2; ++u) {
+			if (name == sideNames[a][u]) return { a, u == 1 };
+			known += std::string(known.empty() ? "" : ", ") + sideNames[a][u];
+		}
+	throw std::invalid_argument("side = '" + name + "': choose one of " + known);
+}
+
+std::string nameOf(const Side& side) { return sideNames[side.axis][side.upper ? 1 : 0]; }
+
+template <int D> Region<D> Region<D>::side(const std::string& name)
+{
+	Region r;
+	r.kind = Kind::side;
+	r.on   = sideFromName(name, D);
+	return r;
+}
+
+template <int D> Region<D> Region<D>::freeSurface()
+{
+	Region r;
+	r.kind = Kind::freeSurface;
+	return r;
+}
+
+template <int D> Region<D> Region<D>::cavitySurface()
+{
+	Region r   = freeSurface();
+	r.cavities = true;
+	return r;
+}
+
+template <int D> Region<D> Region<D>::nodeBox(const Vec<D>& lower, const Vec<D>& upper)
+{
+	Region r;
+	r.kind     = Kind::nodeBox;
+	r.boxLower = lower;
+	r.boxUpper = upper;
+	return r;
+}
+
+template <int D> Region<D> Region<D>::disc(const Vec<D>& lower, const Vec<D>& upper)
+{
+	Region r = nodeBox(lower, upper);
+	r.round  = true;
+	return r;
+}
+
+template <int D> Region<D> Region<D>::within(const Vec<D>& lower, const Vec<D>& upper) const
+{
+	Region r   = *this;
+	r.boxLower = lower;
+	r.boxUpper = upper;
+	return r;
+}
+
+template <int D> bool Region<D>::holds(const Vec<D>& x, double tolerance) const
+{
+	for (int a = 0; a < D; ++a)
+		if (x[a] < boxLower[a] - tolerance || x[a] > boxUpper[a] + tolerance) return false;
+	if (!round) return true;
+	double sum = 0.0;
+	for (int a = 0; a < D; ++a) {
+		const double r = (2.0 * x[a] - boxLower[a] - boxUpper[a]) / (boxUpper[a] - boxLower[a] + 2.0 * tolerance);
+		sum += r * r;
+	}
+	return sum <= 1.0;
+}
+
+template <int D> std::string Region<D>::describe() const
+{
+	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
+	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? (cavities ? "surface of cavities" : "free surface") : round ? "disc" : "node box";
+	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
+	return name;
+}
+
+template <int D>
+MotionConstraints<D>::MotionConstraints(const Grid<D>& grid)
+        : flags_(grid.nodeCount(), 0)
+{
+}
+
+template <int D> void MotionConstraints<D>::mirror(int ghost, int inner, const Vec<D>& sign)
+{
+	for (const Mirror& m : mirrors_)
+		if (m.ghost == ghost && m.inner == inner) return;
+	mirrors_.push_back({ ghost, inner, sign });
+}
+
+template <int D> void MotionConstraints<D>::releaseLiquid(const Grid<D>& grid, const Region<D>& region)
+{
+	const Side side   = region.on;
+	const int  inward = side.upper ? -grid.nodeStride(side.axis) : grid.nodeStride(side.axis);
+	for (int node : wallNodes(grid, region)) {
+		releaseLiquid(node, side.axis);
+		releaseLiquid(node - inward, side.axis);
+	}
+}
+
+template <int D> void MotionConstraints<D>::close()
+{
+	constrained_.clear();
+	for (std::size_t n = 0; n < flags_.size(); ++n)
+		if (flags_[n]) constrained_.push_back(static_cast<int>(n));
+}
+
+template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
+{
+	const Region<D>& r = region_;
+	for (int a = 0; a < D; ++a)
+		requireSetting(
+		        r.boxLower[a] <= r.boxUpper[a], name() + ".region", r.describe(), "the box must have lower corner <= upper corner, none of them NaN");
+	if (r.kind == Region<D>::Kind::freeSurface) return;
+	if (r.round)
+		for (int a = 0; a < D; ++a)
+			requireSetting(
+			        std::isfinite(r.boxLower[a]) && std::isfinite(r.boxUpper[a]) && r.boxLower[a] < r.boxUpper[a], name() + ".region", r.describe(),
+			        "a disc needs lower and upper, and room between them");
+	requireSetting(
+	        !wallNodes(grid, r).empty() || (takesVolumes() && !nodeShares(grid, r).empty()), name() + ".region", r.describe(),
+	        "holds no node of the grid; boxes must reach at least one node");
+}
+
+template <int D> Vec<D> Boundary<D>::traction(double, const Vec<D>&) const { return Vec<D> {}; }
+
+template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>& region)
+{
+	using Kind = typename Region<D>::Kind;
+	std::vector<int> found;
+	if (region.kind == Kind::freeSurface) return found;
+	const double tolerance = 1e-6 * grid.spacing();
+	const int    wall      = region.on.upper ? grid.cells(region.on.axis) + 1 : 1;
+	for (int index = 0; index < grid.nodeCount(); ++index) {
+		const std::array<int, D> node = grid.nodeOf(index);
+		if (region.kind == Kind::side && node[region.on.axis] != wall) continue;
+		Vec<D> x;
+		for (int a = 0; a < D; ++a) {
+			x[a] = grid.nodePosition(a, node[a]);
+			// ghost nodes at the ends of a side belong to its last node
+			if (region.kind == Kind::side) x[a] = std::min(std::max(x[a], grid.lower()[a]), grid.upper()[a]);
+		}
+		if (region.holds(x, tolerance)) found.push_back(index);
+	}
+	return found;
+}
+
+template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Region<D>& region)
+{
+	using Kind = typename Region<D>::Kind;
+	std::vector<NodeShare> found;
+	if (region.kind != Kind::nodeBox) return found;
+	constexpr int perCell = D == 2 ? 16 : 6, samples = 3 * perCell;
+	for (int a = 0; a < D; ++a)
+		if (!(region.boxUpper[a] - region.boxLower[a] > 1e-6 * grid.spacing())) return found;
+	const auto spline = [](double x) {
+		const double r = std::abs(x);
+		return r < 0.5 ? 0.75 - r * r : r < 1.5 ? 0.5 * (1.5 - r) * (1.5 - r) : 0.0;
+	};
+	for (int index = 0; index < grid.nodeCount(); ++index) {
+		const std::array<int, D> node = grid.nodeOf(index);
+		Vec<D>                   at;
+		bool                     near = true;
+		for (int a = 0; a < D; ++a) {
+			at[a] = grid.nodePosition(a, node[a]);
+			near  = near && at[a] > region.boxLower[a] - 1.5 * grid.spacing() && at[a] < region.boxUpper[a] + 1.5 * grid.spacing();
+		}
+		if (!near) continue;
+		double             all = 0.0, held = 0.0;
+		std::array<int, D> k {};
+		while (true) {
+			double weight = 1.0;
+			Vec<D> x;
+			bool   there = true;
+			for (int a = 0; a < D; ++a) {
+				const double offset = (k[a] + 0.5) / perCell - 1.5;
+				weight *= spline(offset);
+				x[a]  = at[a] + offset * grid.spacing();
+				there = there && x[a] > grid.lower()[a] && x[a] < grid.upper()[a];
+			}
+			if (there) {
+				all += weight;
+				if (region.holds(x, 0.0)) held += weight;
+			}
+			int a = 0;
+			while (a < D && ++k[a] == samples)
+				k[a] = 0, ++a;
+			if (a == D) break;
+		}
+		if (held > 0.0) found.push_back({ index, held / all });
+	}
+	return found;
+}
+
+template struct Region<2>;
+template struct Region<3>;
+template class MotionConstraints<2>;
+template class MotionConstraints<3>;
+template class Boundary<2>;
+template class Boundary<3>;
+template std::vector<NodeShare> nodeShares<2>(const Grid<2>&, const Region<2>&);
+template std::vector<NodeShare> nodeShares<3>(const Grid<3>&, const Region<3>&);
+template std::vector<int> wallNodes<2>(const Grid<2>&, const Region<2>&);
+template std::vector<int> wallNodes<3>(const Grid<3>&, const Region<3>&);
+
+} // namespace talik

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/boundary/TimeTable.hpp>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// One side of the grid's box.
+struct Side {
+	int  axis  = 0;     ///< 0 = x, 1 = y, 2 = z
+	bool upper = false; ///< false: lower side
+};
+
+/// "left", "right" (x), "bottom", "top" (y), "back", "front" (z). Throws std::invalid_argument for other names, or a side
+/// that a 2-D grid does not have.
+Side        sideFromName(const std::string& name, int dimensions);
+std::string nameOf(const Side& side);
+
+/// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground as far as the air outside
+/// reaches it, on the surface of cavities inside the ground, or on all nodes inside a box; the others may be limited to a box.
+template <int D> struct Region {
+	enum class Kind { side, freeSurface, nodeBox };
+
+	Kind   kind = Kind::side;
+	Side   on {};
+	bool   round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
+	bool   cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
+	Vec<D> boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
+	Vec<D> boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
+
+	static Region side(const std::string& name);
+	static Region freeSurface();
+	static Region cavitySurface();
+	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper);
+	static Region disc(const Vec<D>& lower, const Vec<D>& upper);
+	/// The same region limited to a box [m].
+	Region within(const Vec<D>& lower, const Vec<D>& upper) const;
+
+	bool        holds(const Vec<D>& x, double tolerance) const;
+	std::string describe() const;
+
+	static Vec<D> filled(double value)
+	{
+		Vec<D> v;
+		v.fill(value);
+		return v;
+	}
+};
+
+/// A node of a surface and the part of the surface that belongs to it.
+template <int D> struct SurfaceNode {
+	int    node;
+	Vec<D> area; ///< outward area vector [m^(D-1)]
+};
+
+/// Heat that enters through a surface per unit area: flux + coefficient (ambient - T_surface).
+struct SurfaceHeat {
+	double flux        = 0.0; ///< into the ground [W/m^2]
+	double coefficient = 0.0; ///< [W/(m^2 K)]; prescribed surface temperature: atSurface = true instead
+	double ambient     = 0.0; ///< [degC]
+	bool   atSurface   = false; ///< ambient is the temperature of the surface itself: coefficient = 4 kappa f_T/h of the ground there
+};
+
+/// Mechanical conditions on nodes, collected once from all boundaries.
+template <int D> class MotionConstraints {
+public:
+	MotionConstraints() = default;
+	explicit MotionConstraints(const Grid<D>& grid);
+
+	/// v_s = 0 along axis.
+	void fixSolid(int node, int axis) { flags_[node] |= bit(axis, 0); }
+	/// v_l = v_s along axis (impermeable); 0 where the solid is fixed.
+	void tieLiquid(int node, int axis) { flags_[node] |= bit(axis, 1); }
+	/// The liquid may cross: undoes tieLiquid of other boundaries along axis.
+	void releaseLiquid(int node, int axis) { flags_[node] |= bit(axis, 2); }
+	/// The same on all nodes of a side and on the ghost nodes behind them.
+	void releaseLiquid(const Grid<D>& grid, const Region<D>& side);
+	/// Ghost node behind a wall mirrors the node in front of it: v_ghost = sign v_inner, per component. The wall node lies in
+	/// the middle between the two.
+	void mirror(int ghost, int inner, const Vec<D>& sign);
+
+	bool solidFixed(int node, int axis) const { return flags_[node] & bit(axis, 0); }
+	bool liquidTied(int node, int axis) const { return (flags_[node] & bit(axis, 1)) && !(flags_[node] & bit(axis, 2)); }
+
+	struct Mirror {
+		int    ghost, inner;
+		Vec<D> sign;
+		int    wall() const { return (ghost + inner) / 2; }
+	};
+	const std::vector<Mirror>& mirrors() const { return mirrors_; }
+	/// Nodes with any condition, ascending.
+	const std::vector<int>& constrainedNodes() const { return constrained_; }
+	void                    close();
+
+private:
+	static unsigned bit(int axis, int kind) { return 1u << (3 * axis + kind); }
+	std::vector<unsigned short> flags_;
+	std::vector<Mirror>         mirrors_;
+	std::vector<int>            constrained_;
+};
+
+/// Nodes with prescribed temperature, collected once from all boundaries.
+struct TemperatureNode {
+	int node;
+	int ghost; ///< node behind the wall, or -1
+	int inner; ///< node in front of the wall, or -1
+	int axis;  ///< normal of the wall
+	int boundary; ///< index of the boundary that prescribes
+};
+
+/// A condition on part of the surface of the ground. A new one is one file with a class like those below and a line in
+/// Boundaries.hpp; it overrides what it needs.
+template <int D> class Boundary {
+public:
+	explicit Boundary(const Region<D>& region)
+	        : region_(region)
+	{
+	}
+	virtual ~Boundary() = default;
+
+	virtual std::string name() const = 0;
+	/// Effect that must be present: "motion", "heat" or "water".
+	virtual std::string effect() const = 0;
+	/// Throws std::invalid_argument naming attribute, value and remedy.
+	virtual void validate(const Grid<D>& grid) const;
+
+	const Region<D>& region() const { return region_; }
+
+	virtual void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const {}
+	/// True if the boundary prescribes the temperature of nodes.
+	virtual bool prescribesTemperature() const { return false; }
+	/// Prescribed nodal temperature at a time [degC].
+	virtual double temperature(double) const { return 0.0; }
+
+	/// True if the boundary acts in the volume of a box or disc, by the share of each node that lies in it.
+	virtual bool takesVolumes() const { return false; }
+	/// True if the nodal areas of the region are needed in each step.
+	virtual bool usesSurface() const { return false; }
+	/// Force per area on the surface with the given outward unit normal [Pa].
+	virtual Vec<D> traction(double time, const Vec<D>& normal) const;
+	virtual bool   loads() const { return false; }
+	/// Heat through the surface.
+	virtual SurfaceHeat heat(double) const { return {}; }
+	virtual bool        heats() const { return false; }
+	/// True if water may cross the surface; pressure outside is pressure(time) [Pa].
+	virtual bool   drains() const { return false; }
+	virtual double pressure(double) const { return 0.0; }
+	/// False: water only leaves.
+	virtual bool recharges() const { return true; }
+	/// True if water enters at a prescribed rate inflow(time) [m/s], with a temperature [degC] of its own or (NaN) that of the ground.
+	virtual bool   feeds() const { return false; }
+	virtual double inflow(double) const { return 0.0; }
+	virtual double inflowTemperature() const { return std::numeric_limits<double>::quiet_NaN(); }
+
+protected:
+	Region<D> region_;
+};
+
+/// A node and the share of its shape function's integral that lies in a region.
+struct NodeShare {
+	int    node;
+	double share; ///< in (0, 1]
+};
+
+/// Shares of the nodes in a box or disc that is not flat; nodes without share are left out. Empty for other regions.
+template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Region<D>& region);
+
+/// Nodes of a region as they stand on the grid (sides and node boxes): on a side the nodes of the wall line.
+template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>& region);
+
+} // namespace talik

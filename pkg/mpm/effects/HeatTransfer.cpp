@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+namespace {
+	// A front within a cell changes the phase of a few points, and the heat that reaches it is meant for them: shared by sensible
+	// capacity most of it would overcool (or overheat) their neighbours first, and a front that freezes would lag by h/3. Shared
+	// by the whole apparent capacity the front would run in jumps from point to point, ahead of the heat that it needs.
+	constexpr double largestShare = 3.0;
+	// A node takes the temperature of a heated region at this rate over h^2 C/kappa, times the share of it that lies there. The edge is
+	// then where it is: held faster, what lies outside would be held with it, and more slowly, ground inside would not follow.
+	constexpr double holding = 12.0;
+} // namespace
+
+template <int D>
+HeatTransfer<D>::HeatTransfer(PointFields& fields, const HeatSettings& heat, bool freezing)
+        : settings(&heat)
+{
+	enthalpy_     = fields.declare("enthalpy", "heat", "J", 1);
+	temperature_  = fields.declare("temperature", "heat", "degC", 1);
+	heatCapacity_ = fields.declare("heatCapacity", "heat", "J/K", 1);
+	conductivity_ = fields.declare("conductivity", "heat", "W/(m K)", 1);
+	if (freezing) share_ = fields.declare("heatShare", "freezing", "J/K", 1);
+}
+
+template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
+{
+	PointFields& f = points.fields();
+	enthalpy       = f.component(enthalpy_);
+	temperature    = f.component(temperature_);
+	heatCapacity   = f.component(heatCapacity_);
+	conductivity   = f.component(conductivity_);
+	share          = share_ < 0 ? heatCapacity : f.component(share_);
+	volume         = points.volume();
+	for (int a = 0; a < D; ++a)
+		position_[a] = points.position(a);
+	nodes.allocate(grid.nodeCount());
+	for (NodeField<1>* field : { &capacity, &mapped, &nodal, &energy, &noise, &rise })
+		field->allocate(grid.nodeCount());
+}
+
+template <int D> void HeatTransfer<D>::shareRecords([[maybe_unused]] SolidMotion<D>* motion, [[maybe_unused]] PoreWater<D>* water)
+{
+	if constexpr (D == 2) {
+		carried_ = motion;
+		if (motion) motion->nodes.lend(nodes, motion->freeAt);
+		if (water) {
+			water->nodal.lend(nodal, 3);
+			water->force.lend(energy, 2);
+			water->force.lend(noise, 3);
+			water->exchange.lend(rise, 6);
+		} else {
+			received_.allocate(static_cast<int>(capacity.bytes() / sizeof(double)));
+			received_.lend(energy, 0);
+			received_.lend(noise, 1);
+		}
+	}
+}
+
+template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int points)
+{
+	smoothingTime = settings->smoothingTime;
+	if (!std::isnan(smoothingTime) && held_.empty()) return;
+	double capacitySum = 0.0, conductance = 0.0;
+	for (int p = 0; p < points; ++p) {
+		capacitySum += heatCapacity[p];
+		conductance += volume[p] * conductivity[p];
+	}
+	diffusionTime_ = grid.spacing() * grid.spacing() * capacitySum / conductance;
+	if (std::isnan(smoothingTime)) smoothingTime = diffusionTime_;
+}
+
+template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
+{
+	prescribed_.clear();
+	isPrescribed_.assign(grid.nodeCount(), 0);
+	std::vector<char> touched(grid.nodeCount(), 0);
+	for (std::size_t b = 0; b < boundaries.size(); ++b) {
+		if (!boundaries[b]->prescribesTemperature()) continue;
+		const Region<D>& region = boundaries[b]->region();
+		const bool       wall   = region.kind == Region<D>::Kind::side;
+		const int        inward = region.on.upper ? -grid.nodeStride(region.on.axis) : grid.nodeStride(region.on.axis);
+		const std::vector<NodeShare> shares = nodeShares(grid, region);
+		for (const NodeShare& s : shares)
+			held_.push_back({ s.node, holding * s.share, static_cast<int>(b), 0.0 });
+		if (!shares.empty()) continue;
+		for (int node : wallNodes(grid, region)) {
+			if (isPrescribed_[node]) continue;
+			isPrescribed_[node] = touched[node] = 1;
+			if (wall) touched[node - inward] = touched[node + inward] = 1;
+			walls_ = walls_ || wall;
+			prescribed_.push_back({ node, wall ? node - inward : -1, wall ? node + inward : -1, region.on.axis, static_cast<int>(b) });
+		}
+	}
+	for (int n = 0; n < grid.nodeCount(); ++n)
+		if (touched[n]) affected_.push_back(n);
+	wanted_.assign(prescribed_.size(), 0.0);
+	expected_.assign(prescribed_.size(), 0.0);
+	if (walls_) moments.allocate(grid.nodeCount());
+}
+
+template <int D> void HeatTransfer<D>::limitShares(int first, int count)
+{
+	double* const       limited  = share + first;
+	const double* const sensible = heatCapacity + first;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		limited[k] = std::min(std::max(limited[k], sensible[k]), largestShare * sensible[k]);
+}
+
+template <int D>
+bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const
+{
+	if (settings->source != 0.0) return false;
+	for (const auto& b : boundaries) {
+		if (b->prescribesTemperature() && b->temperature(time) != reference) return false;
+		if (!b->heats()) continue;
+		const SurfaceHeat heat = b->heat(time);
+		if (heat.flux != 0.0 || ((heat.atSurface || heat.coefficient != 0.0) && heat.ambient != reference)) return false;
+	}
+	for (int p = 0; p < points; ++p)
+		if (temperature[p] != reference) return false;
+	return true;
+}
+
+template <int D> void HeatTransfer<D>::rest(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			mapped[i][0] = reference;
+	});
+}
+
+template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+{
+	if (walls_) mapMoments(grid, w);
+	if (carried_) return;
+	if constexpr (D == 2) {
+		double values[2][blockSize];
+		for (int k = 0; k < w.count; ++k) {
+			values[0][k] = share[w.first + k];
+			values[1][k] = share[w.first + k] * (temperature[w.first + k] - reference);
+		}
+		planeLoops().mapTwo(w, values, nodes[0]);
+		return;
+	}
+	for (int k = 0; k < w.count; ++k) {
+		const double c  = share[w.first + k];
+		const double ct = c * (temperature[w.first + k] - reference);
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			double* r = nodes[node];
+			r[0] += s * c;
+			r[1] += s * ct;
+		});
+	}
+}
+
+template <int D> void HeatTransfer<D>::mapMoments(const Grid<D>& grid, const WeightBlock<D>& w)
+{
+	for (int k = 0; k < w.count; ++k) {
+		Vec<D> cx;
+		for (int a = 0; a < D; ++a)
+			cx[a] = share[w.first + k] * position_[a][w.first + k];
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int a = 0; a < D; ++a)
+				moments[node][a] += s * cx[a];
+		});
+	}
+}
+
+template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid)
+{
+	// The ground continues behind the wall as its mirror image with temperature 2 T_wall - T: the node in front of the wall
+	// then averages over both, and the mean sits where the node is.
+	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+		const TemperatureNode& n = prescribed_[k];
+		if (n.ghost < 0) continue;
+		const double wall  = grid.nodePosition(n.axis, grid.nodeOf(n.node)[n.axis]);
+		double*      ghost = nodes[n.ghost];
+		double*      inner = nodes[n.inner];
+		for (int a = 0; a < D; ++a) {
+			double& moment = moments[n.ghost][a];
+			moments[n.inner][a] += a == n.axis ? 2.0 * wall * ghost[0] - moment : moment;
+			moment = 0.0;
+		}
+		inner[0] += ghost[0];
+		inner[1] += 2.0 * wanted_[k] * ghost[0] - ghost[1];
+		ghost[0] = ghost[1] = 0.0;
+	}
+}
+
+template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, double dt)
+{
+	const double h = grid.spacing();
+	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+		const TemperatureNode& n = prescribed_[k];
+		expected_[k]             = wanted_[k];
+		if (!(nodes[n.node][0] > 0.0)) continue;
+		nodal[n.node][0] = wanted_[k];
+		if (n.ghost < 0 || isPrescribed_[n.inner] || !(nodes[n.inner][0] > 0.0)) continue;
+		// points lie in front of the wall, not on it: their mean is off the wall temperature by the gradient
+		const double wall     = grid.nodePosition(n.axis, grid.nodeOf(n.node)[n.axis]);
+		const double distance = std::abs(moments[n.inner][n.axis] / nodes[n.inner][0] - wall);
+		const double ahead    = std::abs(moments[n.node][n.axis] / nodes[n.node][0] - wall);
+		if (distance < 0.5 * h || ahead > h) continue;
+		const double gradient = (nodal[n.inner][0] - wanted_[k]) / distance;
+		// away from the wall's temperature no faster than what the grid does not see dies out: irregular points would drive each
+		// other up, step by step, however short the steps
+		const double mean     = nodes[n.node][1] / nodes[n.node][0];
+		const double farthest = mean + (mean - wanted_[k]) * smoothing(dt);
+		expected_[k]      = std::clamp(wanted_[k] + gradient * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
+		nodal[n.inner][0]     = wanted_[k] + gradient * h;
+	}
+	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
+		if (n->ghost >= 0) nodal[n->ghost][0] = 2.0 * nodal[n->node][0] - nodal[n->inner][0];
+}
+
+template <int D>
+void HeatTransfer<D>::nodalTemperature(
+        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double* r = nodes[i];
+			capacity[i][0]  = r[0];
+			nodal[i][0]     = r[0] > 0.0 ? r[1] / r[0] : 0.0;
+			mapped[i][0]    = reference + nodal[i][0];
+			energy[i][0]    = 0.0;
+			noise[i][0]     = 0.0;
+		}
+	});
+	for (std::size_t k = 0; k < prescribed_.size(); ++k)
+		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time) - reference;
+	for (HeldNode& n : held_)
+		n.wanted = boundaries[n.boundary]->temperature(time) - reference;
+	mirrorWalls(grid);
+	for (int i : affected_)
+		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
+	prescribe(grid, dt);
+}
+
+template <int D> PlaneLoops::HeatFlow HeatTransfer<D>::flow(double dt) const
+{
+	const double scaled = dt * scale;
+	return { volume, conductivity, share, temperature, scaled, scaled * settings->source, reference };
+}
+
+template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
+{
+	if constexpr (D == 2) {
+		planeLoops().flowHeat(w, flow(dt), nodal[0], energy[0]);
+		return;
+	}
+	const double scaled = dt * scale;
+	const double source = scaled * settings->source;
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		Vec<D>    slope {};
+		double    ofGrid = 0.0;
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+			const double t = nodal[node][0];
+			for (int i = 0; i < D; ++i)
+				slope[i] += g[i] * t;
+			ofGrid += s * t;
+		});
+		const double conductance = -volume[p] * conductivity[p] * scaled;
+		const double produced    = volume[p] * source;
+		const double unseen      = share[p] * (ofGrid - (temperature[p] - reference));
+		for (int i = 0; i < D; ++i)
+			slope[i] *= conductance;
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+			double e = s * produced;
+			for (int i = 0; i < D; ++i)
+				e += g[i] * slope[i];
+			energy[node][0] += e;
+			noise[node][0] += s * unseen;
+		});
+	}
+}
+
+template <int D>
+void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
+{
+	for (const SurfaceNode<D>& n : patch.nodes) {
+		const double capacity = nodes[n.node][0];
+		if (capacity <= 0.0) continue;
+		double area = 0.0;
+		for (int i = 0; i < D; ++i)
+			area += n.area[i] * n.area[i];
+		area = std::sqrt(area);
+		// resistance of a quarter of a cell between the surface and the node that stands for it, that of the air in series
+		const double ground      = 4.0 * surface.conductivity(n.node) / spacing;
+		const double coefficient = scale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));
+		const double predicted   = mapped[n.node][0] + energy[n.node][0] / capacity;
+		const double conductance = dt * coefficient * area;
+		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + dt * scale * heat.flux * area;
+		energy[n.node][0] += gained;
+		heatIn += gained;
+	}
+}
+
+template <int D> void HeatTransfer<D>::hold(double dt)
+{
+	for (const HeldNode& n : held_) {
+		if (!(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
+		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
+		const double taken     = n.rate * scale * dt / diffusionTime_;
+		const double gained    = nodes[n.node][0] * (n.wanted - predicted) * taken / (1.0 + taken);
+		energy[n.node][0] += gained;
+		heatIn += gained;
+	}
+}
+
+template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, double dt)
+{
+	hold(dt);
+	double conducted = 0.0;
+	for (int i : affected_)
+		conducted += energy[i][0];
+	for (const TemperatureNode& n : prescribed_) {
+		if (n.ghost < 0) continue;
+		energy[n.inner][0] -= energy[n.ghost][0];
+		energy[n.ghost][0] = 0.0;
+	}
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			rise[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0;
+	});
+	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+		const int node = prescribed_[k].node;
+		if (nodes[node][0] > 0.0) rise[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
+	}
+	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
+		if (n->ghost >= 0) rise[n->ghost][0] = 2.0 * rise[n->node][0] - rise[n->inner][0];
+	double received = 0.0;
+	for (int i : affected_)
+		received += capacity[i][0] * rise[i][0];
+	heatIn += received - conducted;
+
+	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
+	// the gradient at a wall and the sum of C T stay
+	smoothed_        = smoothing(dt);
+	const double chi = smoothed_;
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			if (capacity[i][0] > 0.0) rise[i][0] += chi * (nodal[i][0] - noise[i][0] / capacity[i][0]);
+	});
+}
+
+template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained)
+{
+	double sums[blockSize];
+	if (!gained) {
+		gained = sums;
+		if constexpr (D == 2) planeLoops().gatherScalar(w, rise[0], sums);
+		else
+			for (int k = 0; k < w.count; ++k) {
+				sums[k] = 0.0;
+				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { sums[k] += s * rise[node][0]; });
+			}
+	}
+	warm(w.first, w.count, gained);
+}
+
+template <int D> void HeatTransfer<D>::warm(int first, int count, const double* gained)
+{
+	const double        smoothed = smoothed_, from = reference;
+	double* const       h        = enthalpy + first;
+	const double* const weight   = share + first;
+	const double* const t        = temperature + first;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		h[k] += weight[k] * (gained[k] - smoothed * (t[k] - from));
+}
+
+template class HeatTransfer<2>;
+template class HeatTransfer<3>;
+
+} // namespace talik

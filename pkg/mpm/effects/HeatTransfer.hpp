@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
+
+#include <cmath>
+#include <vector>
+
+namespace talik {
+
+template <int D> class PoreWater;
+template <int D> class SolidMotion;
+
+/// Heat: enthalpy on the points, conduction on the nodes. Nodal heat is handed to the points by partition weights, so that the
+/// sum over points changes by exactly what boundaries and sources supply.
+template <int D> class HeatTransfer {
+public:
+	HeatTransfer(PointFields& fields, const HeatSettings& settings, bool freezing);
+	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
+	/// In 2-D nodal numbers lie in the records of other effects (null: absent), so that one pass serves all. Call when all are bound.
+	void shareRecords(SolidMotion<D>* motion, PoreWater<D>* water);
+
+	/// Collects the nodes with prescribed temperature.
+	void constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
+
+	/// Fixes the smoothing time from the state of the points, if the settings leave it open.
+	void chooseSmoothing(const Grid<D>& grid, int points);
+
+	/// Shares of count points from first on, which hold dH/dT, are kept between the sensible capacity and three times that.
+	TALIK_PROCESSOR_VERSIONS void limitShares(int first, int count);
+	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
+	/// nothing, and its heat may rest without a bit being different.
+	void setReference(int place) { reference = temperature[place]; }
+	/// True if nothing would change in a step that ends at time: one temperature at all points and boundaries, no source, no flux.
+	bool hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const;
+	/// What a step without anything to do leaves on the nodes for others.
+	void rest(const ActiveRange& range);
+
+	/// Prepares nodes [first, last) for mapping.
+	void clear(int first, int last)
+	{
+		nodes.clear(first, last);
+		if (walls_) moments.clear(first, last);
+	}
+	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
+	void map(const Grid<D>& grid, const WeightBlock<D>& w);
+	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
+	void nodalTemperature(const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
+	/// Shares, for motion to map along with the temperature, or null.
+	const double* carriedShare() const { return carried_ ? share : nullptr; }
+	/// Conduction of a step as the plane loops see it.
+	PlaneLoops::HeatFlow flow(double dt) const;
+	/// Adds the heat that conduction and sources bring to the nodes in dt.
+	void conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
+	/// Heat of a surface patch, implicit in the temperature of each node.
+	void exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
+	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
+	/// that points receive.
+	void finishNodes(const ActiveRange& range, double dt);
+	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained = nullptr);
+
+	const HeatSettings* settings;
+	double *enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
+	double* share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
+
+	double scale     = 1.0; ///< calendar time per time of motion in this step [-]
+	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
+
+	NodeField<2> nodes;    ///< C, C (T - T_r); near walls those of the ground and its mirror image
+	NodeField<1> capacity; ///< C of the ground alone
+	NodeField<1> mapped;   ///< T_I from the points, absolute
+	NodeField<1> nodal;    ///< T_I - T_r whose gradient conducts: prescribed at walls
+	NodeField<1> energy;   ///< Delta E_I [J]
+	NodeField<1> noise;    ///< sum S C (T of the grid at the point - T of the point)
+	NodeField<1> rise;     ///< what points receive: Delta E_I/C_I and smoothing
+	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
+
+	double heatIn        = 0.0; ///< through boundaries and from sources since the start [J]
+	double smoothingTime = 0.0; ///< in use [s of calendar time]
+
+private:
+	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
+	void                        mirrorWalls(const Grid<D>& grid);
+	void                        prescribe(const Grid<D>& grid, double dt);
+	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
+	void                        hold(double dt);
+	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
+	double                      smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
+
+	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
+	std::vector<TemperatureNode> prescribed_;
+	std::vector<char>            isPrescribed_;
+	struct HeldNode {
+		int    node;
+		double rate; ///< at which it takes the temperature, times diffusionTime_ [-]
+		int    boundary;
+		double wanted; ///< T - T_r [K]
+	};
+	std::vector<HeldNode>        held_;
+	double                       diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
+	std::vector<int>             affected_; ///< nodes whose heat the prescribed temperatures change
+	std::vector<double>          wanted_;   ///< temperature of each prescribed node
+	std::vector<double>          expected_; ///< mean temperature of the points around it that goes with this wall temperature
+	std::array<double*, D>       position_ {};
+	NodeField<2>                 received_; ///< energy and noise in one record, in 2-D without water
+	double                       smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
+	bool                         walls_ = false, carried_ = false;
+};
+
+extern template class HeatTransfer<2>;
+extern template class HeatTransfer<3>;
+
+} // namespace talik

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawFront.hpp>
+
+#include <vector>
+
+namespace talik {
+
+struct PhaseAccelerations {
+	double solid, liquid; ///< [m/s^2]
+};
+
+/// Accelerations of one node with the drag between the phases implicit, in any direction:
+///   M_s a_s + M_l a_l = f_m,   (M_l + dt Q) a_l - dt Q a_s = f_l - Q (v_l - v_s)
+/// Permeability then does not limit the step.
+class NodeDrag {
+public:
+	/// solidMass > 0, liquidMass >= 0 [kg], drag Q >= 0 [kg/s] (not both zero with liquidMass)
+	NodeDrag(double solidMass, double liquidMass, double drag, double dt)
+	        : liquidMass_(liquidMass)
+	        , drag_(drag)
+	        , dq_(dt * drag)
+	        , perSolid_(1.0 / solidMass)
+	        // dividing by M_s first keeps the digits when drag is many orders larger than inertia
+	        , perInertia_(1.0 / (liquidMass + dq_ * (1.0 + liquidMass * perSolid_)))
+	{
+	}
+	/// Forces [N] on mixture and liquid (without drag), velocities [m/s] at the start of the step.
+	PhaseAccelerations operator()(double solidVelocity, double liquidVelocity, double mixtureForce, double liquidForce) const
+	{
+		const double residual = liquidForce - drag_ * (liquidVelocity - solidVelocity);
+		const double liquid   = (residual + dq_ * (mixtureForce * perSolid_)) * perInertia_;
+		return { (mixtureForce - liquidMass_ * liquid) * perSolid_, liquid };
+	}
+
+private:
+	double liquidMass_, drag_, dq_, perSolid_, perInertia_;
+};
+
+/// What solving the momentum balance adds to the accounts.
+template <int D> struct MomentumAccount {
+	Vec<D> impulse {};               ///< of gravity, loads, walls and damping [N s]
+	double dragDissipation    = 0.0; ///< [J]
+	double dampingDissipation = 0.0; ///< [J]
+	double loadWork           = 0.0; ///< [J]
+	double slipWork           = 0.0; ///< [J]
+};
+
+/// Momentum balance of the nodes: gravity, surface loads, mechanical boundaries, damping and, with water, the implicit drag.
+template <int D> class MomentumSolver {
+public:
+	MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
+
+	void addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const;
+	/// traction of a boundary on its nodes; remembered for the account of work.
+	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
+	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With account the works are summed.
+	void solve(
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account);
+	/// Ghost nodes and their images, in the order in which they are folded.
+	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
+	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
+	const std::vector<int>& freeLiquid() const { return freeLiquid_; }
+
+private:
+	struct Load {
+		int    node;
+		Vec<D> force;
+	};
+	struct WallRecord {
+		double solidMass, liquidMass;
+		Vec<D> momentumLeft, force;
+	};
+	void rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
+	void fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
+	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
+	void constrainDry(SolidMotion<D>& motion) const;
+	void constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
+	void unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
+	void keepAccount(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
+
+	MotionConstraints<D>    constraints_;
+	std::vector<typename MotionConstraints<D>::Mirror> mirrors_; ///< those whose liquid is held first
+	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
+	std::vector<int>        freeLiquid_;
+	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
+	std::vector<char>       isWall_;
+	std::vector<WallRecord> walls_;
+	std::vector<Load>       loads_;
+	std::vector<double>     partial_;
+	NodeField<D>            damping_; ///< force of local damping; allocated when damping is used
+};
+
+extern template class MomentumSolver<2>;
+extern template class MomentumSolver<3>;
+
+} // namespace talik

@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/PoreContent.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace talik {
+
+namespace {
+	// Pore space below this fraction of the volume means that the ground was crushed, not that it is dense.
+	constexpr double smallestPorosity = 1e-3;
+} // namespace
+
+/// Some consecutive points with what is known only during an update.
+template <int D> struct PoreContent<D>::Block {
+	int    first, count;
+	double temperature[blockSize];
+	double temperatureBefore[blockSize];
+	double poreVolume[blockSize];
+	double liquidSaturation[blockSize];
+	double saturationBefore[blockSize];
+	double iceBefore[blockSize];
+	double ice[blockSize];
+	double capacity[blockSize];
+};
+
+template <int D>
+PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settings)
+        : settings_(&settings)
+        , enthalpyModel_(
+                  settings.mixture,
+                  settings.freezing,
+                  settings.heat ? settings.heat->enthalpyForm : EnthalpyForm::stateFunction,
+                  settings.heat ? settings.heat->latentDensity : LatentDensity::ice)
+{
+	solidMass_ = fields.declare("solidMass", "poreContent", "kg", 1);
+	waterMass_ = fields.declare("waterMass", "poreContent", "kg", 1);
+	porosity_  = fields.declare("porosity", "poreContent", "-", 1);
+	if (settings.freezing) {
+		iceMass_       = fields.declare("iceMass", "freezing", "kg", 1);
+		iceSaturation_ = fields.declare("iceSaturation", "freezing", "-", 1);
+	}
+	if (settings.water && settings.water->state.massCoefficient == MassCoefficient::printed) {
+		lastVolumeField_ = fields.declare("lastVolume", "water", "m^D", 1);
+		lastWaterField_  = fields.declare("lastWaterMass", "water", "kg", 1);
+	}
+}
+
+template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points, SolidMotion<D>* motion, HeatTransfer<D>* heat, PoreWater<D>* water)
+{
+	PointFields& f = points.fields();
+	solidMass      = f.component(solidMass_);
+	waterMass      = f.component(waterMass_);
+	porosity       = f.component(porosity_);
+	iceMass        = f.component(iceMass_);
+	iceSaturation  = f.component(iceSaturation_);
+	lastVolume_    = f.component(lastVolumeField_);
+	lastWater_     = f.component(lastWaterField_);
+	volume_        = points.volume();
+	motion_        = motion;
+	heat_          = heat;
+	water_         = water;
+}
+
+template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill)
+{
+	const MixtureProperties& mixture = settings_->mixture;
+	const double t   = heat_ ? givenTemperature : mixture.referenceTemperature;
+	const double sl  = enthalpyModel_.curve().liquidSaturation(t);
+	const double vp  = givenPorosity * volume_[p];
+	const PoreWaterState state = settings_->water ? settings_->water->state : PoreWaterState {};
+
+	porosity[p]  = givenPorosity;
+	solidMass[p] = (volume_[p] - vp) * mixture.densityAt(mixture.solid, t);
+	waterMass[p] = poreFill * state.waterMass(mixture, settings_->water ? pressure : 0.0, sl, vp, t);
+
+	const ThermalState thermal = enthalpyModel_.stateAt({ solidMass[p], waterMass[p], vp }, t);
+	if (heat_) {
+		heat_->temperature[p]  = t;
+		heat_->enthalpy[p]     = enthalpyModel_.enthalpy({ solidMass[p], waterMass[p], vp }, t);
+		heat_->heatCapacity[p] = thermal.heatCapacity;
+	}
+	if (iceMass) {
+		iceMass[p]       = thermal.iceMass;
+		iceSaturation[p] = 1.0 - thermal.liquidSaturation;
+	}
+	if (water_) {
+		water_->pressure[p]       = pressure;
+		water_->liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
+	}
+	if (lastVolume_) {
+		lastVolume_[p] = volume_[p];
+		lastWater_[p]  = waterMass[p];
+	}
+	if (motion_) motion_->mass[p] = solidMass[p] + (water_ ? thermal.iceMass : waterMass[p]);
+}
+
+template <int D> void PoreContent<D>::load(Block& b) const
+{
+	if (heat_) std::copy_n(heat_->temperature + b.first, b.count, b.temperature);
+	else
+		std::fill_n(b.temperature, b.count, settings_->mixture.referenceTemperature);
+	if (iceMass) {
+		std::copy_n(iceMass + b.first, b.count, b.ice);
+		for (int k = 0; k < b.count; ++k)
+			b.liquidSaturation[k] = 1.0 - iceSaturation[b.first + k];
+	} else {
+		std::fill_n(b.ice, b.count, 0.0);
+		std::fill_n(b.liquidSaturation, b.count, 1.0);
+	}
+	std::copy_n(b.temperature, b.count, b.temperatureBefore);
+	std::copy_n(b.ice, b.count, b.iceBefore);
+	std::copy_n(b.liquidSaturation, b.count, b.saturationBefore);
+}
+
+// Loops over points hold constants by value and fields, which never overlap, by pointers of their own: only then are they vectors.
+
+template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
+{
+	const MixtureProperties m      = settings_->mixture;
+	const double* const     volume = volume_ + b.first;
+	const double* const     solid  = solidMass + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		b.poreVolume[k] = volume[k] - solid[k] / m.densityAt(m.solid, b.temperature[k]);
+}
+
+template <int D> void PoreContent<D>::solveTemperature(Block& b) const
+{
+	EnthalpyBatch batch;
+	batch.count            = b.count;
+	batch.enthalpy         = heat_->enthalpy + b.first;
+	batch.solidMass        = solidMass + b.first;
+	batch.waterMass        = waterMass + b.first;
+	batch.poreVolume       = b.poreVolume;
+	batch.temperature      = b.temperature;
+	batch.liquidSaturation = b.liquidSaturation;
+	batch.iceMass          = b.ice;
+	batch.heatCapacity     = heat_->heatCapacity + b.first;
+	batch.apparentCapacity = iceMass ? heat_->share + b.first : nullptr;
+	enthalpyModel_.temperatures(batch);
+	if (iceMass) heat_->limitShares(b.first, b.count);
+}
+
+template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const
+{
+	int          changes = 0;
+	const double* const solidMass_ = solidMass + b.first;
+	const double* const waterMass_ = waterMass + b.first;
+	double* const       mass       = motion_->mass + b.first;
+	for (int k = 0; k < b.count; ++k)
+		changes |= b.iceBefore[k] != b.ice[k];
+	if (!changes) return;
+	double liquidShare[blockSize], solidShare[blockSize];
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k) {
+		const double melt     = b.iceBefore[k] - b.ice[k];
+		const double toLiquid = std::max(melt, 0.0), toSolid = std::max(-melt, 0.0);
+		liquidShare[k]        = toLiquid / (waterMass_[k] - b.iceBefore[k] + toLiquid);
+		solidShare[k]         = toSolid / (solidMass_[k] + b.iceBefore[k] + toSolid);
+		mass[k]               = solidMass_[k] + b.ice[k];
+	}
+	for (int i = 0; i < D; ++i) {
+		double* const liquid = water_->velocity[i] + b.first;
+		double* const solid  = motion_->velocity[i] + b.first;
+#pragma GCC ivdep
+		for (int k = 0; k < b.count; ++k) {
+			const double w = liquid[k] - solid[k];
+			liquid[k] -= liquidShare[k] * w;
+			solid[k] += solidShare[k] * w;
+		}
+	}
+}
+
+template <int D> void PoreContent<D>::updatePressure(const Block& b) const
+{
+	const MixtureProperties m     = settings_->mixture;
+	const PoreWaterState    state = settings_->water->state;
+	const double* const     water = waterMass + b.first;
+	double* const           pressure = water_->pressure + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		pressure[k] = state.pressure(m, water[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
+}
+
+template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
+{
+	const MixtureProperties m     = settings_->mixture;
+	const PoreWaterState    state = settings_->water->state;
+	const double* const     water = waterMass + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k) {
+		const PoreFill f = state.fill(m, water[k] - b.ice[k], b.ice[k], b.temperature[k]);
+		excess[k]        = f.volume - b.poreVolume[k];
+		compliance[k]    = f.compliance;
+	}
+}
+
+template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells) const
+{
+	double excess[blockSize], compliance[blockSize];
+	findFill(b, excess, compliance);
+	for (int k = 0; k < b.count; ++k)
+		water_->addFill(cells.cell(b.first + k), excess[k], compliance[k]);
+}
+
+template <int D> void PoreContent<D>::updatePressureRate(const Block& b) const
+{
+	const MixtureProperties& m     = settings_->mixture;
+	const PoreWaterState&    state = settings_->water->state;
+	for (int k = 0; k < b.count; ++k) {
+		const int    p      = b.first + k;
+		const double n      = porosity[p];
+		const double zeta   = state.densityChange ? m.densityDeficit(b.temperature[k]) : 0.0;
+		const double strain = volume_[p] / lastVolume_[p] - 1.0;
+		const double inflow = (waterMass[p] - lastWater_[p]) / (m.liquid.density * volume_[p]);
+		// secant of the freezing curve: its derivative would miss what melts within the step
+		const double freed = zeta * n * (b.liquidSaturation[k] - b.saturationBefore[k])
+		        - m.expansivity(n, b.liquidSaturation[k], b.temperature[k]) * (b.temperature[k] - b.temperatureBefore[k]);
+		const PressureCoefficients c      = state.coefficients(m, { n, b.liquidSaturation[k], 0.0, b.temperature[k] });
+		const double               change = -(freed + c.undrained() * strain - inflow) / c.storage;
+		water_->pressure[p]               = std::max(water_->pressure[p] + change, state.cavitationPressure);
+		lastVolume_[p]                    = volume_[p];
+		lastWater_[p]                     = waterMass[p];
+	}
+}
+
+template <int D> void PoreContent<D>::updateCoefficients(const Block& b) const
+{
+	updatePorosity(b);
+	if (heat_) updateConductivity(b);
+	if (iceMass) updateIce(b);
+	if (water_) updateDrag(b);
+}
+
+template <int D> void PoreContent<D>::updatePorosity(const Block& b) const
+{
+	const double* const volume = volume_ + b.first;
+	double* const       n      = porosity + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		n[k] = b.poreVolume[k] / volume[k];
+}
+
+template <int D> void PoreContent<D>::updateConductivity(const Block& b) const
+{
+	const MixtureProperties m = settings_->mixture;
+	const double* const     n = porosity + b.first;
+	double* const           kappa = heat_->conductivity + b.first;
+	if (m.conductivityMean == ConductivityMean::arithmetic) {
+#pragma GCC ivdep
+		for (int k = 0; k < b.count; ++k)
+			kappa[k] = m.arithmeticConductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
+		return;
+	}
+	for (int k = 0; k < b.count; ++k)
+		kappa[k] = m.conductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
+}
+
+template <int D> void PoreContent<D>::updateIce(const Block& b) const
+{
+	double* const saturation = iceSaturation + b.first;
+	std::copy_n(b.ice, b.count, iceMass + b.first);
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		saturation[k] = 1.0 - b.liquidSaturation[k];
+}
+
+/// Where water has left a gap, less of it flows, and through narrower ways: conductivity falls with the cube of the fill (Corey). Ground
+/// that drains then runs dry ever more slowly, and nothing flows that is not there.
+template <int D> void PoreContent<D>::updateDrag(const Block& b) const
+{
+	Permeability        law   = settings_->water->permeability;
+	law.hydraulicTimeScale *= water_->scale;
+	const double        perDensity = 1.0 / settings_->mixture.liquid.density, floor = law.floor;
+	const double* const water  = waterMass + b.first;
+	const double* const n      = porosity + b.first;
+	const double* const volume = volume_ + b.first;
+	double* const       liquidFraction = water_->liquidFraction + b.first;
+	double* const       drag           = water_->drag + b.first;
+	double              open[blockSize];
+	// that of the mass that moves: from n S_l, which it is in full pores with density change, seepage would carry another mass than
+	// weight and pressure act on
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k) {
+		liquidFraction[k] = (water[k] - b.ice[k]) * perDensity / volume[k];
+		const double fill = std::min(1.0, liquidFraction[k] / (n[k] * b.liquidSaturation[k]));
+		open[k]           = std::max(floor, fill * fill * fill);
+	}
+	if (law.law == RelativeConductivity::impedance) {
+#pragma GCC ivdep
+		for (int k = 0; k < b.count; ++k)
+			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.impededConductivity(n[k], b.liquidSaturation[k]));
+		return;
+	}
+	for (int k = 0; k < b.count; ++k)
+		drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
+}
+
+template <int D> bool PoreContent<D>::allPossible(const Block& b) const
+{
+	const double* const volume = volume_ + b.first;
+	const double* const water  = waterMass + b.first;
+	const double        least  = water_ ? 0.0 : -std::numeric_limits<double>::infinity();
+	int                 bad    = 0;
+	for (int k = 0; k < b.count; ++k) {
+		const bool hasPores = b.poreVolume[k] >= smallestPorosity * volume[k];
+		const bool hasState = std::abs(b.temperature[k]) <= std::numeric_limits<double>::max() && water[k] - b.ice[k] > least;
+		bad |= !(hasPores & hasState);
+	}
+	return !bad;
+}
+
+template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
+{
+	if (allPossible(b)) return b.first + b.count;
+	Block one;
+	one.count = 1;
+	for (int k = 0; k < b.count; ++k) {
+		one.first          = b.first + k;
+		one.poreVolume[0]  = b.poreVolume[k];
+		one.temperature[0] = b.temperature[k];
+		one.ice[0]         = b.ice[k];
+		if (!allPossible(one)) return one.first;
+	}
+	return b.first + b.count;
+}
+
+template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells) const
+{
+	std::array<double, CostMeter::entries> unused {};
+	CostMeter::Sample                      sample(unused);
+	return update(first, last, cells, sample);
+}
+
+template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const
+{
+	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : heat_ ? CostMeter::heat : CostMeter::water;
+	for (int start = first; start < last; start += blockSize) {
+		sample.beginBlock();
+		Block b;
+		b.first = start;
+		b.count = std::min(blockSize, last - start);
+		load(b);
+		findPoreVolume(b);
+		if (heat_) solveTemperature(b);
+		const int bad = firstImpossible(b);
+		if (bad < start + b.count) return bad;
+		if (heat_) {
+			std::copy_n(b.temperature, b.count, heat_->temperature + start);
+			findPoreVolume(b);
+			if (iceMass && water_) exchangePhaseMomentum(b);
+		}
+		sample.lap(thermal);
+		updateCoefficients(b);
+		if (!water_) {
+			sample.lap(CostMeter::heat);
+			continue;
+		}
+		if (lastVolume_) updatePressureRate(b);
+		else if (cells)
+			collectPressure(b, *cells);
+		else
+			updatePressure(b);
+		sample.lap(CostMeter::water);
+	}
+	return last;
+}
+
+template <int D> std::string PoreContent<D>::complaint(int p) const
+{
+	const MixtureProperties& m = settings_->mixture;
+	std::ostringstream       text;
+	const double             t    = heat_ ? heat_->temperature[p] : m.referenceTemperature;
+	const double             pore = volume_[p] - solidMass[p] / m.densityAt(m.solid, t);
+	text << "volume " << volume_[p] << ", porosity " << pore / volume_[p] << ", water mass " << waterMass[p] << " kg";
+	if (iceMass) text << ", ice mass " << iceMass[p] << " kg";
+	if (heat_) text << ", enthalpy " << heat_->enthalpy[p] << " J, temperature " << t << " degC";
+	if (!(pore >= smallestPorosity * volume_[p])) text << ": the pores are crushed; use a stiffer skeleton or a smaller time step";
+	else
+		text << ": no possible state; use a smaller time step";
+	return text.str();
+}
+
+template class PoreContent<2>;
+template class PoreContent<3>;
+
+} // namespace talik

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/CostMeter.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
+
+namespace talik {
+
+template <int D> class CellMeans;
+template <int D> class HeatTransfer;
+template <int D> class PoreWater;
+template <int D> class SolidMotion;
+
+/// What fills the ground: grains, water and ice as masses, and the state that follows from them, the volume and the enthalpy:
+/// porosity, temperature, ice saturation, pore pressure, heat capacity, conductivity and drag.
+template <int D> class PoreContent {
+public:
+	PoreContent(PointFields& fields, const GroundSettings<D>& settings);
+	void bind(MaterialPoints<D>& points, SolidMotion<D>* motion, HeatTransfer<D>* heat, PoreWater<D>* water);
+
+	/// Masses and enthalpy of a point of given porosity, temperature and pressure; its derived state follows from update().
+	void fill(int place, double porosity, double temperature, double pressure, double poreFill);
+
+	/// State of points first .. last after their volume, water mass and enthalpy changed. Returns the place of the first point in
+	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
+	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
+	/// PoreWater::shareCellPressure (call within MaterialPoints::strips().scatter).
+	/// sample: of the time that each effect takes.
+	int update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const;
+	int update(int first, int last, const CellMeans<D>* cells = nullptr) const;
+	/// Why a point is in an impossible state.
+	std::string complaint(int place) const;
+
+	const EnthalpyModel& enthalpyModel() const { return enthalpyModel_; }
+
+	double *solidMass, *waterMass, *porosity;
+	double* iceMass       = nullptr; ///< nullptr without freezing
+	double* iceSaturation = nullptr;
+
+private:
+	struct Block;
+	void load(Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
+	void solveTemperature(Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b) const;
+	void collectPressure(const Block& b, const CellMeans<D>& cells) const;
+	TALIK_PROCESSOR_VERSIONS void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
+	void updatePressureRate(const Block& b) const;
+	void updateCoefficients(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updatePorosity(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updateIce(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b) const;
+	TALIK_PROCESSOR_VERSIONS bool allPossible(const Block& b) const;
+	int  firstImpossible(const Block& b) const;
+
+	const GroundSettings<D>* settings_;
+	EnthalpyModel            enthalpyModel_;
+	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
+	SolidMotion<D>*          motion_ = nullptr;
+	HeatTransfer<D>*         heat_   = nullptr;
+	PoreWater<D>*            water_  = nullptr;
+	double*                  volume_     = nullptr;
+	double*                  lastVolume_ = nullptr; ///< of the last update, in the rate form of pressure only
+	double*                  lastWater_  = nullptr;
+};
+
+extern template class PoreContent<2>;
+extern template class PoreContent<3>;
+
+} // namespace talik

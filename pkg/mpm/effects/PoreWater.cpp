@@ -1,0 +1,528 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+namespace {
+	/// Part of its liquid that a cell gives away in a step at most.
+	constexpr double largestLoss = 0.5;
+} // namespace
+
+template <int D>
+PoreWater<D>::PoreWater(PointFields& fields, const WaterSettings& water)
+        : settings(&water)
+{
+	velocity_       = fields.declare("liquidVelocity", "water", "m/s", D);
+	pressure_       = fields.declare("pressure", "water", "Pa", 1);
+	liquidFraction_ = fields.declare("liquidFraction", "water", "-", 1);
+	drag_           = fields.declare("drag", "water", "kg/s", 1);
+}
+
+template <int D>
+void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass)
+{
+	PointFields& f = points.fields();
+	for (int i = 0; i < D; ++i)
+		velocity[i] = f.component(velocity_, i);
+	pressure       = f.component(pressure_);
+	liquidFraction = f.component(liquidFraction_);
+	drag           = f.component(drag_);
+	volume_        = points.volume();
+	waterMass_     = waterMass;
+	iceMass_       = iceMass;
+	temperature_   = temperature;
+	nodes.allocate(grid.nodeCount());
+	nodal.allocate(grid.nodeCount());
+	force.allocate(grid.nodeCount());
+	solved.allocate(grid.nodeCount());
+	flux.allocate(grid.nodeCount());
+	start.allocate(grid.nodeCount());
+	exchange.allocate(grid.nodeCount());
+	if constexpr (D == 2) exchange.lend(solved, exchangeSize);
+	none_.assign(blockSize, 0.0);
+}
+
+template <int D> void PoreWater<D>::allocateCells(int cells)
+{
+	cells_.assign(static_cast<std::size_t>(cells) * cellSize, 0.0);
+	if (!iceMass_) return;
+	for (auto& faces : faces_)
+		faces.assign(cells, {});
+}
+
+template <int D> void PoreWater<D>::clearCells(int first, int last)
+{
+	if (!cells_.empty()) std::fill(cellRecord(first), cellRecord(last), 0.0);
+}
+
+template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int first, int last)
+{
+	for (int p = first; p < last; ++p) {
+		double*      r = cellRecord(cells.cell(p));
+		const double m = liquidMass(p);
+		r[0] += m;
+		r[1] += m * pressure[p];
+		if (!iceMass_) continue;
+		r[resistanceAt] += drag[p];
+		r[warmthAt] += m * temperature_[p];
+		for (int i = 0; i < D; ++i)
+			r[carriedAt + i] += m * velocity[i][p];
+	}
+}
+
+template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			double* r = cellRecord(c);
+			if (r[0] > 0.0) r[1] /= r[0];
+		}
+	});
+}
+
+template <int D>
+void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const
+{
+	const double* const ice    = iceMass_ ? iceMass_ + w.first : none_.data();
+	const double* const water  = waterMass_ + w.first;
+	const double* const volume = volume_ + w.first;
+	const double* const liquid = liquidFraction + w.first;
+	const double* const drags  = drag + w.first;
+	const int           count  = w.count;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double m            = water[k] - ice[k];
+		values[massAt][k]         = m;
+		values[volumeAt][k]       = volume[k];
+		values[liquidVolumeAt][k] = volume[k] * liquid[k];
+		values[pressureAt][k]     = m * driving[k];
+		values[dragAt][k]         = drags[k];
+		if constexpr (dragAt < 7) values[7][k] = 0.0;
+	}
+	for (int i = 0; i < D; ++i) {
+		const double* const v = velocity[i] + w.first;
+#pragma GCC ivdep
+		for (int k = 0; k < count; ++k)
+			values[momentumAt + i][k] = values[massAt][k] * v[k];
+	}
+}
+
+/// v = chi v + change
+template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, const double* change)
+{
+	const double  chi = kept;
+	double* const v   = velocity[axis] + first;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		v[k] = chi * v[k] + change[k];
+}
+
+template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells)
+{
+	double driving[blockSize];
+	for (int k = 0; k < w.count; ++k)
+		driving[k] = pressure[w.first + k];
+	if (cells)
+		for (int k = 0; k < w.count; ++k)
+			driving[k] = cellRecord(cells->cell(w.first + k))[1];
+	if constexpr (D == 2) {
+		double values[8][blockSize];
+		fillRecords(w, driving, values);
+		planeLoops().mapEight(w, values, nodes[0]);
+		return;
+	}
+	for (int k = 0; k < w.count; ++k) {
+		const int    p = w.first + k;
+		const double m = liquidMass(p);
+		Vec<D>       momentum;
+		for (int i = 0; i < D; ++i)
+			momentum[i] = m * velocity[i][p];
+		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], q = drag[p];
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			double* r = nodes[node];
+			r[massAt] += s * m;
+			for (int i = 0; i < D; ++i)
+				r[momentumAt + i] += s * momentum[i];
+			r[volumeAt] += s * v;
+			r[liquidVolumeAt] += s * vl;
+			r[pressureAt] += s * mp;
+			r[dragAt] += s * q;
+		});
+	}
+}
+
+template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double* r = nodes[i];
+			nodal[i][2]     = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
+			nodal[i][0]     = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
+			nodal[i][1]     = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
+			for (int a = 0; a < D; ++a)
+				force[i][a] = 0.0;
+			for (int a = 0; a < exchangeSize; ++a)
+				exchange[i][a] = 0.0;
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const WeightBlock<D>& w)
+{
+	if constexpr (D == 2) {
+		planeLoops().flowPressure(w, volume_, nodal[0], force[0]);
+		return;
+	}
+	for (int k = 0; k < w.count; ++k) {
+		Vec<D> slope {};
+		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
+			const double p = nodal[node][0];
+			for (int i = 0; i < D; ++i)
+				slope[i] += g[i] * p;
+		});
+		for (int i = 0; i < D; ++i)
+			slope[i] *= volume_[w.first + k];
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < D; ++i)
+				force[node][i] += s * slope[i];
+		});
+	}
+}
+
+template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range, const Vec<D>& gravity)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a)
+				force[i][a] = nodes[i][massAt] * gravity[a] - nodal[i][1] * force[i][a];
+	});
+}
+
+template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, double outside)
+{
+	for (const SurfaceNode<D>& n : patch.nodes)
+		for (int a = 0; a < D; ++a)
+			force[n.node][a] += nodal[n.node][1] * (nodal[n.node][0] - outside) * n.area[a];
+}
+
+template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
+{
+	for (int i = range.firstNode; i < range.lastNode; ++i)
+		for (int a = 0; a < D; ++a)
+			if (flux[i][a] != 0.0) return true;
+	return false;
+}
+
+template <int D>
+void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+{
+	if constexpr (D == 2) {
+		const double slope = enthalpy ? enthalpy->properties().liquid.specificHeat : 0.0;
+		planeLoops().seep(
+		        w,
+		        { flux[0],
+		          volume_,
+		          { velocity[0], velocity[1] },
+		          enthalpy ? temperature_ : nullptr,
+		          dt * liquidDensity,
+		          slope,
+		          enthalpy ? enthalpy->liquidEnthalpy(0.0) : 0.0,
+		          exchange[0] });
+		return;
+	}
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		Vec<D>    q {};
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < D; ++i)
+				q[i] += s * flux[node][i];
+		});
+		const double scale = dt * liquidDensity * volume_[p];
+		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature_[p]) : 0.0;
+		Vec<D>       v;
+		for (int i = 0; i < D; ++i) {
+			q[i] *= scale;
+			v[i] = velocity[i][p];
+		}
+		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
+			double m = 0.0;
+			for (int i = 0; i < D; ++i)
+				m += g[i] * q[i];
+			double* r = exchange[node];
+			r[0] += m;
+			r[1] += heat * m;
+			for (int i = 0; i < D; ++i)
+				r[2 + i] += v[i] * m;
+		});
+	}
+}
+
+template <int D>
+void PoreWater<D>::drain(
+        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature)
+{
+	for (const SurfaceNode<D>& n : patch.nodes) {
+		if (nodal[n.node][2] == 0.0) continue;
+		double m = 0.0;
+		for (int a = 0; a < D; ++a)
+			m += flux[n.node][a] * n.area[a];
+		m *= dt * liquidDensity;
+		if (m < 0.0 && !recharges) continue;
+		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
+		leave(n.node, m, heat);
+	}
+}
+
+template <int D>
+void PoreWater<D>::feed(
+        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
+        const NodeField<1>* temperature)
+{
+	const double scaled = inflow * scale * dt * liquidDensity;
+	for (const SurfaceNode<D>& n : patch.nodes) {
+		if (nodal[n.node][2] == 0.0) continue;
+		double area = 0.0;
+		for (int a = 0; a < D; ++a)
+			area += n.area[a] * n.area[a];
+		const double m    = scaled * std::sqrt(area);
+		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
+		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
+		leave(n.node, -m, -heat);
+	}
+}
+
+template <int D> void PoreWater<D>::chooseLargestConductivity()
+{
+	const double given  = settings->largestConductivity;
+	largestConductivity = std::isnan(given) ? longestRest * settings->permeability.referencePorosity * Permeability::gravity : given;
+}
+
+template <int D> double PoreWater<D>::usedScale(double f) const
+{
+	const double wanted = std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale;
+	const double k = settings->permeability.referenceConductivity, largest = largestConductivity / k;
+	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
+}
+
+template <int D> void PoreWater<D>::leave(int node, double mass, double heat)
+{
+	double* r = exchange[node];
+	r[0] -= mass;
+	r[1] -= heat;
+	waterOut += mass;
+	enthalpyOut += heat;
+	for (int a = 0; a < D; ++a) {
+		const double momentum = mass * start[node][a];
+		r[2 + a] -= momentum;
+		momentumOut[a] += momentum;
+	}
+}
+
+template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			for (int a = 0; a < exchangeSize; ++a)
+				exchange[i][a] *= nodal[i][2];
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::take(int p, const double* share, double diluted, double* waterMass, double* enthalpy)
+{
+	// momentum comes with the water
+	for (int i = 0; i < D; ++i)
+		velocity[i][p] = (velocity[i][p] + share[2 + i]) * diluted;
+	const double liquid = liquidMass(p);
+	waterMass[p] += liquid * share[0];
+	if (enthalpy) enthalpy[p] += liquid * share[1];
+}
+
+template <int D>
+void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* gained)
+{
+	if constexpr (D == 2) {
+		double got[gatheredSize][blockSize];
+		planeLoops().gatherEight(w, exchange[0], got);
+		if (gained) std::copy(got[6], got[6] + w.count, gained);
+		for (int i = 0; i < 2; ++i)
+			accelerate(i, w.first, w.count, got[exchangeSize + i]);
+		for (int k = 0; k < w.count; ++k) {
+			const int p = w.first + k;
+			if (cells) {
+				double*      r      = cellRecord(cells->cell(p));
+				const double liquid = liquidMass(p);
+				for (int i = 0; i < exchangeSize; ++i)
+					r[2 + i] += liquid * got[i][k];
+			} else {
+				const double share[exchangeSize] = { got[0][k], got[1][k], got[2][k], got[3][k] };
+				take(p, share, 1.0 / (1.0 + share[0]), waterMass, enthalpy);
+			}
+		}
+		return;
+	}
+	for (int k = 0; k < w.count; ++k) {
+		const int p                 = w.first + k;
+		Vec<D>    change            = {};
+		double    got[exchangeSize] = {};
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < D; ++i)
+				change[i] += s * solved[node][i];
+			for (int i = 0; i < exchangeSize; ++i)
+				got[i] += s * exchange[node][i];
+		});
+		for (int i = 0; i < D; ++i)
+			velocity[i][p] = kept * velocity[i][p] + change[i];
+		if (cells) {
+			double*      r      = cellRecord(cells->cell(p));
+			const double liquid = liquidMass(p);
+			for (int i = 0; i < exchangeSize; ++i)
+				r[2 + i] += liquid * got[i];
+		} else
+			take(p, got, 1.0 / (1.0 + got[0]), waterMass, enthalpy);
+	}
+}
+
+template <int D>
+void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
+{
+	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
+	// k/(rho_l g) = V n_l^2/Q, with the drag Q of all that the cell holds
+	const auto mobility = [&](int c) {
+		const double* r = cellRecord(c);
+		const double  liquid = r[0] / liquidDensity;
+		return r[resistanceAt] > 0.0 ? liquid * liquid / (cells.cellVolume(c) * r[resistanceAt]) : 0.0;
+	};
+	for (int a = 0; a < D; ++a) {
+		const int stride = grid.cellStride(a);
+		range.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c) {
+				Face& face = faces_[a][c];
+				face       = {};
+				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
+				const double here = mobility(c), there = mobility(c + stride);
+				if (!(here > 0.0 && there > 0.0)) continue;
+				face.conductance = perSpacing * 2.0 * here * there / (here + there);
+				face.flow        = face.conductance * (cellRecord(c)[1] - cellRecord(c + stride)[1] + liquidDensity * gravity[a] * grid.spacing());
+			}
+		});
+	}
+}
+
+template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const
+{
+	const Face& f = faces[cell];
+	if (!(f.conductance > 0.0)) return 0.0;
+	// beyond ice, a wall or the surface the flow goes on as it is
+	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < 0.1 * f.conductance ? f.flow : faces[at].flow; };
+	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
+}
+
+template <int D>
+void PoreWater<D>::levelCells(
+        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+{
+	findFaces(grid, range, cells, gravity, liquidDensity);
+	const auto compliance = [&](int c) { return cellRecord(c)[0] / (liquidDensity * settings->state.liquidBulkModulus); };
+	range.overCells([&](int firstCell, int lastCell) {
+		for (int c = firstCell; c < lastCell; ++c) {
+			double* r = cellRecord(c);
+			if (!(r[0] > 0.0)) continue;
+			for (int a = 0; a < D; ++a) {
+				const int stride = grid.cellStride(a), at = c / stride % grid.cells(a), last = grid.cells(a) - 1;
+				for (const bool ahead : { false, true }) {
+					if (ahead ? at == last : at == 0) continue;
+					const int from = ahead ? c : c - stride, place = ahead ? at : at - 1;
+					if (from < range.firstCell || from + stride >= range.lastCell) continue;
+					const double unseen = unseenFlow(
+					        faces_[a].data(), from, stride, place == 0 || from - stride < range.firstCell,
+					        place + 1 == last || from + 2 * stride >= range.lastCell);
+					if (unseen == 0.0) continue;
+					const double least = std::min(compliance(from), compliance(from + stride));
+					const double mass  = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
+					const double* donor = cellRecord(mass > 0.0 ? from : from + stride);
+					const double  gained = ahead ? -mass : mass, share = gained / donor[0];
+					r[2] += gained;
+					if (enthalpy) r[3] += gained * enthalpy->liquidEnthalpy(donor[warmthAt] / donor[0]);
+					for (int i = 0; i < D; ++i)
+						r[4 + i] += share * donor[carriedAt + i];
+				}
+			}
+		}
+	});
+}
+
+/// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it. What it keeps counts as having come in.
+template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range)
+{
+	for (int c = range.firstCell; c < range.lastCell; ++c) {
+		double* r = cellRecord(c);
+		if (!(r[0] > 0.0) || r[2] >= -largestLoss) continue;
+		const double given = -largestLoss / r[2];
+		waterOut += r[0] * (1.0 - given) * r[2];
+		enthalpyOut += r[0] * (1.0 - given) * r[3];
+		for (int a = 0; a < D; ++a)
+			momentumOut[a] += r[0] * (1.0 - given) * r[4 + a];
+		for (int k = 0; k < exchangeSize; ++k)
+			r[2 + k] *= given;
+		r[1] = 1.0 / (1.0 + r[2]);
+	}
+}
+
+template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			double* r = cellRecord(c);
+			if (!(r[0] > 0.0)) continue;
+			const double perMass = 1.0 / r[0];
+			for (int i = 0; i < exchangeSize; ++i)
+				r[2 + i] *= perMass;
+			if (r[2] >= -largestLoss) r[1] = 1.0 / (1.0 + r[2]);
+		}
+	});
+	keepLastWater(range);
+}
+
+template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
+{
+	for (int p = first; p < last; ++p) {
+		const double* r = cellRecord(cells.cell(p));
+		take(p, r + 2, r[1], waterMass, enthalpy);
+	}
+}
+
+template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			double* r = cellRecord(c);
+			if (r[complianceAt] > 0.0) r[excessAt] = std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure);
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells, int first, int last)
+{
+	for (int p = first; p < last; ++p)
+		pressure[p] = cellRecord(cells.cell(p))[excessAt];
+}
+
+template <int D> double PoreWater<D>::seepageWork(int firstCell, int lastCell) const
+{
+	double work = 0.0;
+	for (int c = firstCell; c < lastCell; ++c) {
+		const double* r = cells_.data() + static_cast<std::size_t>(c) * cellSize;
+		if (r[0] > 0.0) work += r[excessAt] * (r[0] * r[2]);
+	}
+	return work;
+}
+
+template class PoreWater<2>;
+template class PoreWater<3>;
+
+} // namespace talik

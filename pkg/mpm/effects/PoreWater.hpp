@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Pore water with a velocity of its own. The force of its pressure and the flux of its mass are adjoint: pressure does exactly
+/// the work that the pore content receives. Mass, momentum and enthalpy that seepage moves are handed over by the same
+/// partition weights, so that none is made.
+template <int D> class PoreWater {
+public:
+	/// Record of a node: liquid mass, its momentum, volume, volume of liquid, mass times pressure, drag.
+	static constexpr int mapSize = 8;
+	static constexpr int massAt = 0, momentumAt = 1, volumeAt = 1 + D, liquidVolumeAt = 2 + D, pressureAt = 3 + D, dragAt = 4 + D;
+	/// Exchange by seepage: mass, enthalpy, momentum; first sums, then per liquid mass of the node.
+	static constexpr int exchangeSize = 2 + D;
+	/// In 2-D records are as long as the vectors of the plane loops: numbers that water has no use for are lent to heat.
+	static constexpr int nodalSize = D == 2 ? 4 : 3, forceSize = D == 2 ? 4 : D, gatheredSize = D == 2 ? 8 : exchangeSize;
+
+	PoreWater(PointFields& fields, const WaterSettings& settings);
+	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass);
+
+	/// Cell means of pressure and exchange, weighted with the liquid mass: what seeps is then as uniform within a cell as the
+	/// strain is, or points of one cell would drift apart in pressure without any force to bring them back. The mean pressure
+	/// that drives the liquid is the transpose.
+	void allocateCells(int cells);
+	void clearCells(int first, int last);
+	/// Adds pressure of points first .. last to their cells; call within MaterialPoints::strips().scatter.
+	void addPressure(const CellMeans<D>& cells, int first, int last);
+
+	/// Mean pressure of each cell, when all points were added.
+	void finishPressure(const ActiveRange& range);
+
+	/// cells null: without cell means.
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells);
+	/// Nodal pressure and liquid fraction from the mapped sums.
+	void nodalPressure(const ActiveRange& range);
+	/// Adds sum V S grad p of a block to the nodes.
+	void pressureForce(const Grid<D>& grid, const WeightBlock<D>& w);
+	/// Completes the force on the liquid: pressure, what lies outside drained surfaces, body force.
+	void liquidForce(const ActiveRange& range, const Vec<D>& gravity);
+	void drainedForce(const SurfacePatch<D>& patch, double pressure);
+	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
+	/// True unless the flux is zero at every node: then nothing seeps, and nothing is what seep() would add.
+	bool flows(const ActiveRange& range) const;
+	void seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
+	/// What leaves through a drained surface.
+	void drain(const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
+	/// What is fed through a surface, inflow [m/s] into the ground; temperature of water that enters [degC], NaN: that of the node.
+	void feed(
+	        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
+	        const NodeField<1>* temperature);
+	void finishExchange(const ActiveRange& range);
+	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
+	/// gained (2-D, may be null): sum S of the number of the record that heat borrows.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* gained = nullptr);
+	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
+	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
+	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
+	void levelCells(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
+	/// Exchange of each cell per liquid mass.
+	void finishCells(const ActiveRange& range);
+	void keepLastWater(const ActiveRange& range);
+	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
+	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
+
+	/// Adds to a cell the unstressed volume of a point's liquid and ice less its pore volume [m^D], and their compliance [m^D/Pa].
+	void addFill(int cell, double excess, double compliance)
+	{
+		double* r = cellRecord(cell);
+		r[excessAt] += excess;
+		r[complianceAt] += compliance;
+	}
+	/// Pressure of each cell from what fills it, when all points were added.
+	void findCellPressure(const ActiveRange& range);
+	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
+	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
+	/// stiffness of water, and cavitation would cut off only the low ones.
+	void shareCellPressure(const CellMeans<D>& cells, int first, int last);
+	/// Sum over cells of their pressure times the water mass they received in the step [Pa kg].
+	double seepageWork(int firstCell, int lastCell) const;
+
+	const WaterSettings* settings;
+	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
+
+	std::array<double*, D> velocity; ///< of the liquid
+	double *pressure, *liquidFraction, *drag;
+
+	NodeField<mapSize>      nodes;
+	NodeField<nodalSize>    nodal;  ///< pressure, liquid fraction n_I, inverse liquid mass as mapped
+	NodeField<forceSize>    force;  ///< on the liquid
+	NodeField<D>            solved; ///< chi dt a + (1 - chi) v
+	NodeField<D>            flux;   ///< n_I (v_l - v_s) of the solved velocities
+	NodeField<D>            start;  ///< v_l at the start of the step
+	NodeField<gatheredSize> exchange;
+
+	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
+	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
+	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
+	/// conductivity is larger takes this or untouched, whichever is larger.
+	static constexpr double untouched = 1e-2;
+	/// What hastened water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
+	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
+	static constexpr double longestRest = 0.0125;
+	double largestConductivity        = std::numeric_limits<double>::infinity();
+	void   chooseLargestConductivity();
+	/// f_H in force where slow processes run f times as fast as motion.
+	double usedScale(double f) const;
+
+	double waterOut = 0.0, enthalpyOut = 0.0; ///< through drained surfaces since the start [kg, J]
+	Vec<D> momentumOut {};
+
+private:
+	/// Record of a cell: liquid mass, mass times pressure, then mean pressure, then what dilutes the momentum; exchange, then per liquid
+	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity.
+	static constexpr int cellSize = 6 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
+	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize;
+	/// Between a cell and the next one along an axis: conductance [m^D/(Pa s)] and what Darcy's law would let through [m^D/s].
+	struct Face {
+		double conductance, flow;
+	};
+	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
+	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
+	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
+	std::array<std::vector<Face>, D> faces_;
+	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
+
+	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
+	void leave(int node, double mass, double heat);
+	/// What a block maps to the nodes, number by number of their record.
+	TALIK_PROCESSOR_VERSIONS void fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const;
+	TALIK_PROCESSOR_VERSIONS void accelerate(int axis, int first, int count, const double* change);
+	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
+	/// share: exchange per liquid mass of the point,
+	/// and what the momentum is diluted by.
+	void take(int p, const double* share, double diluted, double* waterMass, double* enthalpy);
+
+	std::vector<double> cells_;
+	PointFields::Handle velocity_, pressure_, liquidFraction_, drag_;
+	const double *      volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
+	std::vector<double> none_; ///< zeros, in place of the fields of absent effects
+};
+
+extern template class PoreWater<2>;
+extern template class PoreWater<3>;
+
+} // namespace talik

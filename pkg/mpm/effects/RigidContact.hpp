@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/effects/RigidBody.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawFront.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Effect: the ground and rigid bodies push each other, with friction.
+///
+/// Contact is between material points and surfaces. A point is as large as its volume, r = V^(1/D)/2, and is pushed by
+///   f_n = A max(0, k delta - c v_n),  |f_t| <= mu f_n,  A = V^((D-1)/D),
+/// where delta is its penetration and the tangential spring k_t = shearRatio k remembers where on the surface it sticks. The force
+/// on a point goes to the nodes with the weights of the point's face, whose sum is one (see ShapeFunction::moveToFace), and its
+/// opposite to the body: the ground is loaded as evenly as the points are, and momentum is conserved to round-off, on any grid and for bodies of any size, and nothing is felt at a distance, as it would be were
+/// velocities of body and ground matched on nodes (Bardenhagen et al. 2000). The torque on the body is that of the force at its
+/// surface. The price: a penetration of stress over k, and a couple f_t r that the points, which do not turn, do not take.
+///
+/// A contact is born without force, except in the first step of the ground, when it bears the stress that the ground was given: a wall
+/// is there from the beginning, and ground that leaned on it would else have to give way first. A point keeps its size while it
+/// touches anything, so that it passes from one facet to the next without a jump. A point touches at most two groups of
+/// bodies at a time, those in which it is deepest.
+template <int D> class RigidContact {
+public:
+	static constexpr int contactsPerPoint = 2;
+
+	RigidContact(PointFields& fields, const RigidContactSettings& settings);
+	void bind(MaterialPoints<D>& points, const SolidMotion<D>& motion);
+	/// Sets the stiffness that the settings leave open: modulus over h, the ground's own on one cell. modulus: largest in the ground [Pa].
+	void chooseStiffness(double modulus, double spacing);
+
+	/// What the ground can do to a body at most, by all the points that it touches at a time.
+	struct Grip {
+		double spring  = 0.0; ///< [N/m]
+		double dashpot = 0.0; ///< [N s/m]
+	};
+	Grip gripOn(const RigidBody<D>& body) const;
+	/// Largest stable time step of a free body [s]; mass [kg].
+	static double timeStep(double mass, const Grip& grip);
+
+	/// The bodies; whoever steps the ground puts them in their places before a step and takes the impulses after it.
+	std::vector<RigidBody<D>> bodies;
+
+	/// Adds the contact forces to the nodes and to the bodies' impulses, and their sum to impulse [N s].
+	/// front, if not null, hears which of its sides was pushed. atStart: in the first step of the ground.
+	void push(
+	        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse);
+
+	/// Takes the faces that touch a body off the surface of the ground: no air, rain or load reaches them.
+	void cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const;
+
+	double stiffness() const { return stiffness_; } ///< k [Pa/m]
+	int    contacts() const { return contacts_; }   ///< points that touch, in the last step
+	/// Largest stable time step of the contact of the point at a place [s].
+	double timeStep(int place) const;
+
+	/// A point whose middle lies inside a body.
+	struct Overlap {
+		int    body  = -1; ///< index in bodies, -1: none
+		int    place = -1;
+		double depth = 0.0; ///< [m]
+	};
+	/// The deepest of them: to refuse bodies that are put into the ground.
+	Overlap deepestOverlap() const;
+
+private:
+	/// What a point remembers of a contact.
+	struct Memory {
+		int    key    = 0;   ///< id + 1 of the body, with the sign of the side of a thin surface; 0: no contact
+		double radius = 0.0; ///< of the point in this contact: contact is born without force [m]
+		Vec<D> anchor {};    ///< where on the surface the point sticks, in the frame of the body [m]
+		Vec<D> offset {};    ///< of the point from there when neither spring nor slip had moved it [m]
+	};
+	static constexpr int memorySize = 2 * D + 2;
+	using Memories = std::array<Memory, contactsPerPoint>;
+
+	struct Candidate {
+		int               body = -1;
+		int               side = 0;
+		NearestSurface<D> surface {};
+		Memory            memory;
+	};
+	using Candidates = std::array<Candidate, contactsPerPoint>;
+	/// What a point receives at its face, and a body from it.
+	struct Touch {
+		int     place;
+		Vec<D>  force, toFace; ///< on the ground [N]; from the point's middle to where it acts [m]
+		int     body;
+		Vec<D>  impulse;
+		Spin<D> angularImpulse;
+	};
+
+	double halfSize(int place) const;
+	double area(int place) const;
+	double dashpot(double spring, double mass) const;
+	Memory recall(int place, int slot) const;
+	void   remember(int place, int slot, const Memory& memory);
+	void   findNear(int first, int count, std::vector<int>& near) const;
+	bool   meets(int place, int body, const Memories& before, Candidate& candidate) const;
+	void   keepDeepest(const Candidate& candidate, Candidates& found, int& count) const;
+	void   press(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
+	void   pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
+	double pressureOn(int place, const Vec<D>& normal) const;
+	void   boxBodies();
+	void   deliver(Vec<D>& impulse);
+
+	RigidContactSettings settings_;
+	double               stiffness_ = 0.0;
+	double               largestSize_ = 0.0, largestMassPerArea_ = 0.0; ///< of a point at the start [m], [kg/m^(D-1)]
+	PointFields::Handle  memoryField_;
+	MaterialPoints<D>*   points_   = nullptr;
+	const double*        mass_     = nullptr;
+	const SolidMotion<D>* motion_  = nullptr;
+	bool                 atStart_  = false;
+	int                  contacts_ = 0;
+
+	std::array<double*, memorySize * contactsPerPoint> memory_ {};
+	std::array<double*, D>                             velocity_ {};
+	std::vector<Vec<D>>                                lower_, upper_; ///< boxes around the bodies
+	std::vector<std::vector<Touch>>                    touches_;       ///< per strip
+	std::vector<std::vector<int>>                      near_;          ///< per strip
+};
+
+extern template class RigidContact<2>;
+extern template class RigidContact<3>;
+
+} // namespace talik

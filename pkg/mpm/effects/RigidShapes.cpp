@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/RigidBody.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace talik {
+
+namespace {
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+
+	template <int D> double length(const Vec<D>& v)
+	{
+		double sum = 0.0;
+		for (double c : v)
+			sum += c * c;
+		return std::sqrt(sum);
+	}
+
+	/// Away from a place; along the first axis where the two coincide.
+	template <int D> NearestSurface<D> awayFrom(const Vec<D>& offset, double radius)
+	{
+		const double      d = length<D>(offset);
+		NearestSurface<D> s { d - radius, {} };
+		if (d > 0.0)
+			for (int a = 0; a < D; ++a)
+				s.normal[a] = offset[a] / d;
+		else
+			s.normal[0] = 1.0;
+		return s;
+	}
+
+	template <int D> class Ball final : public RigidShape<D> {
+	public:
+		std::string       name() const override { return "ball"; }
+		NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>& size, int) const override { return awayFrom<D>(x, size[0]); }
+		Vec<D>            reach(const Vec<D>& size) const override
+		{
+			Vec<D> r;
+			r.fill(size[0]);
+			return r;
+		}
+	};
+
+	template <int D> class Box final : public RigidShape<D> {
+	public:
+		std::string       name() const override { return "box"; }
+		NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>& size, int) const override
+		{
+			Vec<D> beyond;
+			int    face = 0;
+			for (int a = 0; a < D; ++a) {
+				beyond[a] = std::abs(x[a]) - size[a];
+				if (beyond[a] > beyond[face]) face = a;
+			}
+			if (beyond[face] <= 0.0) {
+				NearestSurface<D> s { beyond[face], {} };
+				s.normal[face] = x[face] < 0.0 ? -1.0 : 1.0;
+				return s;
+			}
+			Vec<D> offset;
+			for (int a = 0; a < D; ++a)
+				offset[a] = beyond[a] > 0.0 ? std::copysign(beyond[a], x[a]) : 0.0;
+			return awayFrom<D>(offset, 0.0);
+		}
+		Vec<D> reach(const Vec<D>& size) const override { return size; }
+	};
+
+	template <int D> class Plane final : public RigidShape<D> {
+	public:
+		std::string       name() const override { return "plane"; }
+		NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>&, int side) const override
+		{
+			NearestSurface<D> s { side * x[0], {} };
+			s.normal[0] = side;
+			return s;
+		}
+		Vec<D> reach(const Vec<D>&) const override
+		{
+			Vec<D> r;
+			r.fill(infinity);
+			r[0] = 0.0;
+			return r;
+		}
+		bool thin() const override { return true; }
+	};
+
+	template <int D> class Plate final : public RigidShape<D> {
+	public:
+		std::string       name() const override { return "plate"; }
+		NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>& size, int side) const override
+		{
+			Vec<D> offset {};
+			bool   beside = false;
+			offset[0]     = x[0];
+			for (int a = 1; a < D; ++a) {
+				const double beyond = std::abs(x[a]) - size[a];
+				if (beyond <= 0.0) continue;
+				offset[a] = std::copysign(beyond, x[a]);
+				beside    = true;
+			}
+			if (beside) return awayFrom<D>(offset, 0.0);
+			NearestSurface<D> s { side * x[0], {} };
+			s.normal[0] = side;
+			return s;
+		}
+		Vec<D> reach(const Vec<D>& size) const override
+		{
+			Vec<D> r = size;
+			r[0]     = 0.0;
+			return r;
+		}
+		bool thin() const override { return true; }
+	};
+
+	template <class Shape> const Shape& theOnly()
+	{
+		static const Shape shape;
+		return shape;
+	}
+} // namespace
+
+template <int D> const RigidShape<D>& rigidBall() { return theOnly<Ball<D>>(); }
+template <int D> const RigidShape<D>& rigidBox() { return theOnly<Box<D>>(); }
+template <int D> const RigidShape<D>& rigidPlane() { return theOnly<Plane<D>>(); }
+template <int D> const RigidShape<D>& rigidPlate() { return theOnly<Plate<D>>(); }
+
+template const RigidShape<2>& rigidBall<2>();
+template const RigidShape<2>& rigidBox<2>();
+template const RigidShape<2>& rigidPlane<2>();
+template const RigidShape<2>& rigidPlate<2>();
+template const RigidShape<3>& rigidBall<3>();
+template const RigidShape<3>& rigidBox<3>();
+template const RigidShape<3>& rigidPlane<3>();
+template const RigidShape<3>& rigidPlate<3>();
+
+} // namespace talik

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+
+namespace talik {
+
+/// The moving solid: velocity, displacement, effective stress and strain of the points; mass, momentum and force on the nodes.
+template <int D> class SolidMotion {
+public:
+	static constexpr int S = stressSize<D>;
+	/// Record of a node: mass that moves with the solid, its momentum, force on the mixture (from the fifth number on); in 2-D two
+	/// numbers more, which heat borrows.
+	static constexpr int mapSize = 8;
+	static constexpr int massAt = 0, momentumAt = 1, forceAt = 4, freeAt = 6;
+
+	/// replacesMean: a mean stress other than that of the stress enters the momentum balance.
+	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool replacesMean = true);
+	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
+
+	/// Adds mass, momentum and internal force of a block; the mean stress is that of meanStress. In 2-D maps capacity and capacity
+	/// times (carried - carriedFrom) along, if not null.
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
+	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
+
+	const MotionSettings<D>* settings;
+	double                   kept = 1.0; ///< chi of this step, see keptFraction()
+
+	std::array<double*, D>     velocity, displacement, position;
+	std::array<double*, S>     stress;
+	std::array<double*, D * D> gradient; ///< Delta t dv_i/dx_j
+	double*                    mass;     ///< that moves with the solid [kg]
+	double*                    volume;
+	double*                    initialVolume;
+	double*                    meanStress; ///< total mean stress that the momentum balance uses [Pa]; null: that of the stress
+
+	NodeField<mapSize> nodes;
+	NodeField<2 * D>   solved; ///< chi dt a + (1 - chi) v, then v
+
+private:
+	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, meanStress_ = -1;
+};
+
+extern template class SolidMotion<2>;
+extern template class SolidMotion<3>;
+
+} // namespace talik

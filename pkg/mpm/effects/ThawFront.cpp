@@ -1,0 +1,655 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+namespace {
+	constexpr unsigned char thawedBit = 1, frozenBit = 2, bothBits = 3;
+
+	/// A side with less of a node's mass than this has no velocity of its own there: the quotient would be round-off.
+	constexpr double smallestMassShare = 1e-9;
+	/// Least |sum_F V grad S| h over the smaller of both volumes at a node: 1.5 and more along a plane front, about 1 for a single point.
+	/// Below, the front has no direction and both sides move together.
+	constexpr double smallestDefinition = 0.3;
+	/// Least thickness over h of the thawed ground that takes up the slip.
+	constexpr double leastThickness = 0.25;
+	/// The traction of the points is scaled to the reaction up to this factor; beyond, it is round-off.
+	constexpr double largestScale = 1e3;
+	/// Normal stress of the thawed points over the reaction per area beyond which it is led back, within some steps.
+	constexpr double leastPressure = 0.5, mostPressure = 1.1, leadingSteps = 5.0;
+	/// The same, below which dilating ground has lost it.
+	constexpr double noPressure = 0.5, dilatingPressure = 1.1;
+	/// Slip that thawed points take as strain in a step, as stress over the reaction per area, where their normal stress is far from that:
+	/// stress would jump past it.
+	constexpr double settlingStress = 1.0;
+	constexpr double unlimited      = 1e30;
+	/// Strain of a step with which pressure is led back at most.
+	constexpr double largestLeading = 1e-2;
+	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
+	constexpr double insideShare = 0.25;
+} // namespace
+
+void ThawFrontSettings::validate() const
+{
+	requireSetting(thawedBelow >= 0.0 && thawedBelow < 1.0, "thawFront.thawedBelow", thawedBelow, "must lie in [0, 1)");
+	requireSetting(frozenAbove > thawedBelow && frozenAbove <= 1.0, "thawFront.frozenAbove", frozenAbove, "must lie above thawedBelow, up to 1");
+}
+
+template <int D>
+ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
+        : settings_(settings)
+        , sideField_(fields.declare("frozenSide", "thaw front", "-", 1))
+        , slipField_(fields.declare("slip", "thaw front", "m", 1))
+        , strainField_(fields.declare("slipStrain", "thaw front", "-", D * D, false))
+{
+}
+
+template <int D>
+void ThawFront<D>::bind(
+        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
+        const double* waterMass, const double* iceMass)
+{
+	points_        = &points;
+	motion_        = &motion;
+	water_         = water;
+	iceSaturation_ = iceSaturation;
+	waterMass_     = waterMass;
+	iceMass_       = iceMass;
+	spacing_       = grid.spacing();
+	side_          = points.fields().component(sideField_);
+	slip_          = points.fields().component(slipField_);
+	for (int c = 0; c < D * D; ++c)
+		strain_[c] = points.fields().component(strainField_, c);
+	margin_ = 0;
+	reach_.assign(1, 0);
+	beside_.assign(1, 0);
+	for (int a = 0; a < D; ++a) {
+		margin_ += 2 * grid.nodeStride(a);
+		std::vector<int> wider;
+		for (const int from : reach_)
+			for (int step = -2; step <= 1; ++step)
+				wider.push_back(from + step * grid.nodeStride(a));
+		reach_ = wider;
+		wider.clear();
+		for (const int from : beside_)
+			for (int step = -1; step <= 1; ++step)
+				wider.push_back(from + step * grid.nodeStride(a));
+		beside_ = wider;
+	}
+	// a node on a wall has half a cell, one in a corner a quarter
+	volume_.assign(grid.nodeCount(), grid.cellVolume());
+	for (int i = 0; i < grid.nodeCount(); ++i)
+		for (int a = 0; a < D; ++a) {
+			const int at = grid.nodeOf(i)[a];
+			if (at == 1 || at == grid.cells(a) + 1) volume_[i] *= 0.5;
+		}
+	const std::size_t size = grid.nodeCount() + 2 * margin_;
+	cell_.assign(points.count(), 0);
+	modulus_.assign(points.count(), 0.0);
+	dilatancy_.assign(points.count(), 0.0);
+	strengthSlope_.assign(points.count(), 0.0);
+	if (water) mappedLiquid_.assign(points.count(), 0.0);
+	sides_.assign(size, 0);
+	reached_.assign(size, 0);
+	near_.assign(size, 0);
+	slot_.assign(grid.nodeCount(), -1);
+	nodes_.clear();
+}
+
+template <int D> void ThawFront<D>::start()
+{
+	for (int p = 0; p < points_->count(); ++p)
+		side_[p] = iceSaturation_[p] > settings_.thawedBelow ? 1.0 : 0.0;
+}
+
+// ---- where both sides meet -------------------------------------------------------------------------------------------------
+
+template <int D> void ThawFront<D>::updateSides(int first, int last)
+{
+	for (int p = first; p < last; ++p)
+		side_[p] = iceSaturation_[p] >= settings_.frozenAbove ? 1.0 : iceSaturation_[p] <= settings_.thawedBelow ? 0.0 : side_[p];
+}
+
+template <int D> void ThawFront<D>::markCells(const Grid<D>& grid, int first, int last)
+{
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points_->position(a);
+	for (int p = first; p < last; ++p) {
+		int lower = margin_;
+		for (int a = 0; a < D; ++a)
+			lower += (std::min(static_cast<int>((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
+		cell_[p] = lower;
+		sides_[lower] |= frozen(p) ? frozenBit : thawedBit;
+	}
+}
+
+template <int D> void ThawFront<D>::markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
+{
+	const int first = range.firstNode + margin_, last = range.lastNode + margin_;
+	std::fill(reached_.begin(), reached_.end(), 0);
+	for (const int step : reach_) {
+		const unsigned char* const from = sides_.data() + step;
+		unsigned char* const       to   = reached_.data();
+		for (int i = first; i < last; ++i)
+			to[i] |= from[i];
+	}
+	const auto join = [&](const auto& m) {
+		unsigned char &ghost = reached_[m.ghost + margin_], &inner = reached_[m.inner + margin_];
+		ghost = inner = ghost | inner;
+	};
+	std::for_each(mirrors.begin(), mirrors.end(), join);
+	std::for_each(mirrors.rbegin(), mirrors.rend(), join);
+	// the liquid of a ghost that stays free of the wall belongs to no side of the node that its solid is folded into
+	for (const int node : freeLiquid)
+		reached_[node + margin_] = 0;
+	for (const int node : nodes_)
+		slot_[node] = -1;
+	nodes_.clear();
+	for (int i = first; i < last; ++i)
+		if (reached_[i] == bothBits) {
+			slot_[i - margin_] = static_cast<int>(nodes_.size());
+			nodes_.push_back(i - margin_);
+		}
+}
+
+template <int D> void ThawFront<D>::markNear()
+{
+	std::fill(near_.begin(), near_.end(), 0);
+	for (const int node : nodes_)
+		for (const int step : reach_)
+			near_[node + margin_ + step] = 1;
+}
+
+template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
+{
+	std::fill(sides_.begin(), sides_.end(), 0);
+	points_->strips().scatter([&](int, int first, int last) {
+		updateSides(first, last);
+		markCells(grid, first, last);
+	});
+	markNodes(range, mirrors, freeLiquid);
+	markNear();
+	meetings_.resize(nodes_.size());
+	records_.assign(nodes_.size() * recordSize, 0.0);
+	results_.assign(nodes_.size() * resultSize, 0.0);
+	work_.assign(nodes_.size(), 0.0);
+}
+
+template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vector<int>& places)
+{
+	chosen_.clear();
+	for (const int p : places)
+		if (near(p) && !frozen(p)) chosen_.push_back(p);
+	return chosen_;
+}
+
+// ---- to the nodes ----------------------------------------------------------------------------------------------------------
+
+template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
+{
+	if (!present()) return;
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		if (!near(p)) continue;
+		if (water_) mappedLiquid_[p] = liquidMass(p);
+		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(grid, w, k);
+	}
+}
+
+template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine)
+{
+	const int    p = w.first + k;
+	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0, volume = motion_->volume[p];
+	double       mean = 0.0;
+	for (int i = 0; i < D; ++i)
+		mean += motion_->stress[i][p];
+	const double replace = motion_->meanStress ? motion_->meanStress[p] - mean * (1.0 / D) : 0.0;
+	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+		if (slot_[node] < 0) return;
+		double* r = record(slot_[node]);
+		r[massAt] += s * m;
+		r[liquidMassAt] += s * ml;
+		r[volumeAt] += s * volume;
+		for (int i = 0; i < D; ++i) {
+			r[momentumAt + i] += s * m * motion_->velocity[i][p];
+			if (water_) r[liquidMomentumAt + i] += s * ml * water_->velocity[i][p];
+			r[areaAt + i] += volume * g[i];
+			double f = replace * g[i];
+			for (int j = 0; j < D; ++j)
+				f += motion_->stress[stressIndex<D>(i, j)][p] * g[j];
+			r[forceAt + i] -= volume * f;
+		}
+	});
+	if (!affine) return;
+	affine->overMomenta(grid, w, k, m, [&](int node, const Vec<D>& momentum) {
+		if (slot_[node] < 0) return;
+		for (int i = 0; i < D; ++i)
+			record(slot_[node])[momentumAt + i] += momentum[i];
+	});
+}
+
+template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k)
+{
+	const int    p = w.first + k;
+	const double volume = motion_->volume[p], pressure = water_ ? water_->pressure[p] : 0.0;
+	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0;
+	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+		if (slot_[node] < 0) return;
+		double* r = record(slot_[node]);
+		r[thawedVolumeAt] += s * volume;
+		r[thawedMassAt] += s * m;
+		r[slopeAt] += s * volume * strengthSlope_[p];
+		r[thawedLiquidMassAt] += s * ml;
+		for (int c = 0; c < stressSize<D>; ++c)
+			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
+	});
+}
+
+template <int D> void ThawFront<D>::push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force)
+{
+	if (!present() || !near(w.first + k) || !frozen(w.first + k)) return;
+	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+		if (slot_[node] < 0) return;
+		for (int i = 0; i < D; ++i)
+			record(slot_[node])[forceAt + i] += s * force[i];
+	});
+}
+
+// ---- contact ---------------------------------------------------------------------------------------------------------------
+
+template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
+{
+	folded_.assign(mirrors.size(), {});
+	for (std::size_t k = 0; k < mirrors.size(); ++k) {
+		const auto& m = mirrors[k];
+		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
+		double* ghost = record(slot_[m.ghost]);
+		double* inner = record(slot_[m.inner]);
+		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt })
+			inner[at] += ghost[at];
+		for (int a = 0; a < D; ++a)
+			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
+				inner[at + a] += m.sign[a] * ghost[at + a];
+		for (int a = 0; a < D; ++a)
+			for (int b = a; b < D; ++b)
+				inner[stressAt + stressIndex<D>(a, b)] += m.sign[a] * m.sign[b] * ghost[stressAt + stressIndex<D>(a, b)];
+		std::fill(ghost, ghost + recordSize, 0.0);
+	}
+}
+
+template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impulse)
+{
+	for (std::size_t k = mirrors.size(); k-- > 0;) {
+		const auto& m = mirrors[k];
+		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
+		const std::array<double, 4>& mass  = folded_[k];
+		const double*                inner = result(slot_[m.inner]);
+		// what the sides gain cancels out on a node and its image together; a wall turns the part of the image round
+		for (int a = 0; a < D; ++a)
+			impulse[a] += (m.sign[a] - 1.0)
+			        * (mass[0] * inner[gainAt + a] + mass[1] * inner[sideSize + gainAt + a] + mass[2] * inner[liquidGainAt + a]
+			           + mass[3] * inner[sideSize + liquidGainAt + a]);
+		for (int at = 0; at < resultSize; ++at)
+			result(slot_[m.ghost])[at] = m.sign[at % D] * inner[at];
+	}
+}
+
+/// Normal, area and the motion that each side would have without the other.
+template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
+{
+	using M              = SolidMotion<D>;
+	using W              = PoreWater<D>;
+	const int     node   = nodes_[slot];
+	const double* all    = motion_->nodes[node];
+	const double* liquid = water_ ? water_->nodes[node] : nullptr;
+	const double* r      = record(slot);
+	Meeting&      m      = meetings_[slot];
+	m                    = Meeting();
+	if (!(all[M::massAt] > 0.0)) return; // a ghost, folded into its image
+	m.solid              = { r[massAt], r[thawedMassAt] };
+	m.liquid             = { r[liquidMassAt], r[thawedLiquidMassAt] };
+	for (const double mass : m.solid)
+		if (!(mass > smallestMassShare * all[M::massAt])) return;
+	if (!(r[thawedVolumeAt] > 0.0)) return;
+	double square = 0.0;
+	for (int a = 0; a < D; ++a) {
+		m.normal[a] = constraints.solidFixed(node, a) ? 0.0 : r[areaAt + a];
+		square += m.normal[a] * m.normal[a];
+	}
+	m.area = std::sqrt(square);
+	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
+	m.meets  = true;
+	m.frozenVolume = r[volumeAt];
+	m.inside = r[volumeAt] >= insideShare * volume_[node];
+	const double mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
+	m.reducedMass        = mass[0] * mass[1] / (mass[0] + mass[1]);
+	for (int a = 0; a < D; ++a) {
+		m.normal[a] /= m.area;
+		if (constraints.solidFixed(node, a)) continue;
+		const double frozenMomentum = r[momentumAt + a] + r[liquidMomentumAt + a];
+		const double momentum       = all[M::momentumAt + a] + (liquid ? liquid[W::momentumAt + a] : 0.0) - frozenMomentum;
+		const double frozenForce    = r[forceAt + a] + mass[0] * motion_->settings->gravity[a];
+		const double parting        = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
+		m.jump[a]                   = momentum / mass[1] - frozenMomentum / mass[0] + dt * parting;
+		m.pressing -= m.reducedMass * parting * m.normal[a];
+	}
+	m.slope = r[slopeAt] / r[thawedVolumeAt];
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j)
+			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
+}
+
+/// Inside frozen ground the sides share their normal velocity where they press. The reaction is that of forces alone: what a side's velocity
+/// differs from the other's is mostly the slope of one velocity field.
+template <int D> void ThawFront<D>::press(int slot, double dt)
+{
+	Meeting& m = meetings_[slot];
+	if (!m.meets || !m.inside) return;
+	const double opening = dot<D>(m.jump, m.normal), carried = m.area * std::max(0.0, dot<D>(m.traction, m.normal));
+	const double together = -m.reducedMass * opening;
+	m.together            = opening <= 0.0 || m.pressing >= -carried || -together <= dt * carried;
+	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
+	m.impulse             = m.together ? together : -dt * carried;
+}
+
+/// Outside frozen ground its shape functions only trail: to tie the sides there would hold the thawed ground at a distance. They press
+/// as they do at the nodes beside, per area.
+template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
+{
+	Meeting& m = meetings_[slot];
+	if (!m.meets || m.inside) return;
+	double force = 0.0, area = 0.0;
+	for (const int step : beside_) {
+		const int other = nodes_[slot] + step;
+		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
+		const Meeting& beside = meetings_[slot_[other]];
+		if (!beside.meets || !beside.inside) continue;
+		force += beside.reaction;
+		area += beside.area;
+	}
+	if (!(area > 0.0)) return;
+	// at the end of a layer the area is that of frozen ground alone: never more than what would tie the sides
+	m.impulse  = std::clamp(dt * force / area * m.area, 0.0, std::max(0.0, -m.reducedMass * dot<D>(m.jump, m.normal)));
+	m.reaction = m.impulse / dt;
+}
+
+/// The shear stress at the front over that of the thawed points, which lie away from it and have a normal stress of their own. Below strength
+/// both stresses rise with depth in one ratio; at strength shear follows the slope of the law.
+template <int D> double ThawFront<D>::shearScale(const Meeting& m, double shear, double pressure)
+{
+	const double reaction = m.reaction / m.area;
+	if (!(shear > 0.0)) return 0.0;
+	if (!(pressure > 0.0)) return std::isfinite(m.slope) && m.slope < largestScale ? std::max(0.0, 1.0 + m.slope * (reaction - pressure) / shear) : reaction < 0.0 ? 1.0 : 0.0;
+	return std::clamp(1.0 + std::min(m.slope, shear / pressure) * (reaction - pressure) / shear, 0.0, largestScale);
+}
+
+/// Friction as the thawed points carry it, and the jump that is left. Returns the work that the force between the sides takes up.
+template <int D> double ThawFront<D>::slide(int slot, double dt)
+{
+	Meeting& m = meetings_[slot];
+	if (!m.meets) return 0.0;
+	const double pressure = -dot<D>(m.traction, m.normal), opening = dot<D>(m.jump, m.normal);
+	Vec<D>       shear;
+	double       square = 0.0;
+	for (int i = 0; i < D; ++i) {
+		shear[i] = m.traction[i] + pressure * m.normal[i];
+		square += shear[i] * shear[i];
+	}
+	const double scale = m.area * shearScale(m, std::sqrt(square), pressure);
+	Vec<D>       friction;
+	double       slipping = 0.0, held = 0.0;
+	for (int i = 0; i < D; ++i) {
+		friction[i]    = -dt * scale * shear[i];
+		const double t = m.jump[i] - opening * m.normal[i];
+		slipping += t * t;
+		held -= friction[i] * t;
+	}
+	// never more than what stops the slip
+	const double stopping = m.reducedMass * slipping, share = held > stopping ? stopping / held : 1.0;
+	double       work = 0.0;
+	for (int i = 0; i < D; ++i) {
+		const double impulse = share * friction[i] + m.impulse * m.normal[i];
+		m.jump[i] += impulse / m.reducedMass;
+		work -= impulse * m.jump[i];
+	}
+	return work;
+}
+
+/// Normal stress that the thawed points lack against the reaction [Pa]. Where all nodes of a thin layer are front nodes nothing else holds
+/// it, and without it they have no friction; ground that shears at constant volume gains or loses it.
+template <int D> double ThawFront<D>::lackingPressure(const Meeting& m) const
+{
+	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
+	if (!m.inside || !m.together || !(reaction > 0.0)) return 0.0;
+	return pressure < leastPressure * reaction ? leastPressure * reaction - pressure : std::min(0.0, mostPressure * reaction - pressure);
+}
+
+/// Share of its dilation that ground takes along: none where it has lost its pressure, which shear at constant volume brings back.
+template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
+{
+	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
+	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (dilatingPressure - noPressure), 0.0, 1.0) : 0.0;
+}
+
+/// Corrections for both sides from the jump between them.
+template <int D> void ThawFront<D>::correct(int slot)
+{
+	using M              = SolidMotion<D>;
+	const Meeting& m     = meetings_[slot];
+	if (!m.meets) return;
+	const int     node   = nodes_[slot];
+	const double* all    = motion_->nodes[node];
+	const double* r      = record(slot);
+	double*       out    = result(slot);
+	const double  kept   = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
+	const double  mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
+	Vec<D>        departure[2], liquidDeparture[2];
+	for (int a = 0; a < D; ++a) {
+		const double common   = all[M::momentumAt + a] / all[M::massAt];
+		const double start[2] = { r[momentumAt + a] / m.solid[0], (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] };
+		for (int side = 0; side < 2; ++side) {
+			departure[side][a]       = start[side] - common;
+			liquidDeparture[side][a] = 0.0;
+			if (!water_ || !(m.liquid[side] > smallestMassShare * (m.liquid[0] + m.liquid[1]))) continue;
+			const double momentum    = side == 0 ? r[liquidMomentumAt + a] : water_->nodes[node][PoreWater<D>::momentumAt + a] - r[liquidMomentumAt + a];
+			liquidDeparture[side][a] = momentum / m.liquid[side] - water_->start[node][a];
+		}
+	}
+	for (int side = 0; side < 2; ++side) {
+		double*      s     = out + side * sideSize;
+		const double share = (side == 0 ? -mass[1] : mass[0]) / (mass[0] + mass[1]);
+		// along the normal of sides that stay together points take the acceleration of the node, as anywhere else
+		const double along       = m.together ? dot<D>(departure[side], m.normal) : 0.0;
+		const double liquidAlong = m.together ? dot<D>(liquidDeparture[side], m.normal) : 0.0;
+		for (int a = 0; a < D; ++a) {
+			s[velocityAt + a] = share * m.jump[a];
+			s[gainAt + a]     = s[velocityAt + a] - kept * (departure[side][a] - along * m.normal[a]);
+			if (water_) s[liquidGainAt + a] = s[velocityAt + a] - keptLiquid * (liquidDeparture[side][a] - liquidAlong * m.normal[a]);
+		}
+	}
+	const double opened = dot<D>(m.jump, m.normal), perThickness = 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_);
+	// sides that do not press do not shear each other
+	const double fed    = m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = lackingPressure(m);
+	double rate = 0.0;
+	for (int a = 0; a < D; ++a)
+		rate += (m.jump[a] - opened * m.normal[a]) * (m.jump[a] - opened * m.normal[a]);
+	rate = std::sqrt(rate) * fed * widenedShare(m);
+	for (int a = 0; a < D; ++a) {
+		out[slipAt + a]    = (m.jump[a] - opened * m.normal[a]) * fed;
+		out[lackingAt + a] = lacking * m.normal[a];
+		out[wideningAt + a] = rate * m.normal[a];
+		out[limitAt + a]    = (lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area) * m.normal[a];
+		out[normalAt + a]  = m.normal[a];
+	}
+}
+
+template <int D>
+double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse)
+{
+	fastest_ = 0.0;
+	if (!present()) return 0.0;
+	fold(mirrors);
+	const int count = nodeCount();
+	constexpr int piece     = 64;
+	const auto    overSlots = [&](auto&& work) {
+                ThreadTeam::run((count + piece - 1) / piece, range.parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
+                        for (int slot = i * piece; slot < std::min(count, (i + 1) * piece); ++slot)
+                                work(slot);
+                });
+	};
+	overSlots([&](int slot) {
+		prepare(slot, constraints, dt);
+		press(slot, dt);
+	});
+	overSlots([&](int slot) {
+		pressAsBeside(slot, dt);
+		work_[slot] = slide(slot, dt);
+		correct(slot);
+	});
+	unfold(mirrors, impulse);
+	for (int slot = 0; slot < count; ++slot)
+		for (int side = 0; side < 2; ++side)
+			for (int a = 0; a < D; ++a) {
+				const double v = result(slot)[side * sideSize + velocityAt + a];
+				fastest_       = std::abs(v) <= fastest_ ? fastest_ : std::abs(v); // keeps what is not a number
+			}
+	double work = 0.0;
+	for (const double w : work_)
+		work += w;
+	return work;
+}
+
+// ---- to the points ---------------------------------------------------------------------------------------------------------
+
+template <int D> const double* ThawFront<D>::correction(int node, int p) const
+{
+	if (!present() || !near(p) || slot_[node] < 0) return nullptr;
+	return result(slot_[node]) + (frozen(p) ? 0 : sideSize) + velocityAt;
+}
+
+namespace {
+	/// Scales a strain down to a largest size.
+	template <int D> void limitStrain(double (&strain)[D][D], double largest)
+	{
+		double square = 0.0;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				square += strain[i][j] * strain[i][j];
+		if (!(square > largest * largest)) return;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				strain[i][j] *= largest / std::sqrt(square);
+	}
+} // namespace
+
+template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine)
+{
+	if (!present()) return;
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		if (!near(p)) continue;
+		const bool   thawed = !frozen(p);
+		const int    offset = thawed ? sideSize : 0;
+		Vec<D>       velocity {}, gain {}, liquidGain {}, slipping {};
+		double       gradient[D][D] = {}, slip[D][D] = {}, lacking[D][D] = {}, widening[D][D] = {}, limit = 0.0, weight = 0.0;
+		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+			if (slot_[node] < 0) return;
+			const double* r = result(slot_[node]);
+			for (int i = 0; i < D; ++i) {
+				velocity[i] += s * r[offset + velocityAt + i];
+				gain[i] += s * r[offset + gainAt + i];
+				liquidGain[i] += s * r[offset + liquidGainAt + i];
+				for (int j = 0; j < D; ++j)
+					gradient[i][j] += r[offset + velocityAt + i] * g[j];
+			}
+			if (!thawed) return;
+			weight += s;
+			for (int i = 0; i < D; ++i) {
+				limit += s * r[limitAt + i] * r[normalAt + i];
+				slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i]);
+				for (int j = 0; j < D; ++j) {
+					slip[i][j] += s * r[slipAt + i] * r[normalAt + j];
+					widening[i][j] += s * r[wideningAt + i] * r[normalAt + j];
+					lacking[i][j] += s * r[lackingAt + i] * r[normalAt + j];
+				}
+			}
+		});
+		if (thawed) {
+			// ground without pressure of its own would only open further
+			double trace = 0.0;
+			for (int i = 0; i < D; ++i)
+				trace += motion_->stress[i][p];
+			for (int i = 0; i < D && trace < 0.0; ++i)
+				for (int j = 0; j < D; ++j)
+					slip[i][j] += dilatancy_[p] * widening[i][j];
+			limitStrain(slip, limit / (weight * modulus_[p] * dt));
+			lead(p, dt, slip, lacking);
+		}
+		for (int i = 0; i < D; ++i) {
+			motion_->velocity[i][p] += gain[i];
+			// water that came by seepage since has diluted the momentum
+			if (water_) water_->velocity[i][p] += liquidGain[i] * (mappedLiquid_[p] / liquidMass(p));
+			motion_->position[i][p] += dt * velocity[i];
+			motion_->displacement[i][p] += dt * velocity[i];
+			for (int j = 0; j < D; ++j) {
+				motion_->gradient[i * D + j][p] += dt * gradient[i][j];
+				strain_[i * D + j][p] = dt * slip[i][j];
+			}
+		}
+		slip_[p] += dt * std::sqrt(dot<D>(slipping, slipping));
+		if (affine) affine->addGradient(grid, w, k, [&](int node) { return slot_[node] < 0 ? nullptr : result(slot_[node]) + offset + velocityAt; });
+	}
+}
+
+/// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
+template <int D> void ThawFront<D>::lead(int p, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const
+{
+	double pressure = 0.0, square = 0.0;
+	for (int i = 0; i < D; ++i) {
+		pressure += lacking[i][i];
+		for (int j = 0; j < D; ++j)
+			square += slip[i][j] * slip[i][j];
+	}
+	const double rate = std::abs(pressure) / (modulus_[p] * leadingSteps * dt); // of the strain [1/s]
+	if (!(rate > 0.0)) return;
+	const double share = std::min(1.0, std::min(std::sqrt(square), largestLeading / dt) / rate);
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j)
+			slip[i][j] -= share * lacking[i][j] / (modulus_[p] * leadingSteps * dt);
+}
+
+template <int D> void ThawFront<D>::addSlip(int first, int last)
+{
+	if (!present()) return;
+	for (int p = first; p < last; ++p)
+		if (near(p) && !frozen(p))
+			for (int c = 0; c < D * D; ++c)
+				motion_->gradient[c][p] += strain_[c][p];
+}
+
+template <int D> double ThawFront<D>::stressWork(int first, int last) const
+{
+	double work = 0.0;
+	if (!present()) return work;
+	for (int p = first; p < last; ++p) {
+		if (!near(p) || frozen(p)) continue;
+		double density = 0.0;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				density += motion_->stress[stressIndex<D>(i, j)][p] * strain_[i * D + j][p];
+		work += motion_->volume[p] * density;
+	}
+	return work;
+}
+
+template class ThawFront<2>;
+template class ThawFront<3>;
+
+} // namespace talik

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Effect: ground that ice holds (F) and ground that it does not (T) have velocities of their own on the nodes that both reach, the
+/// front nodes. With one velocity a thawed layer thinner than the reach of the shape functions moves with its frozen base.
+///
+/// The solved velocity of a node is that of both sides together. Here each side's balance without the other gives the velocity at
+/// which it would move, and the force between the sides changes it: M_F d_F + M_T d_T = 0 are the corrections that the points of
+/// each side see. At a front node with normal n (from F to T) and area A, both from sum_F V grad S,
+///   normal:     the sides share their normal velocity where they press, R >= 0 being the reaction; where they would part, they are
+///               held back by no more than the tension that the thawed points carry there;
+///   tangential: what the thawed points carry there, t = (sum_T S V sigma) n / V_I with sigma total stress, at the reaction in place of
+///               their own normal stress: |t_t| + min(s, |t_t|/|t_n|) (R/A - |t_n|), s the slope of their strength; and no more than what
+///               makes the tangential velocities equal.
+/// The jump [v] of the tangential velocity goes back to the thawed points as strain, sum_I S_I [v]_I (x) n_I A_I/V_I with
+/// V_I = sum_T S_I V: the law, or the sample, of the thawed points decides the slip, and feels it. Both phases of a side jump
+/// together; temperature, pressure and the velocity of the water through the grains have one value on a node.
+/// Multi-field contact after Bardenhagen et al. (2000), with the friction taken from the points in place of a coefficient.
+template <int D> class ThawFront {
+public:
+	using Mirrors = std::vector<typename MotionConstraints<D>::Mirror>;
+
+	ThawFront(PointFields& fields, const ThawFrontSettings& settings);
+	/// iceSaturation, waterMass and iceMass are whole arrays of the pore content; water may be null.
+	void bind(
+	        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
+	        const double* waterMass, const double* iceMass);
+	/// Sides of all points at the start of the scene.
+	void start();
+
+	/// Takes the sides of the points from their ice saturation and finds the front nodes. mirrors, in the order in which
+	/// they are folded: a node and its mirror image belong together. freeLiquid: nodes where the sides move together, as the liquid of a
+	/// ghost is not folded there.
+	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	/// True if there are front nodes in this step.
+	bool present() const { return !nodes_.empty(); }
+	int  nodeCount() const { return static_cast<int>(nodes_.size()); }
+
+	/// Thawed points near the front among some places, ascending.
+	const std::vector<int>& thawedNear(const std::vector<int>& places);
+	/// Their tangent modulus [Pa], by place; to be set before gather().
+	double* modulus() { return modulus_.data(); }
+	/// And the tangent of their angle of dilation [-], by place.
+	double* dilatancy() { return dilatancy_.data(); }
+	/// And by how much the shear stress that they carry rises with the normal stress when they fail [-], by place.
+	double* strengthSlope() { return strengthSlope_.data(); }
+
+	/// Adds what the points of a block near the front bring to the front nodes; affine may be null.
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
+	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
+	void push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force);
+	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Returns what the force between
+	/// the sides takes from their slip in the step [J], and adds what walls give to the sides apart to impulse [N s].
+	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse);
+	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine);
+	/// Adds the slip of points first .. last to their displacement gradient.
+	void addSlip(int first, int last);
+	/// Work of stress on the slip of points first .. last with the present stress [J]; after addSlip().
+	double stressWork(int first, int last) const;
+	/// Fastest velocity of either side at the front nodes, per axis [m/s].
+	double fastest() const { return fastest_; }
+	/// Correction of the velocity [m/s] with which a point of the given place moves at a node.
+	const double* correction(int node, int place) const;
+
+private:
+	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, liquid mass,
+	/// and volume times slope of strength and total stress.
+	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
+	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D,
+	                     thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D, stressAt = 7 + 4 * D, recordSize = stressAt + stressSize<D>;
+	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
+	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
+	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D, wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D,
+	                     resultSize = normalAt + D;
+	/// Both sides at a front node.
+	struct Meeting {
+		std::array<double, 2> solid {}, liquid {}; ///< masses of the frozen and the thawed side [kg]
+		bool   meets    = false; ///< both have mass, and there is a direction between them
+		bool   inside   = false; ///< the node lies in frozen ground, or next to it
+		bool   together = false; ///< the sides have one normal velocity
+		Vec<D> normal {};        ///< from frozen to thawed
+		double area        = 0.0; ///< [m^(D-1)]
+		double frozenVolume = 0.0; ///< [m^D]
+		double reducedMass = 0.0; ///< [kg]
+		Vec<D> jump {};           ///< velocity of the thawed side less that of the frozen one [m/s]
+		Vec<D> traction {};       ///< of the thawed points on the front [Pa]
+		double slope = 0.0;      ///< of strength over normal stress, of the thawed points [-]
+		double pressing = 0.0;    ///< force along the normal that would give both the same acceleration [N]
+		double reaction = 0.0;    ///< normal force between the sides [N]
+		double impulse  = 0.0;    ///< along the normal, on the thawed side [N s]
+	};
+
+	double*       record(int slot) { return records_.data() + static_cast<std::size_t>(slot) * recordSize; }
+	const double* record(int slot) const { return records_.data() + static_cast<std::size_t>(slot) * recordSize; }
+	double*       result(int slot) { return results_.data() + static_cast<std::size_t>(slot) * resultSize; }
+	const double* result(int slot) const { return results_.data() + static_cast<std::size_t>(slot) * resultSize; }
+	bool          near(int place) const { return near_[cell_[place]]; }
+	bool          frozen(int place) const { return side_[place] != 0.0; }
+	double        liquidMass(int place) const { return waterMass_[place] - iceMass_[place]; }
+	void          updateSides(int first, int last);
+	void          markCells(const Grid<D>& grid, int first, int last);
+	void          markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	void          markNear();
+	void          addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine);
+	void          addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k);
+	void          fold(const Mirrors& mirrors);
+	void          unfold(const Mirrors& mirrors, Vec<D>& impulse);
+	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
+	void          press(int slot, double dt);
+	void          pressAsBeside(int slot, double dt);
+	static double shearScale(const Meeting& meeting, double shear, double pressure);
+	double        slide(int slot, double dt);
+	double        lackingPressure(const Meeting& meeting) const;
+	double        widenedShare(const Meeting& meeting) const;
+	void          correct(int slot);
+	void          lead(int place, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const;
+
+	ThawFrontSettings   settings_;
+	PointFields::Handle sideField_, slipField_, strainField_;
+	SolidMotion<D>*     motion_ = nullptr;
+	PoreWater<D>*       water_  = nullptr;
+	MaterialPoints<D>*  points_ = nullptr;
+	const double *      iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr;
+	double*             side_ = nullptr; ///< 1: held by ice, 0: thawed
+	double*             slip_ = nullptr; ///< path of the thawed ground along the front [m]
+	std::array<double*, D * D> strain_ {}; ///< slip of the step as displacement gradient
+	double              fastest_ = 0.0;
+	double              spacing_ = 0.0;
+	int                 margin_  = 0; ///< of the arrays by node below, so that a reach never leaves them
+
+	std::vector<int>           cell_;    ///< by place: node at the lower corner of the point's cell, counted with the margin
+	std::vector<unsigned char> sides_;   ///< by that node: sides of the points in the cell
+	std::vector<unsigned char> reached_; ///< by node: sides that may reach it
+	std::vector<unsigned char> near_;    ///< by the lower node of a cell: its points reach front nodes
+	std::vector<int>           reach_;   ///< from a node to the lower nodes of the cells whose points may touch it
+	std::vector<int>           slot_;     ///< by node: place in the list of front nodes, or -1
+	std::vector<int>           nodes_;    ///< front nodes, ascending
+	std::vector<int>           beside_;  ///< from a node to those around it and itself
+	std::vector<double>        volume_;  ///< of full ground, by node
+	std::vector<Meeting>       meetings_;
+	std::vector<int>           chosen_;
+	std::vector<double>        modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]
+	std::vector<std::array<double, 4>> folded_; ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
+	std::vector<double>        mappedLiquid_;        ///< by place, liquid mass of points near the front when it was mapped [kg]
+	std::vector<double>        records_, results_, work_;
+};
+
+extern template class ThawFront<2>;
+extern template class ThawFront<3>;
+
+} // namespace talik

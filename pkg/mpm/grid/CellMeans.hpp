@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+
+#include <vector>
+
+namespace talik {
+
+/// Volume-weighted means over the points of a grid cell: the projection that keeps low-order ground from locking.
+/// As it is symmetric in the volume-weighted product, the mean of div v and the mean of pressure are transposes.
+template <int D> class CellMeans {
+public:
+	void allocate(const Grid<D>& grid, int points)
+	{
+		cell_.assign(points, 0);
+		volume_.assign(grid.cellCount(), 0.0);
+		sum_.assign(grid.cellCount(), 0.0);
+	}
+
+	/// Finds the cells of points first .. last and adds up their volumes; call within MaterialPoints::strips().scatter.
+	void locate(const Grid<D>& grid, const MaterialPoints<D>& points, int first, int last)
+	{
+		std::array<const double*, D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = points.position(a);
+		const double* volume = points.volume();
+		for (int p = first; p < last; ++p) {
+			int c = 0;
+			for (int a = 0; a < D; ++a)
+				c += std::min(static_cast<int>((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) * grid.cellStride(a);
+			cell_[p] = c;
+			volume_[c] += volume[p];
+		}
+	}
+	void clearVolumes(const ActiveRange& r) { std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0); }
+	void clearSums(const ActiveRange& r) { std::fill(sum_.begin() + r.firstCell, sum_.begin() + r.lastCell, 0.0); }
+	void clearAll()
+	{
+		std::fill(volume_.begin(), volume_.end(), 0.0);
+		std::fill(sum_.begin(), sum_.end(), 0.0);
+	}
+
+	int    cell(int place) const { return cell_[place]; }
+	void   add(int place, double volumeTimesValue) { sum_[cell_[place]] += volumeTimesValue; }
+	/// Turns the sums into means; nothing can be added until they are cleared.
+	void finish(const ActiveRange& r)
+	{
+		r.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c)
+				sum_[c] = volume_[c] > 0.0 ? sum_[c] / volume_[c] : 0.0;
+		});
+	}
+	double mean(int place) const { return sum_[cell_[place]]; }
+	/// Volume of the points in a cell [m^D].
+	double cellVolume(int cell) const { return volume_[cell]; }
+
+private:
+	std::vector<int>    cell_;
+	std::vector<double> volume_, sum_;
+};
+
+} // namespace talik

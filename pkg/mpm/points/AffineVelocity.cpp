@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/points/AffineVelocity.hpp>
+
+namespace talik {
+
+template <int D>
+AffineVelocity<D>::AffineVelocity(PointFields& fields, VelocityTransfer transfer)
+        : transfer_(transfer)
+        , gradient_(fields.declare("affineVelocity", "transfer", "1/s", D * D))
+{
+}
+
+template <int D> void AffineVelocity<D>::bind(MaterialPoints<D>& points)
+{
+	for (int c = 0; c < D * D; ++c)
+		gradient[c] = points.fields().component(gradient_, c);
+}
+
+template <int D> void AffineVelocity<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, SolidMotion<D>& motion) const
+{
+	for (int k = 0; k < w.count; ++k) {
+		const int  p    = w.first + k;
+		const auto arms = armsOf(w, k, grid.spacing());
+		double     momentum[D][D];
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				momentum[i][j] = motion.mass[p] * gradient[i * D + j][p];
+		overSupport(grid, w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
+			double* r = motion.nodes[node] + motion.momentumAt;
+			for (int i = 0; i < D; ++i) {
+				double sum = 0.0;
+				for (int j = 0; j < D; ++j)
+					sum += momentum[i][j] * arms[j].distance[index[j]];
+				r[i] += s * sum;
+			}
+		});
+	}
+}
+
+template <int D> void AffineVelocity<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
+{
+	transfer_ == VelocityTransfer::apic ? gatherBlock<true>(grid, w, motion) : gatherBlock<false>(grid, w, motion);
+}
+
+template <int D>
+template <bool Apic>
+void AffineVelocity<D>::gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
+{
+	for (int k = 0; k < w.count; ++k) {
+		const auto arms    = armsOf(w, k, grid.spacing());
+		double     c[D][D] = {};
+		overSupport(grid, w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
+			const double* v = motion.solved[node] + D;
+			for (int j = 0; j < D; ++j) {
+				const double factor = Apic ? s * arms[j].distance[index[j]] / arms[j].moment : g[j];
+				for (int i = 0; i < D; ++i)
+					c[i][j] += v[i] * factor;
+			}
+		});
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				gradient[i * D + j][w.first + k] = c[i][j];
+	}
+}
+
+template class AffineVelocity<2>;
+template class AffineVelocity<3>;
+
+} // namespace talik

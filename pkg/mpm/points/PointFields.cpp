@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/points/PointFields.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+
+namespace talik {
+
+namespace {
+	constexpr std::size_t cacheLine = 64;
+	// Arrays of equal size that start at the same page offset fight for the same sets of the first-level cache.
+	constexpr std::size_t stagger = 192;
+	constexpr std::size_t page    = 4096;
+
+	std::size_t roundUp(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
+} // namespace
+
+PointFields::Handle
+PointFields::declare(const std::string& name, const std::string& owner, const std::string& unit, int components, bool persistent)
+{
+	if (storage_) throw std::logic_error("field '" + name + "' declared after the points were allocated");
+	if (has(name)) throw std::logic_error("field '" + name + "' declared twice, the second time by " + owner);
+	firstArray_.push_back(static_cast<int>(arrays_.size()));
+	arrays_.resize(arrays_.size() + components, nullptr);
+	info_.push_back({ name, owner, unit, "points", components, 0, persistent });
+	return static_cast<Handle>(info_.size()) - 1;
+}
+
+void PointFields::allocate(int count)
+{
+	count_                      = count;
+	const std::size_t one       = static_cast<std::size_t>(count) * sizeof(double);
+	const std::size_t perArray  = roundUp(one + stagger, page) + stagger;
+	const std::size_t total     = roundUp(perArray * std::max<std::size_t>(arrays_.size(), 1), page);
+	void*             memory    = std::aligned_alloc(page, total);
+	if (!memory) throw std::bad_alloc();
+	std::memset(memory, 0, total);
+	storage_ = { static_cast<double*>(memory), &std::free };
+	for (std::size_t i = 0; i < arrays_.size(); ++i)
+		arrays_[i] = reinterpret_cast<double*>(static_cast<char*>(memory) + roundUp(i * perArray, cacheLine));
+	for (FieldInfo& f : info_)
+		f.bytes = one * f.components;
+	scratch_.resize(count);
+}
+
+bool PointFields::has(const std::string& name) const
+{
+	return std::any_of(info_.begin(), info_.end(), [&](const FieldInfo& f) { return f.name == name; });
+}
+
+double* PointFields::component(Handle field, int component)
+{
+	return const_cast<double*>(static_cast<const PointFields&>(*this).component(field, component));
+}
+
+const double* PointFields::component(Handle field, int component) const
+{
+	if (field < 0 || field >= static_cast<int>(info_.size()) || component < 0 || component >= info_[field].components) return nullptr;
+	return arrays_[firstArray_[field] + component];
+}
+
+double* PointFields::find(const std::string& name, int component)
+{
+	return const_cast<double*>(static_cast<const PointFields&>(*this).find(name, component));
+}
+
+const double* PointFields::find(const std::string& name, int component) const
+{
+	for (std::size_t i = 0; i < info_.size(); ++i)
+		if (info_[i].name == name) return this->component(static_cast<Handle>(i), component);
+	return nullptr;
+}
+
+void PointFields::reorder(const int* from)
+{
+	for (double* array : arrays_) {
+		for (int k = 0; k < count_; ++k)
+			scratch_[k] = array[from[k]];
+		std::memcpy(array, scratch_.data(), static_cast<std::size_t>(count_) * sizeof(double));
+	}
+}
+
+} // namespace talik

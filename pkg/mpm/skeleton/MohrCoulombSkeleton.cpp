@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+
+namespace talik {
+
+namespace {
+
+	constexpr double degree = 0.017453292519943295;
+
+	/// Plastic part of a stress correction as equivalent deviatoric strain, from principal values.
+	double equivalentStrain(const double* before, const double* after, double shear)
+	{
+		double d[3], mean = 0.0;
+		for (int i = 0; i < 3; ++i) {
+			d[i] = before[i] - after[i];
+			mean += d[i] / 3.0;
+		}
+		double sum = 0.0;
+		for (int i = 0; i < 3; ++i)
+			sum += (d[i] - mean) * (d[i] - mean);
+		return std::sqrt(2.0 / 3.0 * sum) / (2.0 * shear);
+	}
+
+	/// Plane strain: two principal stresses in the plane, the third is zz. change(p) gets the principal stresses, largest first, and
+	/// says whether it changed them; returns the same.
+	template <class Change> bool inPrincipalStresses(double (&s)[4], Change&& change)
+	{
+		const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
+		const double radius = std::sqrt(half * half + s[3] * s[3]);
+		const double inPlane[3] = { centre + radius, centre - radius, s[2] };
+		int          order[3]   = { 0, 1, 2 };
+		if (inPlane[2] > inPlane[0]) order[0] = 2, order[1] = 0, order[2] = 1;
+		else if (inPlane[2] > inPlane[1])
+			order[1] = 2, order[2] = 1;
+		double after[3] = { inPlane[order[0]], inPlane[order[1]], inPlane[order[2]] };
+		if (!change(after)) return false;
+		double corrected[3];
+		for (int i = 0; i < 3; ++i)
+			corrected[order[i]] = after[i];
+		const double newCentre = 0.5 * (corrected[0] + corrected[1]), newRadius = 0.5 * (corrected[0] - corrected[1]);
+		const double cosine = radius > 0.0 ? half / radius : 1.0, sine = radius > 0.0 ? s[3] / radius : 0.0;
+		s[0] = newCentre + newRadius * cosine;
+		s[1] = newCentre - newRadius * cosine;
+		s[2] = corrected[2];
+		s[3] = newRadius * sine;
+		return true;
+	}
+
+	template <class Change> bool inPrincipalStresses(double (&s)[6], Change&& change)
+	{
+		Eigen::Matrix3d tensor;
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j)
+				tensor(i, j) = s[stressIndex<3>(i, j)];
+		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(tensor);
+		const auto& values   = spectrum.eigenvalues(); // ascending
+		double      after[3] = { values[2], values[1], values[0] };
+		if (!change(after)) return false;
+		tensor.setZero();
+		for (int k = 0; k < 3; ++k) {
+			const Eigen::Vector3d n = spectrum.eigenvectors().col(2 - k);
+			tensor += after[k] * n * n.transpose();
+		}
+		for (int i = 0; i < 3; ++i)
+			for (int j = i; j < 3; ++j)
+				s[stressIndex<3>(i, j)] = tensor(i, j);
+		return true;
+	}
+
+	/// Returns the plastic strain of the correction.
+	template <int N> double correct(const MohrCoulombState& m, double (&s)[N])
+	{
+		double plastic = 0.0;
+		inPrincipalStresses(s, [&](double* p) {
+			const double before[3] = { p[0], p[1], p[2] };
+			if (!returnToMohrCoulomb(m, p)) return false;
+			plastic = equivalentStrain(before, p, m.shear);
+			return true;
+		});
+		return plastic;
+	}
+
+	/// Takes tension above the limit off principal stresses; returns the sum of what was taken [Pa].
+	double cut(double limit, double* p)
+	{
+		double taken = 0.0;
+		for (int i = 0; i < 3; ++i)
+			if (p[i] > limit) {
+				taken += p[i] - limit;
+				p[i] = limit;
+			}
+		return taken;
+	}
+
+	/// Marks the points that cannot keep their trial stress, without finding the order of their principal stresses.
+	void findYielding(
+	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 4>& s, int count, long long* yielding)
+	{
+		const double* const stress[4] = { s[0], s[1], s[2], s[3] };
+		planeLoops().findYielding(count, { cohesion, tensileStrength, m.sinFriction, m.cosFriction }, stress, yielding);
+	}
+	void findYielding(const MohrCoulombState&, const double*, const double*, const std::array<double*, 6>&, int count, long long* yielding)
+	{
+		std::fill(yielding, yielding + count, 1);
+	}
+
+	/// Elastic trial stress of points in sequence, from place first on; stress begins with the first.
+	void predict(const SkeletonBatch<2>& b, int first, int count, const double* lambda, const double* shear, const std::array<double*, 4>& s)
+	{
+		const double* const gradient[4] = { b.gradient[0] + first, b.gradient[1] + first, b.gradient[2] + first, b.gradient[3] + first };
+		double* const       stress[4]   = { s[0], s[1], s[2], s[3] };
+		planeLoops().elastic(count, lambda, shear, gradient, stress);
+	}
+	void predict(const SkeletonBatch<3>& b, int first, int count, const double* lambda, const double* shear, const std::array<double*, 6>& stress)
+	{
+		for (int k = 0; k < count; ++k) {
+			double gradient[9], s[6];
+			for (int c = 0; c < 9; ++c)
+				gradient[c] = b.gradient[c][first + k];
+			for (int c = 0; c < 6; ++c)
+				s[c] = stress[c][k];
+			const MidpointIncrement<3> increment(gradient);
+			increment.rotate(s);
+			increment.addElastic(s, lambda[k], shear[k]);
+			for (int c = 0; c < 6; ++c)
+				stress[c][k] = s[c];
+		}
+	}
+
+	template <int D> void loadStress(const std::array<double*, stressSize<D>>& stress, int k, double (&s)[stressSize<D>])
+	{
+		for (int c = 0; c < stressSize<D>; ++c)
+			s[c] = stress[c][k];
+	}
+	template <int D> void storeStress(const double (&s)[stressSize<D>], const std::array<double*, stressSize<D>>& stress, int k)
+	{
+		for (int c = 0; c < stressSize<D>; ++c)
+			stress[c][k] = s[c];
+	}
+
+	/// phi(S_i) = 1 - (1 - S_i^m)^m
+	double squareIceFunction(double saturation)
+	{
+		const double s = std::min(std::max(saturation, 0.0), 1.0);
+		return s * s * (2.0 - s * s);
+	}
+	double iceFunction(double saturation, double exponent)
+	{
+		if (exponent == 2.0) return squareIceFunction(saturation);
+		const double s = std::min(std::max(saturation, 0.0), 1.0);
+		return 1.0 - std::pow(1.0 - std::pow(s, exponent), exponent);
+	}
+
+} // namespace
+
+template <int D> void MohrCoulombSkeleton<D>::validate() const
+{
+	const auto name = [](const char* attribute) { return std::string("MohrCoulombSkeleton.") + attribute; };
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, name("youngModulus"), youngModulus, "must be positive, in Pa");
+	requireSetting(
+	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus,
+	        name("youngModulusFrozen"),
+	        youngModulusFrozen,
+	        "must not be below youngModulus, in Pa");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, name("poissonRatio"), poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(cohesion) && cohesion >= 0.0, name("cohesion"), cohesion, "must not be negative, in Pa");
+	requireSetting(std::isfinite(cohesionFrozen) && cohesionFrozen >= 0.0, name("cohesionFrozen"), cohesionFrozen, "must not be negative, in Pa");
+	requireSetting(frictionAngle >= 0.0 && frictionAngle < 90.0, name("frictionAngle"), frictionAngle, "must lie in [0, 90) degrees");
+	requireSetting(
+	        dilationAngle >= 0.0 && dilationAngle <= frictionAngle, name("dilationAngle"), dilationAngle, "must lie in [0, frictionAngle] degrees");
+	requireSetting(
+	        std::isfinite(tensileStrength) && tensileStrength >= 0.0, name("tensileStrength"), tensileStrength, "must not be negative, in Pa");
+	requireSetting(
+	        std::isfinite(tensileStrengthFrozen) && tensileStrengthFrozen >= 0.0,
+	        name("tensileStrengthFrozen"),
+	        tensileStrengthFrozen,
+	        "must not be negative, in Pa");
+	requireSetting(std::isfinite(iceExponent) && iceExponent >= 1.0, name("iceExponent"), iceExponent, "must be 1 or more");
+	validateTable();
+}
+
+template <int D> void MohrCoulombSkeleton<D>::validateTable() const
+{
+	const auto require = [](const char* column, const std::vector<double>& values, std::size_t wanted, bool zeroAllowed) {
+		const std::string name = std::string("MohrCoulombSkeleton.table.") + column;
+		requireSetting(values.size() == wanted, name + " length", double(values.size()), "must be that of the ice saturations");
+		for (const double value : values)
+			requireSetting(std::isfinite(value) && (zeroAllowed ? value >= 0.0 : value > 0.0), name, value, zeroAllowed ? "must not be negative" : "must be positive");
+	};
+	const auto& s = table.saturation;
+	require("youngModulus", table.youngModulus, s.size(), false);
+	require("cohesion", table.cohesion, s.size(), true);
+	require("tensileStrength", table.tensileStrength, s.size(), true);
+	for (std::size_t k = 0; k < s.size(); ++k)
+		requireSetting(
+		        s[k] >= 0.0 && s[k] <= 1.0 && (k == 0 || s[k] > s[k - 1]), "MohrCoulombSkeleton.table.saturation", s[k],
+		        "must lie in 0 to 1 and above the one before it");
+}
+
+template <int D> typename MohrCoulombSkeleton<D>::AtSaturation MohrCoulombSkeleton<D>::at(double saturation) const
+{
+	const auto& s = table.saturation;
+	if (s.empty()) {
+		const double phi = iceFunction(saturation, iceExponent);
+		return { youngModulus + (youngModulusFrozen - youngModulus) * phi, cohesion + (cohesionFrozen - cohesion) * phi,
+			 tensileStrength + (tensileStrengthFrozen - tensileStrength) * phi };
+	}
+	const std::size_t above = std::upper_bound(s.begin(), s.end(), saturation) - s.begin();
+	const std::size_t j = std::min(above, s.size() - 1), i = above == 0 ? 0 : above - 1;
+	const double      part = i == j ? 0.0 : (saturation - s[i]) / (s[j] - s[i]);
+	const auto        value = [&](const std::vector<double>& column) { return column[i] + part * (column[j] - column[i]); };
+	return { value(table.youngModulus), value(table.cohesion), value(table.tensileStrength) };
+}
+
+template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
+{
+	fields_        = &fields;
+	plasticStrain_ = fields.declare(prefix + "plasticStrain", "MohrCoulombSkeleton", "-", 1);
+	if (!fields.has("iceSaturation")) return;
+	iceStress_  = fields.declare(prefix + "iceStress", "MohrCoulombSkeleton", "Pa", stressSize<D>);
+	iceModulus_ = fields.declare(prefix + "iceModulus", "MohrCoulombSkeleton", "Pa", 1);
+	opening_    = fields.declare(prefix + "opening", "MohrCoulombSkeleton", "-", 1);
+}
+
+template <int D> void MohrCoulombSkeleton<D>::initialise(const SkeletonBatch<D>& b)
+{
+	if (iceModulus_ < 0) return;
+	const double thawed  = at(0.0).youngModulus;
+	double*      modulus = fields_->component(iceModulus_);
+	for (int k = 0; k < b.count; ++k)
+		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).youngModulus - thawed);
+}
+
+/// Davis 1968: tan(phi) with psi = phi, sin(phi) without dilation.
+template <int D> double MohrCoulombSkeleton<D>::strengthSlope() const
+{
+	const double sine = std::sin(frictionAngle * degree), dilation = dilationAngle * degree;
+	return sine * std::cos(dilation) / (1.0 - sine * std::sin(dilation));
+}
+
+template <int D> double MohrCoulombSkeleton<D>::dilatancy() const { return std::tan(dilationAngle * degree); }
+
+template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
+{
+	const int pieces = (b.count + pieceSize - 1) / pieceSize;
+	ThreadTeam::run(pieces, b.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
+		const int end = std::min(b.count, (i + 1) * pieceSize);
+		for (int k = i * pieceSize; k < end;) {
+			// places that follow each other are worked on in one go
+			const int first = k;
+			while (k < end && b.place[k] == b.place[first] + (k - first))
+				++k;
+			if (iceModulus_ >= 0) updateFreezingRun(b, b.place[first], k - first);
+			else
+				updateRun(b, b.place[first], k - first);
+		}
+	});
+}
+
+template <int D> void MohrCoulombSkeleton<D>::lookUp(const double* saturation, int count, Piece& piece) const
+{
+	if (saturation && table.saturation.empty() && iceExponent == 2.0) return interpolate(saturation, count, piece);
+	AtSaturation present = at(0.0);
+	for (int k = 0; k < count; ++k) {
+		if (saturation) present = at(saturation[k]);
+		piece.youngModulus[k]    = present.youngModulus;
+		piece.cohesion[k]        = present.cohesion;
+		piece.tensileStrength[k] = present.tensileStrength;
+	}
+}
+
+/// The usual exponent, without a power function per point.
+template <int D> void MohrCoulombSkeleton<D>::interpolate(const double* saturation, int count, Piece& piece) const
+{
+	const double stiffness = youngModulus, moreStiffness = youngModulusFrozen - youngModulus;
+	const double strength = cohesion, moreStrength = cohesionFrozen - cohesion;
+	const double tension = tensileStrength, moreTension = tensileStrengthFrozen - tensileStrength;
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double phi         = squareIceFunction(saturation[k]);
+		piece.youngModulus[k]    = stiffness + moreStiffness * phi;
+		piece.cohesion[k]        = strength + moreStrength * phi;
+		piece.tensileStrength[k] = tension + moreTension * phi;
+	}
+}
+
+/// No tension passes the apex of the cone; cotangent of the angle of friction.
+template <int D> void MohrCoulombSkeleton<D>::limitTension(double cotangent, int count, Piece& piece)
+{
+	for (int k = 0; k < count; ++k)
+		piece.tensileStrength[k] = std::min(piece.tensileStrength[k], piece.cohesion[k] * cotangent);
+}
+
+template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& b, int first, int count)
+{
+	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
+	const LameModuli unit(1.0, poissonRatio);
+	MohrCoulombState m;
+	m.sinFriction = std::sin(frictionAngle * degree);
+	m.cosFriction = std::cos(frictionAngle * degree);
+	m.sinDilation = std::sin(dilationAngle * degree);
+	Piece  piece;
+	double lambda[pieceSize], shear[pieceSize];
+	lookUp(b.iceSaturation ? b.iceSaturation + first : nullptr, count, piece);
+	if (m.sinFriction > 0.0) limitTension(m.cosFriction / m.sinFriction, count, piece);
+	for (int k = 0; k < count; ++k) {
+		lambda[k] = piece.youngModulus[k] * unit.lambda;
+		shear[k]  = piece.youngModulus[k] * unit.shear;
+	}
+	std::array<double*, stressSize<D>> stress;
+	for (int c = 0; c < stressSize<D>; ++c)
+		stress[c] = b.stress[c] + first;
+	predict(b, first, count, lambda, shear, stress);
+
+	long long yielding[pieceSize];
+	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
+	for (int k = 0; k < count; ++k) {
+		if (!yielding[k]) continue;
+		m.lambda          = lambda[k];
+		m.shear           = shear[k];
+		m.cohesion        = piece.cohesion[k];
+		m.tensileStrength = piece.tensileStrength[k];
+		double s[stressSize<D>];
+		loadStress<D>(stress, k, s);
+		const double plastic = correct(m, s);
+		storeStress<D>(s, stress, k);
+		if (plasticStrain) plasticStrain[first + k] += plastic;
+	}
+}
+
+template <int D>
+void MohrCoulombSkeleton<D>::splitModulus(double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts)
+{
+	const LameModuli unit(1.0, poisson);
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double whole = piece.youngModulus[k], grains = std::min(whole, thawedModulus), ice = whole - grains;
+		parts.keptIce[k]      = ice < iceModulus[k] ? ice / iceModulus[k] : 1.0;
+		parts.grainLambda[k]  = grains * unit.lambda;
+		parts.grainShear[k]   = grains * unit.shear;
+		parts.iceLambda[k]    = ice * unit.lambda;
+		parts.iceShear[k]     = ice * unit.shear;
+		parts.grainTension[k] = piece.tensileStrength[k] * (grains / whole);
+		parts.hidden[k]       = (parts.grainLambda[k] + 2.0 / 3.0 * parts.grainShear[k]) * opening[k];
+		iceModulus[k]         = ice;
+	}
+}
+
+/// Leaves the stress of the grains in stress, and in ice what melting leaves of the ice's.
+template <int D> void MohrCoulombSkeleton<D>::takeIceOff(int count, const double* kept, double* stress, double* ice)
+{
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		stress[k] -= ice[k];
+		ice[k] *= kept[k];
+	}
+}
+
+template <int D> void MohrCoulombSkeleton<D>::addTo(int count, const double* what, double* stress)
+{
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k)
+		stress[k] += what[k];
+}
+
+template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBatch<D>& b, int first, int count)
+{
+	Piece piece;
+	Parts parts;
+	lookUp(b.iceSaturation + first, count, piece);
+	const double sine = std::sin(frictionAngle * degree);
+	if (sine > 0.0) limitTension(std::cos(frictionAngle * degree) / sine, count, piece);
+	splitModulus(at(0.0).youngModulus, fields_->component(opening_) + first, fields_->component(iceModulus_) + first, count, piece, poissonRatio, parts);
+	std::array<double*, stressSize<D>> stress, ice;
+	for (int c = 0; c < stressSize<D>; ++c) {
+		stress[c] = b.stress[c] + first;
+		ice[c]    = fields_->component(iceStress_, c) + first;
+		takeIceOff(count, parts.keptIce, stress[c], ice[c]);
+		if (c < 3) addTo(count, parts.hidden, stress[c]);
+	}
+	predict(b, first, count, parts.grainLambda, parts.grainShear, stress);
+	predict(b, first, count, parts.iceLambda, parts.iceShear, ice);
+	partGrains(first, count, parts, stress);
+	for (int c = 0; c < stressSize<D>; ++c)
+		addTo(count, ice[c], stress[c]);
+	limitSum(first, count, piece, parts, stress);
+}
+
+/// No grain is pulled by more than holds it to its neighbours. The volume by which grains part beyond is kept: its stress, were they
+/// not parted, returns in the next step, so that what presses them together closes the opening first.
+template <int D>
+void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
+{
+	double* const    opening = fields_->component(opening_) + first;
+	MohrCoulombState onlyTension {};
+	double           noCone[pieceSize];
+	std::fill(noCone, noCone + count, 1e300);
+	onlyTension.cosFriction = 1.0;
+	long long parted[pieceSize];
+	findYielding(onlyTension, noCone, parts.grainTension, stress, count, parted);
+	for (int k = 0; k < count; ++k) {
+		opening[k] = 0.0;
+		// without ice the grains slide before they part: see limitSum
+		if (!parted[k] || !(parts.iceShear[k] > 0.0)) continue;
+		double s[stressSize<D>], taken = 0.0;
+		loadStress<D>(stress, k, s);
+		inPrincipalStresses(s, [&](double* p) { return (taken = cut(parts.grainTension[k], p)) > 0.0; });
+		storeStress<D>(s, stress, k);
+		opening[k] = taken / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
+	}
+}
+
+/// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without
+/// the share of dilation.
+template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>])
+{
+	double undilated[stressSize<D>];
+	std::copy(returned, returned + stressSize<D>, undilated);
+	if (m.sinDilation > 0.0) {
+		MohrCoulombState sheared = m;
+		sheared.sinDilation      = 0.0;
+		std::copy(trial, trial + stressSize<D>, undilated);
+		correct(sheared, undilated);
+	}
+	double taken = 0.0;
+	for (int i = 0; i < 3; ++i)
+		taken += trial[i] - undilated[i];
+	return std::max(0.0, taken) / (3.0 * m.lambda + 2.0 * m.shear);
+}
+
+/// Grains and ice flow together: what their sum exceeds its strength by is taken off both by their stiffnesses.
+template <int D>
+void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
+{
+	double* const    plasticStrain = fields_->component(plasticStrain_) + first;
+	double* const    opening       = fields_->component(opening_) + first;
+	MohrCoulombState m;
+	m.sinFriction = std::sin(frictionAngle * degree);
+	m.cosFriction = std::cos(frictionAngle * degree);
+	m.sinDilation = std::sin(dilationAngle * degree);
+	long long yielding[pieceSize];
+	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
+	for (int k = 0; k < count; ++k) {
+		if (!yielding[k]) continue;
+		m.lambda          = parts.grainLambda[k] + parts.iceLambda[k];
+		m.shear           = parts.grainShear[k] + parts.iceShear[k];
+		m.cohesion        = piece.cohesion[k];
+		m.tensileStrength = piece.tensileStrength[k];
+		const bool hasIce = m.shear > parts.grainShear[k];
+		double     s[stressSize<D>], before[stressSize<D>], taken = 0.0;
+		loadStress<D>(stress, k, s);
+		std::copy(s, s + stressSize<D>, before);
+		if (hasIce) inPrincipalStresses(s, [&](double* p) { return (taken = cut(m.tensileStrength, p)) > 0.0; });
+		plasticStrain[k] += correct(m, s);
+		storeStress<D>(s, stress, k);
+		if (!hasIce) {
+			opening[k] = openedBy(m, before, s);
+			continue;
+		}
+		opening[k] += taken / (3.0 * m.lambda + 2.0 * m.shear);
+		const double share = parts.iceShear[k] / m.shear;
+		for (int c = 0; c < stressSize<D>; ++c)
+			fields_->component(iceStress_, c)[first + k] += share * (s[c] - before[c]);
+	}
+}
+
+template <int D> void MohrCoulombSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
+{
+	const double unit = LameModuli(1.0, poissonRatio).oedometer();
+	for (int k = 0; k < b.count; ++k)
+		modulus[b.place[k]] = unit * at(b.iceSaturation ? b.iceSaturation[b.place[k]] : 0.0).youngModulus;
+}
+
+template class MohrCoulombSkeleton<2>;
+template class MohrCoulombSkeleton<3>;
+
+} // namespace talik

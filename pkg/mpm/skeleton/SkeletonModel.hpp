@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/points/PointFields.hpp>
+#include <pkg/mpm/grid/Vector.hpp>
+
+#include <string>
+
+namespace talik {
+
+/// The material points that share one skeleton model, and what the model may read and write.
+/// All arrays are indexed by the place of a point, i.e. gradient[c][place[k]] for k < count; places change when points are
+/// sorted, id[place] never does.
+template <int D> struct SkeletonBatch {
+	int        count = 0;
+	const int* place = nullptr; ///< ascending
+	const int* id    = nullptr; ///< indexed by place: the number the user knows
+	/// Displacement gradient of this step, Delta t dv_i/dx_j at [i*D+j] [-], locking-free (theory: volume-weighted cell mean of
+	/// the divergence). F_new = (1 + gradient) F_old.
+	std::array<const double*, D * D> gradient {};
+	const double* iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
+	/// Effective Cauchy stress [Pa], tension positive, to be updated in place; order of stressIndex<D>().
+	std::array<double*, stressSize<D>> stress {};
+	const double* volume = nullptr; ///< current volume [m^D]
+};
+
+/// Law that turns strain and ice saturation into effective stress. Each point has one; a scene may use several.
+template <int D> class SkeletonModel {
+public:
+	virtual ~SkeletonModel() = default;
+
+	virtual std::string name() const = 0;
+
+	/// Throws std::invalid_argument naming attribute, value and remedy.
+	virtual void validate() const {}
+
+	/// False if stress is never limited by strength: such ground does not slip.
+	virtual bool canFail() const { return true; }
+
+	/// Tangent of the angle of dilation [-] with which ground that fails goes on to shear at constant stress.
+	virtual double dilatancy() const { return 0.0; }
+	/// Rise of the shear stress with the normal stress [-] in ground that fails in simple shear; unknown: larger than any.
+	virtual double strengthSlope() const { return 1e30; }
+
+	/// Declares fields of its own on the points (they are sorted and checkpointed with the rest); prefix makes names unique.
+	virtual void declareFields(PointFields&, const std::string& prefix) { (void)prefix; }
+
+	/// Called once, after the fields exist and initial stresses are set.
+	virtual void initialise(const SkeletonBatch<D>&) {}
+
+	/// Step 3 of the paper: effective stress from the strain of the step and the ice saturation. Runs its own threads.
+	virtual void updateStress(const SkeletonBatch<D>&) = 0;
+
+	/// Tangent oedometer modulus M_t [Pa] of every point of the batch, to modulus[place]; for the stable time step.
+	virtual void tangentModulus(const SkeletonBatch<D>&, double* modulus) const = 0;
+};
+
+} // namespace talik

@@ -1,0 +1,542 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/common/Collider.hpp>
+#include <pkg/common/ElastMat.hpp>
+#include <pkg/common/NormShearPhys.hpp>
+#include <pkg/common/Sphere.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/IceBondMat.hpp>
+#include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/rve/packed/CellReduction.hpp>
+#include <pkg/rve/open/OpenSample.hpp>
+#include <pkg/rve/packed/PackedProtocol.hpp>
+#include <pkg/rve/open/RunningScene.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
+
+#include <omp.h>
+#include <sstream>
+#include <stdexcept>
+
+using namespace yade;
+
+namespace talik {
+namespace {
+
+	/// YADE's per-thread storage in a sample is for one thread, whichever thread of an outer team it runs on: inside a team of one the
+	/// thread number is zero.
+	template <class Work> void onOneThread(Work&& work)
+	{
+		std::exception_ptr failure;
+#pragma omp parallel num_threads(1)
+		{
+			omp_set_num_threads(1);
+			try {
+				work();
+			} catch (...) {
+				failure = std::current_exception();
+			}
+		}
+		if (failure) std::rethrow_exception(failure);
+	}
+
+	template <class Visitor> void forBodies(const Scene& scene, Visitor&& visit)
+	{
+		for (std::size_t id = 0; id < scene.bodies->size(); id++)
+			if (const auto& body = (*scene.bodies)[id]) visit(*body);
+	}
+
+	bool isClumpMember(const Body& body) { return body.clumpId >= 0 && body.clumpId != body.id; }
+
+	/// The rigid body that a contact acts on: a grain or the clump that it belongs to.
+	const Body& rigidBody(const Scene& scene, Body::id_t id)
+	{
+		const Body& body = *(*scene.bodies)[id];
+		return isClumpMember(body) ? *(*scene.bodies)[body.clumpId] : body;
+	}
+
+	Vector3r forceOf(const Interaction& contact)
+	{
+		if (const auto* both = dynamic_cast<const NormShearPhys*>(contact.phys.get())) return both->normalForce + both->shearForce;
+		if (const auto* normal = dynamic_cast<const NormPhys*>(contact.phys.get())) return normal->normalForce;
+		throw std::invalid_argument(
+		        "The contact " + std::to_string(contact.id1) + "-" + std::to_string(contact.id2)
+		        + " of a sample has no normalForce: its law cannot be homogenised; use one whose contacts derive from NormPhys.");
+	}
+
+	/// visit(contact, first body, second body, vector from first to second) for every contact that exists.
+	template <class Visitor> void forContacts(const Scene& scene, Visitor&& visit)
+	{
+		for (const auto& contact : *scene.interactions) {
+			if (!contact->isReal()) continue;
+			const Body &   first = rigidBody(scene, contact->id1), &second = rigidBody(scene, contact->id2);
+			const Vector3r branch = second.state->se3.position - first.state->se3.position + scene.cell->hSize * contact->cellDist.cast<Real>();
+			visit(*contact, first, second, branch);
+		}
+	}
+
+	double volumeOf(const Cell& cell) { return std::abs(cell.hSize.determinant()); }
+
+	Matrix3r loveWeber(const Scene& scene)
+	{
+		Matrix3r sum = Matrix3r::Zero();
+		forContacts(scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) { sum -= forceOf(contact) * branch.transpose(); });
+		return sum / volumeOf(*scene.cell);
+	}
+
+	Matrix3r symmetric(const Matrix3r& m) { return 0.5 * (m + m.transpose()); }
+
+	bool inPlane(const Matrix3r& m) { return m(0, 2) == 0 && m(1, 2) == 0 && m(2, 0) == 0 && m(2, 1) == 0 && m(2, 2) == 0; }
+
+	Matrix3r rootIncrement(const Matrix3r& displacementGradient, long steps)
+	{
+		if (!inPlane(displacementGradient)) return matrixRootIncrement<3>(displacementGradient, steps);
+		Matrix3r increment               = Matrix3r::Zero();
+		increment.topLeftCorner<2, 2>() = matrixRootIncrement<2>(displacementGradient.topLeftCorner<2, 2>(), steps);
+		return increment;
+	}
+
+	bool inherits(const Engine& engine, const char* base)
+	{
+		const std::string name = engine.getClassName();
+		return name == base || Omega::instance().isInheritingFrom_recursive(name, base);
+	}
+
+	std::string reasonOfEngine(const Engine& engine)
+	{
+		const std::string name = engine.getClassName();
+		if (inherits(engine, "PeriodicEngine")) return "its " + name + " would act in YADE's current scene (remove it)";
+		if (inherits(engine, "TimeStepper")) return "its " + name + " would change the time step while a strain is applied (remove it, set dt)";
+		if (inherits(engine, "BoundaryController")) return "its " + name + " would move the cell as well (remove it or set dead=True)";
+		return "";
+	}
+
+	/// Bounds recorded in one cell mean nothing in another. (A collider from an archive would not do: it comes with a NewtonIntegrator
+	/// of its own, waits for that one to move grains, and finds no new contact ever again.)
+	void renewCollider(Scene& scene)
+	{
+		for (const auto& engine : scene.engines)
+			if (auto* collider = dynamic_cast<Collider*>(engine.get())) collider->invalidatePersistentData();
+		scene.interactions->dirty = true;
+	}
+
+	/// Cell distance at which the second body is nearest to the first.
+	Vector3i nearestImage(const Cell& cell, const Matrix3r& inverse, const Vector3r& difference)
+	{
+		const Vector3r reduced = inverse * difference;
+		const Vector3i centre(-int(std::lround(reduced[0])), -int(std::lround(reduced[1])), -int(std::lround(reduced[2])));
+		Vector3i       nearest = centre;
+		double         least   = std::numeric_limits<double>::infinity();
+		for (int i = -1; i <= 1; i++)
+			for (int j = -1; j <= 1; j++)
+				for (int k = -1; k <= 1; k++) {
+					const Vector3i image  = centre + Vector3i(i, j, k);
+					const double   square = (difference + cell.hSize * image.cast<Real>()).squaredNorm();
+					if (square >= least) continue;
+					least   = square;
+					nearest = image;
+				}
+		return nearest;
+	}
+
+	shared_ptr<ScGeom> touch(const Body& first, const Body& second, const Vector3r& branch)
+	{
+		const double       distance = branch.norm();
+		shared_ptr<ScGeom> geom(new ScGeom);
+		geom->normal           = branch / distance;
+		geom->refR1            = static_cast<const Sphere&>(*first.shape).radius;
+		geom->refR2            = static_cast<const Sphere&>(*second.shape).radius;
+		geom->penetrationDepth = geom->refR1 + geom->refR2 - distance;
+		geom->contactPoint     = first.state->se3.position + (geom->refR1 - 0.5 * geom->penetrationDepth) * geom->normal;
+		return geom;
+	}
+
+	/// Switched off altogether only where it is in use: YADE warns of every scene that may not redirect.
+	void forbidRedirection(Scene& scene)
+	{
+		auto& bodies = *scene.bodies;
+		if (!bodies.useRedirection) return;
+		bodies.enableRedirection = false;
+		bodies.useRedirection    = false;
+	}
+
+	bool bearsIce(const Body& body) { return dynamic_cast<IceBondMat*>(body.material.get()) && dynamic_cast<Sphere*>(body.shape.get()); }
+
+} // namespace
+
+void forbidRedirection()
+{
+	forbidRedirection(*Omega::instance().getScene());
+}
+
+std::string reasonAgainstSample(const Scene& scene)
+{
+	if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
+	if (!(scene.dt > 0)) return "its time step is not positive";
+	if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
+	std::size_t bodies = 0;
+	forBodies(scene, [&](const Body&) { bodies++; });
+	if (bodies == 0) return "it has no bodies";
+	bool moves = false;
+	for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines) {
+		if (engine->dead) continue;
+		moves                    = moves || inherits(*engine, "NewtonIntegrator");
+		const std::string reason = reasonOfEngine(*engine);
+		if (!reason.empty()) return reason;
+	}
+	return moves ? reasonAgainstRunning(scene, true) : "it has no NewtonIntegrator";
+}
+
+// ---------------------------------------------------------------------------------------------- making
+
+OpenSample::OpenSample(const std::string& sceneBytes)
+{
+	adopt(sceneFromBytes(sceneBytes));
+	formed = intactBonds();
+	keepState(0);
+}
+
+void OpenSample::adopt(shared_ptr<Scene> adopted)
+{
+	const std::string reason = reasonAgainstSample(*adopted);
+	if (!reason.empty()) throw std::invalid_argument("The scene cannot be a sample: " + reason + ".");
+	scene                      = std::move(adopted);
+	scene->cell->flipFlippable = false;
+	forbidRedirection(*scene);
+	scene->dt = timeStepForIce(*scene);
+	measureGrains();
+	lastStress = loveWeber(*scene);
+}
+
+void OpenSample::measureGrains()
+{
+	std::set<IceBondMat*> withIce;
+	std::size_t           spheres = 0;
+	averageRadius = density = 0;
+	discs                   = true;
+	forBodies(*scene, [&](const Body& body) {
+		if (!isClumpMember(body)) discs = discs && (body.state->blockedDOFs & State::DOF_Z);
+		if (auto* material = dynamic_cast<IceBondMat*>(body.material.get())) withIce.insert(material);
+		const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get());
+		if (!sphere || !body.material) return;
+		averageRadius += sphere->radius;
+		density += body.material->density;
+		spheres++;
+	});
+	if (spheres == 0) throw std::invalid_argument("The scene cannot be a sample: it has no spheres.");
+	averageRadius /= double(spheres);
+	density /= double(spheres);
+	iceMaterials.assign(withIce.begin(), withIce.end());
+}
+
+void OpenSample::setBondCounts(const std::array<std::uint64_t, 2>& counts)
+{
+	formed     = counts[0];
+	melted     = counts[1];
+	keptCounts = counts;
+}
+
+void OpenSample::keepState(long steps)
+{
+	if (!kept.empty() && scene->iter - keptAt < steps) return;
+	kept       = sceneToBytes(scene);
+	keptCounts = bondCounts();
+	keptAt     = scene->iter;
+}
+
+void OpenSample::recover()
+{
+	adopt(sceneFromBytes(kept));
+	setBondCounts(keptCounts);
+}
+
+// ---------------------------------------------------------------------------------------------- one update
+
+OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
+{
+	checkOptions(options);
+	if (!(targetIceSaturation >= 0 && targetIceSaturation <= 1))
+		throw std::invalid_argument("open sample: ice saturation " + std::to_string(targetIceSaturation) + " must lie in 0..1");
+	OpenUpdateResult result;
+	result.stress    = symmetric(lastStress);
+	const long start = scene->iter;
+	try {
+		onOneThread([&] {
+			const Matrix3r remaining = settle(displacementGradient);
+			changeIce(targetIceSaturation, options);
+			move(remaining, options);
+			relax(options);
+			checkHealth();
+			result.flipped = options.flipSkew > 0 && flip(options.flipSkew);
+			if (options.tangent) result.tangent = tangent();
+		});
+		result.stress = symmetric(lastStress);
+	} catch (const std::runtime_error& problem) {
+		result.blewUp = true;
+		result.reason = problem.what();
+	}
+	result.steps = scene->iter - start;
+	return result;
+}
+
+/// A velocity gradient left in force moves the cell once more; what it moves is taken from the increment.
+Matrix3r OpenSample::settle(const Matrix3r& displacementGradient)
+{
+	const Matrix3r one = Matrix3r::Identity(), left = scene->dt * scene->cell->velGrad;
+	setNextVelGrad(Matrix3r::Zero());
+	if (left.isZero(0)) return displacementGradient;
+	run(1);
+	return (one + displacementGradient) * (one + left).inverse() - one;
+}
+
+void OpenSample::setNextVelGrad(const Matrix3r& velGrad)
+{
+	scene->cell->nextVelGrad    = velGrad;
+	scene->cell->velGradChanged = true;
+}
+
+void OpenSample::run(long steps, long averaged)
+{
+	Matrix3r   sum   = Matrix3r::Zero();
+	const long first = steps - std::max(1l, std::min(averaged, steps));
+	for (long k = 0; k < steps; k++) {
+		scene->moveToNextTimeStep();
+		if (k >= first) sum += loveWeber(*scene);
+	}
+	if (steps > 0) lastStress = sum / double(steps - first);
+	scene->speed = 0; // steps per second by the clock on the wall, which YADE archives: the same run is to give the same bytes
+}
+
+void OpenSample::changeIce(double target, const PackedUpdateOptions& options)
+{
+	if (!hasIce()) return;
+	const double from  = iceSaturation();
+	const long   parts = long(std::ceil(std::fabs(target - from) / options.saturationIncrement - 1e-9));
+	for (long k = 1; k <= parts; k++) {
+		setIceSaturation(k == parts ? target : from + (target - from) * double(k) / double(parts));
+		run(std::max(1l, options.stepsPerSaturation)); // contacts take it up in a step
+	}
+}
+
+double OpenSample::iceSaturation() const { return hasIce() ? iceMaterials.front()->iceSaturation : 0; }
+
+void OpenSample::setIceSaturation(double iceSaturation)
+{
+	const double before = this->iceSaturation();
+	const auto   model  = iceMaterials.front()->model();
+	const bool   melts = model.melted(iceSaturation) && !model.melted(before), births = model.formsBonds(before, iceSaturation);
+	if (melts && !model.bondsOutlastIce()) melted += intactBonds();
+	for (auto* material : iceMaterials)
+		material->iceSaturation = iceSaturation;
+	if (births && !model.melted(iceSaturation)) bondAll();
+}
+
+/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.
+void OpenSample::move(const Matrix3r& displacementGradient, const PackedUpdateOptions& options)
+{
+	if (displacementGradient.isZero(0)) return;
+	const long     steps = stepsFor(displacementGradient, options);
+	const Matrix3r rate  = rootIncrement(displacementGradient, steps) / scene->dt;
+	const long     mean  = std::min(steps, long(options.averageOver * double(steps)));
+	setNextVelGrad(rate);
+	run(steps, mean);
+	const Matrix3r before = lastStress;
+	setNextVelGrad(Matrix3r::Zero());
+	run(1);
+	if (mean > 1) lastStress = (before * double(mean) + lastStress) / double(mean + 1);
+}
+
+long OpenSample::stepsFor(const Matrix3r& displacementGradient, const PackedUpdateOptions& options) const
+{
+	if (discs && inPlane(displacementGradient)) {
+		PackedParameters<2> p;
+		p.dt      = scene->dt;
+		p.density = density;
+		p.stress  = lastStress.topLeftCorner<2, 2>();
+		return movingSteps<2>(p, averageRadius, displacementGradient.topLeftCorner<2, 2>(), options);
+	}
+	PackedParameters<3> p;
+	p.dt      = scene->dt;
+	p.density = density;
+	p.stress  = lastStress;
+	return movingSteps<3>(p, averageRadius, displacementGradient, options);
+}
+
+void OpenSample::relax(const PackedUpdateOptions& options)
+{
+	if (options.relaxSteps > 0) run(options.relaxSteps);
+	for (long done = 0; done < options.maxRelaxSteps && statistics().unbalancedForce > options.unbalancedLimit; done += 10)
+		run(10);
+}
+
+void OpenSample::checkHealth() const
+{
+	forBodies(*scene, [](const Body& body) {
+		if (!body.state->se3.position.allFinite() || !body.state->vel.allFinite())
+			throw std::runtime_error("position or velocity of body " + std::to_string(body.id) + " is not finite");
+	});
+	for (const auto& contact : *scene->interactions) {
+		const auto* geom = dynamic_cast<const ScGeom*>(contact->geom.get());
+		if (geom && contact->isReal() && geom->penetrationDepth > std::min(geom->refR1, geom->refR2))
+			throw std::runtime_error("the overlap of bodies " + std::to_string(contact->id1) + " and " + std::to_string(contact->id2) + " exceeds a radius");
+	}
+}
+
+// ---------------------------------------------------------------------------------------------- cell and bonds
+
+// H c = H' (M^-1 c) for the flipped cell H' = H M: positions, velocities, deformation and velocity gradient stay as they are.
+bool OpenSample::flip(double skew)
+{
+	Cell&                 cell        = *scene->cell;
+	const Eigen::Matrix3i combination = cellReduction<3>(cell.hSize, std::max(skew, 0.5));
+	if (combination == Eigen::Matrix3i::Identity()) return false;
+	const Eigen::Matrix3i unwind = integerInverse<3>(combination);
+	cell.hSize                   = (cell.hSize * combination.cast<Real>()).eval();
+	cell.integrateAndUpdate(0);
+	for (const auto& interaction : *scene->interactions)
+		interaction->cellDist = (unwind * interaction->cellDist).eval();
+	renewCollider(*scene);
+	return true;
+}
+
+std::size_t OpenSample::bondAll()
+{
+	std::size_t        count = 0;
+	std::vector<Body*> grains;
+	forBodies(*scene, [&](Body& body) {
+		if (bearsIce(body)) grains.push_back(&body);
+	});
+	for (std::size_t a = 0; a < grains.size(); a++)
+		for (std::size_t b = a + 1; b < grains.size(); b++)
+			count += bondPair(*grains[a], *grains[b]);
+	formed += count;
+	return count;
+}
+
+bool OpenSample::bondPair(Body& first, Body& second)
+{
+	if (isClumpMember(first) && first.clumpId == second.clumpId) return false;
+	const auto &   one = static_cast<const IceBondMat&>(*first.material), &two = static_cast<const IceBondMat&>(*second.material);
+	const double   r1 = static_cast<const Sphere&>(*first.shape).radius, r2 = static_cast<const Sphere&>(*second.shape).radius;
+	const double   reach      = r1 + r2 + std::min(one.bondRange, two.bondRange) * std::min(r1, r2);
+	const Vector3r difference = second.state->se3.position - first.state->se3.position;
+	const Vector3i image      = nearestImage(*scene->cell, scene->cell->hSize.inverse(), difference);
+	const Vector3r branch     = difference + scene->cell->hSize * image.cast<Real>();
+	if (branch.squaredNorm() > reach * reach) return false;
+	shared_ptr<Interaction> contact = scene->interactions->find(first.id, second.id);
+	if (contact && contact->isReal()) {
+		auto* phys = dynamic_cast<IceBondPhys*>(contact->phys.get());
+		if (!phys || BondState(phys->bondState) != BondState::NONE) return false;
+		phys->bondNow = true;
+		return true;
+	}
+	if (!contact) {
+		contact.reset(new Interaction(first.id, second.id));
+		scene->interactions->insert(contact);
+	}
+	const bool swapped = contact->id1 != first.id;
+	contact->cellDist  = swapped ? Vector3i(-image) : image;
+	contact->geom      = swapped ? touch(second, first, -branch) : touch(first, second, branch);
+	Ip2_IceBondMat_IceBondMat_IceBondPhys parameters;
+	parameters.bondNewContacts = true;
+	parameters.go((*scene->bodies)[contact->id1]->material, (*scene->bodies)[contact->id2]->material, contact);
+	contact->iterMadeReal = scene->iter;
+	return true;
+}
+
+std::size_t OpenSample::intactBonds() const
+{
+	std::size_t intact = 0;
+	for (const auto& contact : *scene->interactions) {
+		const auto* phys = contact->isReal() ? dynamic_cast<const IceBondPhys*>(contact->phys.get()) : nullptr;
+		intact += phys && BondState(phys->bondState) == BondState::BONDED;
+	}
+	return intact;
+}
+
+// ---------------------------------------------------------------------------------------------- measures
+
+Matrix3r OpenSample::stress() const { return symmetric(lastStress); }
+
+PackedTangent<2> OpenSample::tangent() const
+{
+	PackedTangent<2> result {};
+	const double     volume = volumeOf(*scene->cell);
+	forContacts(*scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
+		const auto*    normal   = dynamic_cast<const NormPhys*>(contact.phys.get());
+		const auto*    shear    = dynamic_cast<const NormShearPhys*>(contact.phys.get());
+		const double   kn       = normal ? normal->kn : 0, ks = shear ? shear->ks : 0;
+		const Vector3r n        = branch.normalized();
+		const double   squared  = branch.squaredNorm() / volume;
+		for (int i = 0; i < 2; i++)
+			for (int j = 0; j < 2; j++)
+				for (int k = 0; k < 2; k++)
+					for (int l = 0; l < 2; l++) {
+						const double nn = n[i] * n[k], tt = (i == k ? 1. : 0.) - nn;
+						result[((i * 2 + j) * 2 + k) * 2 + l] += squared * (kn * nn + ks * tt) * n[j] * n[l];
+					}
+	});
+	return result;
+}
+
+OpenStatistics OpenSample::statistics() const
+{
+	OpenStatistics                 result;
+	std::map<Body::id_t, Vector3r> net;
+	double                         forces = 0;
+	forContacts(*scene, [&](const Interaction& contact, const Body& first, const Body& second, const Vector3r& branch) {
+		const Vector3r force = forceOf(contact), n = branch.normalized();
+		net.emplace(first.id, Vector3r::Zero()).first->second -= force;
+		net.emplace(second.id, Vector3r::Zero()).first->second += force;
+		result.fabric += n * n.transpose();
+		forces += force.norm();
+		result.contacts++;
+	});
+	std::size_t bodies = 0;
+	double      solid = 0, imbalance = 0;
+	const auto& velGrad = scene->cell->velGrad;
+	forBodies(*scene, [&](const Body& body) {
+		const State& motion = *body.state;
+		if (const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get())) {
+			const double r = sphere->radius;
+			solid += discs ? M_PI * r * r * std::abs(scene->cell->hSize(2, 2)) : 4. / 3. * M_PI * r * r * r;
+		}
+		if (isClumpMember(body)) return;
+		bodies++;
+		const Vector3r fluctuation = motion.vel - velGrad * motion.se3.position;
+		result.kineticEnergy += 0.5 * (motion.mass * fluctuation.squaredNorm() + motion.angVel.dot(motion.inertia.cwiseProduct(motion.angVel)));
+	});
+	for (const auto& entry : net)
+		imbalance += entry.second.norm();
+	result.porosity           = 1 - solid / volumeOf(*scene->cell);
+	result.coordinationNumber = bodies > 0 ? 2. * double(result.contacts) / double(bodies) : 0;
+	if (result.contacts > 0) result.fabric /= double(result.contacts);
+	if (forces > 0) result.unbalancedForce = (imbalance / double(bodies)) / (forces / double(result.contacts));
+	result.bondsIntact = intactBonds();
+	result.bondsFormed = formed;
+	result.bondsMelted = melted;
+	const std::uint64_t gone = melted + result.bondsIntact;
+	result.bondsBroken       = formed > gone ? formed - gone : 0;
+	return result;
+}
+
+double StiffnessBound::modulus(double iceSaturation) const
+{
+	return (hasIce ? ice.young(iceSaturation) : young) * std::max(1.1 * scale, 1.2 * network);
+}
+
+StiffnessBound OpenSample::stiffnessBound() const
+{
+	StiffnessBound bound;
+	forBodies(*scene, [&](const Body& body) {
+		if (const auto* elastic = dynamic_cast<const ElastMat*>(body.material.get())) bound.young = std::max(bound.young, elastic->young);
+	});
+	bound.hasIce = hasIce();
+	if (hasIce()) bound.ice = iceMaterials.front()->model();
+	const auto   contacts = tangent();
+	const double stiffest = std::max(contacts[0], contacts[15]), present = hasIce() ? bound.ice.young(iceSaturation()) : bound.young;
+	bound.scale           = discs ? averageRadius / std::abs(scene->cell->hSize(2, 2)) : 1;
+	if (present > 0) bound.network = stiffest / present;
+	else bound.young = stiffest; // a material without modulus: the contacts are all there is
+	return bound;
+}
+
+} // namespace talik

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/Scene.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
+
+namespace yade {
+class IceBondMat;
+}
+
+namespace talik {
+
+/// What an update of an open sample did.
+struct OpenUpdateResult {
+	Eigen::Matrix3d  stress  = Eigen::Matrix3d::Zero(); ///< symmetrised, tension positive [Pa]
+	long             steps   = 0;
+	bool             flipped = false;
+	bool             blewUp  = false; ///< the sample has to recover() before it is asked again; the stress is that before the update
+	std::string      reason;          ///< why it blew up, empty otherwise
+	PackedTangent<2> tangent {};      ///< in the plane x y, if asked for
+};
+
+/// Measures of an open sample.
+struct OpenStatistics {
+	std::size_t     contacts = 0, bondsIntact = 0;
+	std::uint64_t   bondsFormed = 0, bondsBroken = 0, bondsMelted = 0; ///< since the sample was made; formed = intact + broken + melted
+	double          coordinationNumber = 0; ///< 2 contacts/bodies [-]
+	double          porosity = 0;           ///< by area for discs, by volume for spheres [-]
+	double          unbalancedForce = 0;    ///< mean |net force on a body|/mean |contact force| [-]
+	double          kineticEnergy = 0;      ///< of velocity fluctuations and rotation [J]
+	Eigen::Matrix3d fabric = Eigen::Matrix3d::Zero(); ///< mean n (x) n [-]
+};
+
+/// Upper bound of a sample's oedometric modulus at any ice saturation, also when it has lost its contacts.
+struct StiffnessBound {
+	bool         hasIce = false;
+	IceBondModel ice;
+	double       young = 0;   ///< largest contact modulus without ice [Pa]
+	double       scale = 1;   ///< modulus of a packing over the contact modulus of its grains [-]
+	double       network = 0; ///< tangent of the contacts when it was measured, over the contact modulus then [-]
+	double       modulus(double iceSaturation) const; ///< [Pa]
+};
+
+/// Why a scene cannot be a sample at all (no periodic cell, engines that may not run in it); empty if it can.
+std::string reasonAgainstSample(const yade::Scene& scene);
+
+/// One periodic sample in the open form: an ordinary Scene, advanced by its own YADE engines, whatever its grains and laws. Follows
+/// the same protocol as PackedSample. Where grains are of IceBondMat they take the ice saturation, elsewhere ice has no effect.
+/// Made and recovered by one thread at a time; apply() may run in parallel for different samples.
+class OpenSample {
+public:
+	/// A scene of its own from bytes (sceneToBytes). Throws std::invalid_argument when it cannot be a sample.
+	explicit OpenSample(const std::string& sceneBytes);
+
+	/// F_new = (1 + displacementGradient) F_old, and ice saturation to its target, in this order: ice at zero velocity gradient, then
+	/// motion, then relaxation, then a flip of the cell where due. Throws std::invalid_argument on an increment no sample could
+	/// follow; blow-ups are in the result.
+	OpenUpdateResult apply(const Eigen::Matrix3d& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options = {});
+
+	/// Keeps the present state to recover() from, if the last one kept is `steps` DEM steps old. Costs as much as some ten steps.
+	void keepState(long steps = 2000);
+	/// After a blow-up: back to the state kept last.
+	void recover();
+
+	/// Flips the cell to its shortest equivalent vectors if a skew exceeds `skew`; physics unchanged. True if it flipped.
+	bool flip(double skew = 0.5);
+	/// Bonds every pair of ice-bearing grains without bond whose gap is within bondRange, stress-free, in the next step. Returns their number.
+	std::size_t bondAll();
+
+	/// Symmetrised Love-Weber stress of the forces now, between centres of rigid bodies; exactly zero without contacts [Pa].
+	Eigen::Matrix3d  stress() const;
+	PackedTangent<2> tangent() const;
+	OpenStatistics   statistics() const;
+	Eigen::Matrix3d  deformation() const { return scene->cell->trsf; }
+	bool             hasIce() const { return !iceMaterials.empty(); }
+	double           iceSaturation() const; ///< 0 without IceBondMat
+	bool             planar() const { return discs; }
+	StiffnessBound   stiffnessBound() const;
+
+	const boost::shared_ptr<yade::Scene>& yadeScene() const { return scene; }
+
+	std::size_t bytesKept() const { return kept.size(); }
+	/// Counters beside the scene, for archives: bonds formed, bonds melted.
+	std::array<std::uint64_t, 2> bondCounts() const { return { formed, melted }; }
+	void                         setBondCounts(const std::array<std::uint64_t, 2>& counts);
+
+private:
+	void            adopt(boost::shared_ptr<yade::Scene>);
+	void            measureGrains();
+	Eigen::Matrix3d settle(const Eigen::Matrix3d& displacementGradient);
+	void            changeIce(double target, const PackedUpdateOptions&);
+	void            setIceSaturation(double iceSaturation);
+	void            move(const Eigen::Matrix3d& displacementGradient, const PackedUpdateOptions&);
+	void            relax(const PackedUpdateOptions&);
+	void            run(long steps, long averaged = 1);
+	void            setNextVelGrad(const Eigen::Matrix3d&);
+	long            stepsFor(const Eigen::Matrix3d& displacementGradient, const PackedUpdateOptions&) const;
+	bool            bondPair(yade::Body& first, yade::Body& second);
+	void            checkHealth() const;
+	std::size_t     intactBonds() const;
+
+	boost::shared_ptr<yade::Scene> scene;
+	std::vector<yade::IceBondMat*> iceMaterials;
+	bool                           discs = false;
+	double                         averageRadius = 0, density = 0;
+	Eigen::Matrix3d                lastStress = Eigen::Matrix3d::Zero();
+	std::uint64_t                  formed = 0, melted = 0;
+	std::string                    kept;
+	std::array<std::uint64_t, 2>   keptCounts {};
+	long                           keptAt = 0;
+};
+
+/// Stepping samples reads the redirection flag of YADE's current scene: it has to be off there as well (stock YADE would crash).
+void forbidRedirection();
+
+} // namespace talik

@@ -1,0 +1,584 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/common/ElastMat.hpp>
+#include <pkg/common/Sphere.hpp>
+#include <pkg/dem/FrictPhys.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/IceBondMat.hpp>
+#include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/rve/open/HoldGil.hpp>
+#include <pkg/rve/packed/PackedNeighbours.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
+
+#include <boost/archive/codecvt_null.hpp>
+#include <boost/archive/xml_iarchive.hpp>
+#include <boost/math/special_functions/nonfinite_num_facets.hpp>
+#include <locale>
+#include <omp.h>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+namespace py = boost::python;
+using namespace yade;
+
+namespace talik {
+namespace {
+
+	constexpr double   stiffnessSafety = 0.3; ///< time step in units of sqrt(m/k_n) of the smallest grain, as samples are prepared with
+	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+
+	/// Bodies that were not erased, ascending by id.
+	std::vector<Body*> presentBodies(const Scene& scene)
+	{
+		std::vector<Body*> present;
+		for (std::size_t id = 0; id < scene.bodies->size(); id++)
+			if ((*scene.bodies)[id]) present.push_back((*scene.bodies)[id].get());
+		return present;
+	}
+
+	/// The engines of the next step.
+	const std::vector<shared_ptr<Engine>>& enginesOf(const Scene& scene) { return scene._nextEngines.empty() ? scene.engines : scene._nextEngines; }
+
+	py::object engineNamed(const Scene& scene, const char* name)
+	{
+		for (const auto& engine : enginesOf(scene))
+			if (engine->getClassName() == name) return py::object(engine);
+		return py::object();
+	}
+
+	bool isTrue(const py::object& object, const char* attribute) { return py::extract<bool>(object.attr(attribute)); }
+
+	/// Class name of the only functor of a dispatcher of the InteractionLoop, empty if there are none or several.
+	std::string onlyFunctor(const py::object& loop, const char* dispatcher)
+	{
+		const py::object functors = loop.attr(dispatcher).attr("functors");
+		if (py::len(functors) != 1) return "";
+		return py::extract<std::string>(functors[0].attr("__class__").attr("__name__"));
+	}
+
+	py::object lawOf(const Scene& scene) { return engineNamed(scene, "InteractionLoop").attr("lawDispatcher").attr("functors")[0]; }
+
+	bool isIceBondScene(const Scene& scene)
+	{
+		const auto bodies = presentBodies(scene);
+		return !bodies.empty() && boost::dynamic_pointer_cast<IceBondMat>(bodies.front()->material);
+	}
+
+	std::string reasonOfBody(const Body& body)
+	{
+		const State& motion = *body.state;
+		if (!boost::dynamic_pointer_cast<Sphere>(body.shape)) return "is not a sphere";
+		if (body.clumpId >= 0) return "belongs to a clump";
+		if ((motion.blockedDOFs & discDofs) != discDofs) return "is free to move out of the plane (block z and the rotations X, Y)";
+		if (motion.blockedDOFs != discDofs) return "is held in the plane";
+		if (motion.vel[2] != 0 || motion.angVel[0] != 0 || motion.angVel[1] != 0) return "moves out of the plane";
+		if (!(motion.mass > 0 && motion.inertia[2] > 0)) return "has no mass or no moment of inertia";
+		if (!motion.isDamped) return "is exempt from damping";
+		if (motion.densityScaling != State().densityScaling) return "has a scaled density";
+		if (!boost::dynamic_pointer_cast<FrictMat>(body.material)) return "has no frictional material";
+		return "";
+	}
+
+	std::string reasonOfBodies(const Scene& scene)
+	{
+		const auto bodies = presentBodies(scene);
+		if (bodies.empty()) return "it has no bodies";
+		if (bodies.size() > 65000) return "it has more than 65000 grains";
+		const Body& first = *bodies.front();
+		for (const Body* body : bodies) {
+			const std::string own = reasonOfBody(*body);
+			if (!own.empty()) return "body " + std::to_string(body->id) + " " + own;
+			if (body->material != first.material) return "its grains have several materials";
+			const double layers = std::abs(body->state->se3.position[2] - first.state->se3.position[2]);
+			if (layers > 1e-12 * static_cast<const Sphere&>(*body->shape).radius) return "its grains do not lie in one layer";
+		}
+		return "";
+	}
+
+	/// Engines whose work the fused step does, or which only look.
+	bool isCovered(const shared_ptr<Engine>& engine)
+	{
+		static const std::set<std::string> known { "ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator" };
+		const std::string                  name = engine->getClassName();
+		if (engine->dead || known.count(name)) return true;
+		return name == "GrainSwelling" && py::extract<std::string>(py::object(engine).attr("radiusRule"))() == "bookkeeping";
+	}
+
+	std::string reasonOfIntegrator(const Scene& scene)
+	{
+		const py::object newton = engineNamed(scene, "NewtonIntegrator");
+		if (newton.is_none()) return "it has no NewtonIntegrator";
+		if (py::extract<Vector3r>(newton.attr("gravity"))() != Vector3r::Zero()) return "its NewtonIntegrator has gravity";
+		if (py::extract<int>(newton.attr("mask")) > 0) return "its NewtonIntegrator moves a part of the bodies only";
+		if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
+		return "";
+	}
+
+	std::string reasonOfContactLaw(const Scene& scene)
+	{
+		const py::object loop = engineNamed(scene, "InteractionLoop");
+		if (loop.is_none()) return "it has no InteractionLoop";
+		if (onlyFunctor(loop, "geomDispatcher") != "Ig2_Sphere_Sphere_ScGeom") return "its contact geometry is not Ig2_Sphere_Sphere_ScGeom alone";
+		const py::object geometry = loop.attr("geomDispatcher").attr("functors")[0];
+		if (py::extract<double>(geometry.attr("interactionDetectionFactor"))() != 1) return "its contacts are detected at a distance (interactionDetectionFactor)";
+		if (!isTrue(geometry, "avoidGranularRatcheting")) return "its contact geometry has avoidGranularRatcheting=False";
+		const std::string physics = onlyFunctor(loop, "physDispatcher"), law = onlyFunctor(loop, "lawDispatcher");
+		if (law == "Law2_ScGeom_FrictPhys_CundallStrack") {
+			if (physics != "Ip2_FrictMat_FrictMat_FrictPhys") return "its contact parameters do not come from Ip2_FrictMat_FrictMat_FrictPhys alone";
+			return isTrue(lawOf(scene), "neverErase") ? "its law never erases a contact" : "";
+		}
+		if (law != "Law2_ScGeom_IceBondPhys_IceBond") return "its contact law is " + (law.empty() ? "not a single one" : law);
+		if (physics != "Ip2_IceBondMat_IceBondMat_IceBondPhys") return "its contact parameters do not come from Ip2_IceBondMat_IceBondMat_IceBondPhys alone";
+		if (isTrue(loop.attr("physDispatcher").attr("functors")[0], "bondNewContacts")) return "its new contacts are bonded (bondNewContacts)";
+		if (isTrue(lawOf(scene), "healBroken")) return "its law heals broken bonds (healBroken)";
+		const std::string rule = py::extract<std::string>(lawOf(scene).attr("stiffnessRule"));
+		return rule == "parallel" ? "" : "its law has the stiffness rule " + rule;
+	}
+
+	std::string reasonOfEngines(const Scene& scene)
+	{
+		for (const auto& engine : enginesOf(scene))
+			if (!isCovered(engine)) return "it has a " + engine->getClassName();
+		const std::string ofLaw = reasonOfContactLaw(scene);
+		return ofLaw.empty() ? reasonOfIntegrator(scene) : ofLaw;
+	}
+
+	bool differs(double a, double b) { return !(std::abs(a - b) <= 1e-9 * std::abs(b)); }
+
+	std::string reasonOfBond(const IceBondPhys& bond, const IceBondMat& material)
+	{
+		if (bond.uRef != 0) return "has a reference overlap";
+		if (bond.iceSaturation != material.iceSaturation || bond.bondNow) return "has not taken up the ice saturation of the material yet (do a step first)";
+		return "";
+	}
+
+	/// Stiffness and friction may have been set contact by contact: the packed form has those of the material.
+	std::string reasonOfContact(const Interaction& interaction, const FrictMat& material)
+	{
+		const auto*  geom = dynamic_cast<const ScGeom*>(interaction.geom.get());
+		const auto*  phys = dynamic_cast<const FrictPhys*>(interaction.phys.get());
+		if (!geom || !phys) return "is not made by its contact law";
+		if (interaction.cellDist.cwiseAbs().maxCoeff() > 127) return "reaches across more than 127 cells";
+		const double grain = 2 * material.young * geom->refR1 * geom->refR2 / (geom->refR1 + geom->refR2);
+		if (differs(phys->tangensOfFrictionAngle, std::tan(material.frictionAngle)))
+			return "has the friction " + std::to_string(phys->tangensOfFrictionAngle) + " and its material " + std::to_string(std::tan(material.frictionAngle));
+		const auto* bond = dynamic_cast<const IceBondPhys*>(phys);
+		if (differs(bond ? bond->grainStiffness : phys->kn, grain) || differs(bond ? bond->stiffnessRatio : phys->ks / phys->kn, material.poisson))
+			return "has another stiffness than its material gives";
+		return bond ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : "";
+	}
+
+	std::string reasonOfContacts(const Scene& scene)
+	{
+		const auto& material = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
+		for (const auto& interaction : *scene.interactions) {
+			if (!interaction->isReal()) continue;
+			const std::string reason = reasonOfContact(*interaction, material);
+			if (!reason.empty()) return "contact " + std::to_string(interaction->id1) + "-" + std::to_string(interaction->id2) + " " + reason;
+		}
+		return "";
+	}
+
+	std::string reasonOfCell(const Scene& scene)
+	{
+		if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
+		const Cell& cell = *scene.cell;
+		for (const Matrix3r* m : { &cell.hSize, &cell.velGrad, &cell.nextVelGrad, &cell.trsf })
+			if ((*m)(0, 2) != 0 || (*m)(1, 2) != 0 || (*m)(2, 0) != 0 || (*m)(2, 1) != 0) return "its cell is skewed out of the plane";
+		return cell.velGrad(2, 2) != 0 || cell.nextVelGrad(2, 2) != 0 ? "its cell is strained out of the plane" : "";
+	}
+
+	/// Unit tangent t = z x n of a contact.
+	Vector3r tangentOf(const Vector3r& n) { return { -n[1], n[0], 0 }; }
+
+	Vector3r branch(const PackedState<2>& state, std::size_t c)
+	{
+		const auto& k    = state.contacts;
+		const auto  cell = Eigen::Vector2d(k.cellDist[c][0], k.cellDist[c][1]);
+		const Eigen::Vector2d d = state.position[k.second[c]] + state.hSize * cell - state.position[k.first[c]];
+		return { d[0], d[1], 0 };
+	}
+
+	Vector3r vectorOf(double scalarShear, const Vector3r& normal) { return scalarShear * tangentOf(normal); }
+
+	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
+
+	using InPlane = PackedTypes<2>::Matrix;
+
+	InPlane inPlane(const Matrix3r& m) { return m.topLeftCorner<2, 2>(); }
+
+	void setInPlane(Matrix3r& target, const InPlane& m) { target.topLeftCorner<2, 2>() = m; }
+
+	/// Where the opened contacts of a former state are found again.
+	class FormerContacts {
+		const PackedState<2>*                               former;
+		std::map<std::array<int, 4>, std::size_t>           place;
+
+	public:
+		FormerContacts(const PackedState<2>* state)
+		        : former(state)
+		{
+			if (!state) return;
+			const auto& k = state->contacts;
+			for (std::size_t c = 0; c < k.size(); c++)
+				place[{ k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] }] = c;
+		}
+		/// The scalar that opened into this very vector, or the vector's component along t.
+		double scalar(const std::array<int, 4>& key, const Vector3r& vector, const Vector3r& normal, bool ofIce) const
+		{
+			const auto found = place.find(key);
+			if (found != place.end()) {
+				const auto&  k = former->contacts;
+				const double s = ofIce ? (k.iceShear.empty() ? 0 : k.iceShear[found->second]) : k.shear[found->second];
+				if (vectorOf(s, normal) == vector) return s;
+			}
+			return vector.dot(tangentOf(normal));
+		}
+	};
+
+	void packGrains(const Scene& scene, const PackedState<2>* former, PackedState<2>& state, std::map<int, int>& indexOf)
+	{
+		auto grains = std::make_shared<PackedGrains>();
+		for (const Body* body : presentBodies(scene)) {
+			const State&      motion = *body->state;
+			const std::size_t index  = grains->size();
+			indexOf[body->id]        = int(index);
+			grains->id.push_back(body->id);
+			grains->radius.push_back(static_cast<const Sphere&>(*body->shape).radius);
+			grains->mass.push_back(motion.mass);
+			grains->inertia.push_back(motion.inertia[2]);
+			state.position.push_back(motion.se3.position.head<2>());
+			state.velocity.push_back(motion.vel.head<2>());
+			state.angularVelocity.push_back(motion.angVel[2]);
+			const Quaternionr& q     = motion.se3.orientation;
+			double             angle = 2 * std::atan2(q.z(), q.w());
+			if (former && index < former->size() && orientationOf(former->orientation[index]).coeffs() == q.coeffs()) angle = former->orientation[index];
+			state.orientation.push_back(angle);
+		}
+		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass && former->grains->inertia == grains->inertia) {
+			bool same = true;
+			for (std::size_t i = 0; i < grains->size(); i++)
+				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];
+			if (same) {
+				state.grains       = former->grains;
+				state.radiusFactor = former->radiusFactor;
+				return;
+			}
+		}
+		state.grains = grains;
+	}
+
+	void packCell(const Scene& scene, PackedState<2>& state)
+	{
+		const Cell& cell    = *scene.cell;
+		state.hSize         = inPlane(cell.hSize);
+		state.prevHSize     = inPlane(cell.prevHSize);
+		state.velGrad       = inPlane(cell.velGrad);
+		state.nextVelGrad   = inPlane(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
+		state.trsf          = inPlane(cell.trsf);
+		state.thickness     = std::abs(cell.hSize(2, 2));
+	}
+
+	void packParameters(const Scene& scene, PackedState<2>& state)
+	{
+		const py::object newton = engineNamed(scene, "NewtonIntegrator");
+		state.dt                = scene.dt;
+		state.step              = std::uint64_t(scene.iter);
+		state.damping           = py::extract<double>(newton.attr("damping"));
+		state.prevVelGrad       = inPlane(py::extract<Matrix3r>(newton.attr("prevVelGrad"))());
+		const auto& material    = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
+		state.friction          = std::tan(material.frictionAngle);
+		state.stiffnessRatio    = material.poisson;
+		state.density           = material.density;
+		state.ice               = IceBondModel::none();
+		if (isIceBondScene(scene)) {
+			const auto& ice     = static_cast<const IceBondMat&>(material);
+			const auto  law     = lawOf(scene);
+			state.ice           = ice.model();
+			state.iceSaturation = ice.iceSaturation;
+			const std::string rule             = py::extract<std::string>(law.attr("stiffnessRule"));
+			state.ice.rule                     = rule == "parallel" ? StiffnessRule::parallel
+			                                                        : rule == "secant" ? StiffnessRule::secant : StiffnessRule::forceContinuous;
+			state.ice.cohesionDisablesFriction = py::extract<bool>(law.attr("cohesionDisablesFriction"));
+		}
+		state.ice.grainYoung = material.young;
+	}
+
+	std::uint8_t packedBondState(const IceBondPhys& phys)
+	{
+		const bool spring = BondState(phys.bondState) == BondState::BROKEN && !phys.iceCut;
+		return std::uint8_t(phys.bondState) | (spring ? PackedContacts<2>::iceSpringUncut : 0);
+	}
+
+	void packContacts(const Scene& scene, const PackedState<2>* former, const std::map<int, int>& indexOf, PackedState<2>& state)
+	{
+		const FormerContacts known(former);
+		const bool           ice = isIceBondScene(scene);
+		bool                 anyIce = false;
+		struct Entry {
+			std::array<int, 4> key;
+			const Interaction* interaction;
+			bool               crosses;
+			std::uint64_t      code;
+		};
+		std::vector<Entry> entries;
+		for (const auto& interaction : *scene.interactions) {
+			if (!interaction->isReal()) continue;
+			int  a = indexOf.at(interaction->id1), b = indexOf.at(interaction->id2);
+			int  sign = 1;
+			if (a > b) {
+				std::swap(a, b);
+				sign = -1;
+			}
+			const int        cx = sign * interaction->cellDist[0], cy = sign * interaction->cellDist[1];
+			const PairKey<2> pair { std::uint32_t(a), std::uint32_t(b), { std::int8_t(cx), std::int8_t(cy) } };
+			entries.push_back({ { a, b, cx, cy }, interaction.get(), pair.crossesCell(), pair.encode() });
+		}
+		// in the order in which a packed sample keeps them
+		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return std::tie(l.crosses, l.code) < std::tie(r.crosses, r.code); });
+		auto& k = state.contacts;
+		for (const auto& entry : entries) {
+			const auto& geom = static_cast<const ScGeom&>(*entry.interaction->geom);
+			const auto& phys = static_cast<const FrictPhys&>(*entry.interaction->phys);
+			k.first.push_back(std::uint16_t(entry.key[0]));
+			k.second.push_back(std::uint16_t(entry.key[1]));
+			k.cellDist.push_back({ std::int8_t(entry.key[2]), std::int8_t(entry.key[3]) });
+			k.shear.push_back(known.scalar(entry.key, phys.shearForce, geom.normal, false));
+			if (!ice) continue;
+			const auto& bond = static_cast<const IceBondPhys&>(phys);
+			k.iceShear.push_back(known.scalar(entry.key, bond.iceShear, geom.normal, true));
+			k.iceReference.push_back(bond.uIce);
+			k.grainReference.push_back(bond.uGrain);
+			k.bond.push_back(packedBondState(bond));
+			anyIce = anyIce || bond.bondState != 0;
+		}
+		if (ice && !anyIce && !(former && former->bonded())) {
+			k.iceShear.clear();
+			k.iceReference.clear();
+			k.grainReference.clear();
+			k.bond.clear();
+		}
+	}
+
+	shared_ptr<IPhys> openedPhys(const PackedState<2>& s, std::size_t c, bool ice, double r1, double r2, const Vector3r& n, double un)
+	{
+		const auto&  k     = s.contacts;
+		const double grain = 2 * r1 * r2 / (r1 + r2) * s.ice.grainYoung;
+		if (!ice) {
+			shared_ptr<FrictPhys> phys(new FrictPhys);
+			phys->kn                     = grain;
+			phys->ks                     = s.stiffnessRatio * grain;
+			phys->tangensOfFrictionAngle = s.friction;
+			phys->shearForce             = vectorOf(k.shear[c], n);
+			phys->normalForce            = grain * std::max(un, 0.) * n;
+			return phys;
+		}
+		shared_ptr<IceBondPhys> phys(new IceBondPhys);
+		phys->grainStiffness         = grain;
+		phys->stiffnessRatio         = s.stiffnessRatio;
+		phys->tangensOfFrictionAngle = s.friction;
+		phys->iceSaturation          = s.iceSaturation;
+		phys->bondArea               = s.ice.bondArea(std::min(r1, r2));
+		phys->gapLimit               = s.ice.bondRange * std::min(r1, r2);
+		phys->shearForce             = vectorOf(k.shear[c], n);
+		if (s.bonded()) {
+			phys->bondState = k.bond[c] & 3;
+			phys->iceCut    = BondState(phys->bondState) == BondState::BROKEN && !(k.bond[c] & PackedContacts<2>::iceSpringUncut);
+			phys->uIce      = k.iceReference[c];
+			phys->uGrain    = k.grainReference[c];
+			phys->iceShear  = vectorOf(k.iceShear[c], n);
+		}
+		const ContactStiffness stiffness { grain, s.stiffnessRatio, s.ice.iceStiffnessRatio(s.iceSaturation) };
+		auto                   bond = phys->bond();
+		phys->normalForce           = bond.normalForce(stiffness, un, s.ice.rule) * n;
+		phys->kn                    = s.ice.rule == StiffnessRule::parallel && !bond.hasIceSpring() ? grain : stiffness.total();
+		phys->ks                    = bond.shearStiffness(stiffness, s.ice.rule);
+		return phys;
+	}
+
+	void openContacts(Scene& scene, const PackedState<2>& s)
+	{
+		const bool  ice = isIceBondScene(scene);
+		const auto& k   = s.contacts;
+		scene.interactions->clear();
+		for (std::size_t c = 0; c < k.size(); c++) {
+			const double   r1 = s.grains->radius[k.first[c]], r2 = s.grains->radius[k.second[c]];
+			const Vector3r d      = branch(s, c);
+			const double   length = d.norm();
+			shared_ptr<ScGeom> geom(new ScGeom);
+			geom->normal           = d / length;
+			geom->refR1            = r1 * s.radiusFactor;
+			geom->refR2            = r2 * s.radiusFactor;
+			geom->penetrationDepth = geom->refR1 + geom->refR2 - length;
+			const Vector3r x1      = (*scene.bodies)[s.grains->id[k.first[c]]]->state->se3.position;
+			geom->contactPoint     = x1 + (geom->refR1 - 0.5 * geom->penetrationDepth) * geom->normal;
+			shared_ptr<Interaction> interaction(new Interaction(s.grains->id[k.first[c]], s.grains->id[k.second[c]]));
+			interaction->cellDist     = Vector3i(k.cellDist[c][0], k.cellDist[c][1], 0);
+			interaction->geom         = geom;
+			interaction->phys         = openedPhys(s, c, ice, r1, r2, geom->normal, geom->penetrationDepth);
+			interaction->iterMadeReal = scene.iter;
+			scene.interactions->insert(interaction);
+		}
+		// the collider has to find the pairs that do not touch anew
+		scene.interactions->dirty = true;
+	}
+
+	/// Love-Weber stress of the scene as it stands, tension positive.
+	InPlane stressOf(const Scene& scene, double volume)
+	{
+		Matrix3r sum = Matrix3r::Zero();
+		for (const auto& interaction : *scene.interactions) {
+			if (!interaction->isReal()) continue;
+			const auto&    phys  = static_cast<const FrictPhys&>(*interaction->phys);
+			const Vector3r force = phys.normalForce + phys.shearForce;
+			const Vector3r x1    = (*scene.bodies)[interaction->id1]->state->se3.position;
+			const Vector3r x2    = (*scene.bodies)[interaction->id2]->state->se3.position;
+			sum += force * (x1 - x2 - scene.cell->hSize * interaction->cellDist.cast<Real>()).transpose();
+		}
+		return inPlane(sum) / volume;
+	}
+
+	void openCell(Scene& scene, const PackedState<2>& s)
+	{
+		Cell& cell = *scene.cell;
+		setInPlane(cell.hSize, s.hSize);
+		setInPlane(cell.trsf, s.trsf);
+		cell.velGrad.setZero();
+		setInPlane(cell.velGrad, s.velGrad);
+		cell.callPostLoad();
+		setInPlane(cell.prevHSize, s.prevHSize);
+		cell.nextVelGrad.setZero();
+		setInPlane(cell.nextVelGrad, s.nextVelGrad);
+		cell.velGradChanged = s.nextVelGrad != s.velGrad;
+		cell.prevVelGrad.setZero();
+		setInPlane(cell.prevVelGrad, s.prevVelGrad);
+		Matrix3r used = Matrix3r::Zero();
+		setInPlane(used, s.prevVelGrad);
+		py::object newton         = engineNamed(scene, "NewtonIntegrator");
+		newton.attr("prevVelGrad") = used;
+	}
+} // namespace
+
+double timeStepForIce(const Scene& scene)
+{
+	double limit = std::numeric_limits<double>::infinity(), stiffening = 1;
+	for (const Body* body : presentBodies(scene)) {
+		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
+		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
+		if (!ice || !sphere || !(ice->iceYoung > 0) || !(body->state->mass > 0)) continue;
+		const double stiffened = 1 + ice->iceYoung / ice->young;
+		stiffening             = std::max(stiffening, stiffened);
+		limit                  = std::min(limit, stiffnessSafety * std::sqrt(body->state->mass / (ice->young * sphere->radius * stiffened)));
+	}
+	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
+}
+
+std::string reasonAgainstPacking(const Scene& scene)
+{
+	HoldGil gil;
+	for (const auto reason : { reasonOfCell, reasonOfBodies, reasonOfEngines, reasonOfContacts }) {
+		const std::string found = reason(scene);
+		if (!found.empty()) return found;
+	}
+	return "";
+}
+
+PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
+{
+	HoldGil           gil;
+	const std::string reason = reasonAgainstPacking(scene);
+	if (!reason.empty()) throw std::invalid_argument("The scene cannot be packed: " + reason + ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines.");
+	PackedState<2>     state;
+	std::map<int, int> indexOf;
+	packGrains(scene, former, state, indexOf);
+	packCell(scene, state);
+	packParameters(scene, state);
+	packContacts(scene, former, indexOf, state);
+	if (!former) state.dt = timeStepForIce(scene);
+	if (former) {
+		state.thawStrain           = former->thawStrain;
+		state.bondsFormed          = former->bondsFormed;
+		state.bondsBrokenInTension = former->bondsBrokenInTension;
+		state.bondsBrokenInShear   = former->bondsBrokenInShear;
+		state.bondsMelted          = former->bondsMelted;
+		// the stress of the last step is not that of the forces at the present positions, which an opened scene shows
+		state.stress = former->stress;
+		if (state.toBytes() == former->toBytes()) return state;
+	}
+	state.stress = stressOf(scene, state.volume());
+	return state;
+}
+
+void openInto(Scene& scene, const PackedState<2>& s)
+{
+	HoldGil gil;
+	for (std::size_t i = 0; i < s.size(); i++) {
+		const int id = s.grains->id[i];
+		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id]) throw std::invalid_argument("The sample cannot be opened: its scene lost body " + std::to_string(id) + ".");
+		const auto& body   = (*scene.bodies)[id];
+		State&      motion = *body->state;
+		motion.se3.position.head<2>() = s.position[i];
+		motion.se3.orientation        = orientationOf(s.orientation[i]);
+		motion.vel                    = Vector3r(s.velocity[i][0], s.velocity[i][1], 0);
+		motion.angVel                 = Vector3r(0, 0, s.angularVelocity[i]);
+		static_cast<Sphere&>(*body->shape).radius = s.grains->radius[i] * s.radiusFactor;
+	}
+	scene.dt   = s.dt;
+	scene.iter = long(s.step);
+	if (isIceBondScene(scene))
+		for (Body* body : presentBodies(scene)) {
+			auto& material             = static_cast<IceBondMat&>(*body->material);
+			material.iceSaturation     = s.iceSaturation;
+			material.radiusRatio       = s.radiusFactor;
+			material.radiusRatioBefore = s.radiusFactor;
+			material.thawedStrength    = s.ice.thawedStrength;
+		}
+	openCell(scene, s);
+	openContacts(scene, s);
+}
+
+std::string sceneToBytes(const shared_ptr<Scene>& scene)
+{
+	std::ostringstream stream;
+	{
+		boost::archive::binary_oarchive archive(stream);
+		shared_ptr<Scene>               held = scene;
+		archive << boost::serialization::make_nvp("scene", held);
+	}
+	return stream.str();
+}
+
+shared_ptr<Scene> sceneFromBytes(const std::string& bytes, int threads)
+{
+	const int before = omp_get_max_threads();
+	omp_set_num_threads(threads);
+	shared_ptr<Scene> scene;
+	try {
+		std::istringstream              stream(bytes);
+		boost::archive::binary_iarchive archive(stream);
+		archive >> boost::serialization::make_nvp("scene", scene);
+	} catch (...) {
+		omp_set_num_threads(before);
+		throw;
+	}
+	omp_set_num_threads(before);
+	return scene;
+}
+
+shared_ptr<Scene> sceneFromFile(const std::string& content, bool xml)
+{
+	std::istringstream stream(content);
+	stream.imbue(std::locale(std::locale(std::locale::classic(), new boost::archive::codecvt_null<char>), new boost::math::nonfinite_num_get<char>));
+	shared_ptr<Scene> scene;
+	const auto        read = [&](auto&& archive) { archive >> boost::serialization::make_nvp("scene", scene); };
+	if (xml) read(boost::archive::xml_iarchive(stream, boost::archive::no_codecvt));
+	else read(boost::archive::binary_iarchive(stream, boost::archive::no_codecvt));
+	if (!scene) throw std::invalid_argument("it holds no scene");
+	return scene;
+}
+
+shared_ptr<Scene> sceneForView(const std::string& bytes) { return sceneFromBytes(bytes, omp_get_max_threads()); }
+
+shared_ptr<Scene> copyScene(const shared_ptr<Scene>& scene) { return sceneFromBytes(sceneToBytes(scene)); }
+
+} // namespace talik

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <algorithm>
+#include <cstring>
+#include <pkg/rve/packed/PackedParking.hpp>
+
+namespace talik {
+
+namespace {
+
+	/// Blocks come in few sizes, so that the block one sample leaves fits the next.
+	constexpr std::size_t blockStep = 512;
+
+	struct Measure {
+		std::size_t bytes = 0;
+		template <class T> void array(const std::vector<T>&, std::size_t to, std::size_t from = 0) { bytes += (to - from) * sizeof(T); }
+	};
+
+	struct Put {
+		unsigned char* at;
+		template <class T> void array(const std::vector<T>& items, std::size_t to, std::size_t from = 0)
+		{
+			if (to == from) return;
+			std::memcpy(at, static_cast<const void*>(items.data() + from), (to - from) * sizeof(T));
+			at += (to - from) * sizeof(T);
+		}
+	};
+
+	/// Entries in front of `from` are zero.
+	struct Take {
+		const unsigned char* at;
+		template <class T> void array(std::vector<T>& items, std::size_t to, std::size_t from = 0)
+		{
+			items.resize(to);
+			std::fill_n(items.begin(), from, T {});
+			if (to == from) return;
+			std::memcpy(static_cast<void*>(items.data() + from), at, (to - from) * sizeof(T));
+			at += (to - from) * sizeof(T);
+		}
+	};
+
+	/// Number of contacts in front of the first that crosses the cell.
+	template <int Dim> std::uint32_t leadingInside(const PackedContacts<Dim>& contacts)
+	{
+		const std::array<std::int8_t, Dim> none {};
+		const auto&                        c = contacts.cellDist;
+		return std::uint32_t(std::find_if(c.begin(), c.end(), [&](const auto& cells) { return cells != none; }) - c.begin());
+	}
+
+	/// True if the contacts are those that the lists name, in the same order.
+	template <int Dim> bool namesContacts(const PackedLists<Dim>& lists, const PackedContacts<Dim>& contacts)
+	{
+		const std::array<std::int8_t, Dim> none {};
+		std::size_t                        at = 0;
+		for (std::size_t k = 0; k < lists.size(); ++k) {
+			if (!lists.contact(k)) continue;
+			if (at == contacts.size() || contacts.first[at] != lists.first[k] || contacts.second[at] != lists.second[k]) return false;
+			if (contacts.cellDist[at] != (k < lists.inside ? none : lists.cellDist[k - lists.inside])) return false;
+			++at;
+		}
+		return at == contacts.size();
+	}
+
+	template <int Dim> void nameContacts(const PackedLists<Dim>& lists, std::size_t count, PackedContacts<Dim>& contacts)
+	{
+		contacts.first.resize(count);
+		contacts.second.resize(count);
+		contacts.cellDist.resize(count);
+		std::size_t at = 0;
+		for (std::size_t k = 0; k < lists.size(); ++k) {
+			if (!lists.contact(k)) continue;
+			contacts.first[at]    = lists.first[k];
+			contacts.second[at]   = lists.second[k];
+			contacts.cellDist[at] = k < lists.inside ? std::array<std::int8_t, Dim> {} : lists.cellDist[k - lists.inside];
+			++at;
+		}
+	}
+
+} // namespace
+
+/// One order for measuring, putting and taking, the widest numbers first.
+template <int Dim> template <class Stream, class State, class Lists> void ParkedSample<Dim>::stream(Stream& stream, State& s, Lists& lists) const
+{
+	auto&             c     = s.contacts;
+	const std::size_t bonds = bonded ? contacts : 0, unlisted = listed ? 0 : contacts;
+	stream.array(s.position, grainCount);
+	stream.array(s.velocity, grainCount);
+	stream.array(s.angularVelocity, grainCount);
+	stream.array(s.orientation, grainCount);
+	stream.array(c.shear, contacts);
+	stream.array(c.normal, Dim == 3 ? contacts : 0);
+	stream.array(c.iceShear, bonds);
+	stream.array(c.iceReference, bonds);
+	stream.array(c.grainReference, bonds);
+	stream.array(c.first, unlisted);
+	stream.array(c.second, unlisted);
+	stream.array(lists.first, pairs);
+	stream.array(lists.second, pairs);
+	stream.array(c.cellDist, unlisted, listed ? 0 : contactsInside);
+	stream.array(lists.cellDist, pairs - pairsInside);
+	stream.array(c.bond, bonds);
+}
+
+template <int Dim>
+ParkedSample<Dim>::ParkedSample(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
+        : parameters(state)
+        , grains(state.grains)
+        , grainCount(std::uint32_t(state.size()))
+        , contacts(std::uint32_t(state.contacts.size()))
+        , bonded(state.bonded())
+        , listed(lists && namesContacts<Dim>(*lists, state.contacts))
+{
+	const PackedLists<Dim> none {};
+	if (!listed) contactsInside = leadingInside<Dim>(state.contacts);
+	if (listed) {
+		use         = *lists;
+		pairs       = std::uint32_t(lists->size());
+		pairsInside = std::uint32_t(lists->inside);
+	}
+	Measure measure;
+	stream(measure, state, listed ? *lists : none);
+	capacity = (measure.bytes + blockStep - 1) / blockStep * blockStep;
+	block.reset(new unsigned char[capacity]);
+	Put put { block.get() };
+	stream(put, state, listed ? *lists : none);
+}
+
+template <int Dim> bool ParkedSample<Dim>::unpark(PackedState<Dim>& state, PackedLists<Dim>& lists) const
+{
+	static_cast<PackedParameters<Dim>&>(state) = parameters;
+	state.grains                               = grains;
+	Take take { block.get() };
+	stream(take, state, lists);
+	static_cast<PackedListUse<Dim>&>(lists) = use;
+	lists.inside                            = pairsInside;
+	if (listed) nameContacts<Dim>(lists, contacts, state.contacts);
+	return listed;
+}
+
+template <int Dim> void ParkedSample<Dim>::unpark(PackedState<Dim>& state) const
+{
+	PackedLists<Dim> lists;
+	unpark(state, lists);
+}
+
+template class ParkedSample<2>;
+template class ParkedSample<3>;
+
+} // namespace talik

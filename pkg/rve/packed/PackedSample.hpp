@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <memory>
+#include <pkg/rve/packed/PackedState.hpp>
+#include <string>
+
+namespace talik {
+
+template <int Dim> class PackedWorkspace;
+
+/// How a macroscopic increment is applied to a sample.
+struct PackedUpdateOptions {
+	double maxInertialNumber   = 5e-3; ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
+	double maxStrainPerStep    = 1e-5; ///< largest strain of one DEM step [-]
+	long   minSteps            = 10;   ///< N_min
+	long   steps               = 0;    ///< > 0: exactly this many moving steps, the two limits above are not asked
+	double pressureFloor       = 1e3;  ///< P in eq. (13.1) is never taken smaller [Pa]
+	double saturationIncrement = 0.02; ///< largest change of ice saturation at once [-]
+	long   stepsPerSaturation  = 2;    ///< steps at zero velocity gradient after each of them
+	long   relaxSteps          = 0;    ///< steps at zero velocity gradient after the motion
+	long   maxRelaxSteps       = 0;    ///< more of them, in tens, while the unbalanced force exceeds `unbalancedLimit`
+	double unbalancedLimit     = 0.01; ///< [-]
+	double flipSkew            = 0.5;  ///< the cell is flipped when a skew passes this; <= 0: never
+	double averageOver         = 0;    ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
+	bool   tangent             = false; ///< also return the elastic tangent of the contact network
+};
+
+/// What an update did.
+template <int Dim> struct PackedUpdateResult {
+	typename PackedTypes<Dim>::Matrix stress = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	long                              steps   = 0;
+	bool                              flipped = false;
+	bool                              blewUp  = false; ///< the state is the last good one, the stress is that state's
+	std::string                       reason;          ///< why it blew up, empty otherwise
+	PackedTangent<Dim>                tangent {};      ///< if asked for, see PackedSample::tangent
+	double                            rateError = 0;   ///< of the steps asked for, if rates were compared: norm of the stress less that of infinitely slow motion [Pa]
+};
+
+/// Drives the cell until the sample carries given stresses.
+template <int Dim> struct PackedServoOptions {
+	typename PackedTypes<Dim>::Vector principalStress = PackedTypes<Dim>::Vector::Constant(-1e5); ///< sigma_xx, sigma_yy(, sigma_zz), tension positive [Pa], < 0
+	double stressTolerance   = 1e-3; ///< of the largest target [-]
+	double unbalancedLimit   = 1e-3; ///< [-]
+	double maxInertialNumber = 2e-3; ///< bounds the strain rate, eq. (13.1) [-]
+	long   maxSteps          = 400000;
+	long   interval          = 10;   ///< steps between two corrections of the strain rate
+};
+
+// The contact law. Overlap u_n > 0, k_g = 2 E r_1 r_2/(r_1 + r_2) of the grains, k_ice = rho(S_i) k_g, shear stiffness nu times the
+// stiffness in force, mu the friction.
+//  NONE     F_n = k_g u_n, |s| <= mu F_n; gone when u_n < 0.
+//  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b + mu max(F_n, 0).
+//           In tension: no force in that step, the ice spring is cut. In shear: u_grain = 0, F_n = k_g max(u_n, 0) + k_ice max(u_n - u_ice, 0),
+//           |s| <= mu F_n; the ice spring is cut if it does not push; across a gap (u_n < 0) nothing is left and the contact is gone.
+//  BROKEN   as NONE once the ice spring is cut; until then F_n = k_g u_n + k_ice (u_n - u_ice), and it is cut when u_n <= u_ice.
+//           Forgotten when u_n < 0.
+// Whenever s is limited, the part s_ice carried by ice shrinks in proportion. Birth: u_ice = u_n, u_grain = min(u_n, 0), s_ice = 0: free of
+// force. A change of S_i at fixed geometry, parallel rule: growth keeps forces (u_ice moves), melting scales k_ice (u_n - u_ice) and s_ice
+// with k_ice. forceContinuous: one reference for both springs that keeps F_n; secant: references zero, s scales with k_g + k_ice.
+// At S_i <= S_melt every bond returns to NONE and the ice's parts are dropped; with a thawed strength intact bonds stay, with that
+// strength, and one that fails then returns to NONE.
+
+/// One periodic sample of discs (Dim 2) or spheres (Dim 3), advanced by the fused step. Follows stock YADE 2023.02a
+/// (ScGeom, Cundall-Strack, NewtonIntegrator with homoDeform 2) step by step, plus the ice bonds of IceBondModel.
+/// Not thread-safe; different samples may be used by different threads.
+template <int Dim> class PackedSample {
+public:
+	using Vector = typename PackedTypes<Dim>::Vector;
+	using Matrix = typename PackedTypes<Dim>::Matrix;
+
+	/// Throws std::invalid_argument when the state is unusable.
+	explicit PackedSample(const PackedState<Dim>& state);
+	~PackedSample();
+	PackedSample(PackedSample&&) noexcept;
+	PackedSample& operator=(PackedSample&&) noexcept;
+
+	PackedState<Dim> state() const;
+	void             setState(const PackedState<Dim>& state);
+
+	/// `steps` steps; velGrad [1/s, per DEM time] is pending in the first of them exactly as in YADE: the cell follows one step later.
+	/// Throws std::runtime_error when the sample blows up; the state is then the one before the call.
+	void advance(const Matrix& velGrad, long steps);
+	/// As before with the velocity gradient in force.
+	void advance(long steps);
+
+	/// F_new = (1 + displacementGradient) F_old, and ice saturation to its target, in this order: ice at zero velocity gradient,
+	/// then motion, then relaxation, then a flip of the cell where due. Never throws on blow-up: see the result.
+	PackedUpdateResult<Dim> apply(const Matrix& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options = {});
+
+	/// Changes ice saturation at once and at fixed geometry: bonds, strengths, stiffness, radii. Limits are checked in the next step.
+	void setIceSaturation(double iceSaturation);
+	/// Bonds every frictional pair with gap <= ice.bondRange R_min, stress-free, whatever the history of ice saturation. Returns their number.
+	std::size_t bondAll();
+	void        setFriction(double tangent);
+
+	/// True when converged; the velocity gradient is zero afterwards. Throws std::invalid_argument on targets in tension.
+	bool servo(const PackedServoOptions<Dim>& options);
+
+	/// Flips the cell to its shortest equivalent vectors if a skew exceeds `skew`; physics unchanged. True if it flipped.
+	bool flip(double skew = 0.5);
+
+	/// Symmetrised Love-Weber stress of the last step, tension positive [Pa].
+	Matrix                stress() const;
+	PackedStatistics<Dim> statistics() const;
+	PackedTangent<Dim>    tangent() const;
+
+	/// "avx2" or "portable": what this sample's steps run on.
+	const char* path() const;
+	/// Takes the portable path from now on, for all samples made afterwards (tests, comparisons).
+	static void forcePortable(bool portable);
+
+private:
+	std::unique_ptr<PackedWorkspace<Dim>> workspace;
+};
+
+/// Cell motion per step: X with (1 + X)^steps = 1 + displacementGradient. Throws std::invalid_argument unless det(1 + dH) > 0 and the
+/// principal root exists.
+template <int Dim>
+typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps);
+
+/// Number of moving steps for a displacement gradient, eq. (13.1), for the state's stress, size and time step.
+template <int Dim>
+long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options);
+
+} // namespace talik

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/rve/packed/PackedProtocol.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
+#include <stdexcept>
+#include <string>
+#include <unordered_set>
+
+namespace talik {
+
+namespace {
+
+	/// Requests in groups of equal work: same state, same increment, same ice, bit for bit.
+	template <int Dim>
+	int compareWork(const PackedRequest<Dim>& a, const ParkedSample<Dim>* parkedA, const PackedRequest<Dim>& b, const ParkedSample<Dim>* parkedB)
+	{
+		if (parkedA != parkedB) return std::less<const ParkedSample<Dim>*>()(parkedA, parkedB) ? -1 : 1;
+		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
+		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
+		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
+		return int(a.compareRates) - int(b.compareRates);
+	}
+
+	constexpr long rateRefinement = 4; ///< steps of the finer of two compared updates over those of the coarser
+
+	/// Requests of equal work, by their places in an order.
+	struct Task {
+		std::size_t        begin, end;
+		std::exception_ptr failure;
+	};
+
+	/// Throws std::invalid_argument on ice that no sample can have.
+	template <int Dim> void checkRequest(const PackedRequest<Dim>& request)
+	{
+		if (!(request.iceSaturation >= 0 && request.iceSaturation <= 1))
+			throw std::invalid_argument("packed sample: ice saturation " + std::to_string(request.iceSaturation) + " must lie in 0..1");
+	}
+
+} // namespace
+
+template <int Dim> struct SamplePool<Dim>::Worker {
+	std::unique_ptr<PackedWorkspace<Dim>> workspace;
+	PackedState<Dim>                      state;
+	PackedLists<Dim>                      lists;
+
+	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+	{
+		if (request.inertialNumber > 0) options.maxInertialNumber = request.inertialNumber;
+		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
+		if (result.blewUp) return result;
+		workspace->store(state, &lists);
+		sample = std::make_shared<ParkedSample<Dim>>(state, &lists);
+		return result;
+	}
+
+	PackedUpdateResult<Dim> begin(const ParkedSample<Dim>& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	{
+		const bool listed = sample.unpark(state, lists);
+		workspace->load(state, listed ? &lists : nullptr);
+		return follow(request, options);
+	}
+
+	/// The error of quasi-static motion is of first order in the rate: what is left of it beyond the finer steps is a geometric series.
+	PackedUpdateResult<Dim> compareRates(const ParkedSample<Dim>& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+	{
+		const PackedUpdateResult<Dim> coarse = begin(sample, request, options);
+		if (coarse.blewUp) return coarse;
+		sample.unpark(state, lists);
+		options.steps                = rateRefinement * substepCount<Dim>(state, request.displacementGradient, options);
+		PackedUpdateResult<Dim> fine = begin(sample, request, options);
+		fine.rateError               = (fine.stress - coarse.stress).norm() * rateRefinement / (rateRefinement - 1.);
+		fine.steps += coarse.steps;
+		return fine;
+	}
+
+	/// An increment that this sample cannot follow is a blow-up of this sample, not of the others.
+	PackedUpdateResult<Dim> follow(const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	{
+		try {
+			return updateWorkspace<Dim>(*workspace, state, request.displacementGradient, request.iceSaturation, options);
+		} catch (const std::invalid_argument& problem) {
+			PackedUpdateResult<Dim> result {};
+			result.stress = 0.5 * (state.stress + state.stress.transpose());
+			result.blewUp = true;
+			result.reason = problem.what();
+			return result;
+		}
+	}
+};
+
+template <int Dim> SamplePool<Dim>::SamplePool() = default;
+template <int Dim> SamplePool<Dim>::~SamplePool() = default;
+
+template <int Dim> SamplePool<Dim>& SamplePool<Dim>::operator=(const SamplePool& other)
+{
+	samples = other.samples;
+	return *this;
+}
+
+template <int Dim> std::size_t SamplePool<Dim>::add(Parked parked)
+{
+	if (!parked) throw std::invalid_argument("sample pool: the parked sample is null");
+	samples.push_back(std::move(parked));
+	return samples.size() - 1;
+}
+
+template <int Dim> std::size_t SamplePool<Dim>::add(const PackedState<Dim>& state)
+{
+	state.check();
+	return add(std::make_shared<const ParkedSample<Dim>>(state));
+}
+
+template <int Dim> typename SamplePool<Dim>::Parked SamplePool<Dim>::parked(std::size_t sample) const
+{
+	if (sample >= samples.size()) throw std::invalid_argument("sample pool: sample " + std::to_string(sample) + " of " + std::to_string(samples.size()));
+	return samples[sample];
+}
+
+template <int Dim> PackedState<Dim> SamplePool<Dim>::state(std::size_t sample) const
+{
+	PackedState<Dim> state;
+	parked(sample)->unpark(state);
+	return state;
+}
+
+template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, const PackedState<Dim>& state)
+{
+	state.check();
+	parked(sample);
+	samples[sample] = std::make_shared<const ParkedSample<Dim>>(state);
+}
+
+template <int Dim> void SamplePool<Dim>::clear() { samples.clear(); }
+
+template <int Dim>
+std::vector<PackedUpdateResult<Dim>>
+SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
+{
+	checkOptions(options);
+	std::vector<char> asked(samples.size(), 0);
+	for (const PackedRequest<Dim>& request : requests) {
+		if (request.sample >= samples.size())
+			throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " of " + std::to_string(samples.size()));
+		if (asked[request.sample]++) throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " is asked twice in one update");
+		checkRequest(request);
+	}
+	std::vector<std::size_t> order(requests.size());
+	for (std::size_t k = 0; k < order.size(); ++k)
+		order[k] = k;
+	const auto compare = [&](std::size_t a, std::size_t b) {
+		return compareWork<Dim>(requests[a], samples[requests[a].sample].get(), requests[b], samples[requests[b].sample].get());
+	};
+	std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+		const int c = compare(a, b);
+		return c != 0 ? c < 0 : a < b;
+	});
+	// who shares with whom is settled here, before samples change in parallel
+	std::vector<Task> tasks;
+	for (std::size_t k = 0; k < order.size(); ++k) {
+		if (k == 0 || compare(order[k - 1], order[k]) != 0) tasks.push_back({ k, k, nullptr });
+		tasks.back().end = k + 1;
+	}
+	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadTeam::threads(), int(std::max<std::size_t>(1, tasks.size()))));
+	while (workers.size() < std::size_t(wanted))
+		workers.push_back(std::make_unique<Worker>());
+	std::vector<PackedUpdateResult<Dim>> results(requests.size());
+	ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
+		Task& task = tasks[std::size_t(t)];
+		try {
+			Worker& worker = *workers[std::size_t(member)];
+			if (!worker.workspace || worker.workspace->portableOnly() != portablePathForced())
+				worker.workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
+			const std::size_t first  = order[task.begin];
+			Parked&           sample = samples[requests[first].sample];
+			results[first]           = worker.update(sample, requests[first], options);
+			for (std::size_t k = task.begin + 1; k < task.end; ++k) {
+				results[order[k]]                = results[first];
+				samples[requests[order[k]].sample] = sample;
+			}
+		} catch (...) {
+			task.failure = std::current_exception();
+		}
+	});
+	for (const Task& task : tasks)
+		if (task.failure) std::rethrow_exception(task.failure);
+	return results;
+}
+
+template <int Dim> std::size_t SamplePool<Dim>::distinctStates() const
+{
+	std::unordered_set<const ParkedSample<Dim>*> distinct;
+	for (const Parked& sample : samples)
+		distinct.insert(sample.get());
+	return distinct.size();
+}
+
+template <int Dim> std::size_t SamplePool<Dim>::bytes() const
+{
+	std::unordered_set<const ParkedSample<Dim>*> distinct;
+	std::size_t                                  sum = 0;
+	for (const Parked& sample : samples)
+		if (distinct.insert(sample.get()).second) sum += sample->bytes();
+	return sum;
+}
+
+template class SamplePool<2>;
+template class SamplePool<3>;
+
+} // namespace talik

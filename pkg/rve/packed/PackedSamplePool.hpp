@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <pkg/rve/packed/PackedParking.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
+#include <vector>
+
+namespace talik {
+
+/// One sample to be updated.
+template <int Dim> struct PackedRequest {
+	std::size_t                       sample               = 0;
+	typename PackedTypes<Dim>::Matrix displacementGradient = PackedTypes<Dim>::Matrix::Zero();
+	double                            iceSaturation        = 0;
+	double                            inertialNumber       = 0; ///< > 0: bounds the strain of a DEM step of this request in place of the option's [-]
+	/// Also follow the request with finer steps, keep that state, and report by how much the coarser one differs: see rateError.
+	bool compareRates = false;
+};
+
+/// Thousands of samples. Samples that were never asked since they were prepared share one state; the first update detaches them.
+template <int Dim> class SamplePool {
+public:
+	using Parked = std::shared_ptr<const ParkedSample<Dim>>;
+
+	SamplePool();
+	~SamplePool();
+	SamplePool(const SamplePool& other) : SamplePool() { samples = other.samples; }
+	SamplePool& operator=(const SamplePool& other);
+
+	/// Adds a sample of this state, which it shares with every other sample it is given to; returns its index.
+	std::size_t add(Parked parked);
+	/// Adds a sample with a state of its own. Throws std::invalid_argument when the state is unusable.
+	std::size_t      add(const PackedState<Dim>& state);
+	std::size_t      size() const { return samples.size(); }
+	PackedState<Dim> state(std::size_t sample) const;
+	/// The same for samples that share one state.
+	Parked parked(std::size_t sample) const;
+	void   setState(std::size_t sample, const PackedState<Dim>& state);
+	/// Lets a sample share another's parked state; its own is given up.
+	void   share(std::size_t sample, Parked parked) { samples.at(sample) = std::move(parked); }
+	void   clear();
+
+	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on
+	/// one thread: the results do not depend on their number. Requests that agree bit for bit on the same shared state are computed once
+	/// and stay shared. A sample that blows up keeps its last good state. Never more than one state per thread is held twice.
+	/// An increment that a sample cannot follow is a blow-up of that sample. Throws std::invalid_argument on an unknown or repeated
+	/// sample and on an impossible ice saturation, before anything has changed.
+	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads = 0);
+
+	/// Distinct states held, and the bytes they and their neighbour lists hold.
+	std::size_t distinctStates() const;
+	std::size_t bytes() const;
+
+private:
+	/// What a thread works with: kept, and decides nothing.
+	struct Worker;
+
+	std::vector<Parked>                  samples;
+	std::vector<std::unique_ptr<Worker>> workers;
+};
+
+} // namespace talik

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <cmath>
+#include <cstring>
+#include <pkg/rve/packed/PackedState.hpp>
+#include <stdexcept>
+
+namespace talik {
+
+namespace {
+
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '2' };
+
+	class Writer {
+	public:
+		template <class T> void value(const T& item)
+		{
+			static_assert(std::is_arithmetic<T>::value || std::is_enum<T>::value, "written member by member, so that no padding enters");
+			bytes.append(reinterpret_cast<const char*>(&item), sizeof(T));
+		}
+		template <class T> void array(const std::vector<T>& items)
+		{
+			value(std::uint64_t(items.size()));
+			bytes.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
+		}
+		template <class M> void matrix(const M& m) { bytes.append(reinterpret_cast<const char*>(m.data()), sizeof(double) * std::size_t(m.size())); }
+		std::string bytes;
+	};
+
+	class Reader {
+	public:
+		explicit Reader(const std::string& from) : bytes(from) {}
+		template <class T> void value(T& item) { take(&item, sizeof(T)); }
+		template <class T> void array(std::vector<T>& items)
+		{
+			std::uint64_t count = 0;
+			value(count);
+			if (count > (bytes.size() - at) / sizeof(T)) throw std::runtime_error("packed sample: the saved bytes are cut short; save again");
+			items.resize(count);
+			take(items.data(), count * sizeof(T));
+		}
+		template <class M> void matrix(M& m) { take(m.data(), sizeof(double) * std::size_t(m.size())); }
+		bool                    finished() const { return at == bytes.size(); }
+		void                    take(void* target, std::size_t count)
+		{
+			if (count > bytes.size() - at) throw std::runtime_error("packed sample: the saved bytes are cut short; save again");
+			if (count > 0) std::memcpy(target, bytes.data() + at, count);
+			at += count;
+		}
+
+	private:
+		const std::string& bytes;
+		std::size_t        at = 0;
+	};
+
+	/// One list of members for writing and reading, so that they cannot diverge.
+	template <class Stream, class Parameters> void streamParameters(Stream& stream, Parameters& p)
+	{
+		for (auto* m : { &p.hSize, &p.prevHSize, &p.velGrad, &p.prevVelGrad, &p.nextVelGrad, &p.trsf, &p.stress })
+			stream.matrix(*m);
+		for (auto* v : { &p.dt, &p.damping, &p.thickness, &p.friction, &p.stiffnessRatio, &p.density, &p.iceSaturation, &p.radiusFactor,
+		                 &p.thawStrain.thawStrain, &p.thawStrain.frozenSaturation, &p.ice.grainYoung, &p.ice.iceYoung, &p.ice.tensileStrength0,
+		                 &p.ice.tensileStrengthI, &p.ice.shearStrength0, &p.ice.shearStrengthI, &p.ice.exponent, &p.ice.bondAreaFactor,
+		                 &p.ice.meltSaturation, &p.ice.bondSaturation, &p.ice.bondRange, &p.ice.thawedStrength })
+			stream.value(*v);
+		stream.value(p.ice.rule);
+		stream.value(p.ice.cohesionDisablesFriction);
+		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
+			stream.value(*v);
+	}
+
+	template <class Stream, class State, class Grains> void streamArrays(Stream& stream, State& s, Grains& g)
+	{
+		stream.array(g.radius);
+		stream.array(g.mass);
+		stream.array(g.inertia);
+		stream.array(g.id);
+		stream.array(s.position);
+		stream.array(s.velocity);
+		stream.array(s.angularVelocity);
+		stream.array(s.orientation);
+		auto& c = s.contacts;
+		stream.array(c.first);
+		stream.array(c.second);
+		stream.array(c.cellDist);
+		stream.array(c.shear);
+		stream.array(c.normal);
+		stream.array(c.iceShear);
+		stream.array(c.iceReference);
+		stream.array(c.grainReference);
+		stream.array(c.bond);
+	}
+
+	[[noreturn]] void refuse(const char* attribute, double value, const char* remedy)
+	{
+		throw std::invalid_argument(std::string("packed sample: ") + attribute + " = " + std::to_string(value) + " " + remedy);
+	}
+
+	void requireSize(const char* attribute, std::size_t size, std::size_t wanted)
+	{
+		if (size != wanted)
+			throw std::invalid_argument(
+			        std::string("packed sample: ") + attribute + " has " + std::to_string(size) + " entries, not " + std::to_string(wanted)
+			        + "; give one per grain or contact");
+	}
+
+	void requirePositive(const char* attribute, const std::vector<double>& values)
+	{
+		for (const double value : values)
+			if (!(value > 0) || !std::isfinite(value)) refuse(attribute, value, "of a grain must be positive and finite");
+	}
+
+} // namespace
+
+template <int Dim> double PackedParameters<Dim>::volume() const
+{
+	const Matrix& h = hSize;
+	if constexpr (Dim == 2) return std::fabs(h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0)) * thickness;
+	else
+		return std::fabs(
+		        h(0, 0) * (h(1, 1) * h(2, 2) - h(1, 2) * h(2, 1)) - h(0, 1) * (h(1, 0) * h(2, 2) - h(1, 2) * h(2, 0))
+		        + h(0, 2) * (h(1, 0) * h(2, 1) - h(1, 1) * h(2, 0)));
+}
+
+template <int Dim> void PackedParameters<Dim>::checkParameters() const
+{
+	if (!(dt > 0) || !std::isfinite(dt)) refuse("dt", dt, "s must be positive; 0.3 to 0.5 of the critical time step is usual");
+	if (!(damping >= 0 && damping < 1)) refuse("damping", damping, "must lie in 0..1; 0.2 to 0.5 is usual");
+	if (!(friction >= 0)) refuse("friction", friction, "(a tangent) must not be negative");
+	if (!(stiffnessRatio >= 0)) refuse("stiffnessRatio", stiffnessRatio, "must not be negative");
+	if (Dim == 2 && !(thickness > 0)) refuse("thickness", thickness, "m must be positive; 0.1 m is the usual disc");
+	if (!(density > 0)) refuse("density", density, "kg/m^3 must be positive");
+	if (!(ice.grainYoung > 0)) refuse("ice.grainYoung", ice.grainYoung, "Pa must be positive");
+	if (!(ice.iceYoung >= 0) || !std::isfinite(ice.iceYoung)) refuse("ice.iceYoung", ice.iceYoung, "Pa must be finite and not negative");
+	if (!(ice.thawedStrength >= 0) || !std::isfinite(ice.thawedStrength)) refuse("ice.thawedStrength", ice.thawedStrength, "Pa must be finite and not negative");
+	if (!(ice.bondSaturation >= ice.meltSaturation)) refuse("ice.bondSaturation", ice.bondSaturation, "must not be smaller than ice.meltSaturation");
+	if (!(ice.meltSaturation >= 0)) refuse("ice.meltSaturation", ice.meltSaturation, "must not be negative");
+	if (!(iceSaturation >= 0 && iceSaturation <= 1)) refuse("iceSaturation", iceSaturation, "must lie in 0..1");
+	if (!(radiusFactor > 0)) refuse("radiusFactor", radiusFactor, "must be positive");
+	if (!(thawStrain.thawStrain >= 0 && thawStrain.thawStrain < 1))
+		refuse("thawStrain.thawStrain", thawStrain.thawStrain, "must lie between 0 (grains keep their radii) and 1");
+	if (!(thawStrain.frozenSaturation >= 0 && thawStrain.frozenSaturation <= 1))
+		refuse("thawStrain.frozenSaturation", thawStrain.frozenSaturation, "must lie in 0..1");
+	if (!(volume() > 0) || !std::isfinite(volume())) refuse("hSize: cell volume", volume(), "m^3 must be positive; give independent cell vectors");
+}
+
+template <int Dim> void PackedState<Dim>::check() const
+{
+	this->checkParameters();
+	if (!grains) throw std::invalid_argument("packed sample: grains is null; give radii, masses and inertias");
+	const std::size_t n = grains->size();
+	if (n == 0 || n > 65000) refuse("number of grains", double(n), "must lie in 1..65000");
+	requireSize("grains.mass", grains->mass.size(), n);
+	requireSize("grains.inertia", grains->inertia.size(), n);
+	requireSize("grains.id", grains->id.size(), n);
+	requirePositive("radius", grains->radius);
+	requirePositive("mass", grains->mass);
+	requirePositive("inertia", grains->inertia);
+	requireSize("position", position.size(), n);
+	requireSize("velocity", velocity.size(), n);
+	requireSize("angularVelocity", angularVelocity.size(), n);
+	requireSize("orientation", orientation.size(), n);
+	for (std::size_t g = 0; g < n; ++g)
+		if (!position[g].allFinite() || !velocity[g].allFinite()) refuse("position or velocity of grain", double(g), "is not finite");
+	const std::size_t m = contacts.size();
+	requireSize("contacts.second", contacts.second.size(), m);
+	requireSize("contacts.cellDist", contacts.cellDist.size(), m);
+	requireSize("contacts.shear", contacts.shear.size(), m);
+	requireSize("contacts.normal", contacts.normal.size(), Dim == 3 ? m : 0);
+	const std::size_t bonds = bonded() ? m : 0;
+	requireSize("contacts.bond", contacts.bond.size(), bonds);
+	requireSize("contacts.iceShear", contacts.iceShear.size(), bonds);
+	requireSize("contacts.iceReference", contacts.iceReference.size(), bonds);
+	requireSize("contacts.grainReference", contacts.grainReference.size(), bonds);
+	for (std::size_t k = 0; k < m; ++k)
+		if (contacts.first[k] >= contacts.second[k] || contacts.second[k] >= n)
+			refuse("contacts.second", contacts.second[k], "must be a grain's index and larger than contacts.first");
+}
+
+template <int Dim> std::string PackedState<Dim>::toBytes() const
+{
+	check();
+	Writer writer;
+	writer.bytes.append(formatName, sizeof(formatName));
+	writer.value(std::int32_t(Dim));
+	streamParameters(writer, static_cast<const PackedParameters<Dim>&>(*this));
+	streamArrays(writer, *this, *grains);
+	return std::move(writer.bytes);
+}
+
+template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::string& bytes)
+{
+	Reader       reader(bytes);
+	char         name[sizeof(formatName)];
+	std::int32_t dim = 0;
+	reader.take(name, sizeof(name));
+	if (std::memcmp(name, formatName, sizeof(name)) != 0) throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
+	reader.value(dim);
+	if (dim != Dim) throw std::runtime_error("packed sample: saved with dimension " + std::to_string(dim) + ", wanted " + std::to_string(Dim));
+	PackedState state;
+	auto        grains = std::make_shared<PackedGrains>();
+	streamParameters(reader, static_cast<PackedParameters<Dim>&>(state));
+	streamArrays(reader, state, *grains);
+	if (!reader.finished()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
+	state.grains = std::move(grains);
+	state.check();
+	return state;
+}
+
+template struct PackedParameters<2>;
+template struct PackedParameters<3>;
+template struct PackedState<2>;
+template struct PackedState<3>;
+
+} // namespace talik

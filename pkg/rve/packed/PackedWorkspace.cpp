@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <Eigen/LU>
+#include <algorithm>
+#include <cstring>
+#include <pkg/rve/packed/CellReduction.hpp>
+#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+
+namespace talik {
+
+namespace {
+	bool avx2Usable()
+	{
+#if defined(__x86_64__) && defined(__GNUC__)
+		return avx2KernelBuilt() && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+		return false;
+#endif
+	}
+
+	template <int Dim> PackedKernel<Dim> chooseKernel(bool bonded, bool portable)
+	{
+		if constexpr (Dim == 2)
+			if (!portable && avx2Usable()) return avx2Kernel(bonded);
+		(void)portable;
+		return portableKernel<Dim>(bonded);
+	}
+} // namespace
+
+template <int Dim> PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly) : portable(portableOnly)
+{
+	std::memset(&view, 0, sizeof(view));
+	view.owner     = this;
+	view.bondEvent = &PackedWorkspace::onBondEvent;
+	selectKernel();
+}
+
+// ---------------------------------------------------------------------------------------------- in and out
+
+template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
+{
+	static_cast<PackedParameters<Dim>&>(base) = state;
+	grains     = state.grains;
+	grainCount = state.size();
+	rowCount   = (grainCount + 3) / 4 * 4;
+	copyMatrix<Dim>(base.hSize, view.hSize);
+	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
+	copyMatrix<Dim>(base.trsf, view.trsf);
+	copyMatrix<Dim>(base.velGrad, view.velGrad);
+	copyMatrix<Dim>(base.prevVelGrad, view.prevVelGrad);
+	copyMatrix<Dim>(base.nextVelGrad, view.nextVelGrad);
+	view.dt             = base.dt;
+	view.damping        = base.damping;
+	view.friction       = base.friction;
+	view.stiffnessRatio = base.stiffnessRatio;
+	iceRatio            = base.ice.iceStiffnessRatio(base.iceSaturation);
+	setStrengths();
+	loadGrains(state);
+	carriesBonds = std::any_of(state.contacts.bond.begin(), state.contacts.bond.end(), [](std::uint8_t b) { return b != bondNone; });
+	selectKernel();
+	listsValid = false;
+	if (lists) {
+		loadListed(state.contacts, *lists);
+	} else {
+		loadContacts(state);
+		rebuildLists();
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>& state)
+{
+	using Layout           = PackedLayout<Dim>;
+	const std::size_t rows = rowCount + 4; // two of the last four are partners of idle lanes, far from each other
+	const Quad        zero { { 0, 0, 0, 0 } };
+	motion.assign(rows * Layout::motion / 4, zero);
+	spin.assign((rows * Layout::spin + 3) / 4, zero);
+	force.assign(rows * Layout::force / 4, zero);
+	angular.assign((rows * Layout::angular + 3) / 4, zero);
+	orientation.assign((rows * Layout::orientation + 3) / 4, zero);
+	minusInverseMass.assign(rows / 4, zero);
+	inverseInertia.assign(rows / 4, zero);
+	radius.assign(rows / 4, zero);
+	reference.assign(rows, zero);
+	bind();
+	double* m = motion.data()->value;
+	double* w = angular.data()->value;
+	double* q = orientation.data()->value;
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		for (int d = 0; d < Dim; ++d) {
+			m[g * Layout::motion + d]       = state.position[g][d];
+			m[g * Layout::motion + Dim + d] = state.velocity[g][d];
+		}
+		if constexpr (Dim == 2) {
+			w[g] = state.angularVelocity[g];
+			q[g] = state.orientation[g];
+		} else {
+			for (int d = 0; d < 3; ++d)
+				w[3 * g + d] = state.angularVelocity[g][d];
+			for (int d = 0; d < 4; ++d)
+				q[4 * g + d] = state.orientation[g][d];
+		}
+		minusInverseMass.data()->value[g] = -1 / grains->mass[g];
+		inverseInertia.data()->value[g]   = 1 / grains->inertia[g];
+	}
+	m[(rowCount + 1) * Layout::motion] = 1e6;
+	scaleRadii();
+}
+
+/// Radii follow the thaw strain; peripheral velocities follow the radii.
+template <int Dim> void PackedWorkspace<Dim>::scaleRadii()
+{
+	double *r = radius.data()->value, *s = spin.data()->value;
+	largestRadius  = 0;
+	averageRadius  = 0;
+	smallestRadius = grains->radius[0] * base.radiusFactor;
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		r[g] = grains->radius[g] * base.radiusFactor;
+		if constexpr (Dim == 2) {
+			s[g] = view.angular[g] * r[g];
+		} else {
+			for (int d = 0; d < 3; ++d)
+				s[4 * g + d] = view.angular[3 * g + d];
+			s[4 * g + 3] = r[g];
+		}
+		largestRadius  = std::max(largestRadius, r[g]);
+		smallestRadius = std::min(smallestRadius, r[g]);
+		averageRadius += r[g];
+	}
+	averageRadius /= double(grainCount);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::bind()
+{
+	const auto pairsOf = [](Lanes& lanes, bool crosses) {
+		PackedPairs<Dim> pairs;
+		pairs.block   = lanes.block.data();
+		pairs.normals = lanes.normals.data();
+		pairs.ice     = lanes.ice.data();
+		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
+		pairs.blocks  = lanes.block.size();
+		return pairs;
+	};
+	view.motion           = motion.data()->value;
+	view.spin             = spin.data()->value;
+	view.force            = force.data()->value;
+	view.angular          = angular.data()->value;
+	view.orientation      = orientation.data()->value;
+	view.minusInverseMass = minusInverseMass.data()->value;
+	view.inverseInertia   = inverseInertia.data()->value;
+	view.radius           = radius.data()->value;
+	view.grains           = rowCount;
+	view.inner            = pairsOf(innerLanes, false);
+	view.periodic         = pairsOf(periodicLanes, true);
+	view.shiftMotion      = shiftMotion.empty() ? nullptr : shiftMotion.data()->value;
+	view.shiftForce       = shiftForce.empty() ? nullptr : shiftForce.data()->value;
+	view.shiftCell        = shiftCell.data();
+	view.shifts           = shiftCell.size() / Dim;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, PackedLists<Dim>* lists) const
+{
+	using Layout = PackedLayout<Dim>;
+	static_cast<PackedParameters<Dim>&>(state) = parameters();
+	state.grains = grains;
+	state.position.resize(grainCount);
+	state.velocity.resize(grainCount);
+	state.angularVelocity.resize(grainCount);
+	state.orientation.resize(grainCount);
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		for (int d = 0; d < Dim; ++d) {
+			state.position[g][d] = view.motion[g * Layout::motion + d];
+			state.velocity[g][d] = view.motion[g * Layout::motion + Dim + d];
+		}
+		if constexpr (Dim == 2) {
+			state.angularVelocity[g] = view.angular[g];
+			state.orientation[g]     = view.orientation[g];
+		} else {
+			for (int d = 0; d < 3; ++d)
+				state.angularVelocity[g][d] = view.angular[3 * g + d];
+			for (int d = 0; d < 4; ++d)
+				state.orientation[g][d] = view.orientation[4 * g + d];
+		}
+	}
+	storeContacts(state.contacts, lists);
+}
+
+template <int Dim> const PackedParameters<Dim>& PackedWorkspace<Dim>::parameters() const
+{
+	copyMatrix<Dim>(view.hSize, base.hSize);
+	copyMatrix<Dim>(view.prevHSize, base.prevHSize);
+	copyMatrix<Dim>(view.trsf, base.trsf);
+	copyMatrix<Dim>(view.velGrad, base.velGrad);
+	copyMatrix<Dim>(view.prevVelGrad, base.prevVelGrad);
+	copyMatrix<Dim>(view.nextVelGrad, base.nextVelGrad);
+	return base;
+}
+
+template <int Dim> typename PackedWorkspace<Dim>::Matrix PackedWorkspace<Dim>::hSize() const
+{
+	Matrix h;
+	copyMatrix<Dim>(view.hSize, h);
+	return h;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setNextVelGrad(const Matrix& velGrad) { copyMatrix<Dim>(velGrad, view.nextVelGrad); }
+
+template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
+{
+	base.friction = view.friction = tangent;
+	setStrengths();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setStrengths()
+{
+	tensileStrength   = base.ice.tensileStrength(base.iceSaturation);
+	shearStrength     = base.ice.shearStrength(base.iceSaturation);
+	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = chooseKernel<Dim>(carriesBonds, portable); }
+
+// ---------------------------------------------------------------------------------------------- steps
+
+template <int Dim> void PackedWorkspace<Dim>::moveCell()
+{
+	double rate[Dim * Dim];
+	std::memcpy(view.prevHSize, view.hSize, sizeof(view.hSize));
+	multiply<Dim>(view.velGrad, view.prevHSize, rate);
+	for (int k = 0; k < Dim * Dim; ++k)
+		view.hSize[k] += view.dt * rate[k];
+	multiply<Dim>(view.velGrad, view.trsf, rate);
+	for (int k = 0; k < Dim * Dim; ++k)
+		view.trsf[k] += view.dt * rate[k];
+}
+
+template <int Dim> void PackedWorkspace<Dim>::step()
+{
+	moveCell();
+	updateShiftRows();
+	kernel.contacts(&view);
+	kernel.integrate(&view);
+	std::memcpy(view.velGrad, view.nextVelGrad, sizeof(view.velGrad));
+	std::memcpy(view.prevVelGrad, view.nextVelGrad, sizeof(view.velGrad));
+	accumulateTravel();
+	++base.step;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::run(long steps, long averaged)
+{
+	Matrix    sum   = Matrix::Zero();
+	const long first = steps - std::max(1l, std::min(averaged, steps));
+	for (long k = 0; k < steps; ++k) {
+		if (listsExhausted()) refreshLists();
+		view.sampleStress = k >= first;
+		step();
+		if (view.sampleStress) {
+			Matrix stress;
+			finishStress(stress);
+			sum += stress;
+		}
+	}
+	if (steps > 0) base.stress = sum / double(steps - first);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
+{
+	copyMatrix<Dim>(view.virial, stress);
+	for (std::size_t k = 0; k < view.shifts; ++k)
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::force + i] * view.shiftMotion[k * PackedLayout<Dim>::motion + j];
+	stress /= parameters().volume();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
+{
+	double sum = 0;
+	for (std::size_t g = 0; g < grainCount * PackedLayout<Dim>::motion; ++g)
+		sum += view.motion[g] * 0;
+	if (!(sum == 0)) throw PackedBlowUp("a grain's position or velocity is not finite");
+	if (!listsValid) return;
+	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
+			const std::size_t         b = lane / 4, l = lane % 4;
+			const PackedPairRows<Dim> rows = pairRows(view, lanes == &innerLanes ? view.inner : view.periodic, lane);
+			double                    branch[Dim];
+			const double              square  = pairBranch(view, rows, branch);
+			const double              allowed = lanes->block[b].sumRadius[l] - smallestRadius;
+			if (square >= allowed * allowed) continue;
+			const double smaller = std::min(view.radius[rows.first / 4], view.radius[rows.second / 4]);
+			if (lanes->block[b].sumRadius[l] - std::sqrt(square) > smaller)
+				throw PackedBlowUp("the overlap of grains " + std::to_string(rows.first / 4) + " and " + std::to_string(rows.second / 4) + " exceeds a radius");
+		}
+}
+
+// ---------------------------------------------------------------------------------------------- flip
+
+// Grains are wrapped into the new cell at the same time, so that cell distances stay small in endless shear.
+template <int Dim> bool PackedWorkspace<Dim>::flip(double skew)
+{
+	const Matrix                       before      = hSize();
+	const Eigen::Matrix<int, Dim, Dim> combination = cellReduction<Dim>(before, std::max(skew, 0.5));
+	if (combination == Eigen::Matrix<int, Dim, Dim>::Identity()) return false;
+	PackedState<Dim> state;
+	store(state);
+	state.hSize                                = before * combination.template cast<double>();
+	state.prevHSize                            = state.prevHSize * combination.template cast<double>();
+	const Eigen::Matrix<int, Dim, Dim> unwind  = integerInverse<Dim>(combination);
+	const Matrix                       inverse = state.hSize.inverse();
+	std::vector<Eigen::Matrix<int, Dim, 1>> image(grainCount);
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		const Vector reduced = inverse * state.position[g];
+		Vector       cells;
+		for (int d = 0; d < Dim; ++d) {
+			cells[d]    = std::floor(reduced[d]);
+			image[g][d] = int(cells[d]);
+		}
+		const Vector shift = state.hSize * cells;
+		state.position[g] -= shift;
+		state.velocity[g] -= state.prevVelGrad * shift;
+	}
+	PackedContacts<Dim>& c = state.contacts;
+	for (std::size_t k = 0; k < c.size(); ++k) {
+		Eigen::Matrix<int, Dim, 1> cells;
+		for (int d = 0; d < Dim; ++d)
+			cells[d] = c.cellDist[k][d];
+		cells = (unwind * cells + image[c.second[k]] - image[c.first[k]]).eval();
+		for (int d = 0; d < Dim; ++d)
+			c.cellDist[k][d] = std::int8_t(cells[d]);
+	}
+	load(state);
+	return true;
+}
+
+template class PackedWorkspace<2>;
+template class PackedWorkspace<3>;
+
+} // namespace talik

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <pkg/rve/packed/PackedContactMath.hpp>
+#include <pkg/rve/packed/PackedNeighbours.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace talik {
+
+/// A sample that left the range of what the contact law can mean.
+struct PackedBlowUp : std::runtime_error {
+	using std::runtime_error::runtime_error;
+};
+
+/// The running form of one sample: rows of grains, pairs in blocks of four, neighbour lists. Takes a state, advances it, gives it back.
+/// A thread needs one of them for any number of samples; buffers are kept.
+template <int Dim> class PackedWorkspace {
+public:
+	using Vector = typename PackedTypes<Dim>::Vector;
+	using Matrix = typename PackedTypes<Dim>::Matrix;
+
+	explicit PackedWorkspace(bool portable);
+	PackedWorkspace(const PackedWorkspace&) = delete;
+	PackedWorkspace& operator=(const PackedWorkspace&) = delete;
+
+	/// lists: those that were stored with exactly this state, or nullptr to build them.
+	void load(const PackedState<Dim>& state, const PackedLists<Dim>* lists = nullptr);
+	void store(PackedState<Dim>& state, PackedLists<Dim>* lists = nullptr) const;
+
+	/// Velocity gradient that comes into force in the integrator of the next step [1/s].
+	void setNextVelGrad(const Matrix& velGrad);
+	/// Steps; the stress is that of the last step, or the mean over the last `averaged` steps if that is more than one.
+	/// Throws PackedBlowUp when lists are due and the sample is not healthy.
+	void run(long steps, long averaged = 1);
+
+	void        setIceSaturation(double iceSaturation);
+	std::size_t bondAll();
+	void        setFriction(double tangent);
+	bool        flip(double skew);
+
+	/// Throws PackedBlowUp when a number is not finite or grains overlap by more than a radius. Lists are checked before they are built;
+	/// whoever runs steps checks once more when it is done.
+	void checkHealth() const;
+
+	Matrix                stress() const { return base.stress; }
+	void                  setStress(const Matrix& stress) { base.stress = stress; }
+	PackedStatistics<Dim> statistics() const;
+	PackedTangent<Dim>    tangent() const;
+	Matrix                hSize() const;
+	const char*           path() const { return kernel.name; }
+	bool                  portableOnly() const { return portable; }
+	/// State without arrays of grains and contacts: parameters, cell, step count.
+	const PackedParameters<Dim>& parameters() const;
+	double           meanRadius() const { return averageRadius; }
+	std::size_t      size() const { return grainCount; }
+
+private:
+	struct alignas(32) Quad {
+		double value[4];
+	};
+	using Rows = std::vector<Quad>;
+	/// What a contact remembers beside its shear force.
+	struct BondMemory {
+		double       iceReference = 0, grainReference = 0;
+		std::uint8_t bond = 0;
+	};
+	struct Lanes {
+		std::size_t                        pairs = 0;
+		std::vector<std::uint64_t>         keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
+		std::vector<PackedBlock<Dim>>      block;
+		std::vector<PackedNormals>         normals;
+		std::vector<PackedIceBlock<Dim>>   ice;
+		std::vector<std::uint32_t>         shift;
+		std::vector<BondMemory>            memory;
+		void                               resize(std::size_t number, bool periodic, bool bonded);
+		void                               takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
+		void                               forgetHistory(std::size_t lane);
+	};
+	struct Geometry {
+		PackedPairRows<Dim> rows;
+		double              n[Dim], distance, sumRadius, overlap;
+	};
+
+	void loadGrains(const PackedState<Dim>& state);
+	void loadContacts(const PackedState<Dim>& state);
+	void loadListed(const PackedContacts<Dim>& contacts, const PackedLists<Dim>& lists);
+	void takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& contacts, std::size_t k) const;
+	void storeContacts(PackedContacts<Dim>& contacts, PackedLists<Dim>* lists) const;
+	void storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const;
+	bool carriesHistory(const Lanes& lanes, std::size_t lane) const;
+	void scaleRadii();
+	void bind();
+
+	void     refreshLists();
+	void     rebuildLists(double leastSkin = 0);
+	void     adoptKeys();
+	void     lanesChanged();
+	void     formKeys(bool periodic);
+	void     keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const;
+	void     fillLanes(Lanes& lanes, const Lanes& old, bool periodic);
+	void     setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool periodic);
+	void     fillUp(Lanes& lanes, bool periodic);
+	void     dressLane(Lanes& lanes, std::size_t lane);
+	void     updateShiftRows();
+	unsigned shiftIndex(const std::array<std::int8_t, Dim>& cellDist);
+	void     predictedCell(double* hSize) const;
+	double   measuredTravel() const;
+	bool     listsExhausted() const;
+	void     accumulateTravel();
+
+	void step();
+	void moveCell();
+	void finishStress(Matrix& stress) const;
+
+	static void onBondEvent(void* owner, PackedBondEvent<Dim>* event);
+	void        settleBond(PackedBondEvent<Dim>& event);
+	void        failBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
+	void        relaxBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
+
+	void   removeBonds();
+	void   rescaleBonds(double oldRatio, double newRatio, bool melted);
+	bool   outlasts(std::uint8_t bond) const { return bond == std::uint8_t(BondState::BONDED) && base.ice.bondsOutlastIce(); }
+	bool   anyBond() const;
+	void   rescaleBond(Lanes& lanes, std::size_t lane, double oldRatio, double newRatio, double* shear, double* iceShear);
+	void   shrinkGrains(double saturationBefore);
+	void   setStrengths();
+	void   selectKernel();
+	void   carryBonds(bool carry);
+	Lanes& lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
+
+	Geometry geometry(const Lanes& lanes, std::size_t lane) const;
+	double   grainStiffness(std::uint32_t first, std::uint32_t second) const;
+	double   bondArea(std::uint32_t first, std::uint32_t second) const;
+	template <class Visitor> void forContacts(Visitor&& visit) const;
+
+	mutable PackedParameters<Dim>       base; ///< its cell matrices are brought up to date from the view on request
+	std::shared_ptr<const PackedGrains> grains;
+	std::size_t                         grainCount = 0, rowCount = 0;
+	double                              largestRadius = 0, smallestRadius = 0, averageRadius = 0;
+
+	Rows                     motion, spin, force, angular, orientation, minusInverseMass, inverseInertia, radius, reference;
+	Rows                     shiftMotion, shiftForce;
+	std::vector<std::int8_t> shiftCell;
+	Lanes                    innerLanes, periodicLanes, oldInner, oldPeriodic;
+	bool                     carriesBonds = false, portable;
+	double                   iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
+
+	NeighbourSearch<Dim>       search;
+	std::vector<std::uint64_t> sortBuffer;
+	std::vector<std::uint32_t> sortCounts;
+	bool                       listsValid = false, referenceKnown = false;
+	PackedListUse<Dim>         use;
+
+	PackedKernel<Dim>   kernel;
+	PackedStepView<Dim> view;
+};
+
+} // namespace talik

@@ -1,0 +1,491 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Neighbour lists and the lanes that they fill; contacts in and out of the lanes.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+
+namespace talik {
+
+namespace {
+	/// Skin of the neighbour lists over the mean radius: rebuilds against pairs carried along in vain.
+	constexpr double skinOverRadius = 0.04;
+	/// Force that is different from zero and far too small to matter: marks a lane to be watched.
+	constexpr double watched = 1e-300;
+
+	template <class T> const double* shearData(const T& shear)
+	{
+		if constexpr (std::is_same<T, double>::value) return &shear;
+		else return shear.data();
+	}
+	template <class T> double* shearData(T& shear)
+	{
+		if constexpr (std::is_same<T, double>::value) return &shear;
+		else return shear.data();
+	}
+
+} // namespace
+
+// ---------------------------------------------------------------------------------------------- lanes
+
+template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, bool crosses, bool bonded)
+{
+	const std::size_t blocks = (number + 3) / 4;
+	pairs = number;
+	block.resize(blocks);
+	normals.resize(Dim == 3 ? blocks : 0);
+	shift.resize(crosses ? 4 * blocks : 0);
+	ice.resize(bonded ? blocks : 0);
+	memory.resize(bonded ? number : 0);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
+{
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		block[lane / 4].shear[d][lane % 4] = from.block[at / 4].shear[d][at % 4];
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			normals[lane / 4].n[d][lane % 4] = from.normals[at / 4].n[d][at % 4];
+	if (ice.empty()) return;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		ice[lane / 4].iceShear[d][lane % 4] = from.ice[at / 4].iceShear[d][at % 4];
+	memory[lane] = from.memory[at];
+}
+
+template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t lane)
+{
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		block[lane / 4].shear[d][lane % 4] = 0;
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			normals[lane / 4].n[d][lane % 4] = 0;
+	if (ice.empty()) return;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		ice[lane / 4].iceShear[d][lane % 4] = 0;
+	if (lane < pairs) memory[lane] = BondMemory();
+}
+
+/// History goes where a rebuild expects it: into the lanes of the "previous" list.
+template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim>& state)
+{
+	const PackedContacts<Dim>& c = state.contacts;
+	std::vector<std::pair<std::uint64_t, std::size_t>> order[2];
+	for (std::size_t k = 0; k < c.size(); ++k) {
+		const PairKey<Dim> pair { c.first[k], c.second[k], c.cellDist[k] };
+		order[pair.crossesCell()].emplace_back(pair.encode(), k);
+	}
+	for (const bool crosses : { false, true }) {
+		auto& sorted = order[crosses];
+		if (!std::is_sorted(sorted.begin(), sorted.end())) std::sort(sorted.begin(), sorted.end());
+		Lanes& lanes = lanesOf(crosses);
+		lanes.resize(sorted.size(), crosses, carriesBonds);
+		lanes.keys.resize(sorted.size());
+		for (std::size_t lane = 0; lane < sorted.size(); ++lane) {
+			lanes.keys[lane] = sorted[lane].first;
+			takeContact(lanes, lane, c, sorted[lane].second);
+		}
+	}
+}
+
+template <int Dim>
+void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
+{
+	const std::size_t b = lane / 4, l = lane % 4;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		lanes.block[b].shear[d][l] = shearData(c.shear[k])[d];
+	if constexpr (Dim == 3)
+		for (int d = 0; d < 3; ++d)
+			lanes.normals[b].n[d][l] = c.normal[k][d];
+	if (!carriesBonds) return;
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		lanes.ice[b].iceShear[d][l] = shearData(c.iceShear[k])[d];
+	lanes.memory[lane] = { c.iceReference[k], c.grainReference[k], c.bond[k] };
+}
+
+/// Lists as they were stored: nothing is searched, sorted or compared.
+template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Dim>& contacts, const PackedLists<Dim>& lists)
+{
+	use            = lists;
+	referenceKnown = false;
+	shiftCell.clear();
+	std::size_t k = 0, contact = 0;
+	for (const bool crosses : { false, true }) {
+		Lanes&            lanes = lanesOf(crosses);
+		const std::size_t pairs = crosses ? lists.size() - lists.inside : lists.inside;
+		lanes.keys.clear();
+		lanes.resize(pairs, crosses, carriesBonds);
+		for (std::size_t lane = 0; lane < pairs; ++lane, ++k) {
+			const bool   known = lists.contact(k);
+			PairKey<Dim> pair { lists.first[k], lists.second[k], {} };
+			if (!known) std::swap(pair.first, pair.second);
+			if (crosses) pair.cellDist = lists.cellDist[lane];
+			setPair(lanes, lane, pair, crosses);
+			if (known) takeContact(lanes, lane, contacts, contact++);
+			else lanes.forgetHistory(lane);
+			dressLane(lanes, lane);
+		}
+		fillUp(lanes, crosses);
+	}
+	lanesChanged();
+}
+
+/// A pair that touches, or remembers a force or a bond.
+template <int Dim> bool PackedWorkspace<Dim>::carriesHistory(const Lanes& lanes, std::size_t lane) const
+{
+	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+		if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
+	if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
+	double       branch[Dim];
+	const double reach = lanes.block[lane / 4].sumRadius[lane % 4];
+	return pairBranch(view, pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane), branch) <= reach * reach;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>& c, PackedLists<Dim>* lists) const
+{
+	thread_local std::vector<std::uint32_t> kept[2]; // its memory is kept
+	for (const bool crosses : { false, true }) {
+		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
+		kept[crosses].resize(lanes.pairs);
+		std::size_t number = 0;
+		for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+			kept[crosses][number] = std::uint32_t(lane);
+			number += carriesHistory(lanes, lane);
+		}
+		kept[crosses].resize(number);
+	}
+	const std::size_t count = kept[0].size() + kept[1].size();
+	const auto        fit   = [count](auto& array, bool wanted) { array.resize(wanted ? count : 0); };
+	fit(c.first, true);
+	fit(c.second, true);
+	fit(c.cellDist, true);
+	fit(c.shear, true);
+	fit(c.normal, Dim == 3);
+	fit(c.iceShear, carriesBonds);
+	fit(c.iceReference, carriesBonds);
+	fit(c.grainReference, carriesBonds);
+	fit(c.bond, carriesBonds);
+	std::size_t k = 0;
+	for (const bool crosses : { false, true }) {
+		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
+		for (const std::uint32_t lane : kept[crosses]) {
+			const std::size_t b = lane / 4, l = lane % 4;
+			c.first[k]    = std::uint16_t(lanes.block[b].first[l] / 4);
+			c.second[k]   = std::uint16_t(lanes.block[b].second[l] / 4);
+			for (int d = 0; d < Dim; ++d)
+				c.cellDist[k][d] = crosses ? shiftCell[lanes.shift[lane] / 4 * Dim + d] : std::int8_t(0);
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				shearData(c.shear[k])[d] = lanes.block[b].shear[d][l];
+			if constexpr (Dim == 3)
+				for (int d = 0; d < 3; ++d)
+					c.normal[k][d] = lanes.normals[b].n[d][l];
+			if (carriesBonds) {
+				for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+					shearData(c.iceShear[k])[d] = lanes.ice[b].iceShear[d][l];
+				const BondMemory& memory = lanes.memory[lane];
+				c.iceReference[k]        = memory.iceReference;
+				c.grainReference[k]      = memory.grainReference;
+				c.bond[k]                = memory.bond;
+			}
+			++k;
+		}
+	}
+	if (lists) storeLists(*lists, kept);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const
+{
+	static_cast<PackedListUse<Dim>&>(lists) = use;
+	lists.inside                            = innerLanes.pairs;
+	lists.first.resize(innerLanes.pairs + periodicLanes.pairs);
+	lists.second.resize(lists.first.size());
+	lists.cellDist.resize(periodicLanes.pairs);
+	std::size_t k = 0;
+	for (const bool crosses : { false, true }) {
+		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
+		for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+			lists.first[k + lane]  = std::uint16_t(lanes.block[lane / 4].second[lane % 4] / 4);
+			lists.second[k + lane] = std::uint16_t(lanes.block[lane / 4].first[lane % 4] / 4);
+			for (int d = 0; crosses && d < Dim; ++d)
+				lists.cellDist[lane][d] = shiftCell[lanes.shift[lane] / 4 * Dim + d];
+		}
+		for (const std::uint32_t lane : kept[crosses])
+			std::swap(lists.first[k + lane], lists.second[k + lane]);
+		k += lanes.pairs;
+	}
+}
+
+// ---------------------------------------------------------------------------------------------- neighbour lists
+
+/// The cell as the next evaluation of forces will see it.
+template <int Dim> void PackedWorkspace<Dim>::predictedCell(double* h) const
+{
+	multiply<Dim>(view.velGrad, view.hSize, h);
+	for (int k = 0; k < Dim * Dim; ++k)
+		h[k] = view.hSize[k] + view.dt * h[k];
+}
+
+// A pair outside the list was farther apart than r_1 + r_2 + skin. Since then the cell has shortened no length by more than the
+// factor 1 - stretch, and no grain has left the affine motion by more than `travel`; both are bounds, so no contact is ever missed and
+// results cannot depend on when the list was built.
+template <int Dim> bool PackedWorkspace<Dim>::listsExhausted() const
+{
+	return !(2 * use.travel + (2 * largestRadius + use.skin) * use.stretch * 1.01 < use.skin);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::accumulateTravel()
+{
+	const double dt = view.dt;
+	use.travel += dt * (frobenius<Dim>(view.velGrad) * use.travel + std::sqrt(view.maxFluctuationSquare)) * (1 + 1e-12);
+	use.stretch += dt * strainRate<Dim>(view.velGrad);
+}
+
+/// Largest deviation from the affine motion since the lists were built, exactly.
+template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
+{
+	Matrix now, before;
+	double h[Dim * Dim];
+	predictedCell(h);
+	copyMatrix<Dim>(h, now);
+	copyMatrix<Dim>(use.referenceCell, before);
+	const Matrix  deformation = now * before.inverse();
+	double        largest     = 0;
+	const double* x0          = reference.data()->value;
+	// positions are ahead of the cell by one step of the velocity gradient
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		double square = 0;
+		for (int d = 0; d < Dim; ++d) {
+			double u = view.motion[g * PackedLayout<Dim>::motion + d];
+			for (int e = 0; e < Dim; ++e)
+				u -= deformation(d, e) * x0[4 * g + e];
+			square += u * u;
+		}
+		largest = std::max(largest, square);
+	}
+	return std::sqrt(largest);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::refreshLists()
+{
+	if (listsValid && !listsExhausted()) return;
+	if (listsValid && referenceKnown) {
+		const double measured = measuredTravel();
+		if (measured < use.travel && 2 * measured + (2 * largestRadius + use.skin) * use.stretch * 1.01 < 0.7 * use.skin) {
+			use.travel = measured * (1 + 1e-9);
+			return;
+		}
+	}
+	rebuildLists();
+}
+
+/// leastSkin: gap up to which pairs are wanted in the list right now [m].
+template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
+{
+	checkHealth();
+	formKeys(false);
+	formKeys(true);
+	predictedCell(use.referenceCell);
+	use.skin = std::max(skinOverRadius * averageRadius, leastSkin);
+	std::swap(innerLanes, oldInner);
+	std::swap(periodicLanes, oldPeriodic);
+	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, use.referenceCell, use.skin, innerLanes.keys, periodicLanes.keys);
+	for (const bool crosses : { false, true }) {
+		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
+		sortPairKeys(keys, sortBuffer, sortCounts);
+		const std::size_t found = keys.size();
+		if (carriesBonds) keepDistantBonds(crosses ? oldPeriodic : oldInner, keys, keys);
+		if (keys.size() > found) sortPairKeys(keys, sortBuffer, sortCounts);
+	}
+	adoptKeys();
+	for (std::size_t g = 0; g < grainCount; ++g)
+		for (int d = 0; d < Dim; ++d)
+			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
+	referenceKnown = true;
+	use.travel = use.stretch = 0;
+}
+
+/// Lanes for the keys, with the history of the previous ones.
+template <int Dim> void PackedWorkspace<Dim>::adoptKeys()
+{
+	shiftCell.clear();
+	fillLanes(innerLanes, oldInner, false);
+	fillLanes(periodicLanes, oldPeriodic, true);
+	lanesChanged();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::lanesChanged()
+{
+	const std::size_t shifts = shiftCell.size() / Dim;
+	shiftMotion.resize(shifts * PackedLayout<Dim>::motion / 4);
+	shiftForce.resize(shifts * PackedLayout<Dim>::force / 4);
+	bind();
+	updateShiftRows();
+	listsValid = true;
+}
+
+/// A bond may open wider than the skin while it stretches: it stays in the list whatever the distance.
+template <int Dim>
+void PackedWorkspace<Dim>::keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const
+{
+	std::size_t       at    = 0;
+	const std::size_t found = keys.size();
+	for (std::size_t lane = 0; lane < old.memory.size(); ++lane) {
+		while (at < found && keys[at] < old.keys[lane])
+			++at;
+		const bool listed = at < found && keys[at] == old.keys[lane];
+		const bool holds  = old.memory[lane].bond == bondBonded || (old.memory[lane].bond & PackedContacts<Dim>::iceSpringUncut);
+		if (!listed && holds) kept.push_back(old.keys[lane]);
+	}
+}
+
+template <int Dim> unsigned PackedWorkspace<Dim>::shiftIndex(const std::array<std::int8_t, Dim>& c)
+{
+	const std::size_t count = shiftCell.size() / Dim;
+	for (std::size_t k = 0; k < count; ++k)
+		if (std::equal(c.begin(), c.end(), shiftCell.begin() + k * Dim)) return unsigned(k);
+	shiftCell.insert(shiftCell.end(), c.begin(), c.end());
+	return unsigned(count);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::formKeys(bool crosses)
+{
+	Lanes& lanes = lanesOf(crosses);
+	if (lanes.keys.size() == lanes.pairs) return;
+	lanes.keys.resize(lanes.pairs);
+	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+		const PackedBlock<Dim>& block = lanes.block[lane / 4];
+		PairKey<Dim>            pair { block.first[lane % 4] / 4, block.second[lane % 4] / 4, {} };
+		for (int d = 0; crosses && d < Dim; ++d)
+			pair.cellDist[d] = shiftCell[lanes.shift[lane] / 4 * Dim + d];
+		lanes.keys[lane] = pair.encode();
+	}
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool crosses)
+{
+	lanes.block[lane / 4].first[lane % 4]  = 4 * pair.first;
+	lanes.block[lane / 4].second[lane % 4] = 4 * pair.second;
+	if (crosses) lanes.shift[lane] = 4 * shiftIndex(pair.cellDist);
+}
+
+/// Old lanes and new ones are walked together: both are in the order of their keys.
+template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lanes& old, bool crosses)
+{
+	lanes.resize(lanes.keys.size(), crosses, carriesBonds);
+	std::size_t at = 0;
+	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+		setPair(lanes, lane, PairKey<Dim>::decode(lanes.keys[lane]), crosses);
+		while (at < old.pairs && old.keys[at] < lanes.keys[lane])
+			++at;
+		if (at < old.pairs && old.keys[at] == lanes.keys[lane]) lanes.takeHistory(lane, old, at);
+		else lanes.forgetHistory(lane);
+		dressLane(lanes, lane);
+	}
+	fillUp(lanes, crosses);
+}
+
+/// The last block's free lanes hold a pair of rows that never meet.
+template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
+{
+	for (std::size_t lane = lanes.pairs; lane < 4 * lanes.block.size(); ++lane) {
+		PackedBlock<Dim>& block = lanes.block[lane / 4];
+		const std::size_t l     = lane % 4;
+		block.first[l]          = std::uint32_t(4 * rowCount);
+		block.second[l]         = std::uint32_t(4 * (rowCount + 1));
+		block.sumRadius[l] = block.stiffness[l] = 0;
+		if (crosses) lanes.shift[lane] = 0;
+		lanes.forgetHistory(lane);
+		if (!carriesBonds) continue;
+		PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
+		ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
+	}
+}
+
+template <int Dim> double PackedWorkspace<Dim>::grainStiffness(std::uint32_t first, std::uint32_t second) const
+{
+	const double a = grains->radius[first], b = grains->radius[second];
+	return 2 * base.ice.grainYoung * a * b / (a + b);
+}
+
+template <int Dim> double PackedWorkspace<Dim>::bondArea(std::uint32_t first, std::uint32_t second) const
+{
+	return base.ice.bondArea(std::min(grains->radius[first], grains->radius[second]));
+}
+
+/// Radii, stiffness and bond of a pair into its lane.
+template <int Dim> void PackedWorkspace<Dim>::dressLane(Lanes& lanes, std::size_t lane)
+{
+	PackedBlock<Dim>&   block = lanes.block[lane / 4];
+	const std::size_t   l     = lane % 4;
+	const std::uint32_t first = block.first[l] / 4, second = block.second[l] / 4;
+	const double        k     = grainStiffness(first, second);
+	block.sumRadius[l]        = view.radius[first] + view.radius[second];
+	block.stiffness[l]        = k;
+	if (!carriesBonds) return;
+	PackedIceBlock<Dim>& ice    = lanes.ice[lane / 4];
+	const BondMemory&    memory = lanes.memory[lane];
+	ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
+	if (memory.bond == bondBonded) {
+		const double area  = bondArea(first, second);
+		block.stiffness[l] = k + k * iceRatio;
+		ice.offset[l]      = k * memory.grainReference + k * iceRatio * memory.iceReference;
+		ice.floor[l]       = -std::max(watched, tensileStrength * area);
+		ice.cohesion[l]    = shearStrength * area;
+		ice.iceShare[l]    = iceRatio / (1 + iceRatio);
+	} else if (memory.bond == bondBroken) {
+		ice.floor[l] = watched;
+	} else if (memory.bond & PackedContacts<Dim>::iceSpringUncut) {
+		// its ice spring is relaxed, or it opens, where the force is this
+		const double release = memory.iceReference > 0 ? k * memory.iceReference : -k * iceRatio * memory.iceReference;
+		block.stiffness[l]   = k + k * iceRatio;
+		ice.offset[l]        = k * iceRatio * memory.iceReference;
+		ice.floor[l]         = std::max(watched, release);
+		ice.iceShare[l]      = iceRatio / (1 + iceRatio);
+	}
+	if (memory.bond == bondNone || memory.bond == bondBroken)
+		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+			ice.iceShear[d][l] = 0;
+}
+
+template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
+{
+	double speed[Dim * Dim];
+	multiply<Dim>(view.velGrad, view.prevHSize, speed);
+	for (std::size_t k = 0; k < view.shifts; ++k) {
+		double* row = view.shiftMotion + k * PackedLayout<Dim>::motion;
+		double* sum = view.shiftForce + k * PackedLayout<Dim>::force;
+		for (int d = 0; d < Dim; ++d) {
+			double x = 0, v = 0;
+			for (int e = 0; e < Dim; ++e) {
+				x += view.hSize[d * Dim + e] * view.shiftCell[k * Dim + e];
+				v += speed[d * Dim + e] * view.shiftCell[k * Dim + e];
+			}
+			row[d]       = x;
+			row[Dim + d] = v;
+		}
+		for (int d = 0; d < PackedLayout<Dim>::force; ++d)
+			sum[d] = 0;
+	}
+}
+
+template void PackedWorkspace<2>::loadContacts(const PackedState<2>&);
+template void PackedWorkspace<2>::loadListed(const PackedContacts<2>&, const PackedLists<2>&);
+template void PackedWorkspace<2>::storeContacts(PackedContacts<2>&, PackedLists<2>*) const;
+template bool PackedWorkspace<2>::listsExhausted() const;
+template void PackedWorkspace<2>::accumulateTravel();
+template void PackedWorkspace<2>::refreshLists();
+template void PackedWorkspace<2>::rebuildLists(double);
+template double PackedWorkspace<2>::grainStiffness(std::uint32_t, std::uint32_t) const;
+template void PackedWorkspace<2>::dressLane(Lanes&, std::size_t);
+template void PackedWorkspace<2>::updateShiftRows();
+template void PackedWorkspace<3>::loadContacts(const PackedState<3>&);
+template void PackedWorkspace<3>::loadListed(const PackedContacts<3>&, const PackedLists<3>&);
+template void PackedWorkspace<3>::storeContacts(PackedContacts<3>&, PackedLists<3>*) const;
+template bool PackedWorkspace<3>::listsExhausted() const;
+template void PackedWorkspace<3>::accumulateTravel();
+template void PackedWorkspace<3>::refreshLists();
+template void PackedWorkspace<3>::rebuildLists(double);
+template double PackedWorkspace<3>::grainStiffness(std::uint32_t, std::uint32_t) const;
+template void PackedWorkspace<3>::dressLane(Lanes&, std::size_t);
+template void PackedWorkspace<3>::updateShiftRows();
+
+} // namespace talik

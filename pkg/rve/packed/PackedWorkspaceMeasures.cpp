@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Measures of a sample, from the geometry and the forces of its contacts.
+#include <algorithm>
+#include <cmath>
+#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+
+namespace talik {
+
+template <int Dim> typename PackedWorkspace<Dim>::Geometry PackedWorkspace<Dim>::geometry(const Lanes& lanes, std::size_t lane) const
+{
+	Geometry result;
+	result.rows      = pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane);
+	result.sumRadius = lanes.block[lane / 4].sumRadius[lane % 4];
+	result.distance  = std::sqrt(pairBranch(view, result.rows, result.n));
+	result.overlap   = result.sumRadius - result.distance;
+	for (int d = 0; d < Dim; ++d)
+		result.n[d] /= result.distance;
+	return result;
+}
+
+/// Calls visitor(geometry, normal stiffness, normal force, shear, bond) for every contact that bears or could bear a force.
+template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContacts(Visitor&& visit) const
+{
+	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
+			const Geometry     now  = geometry(*lanes, lane);
+			const std::uint8_t bond = carriesBonds ? lanes->memory[lane].bond : bondNone;
+			if (now.overlap < 0 && bond != bondBonded) continue;
+			double stiffness = lanes->block[lane / 4].stiffness[lane % 4], normalForce = stiffness * now.overlap;
+			double shear[PackedLayout<Dim>::shear];
+			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
+				shear[d] = lanes->block[lane / 4].shear[d][lane % 4];
+			if (bond & PackedContacts<Dim>::iceSpringUncut && now.overlap <= lanes->memory[lane].iceReference) {
+				stiffness /= 1 + iceRatio;
+				normalForce = stiffness * now.overlap;
+			} else if (carriesBonds) {
+				normalForce -= lanes->ice[lane / 4].offset[lane % 4];
+			}
+			visit(now, stiffness, normalForce, shear, bond);
+		}
+}
+
+template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() const
+{
+	PackedStatistics<Dim> result;
+	std::vector<Vector>   net(grainCount, Vector::Zero());
+	double                forces = 0, overlaps = 0;
+	forContacts([&](const Geometry& now, double, double normalForce, const double* shear, std::uint8_t bond) {
+		double       force[Dim];
+		const double norm = shearNorm<Dim>(shear);
+		pairForce<Dim>(now.n, normalForce, shear, force);
+		for (int d = 0; d < Dim; ++d) {
+			net[now.rows.first / 4][d] -= force[d];
+			net[now.rows.second / 4][d] += force[d];
+			for (int e = 0; e < Dim; ++e)
+				result.fabric(d, e) += now.n[d] * now.n[e];
+		}
+		forces += std::sqrt(normalForce * normalForce + norm * norm);
+		++result.contacts;
+		result.bondsIntact += bond == bondBonded;
+		result.bondsBroken += (bond & bondBroken) != 0;
+		if (now.overlap <= 0) return;
+		overlaps += now.overlap / now.sumRadius;
+		result.maxOverlapRatio
+		        = std::max(result.maxOverlapRatio, now.overlap / std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]));
+	});
+	double solid = 0, imbalance = 0;
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		const double* x = view.motion + g * PackedLayout<Dim>::motion;
+		const double  r = view.radius[g];
+		double        square = 0, spinSquare = 0;
+		for (int d = 0; d < Dim; ++d) {
+			double v = x[Dim + d];
+			for (int e = 0; e < Dim; ++e)
+				v -= view.prevVelGrad[d * Dim + e] * x[e];
+			square += v * v;
+		}
+		for (int d = 0; d < PackedLayout<Dim>::angular; ++d) {
+			const double w = view.angular[g * PackedLayout<Dim>::angular + d];
+			spinSquare += w * w;
+		}
+		result.kineticEnergy += 0.5 * (grains->mass[g] * square + grains->inertia[g] * spinSquare);
+		solid += Dim == 2 ? M_PI * r * r * base.thickness : 4. / 3. * M_PI * r * r * r;
+		imbalance += net[g].norm();
+	}
+	result.porosity           = 1 - solid / parameters().volume();
+	result.coordinationNumber = 2. * double(result.contacts) / double(grainCount);
+	if (result.contacts > 0) {
+		result.fabric /= double(result.contacts);
+		result.meanOverlapRatio = overlaps / double(result.contacts);
+	}
+	if (forces > 0) result.unbalancedForce = (imbalance / double(grainCount)) / (forces / double(result.contacts));
+	return result;
+}
+
+template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
+{
+	// C = (1 - ratio) sum f n n n n + ratio sum f delta_ik n_j n_l with f = d^2 k_n/V
+	PackedTangent<Dim> result {};
+	Matrix             second = Matrix::Zero();
+	const double       volume = parameters().volume();
+	forContacts([&](const Geometry& now, double stiffness, double, const double*, std::uint8_t) {
+		const double factor = now.distance * now.distance * stiffness / volume;
+		double       pairs[Dim * Dim], weighted[Dim * Dim];
+		for (int k = 0; k < Dim * Dim; ++k) {
+			pairs[k]    = now.n[k / Dim] * now.n[k % Dim];
+			weighted[k] = factor * pairs[k];
+			second(k / Dim, k % Dim) += weighted[k];
+		}
+		for (int k = 0; k < Dim * Dim; ++k)
+			for (int l = 0; l < Dim * Dim; ++l)
+				result[k * Dim * Dim + l] += weighted[k] * pairs[l];
+	});
+	for (int i = 0; i < Dim; ++i)
+		for (int j = 0; j < Dim; ++j)
+			for (int k = 0; k < Dim; ++k)
+				for (int l = 0; l < Dim; ++l) {
+					double& c = result[((i * Dim + j) * Dim + k) * Dim + l];
+					c         = (1 - base.stiffnessRatio) * c + (i == k ? base.stiffnessRatio * second(j, l) : 0.);
+				}
+	return result;
+}
+
+template PackedWorkspace<2>::Geometry PackedWorkspace<2>::geometry(const Lanes&, std::size_t) const;
+template PackedStatistics<2> PackedWorkspace<2>::statistics() const;
+template PackedTangent<2> PackedWorkspace<2>::tangent() const;
+template PackedWorkspace<3>::Geometry PackedWorkspace<3>::geometry(const Lanes&, std::size_t) const;
+template PackedStatistics<3> PackedWorkspace<3>::statistics() const;
+template PackedTangent<3> PackedWorkspace<3>::tangent() const;
+
+} // namespace talik
