@@ -307,6 +307,17 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 	}
 }
 
+template <int D> void Ground<D>::Parts::collectSurfaces()
+{
+	if (bodies) bodies->cover(*shape, grid, *surface);
+	surface->collect(grid, *cells, clock.range);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Region<D>& region = settings.boundaries[b]->region();
+		if (region.kind == Region<D>::Kind::bodies) bodies->collectFaces(*shape, grid, clock.range, region.ids, surface->patch(b));
+	}
+	cost.lap(CostMeter::surface);
+}
+
 template <int D> void Ground<D>::mapToGrid()
 {
 	Parts& g = *parts_;
@@ -356,10 +367,7 @@ template <int D> void Ground<D>::mapToGrid()
 			sample.lap(CostMeter::surface);
 		}
 	});
-	if (!g.surface) return;
-	if (g.bodies) g.bodies->cover(*g.shape, g.grid, *g.surface);
-	g.surface->collect(g.grid, *g.cells, g.clock.range);
-	g.cost.lap(CostMeter::surface);
+	if (g.surface) g.collectSurfaces();
 }
 
 template <int D> void Ground<D>::solveNodes()
