@@ -35,8 +35,7 @@ template <int D> struct Clock {
 	long               sortWanted  = 0;
 	long               halfDone    = 0; ///< points have moved and the step has not ended
 	double             initialMass = 0.0;
-	double             skeletonWork = 0.0, porePressureWork = 0.0, gravityImpulseTime = 0.0;
-	Vec<D>             gravityImpulse {};
+	double             skeletonWork = 0.0, porePressureWork = 0.0;
 	MomentumAccount<D> account;
 	ActiveRange        range;
 };

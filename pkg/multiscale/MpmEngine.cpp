@@ -1101,14 +1101,18 @@ double MpmEngine::skemptonB()
 	if (!water) throw std::runtime_error("MpmEngine.skemptonB: the scene has no water.");
 	const auto& s       = g.settings();
 	Real        modulus = std::numeric_limits<Real>::infinity();
+	int         softest = 0;
 	vector<Real> byPlace(g.points().count());
 	for (int k = 0; k < int(s.skeletons.size()); k++) {
 		const auto batch = g.skeletonBatch(k);
 		s.skeletons[k]->tangentModulus(batch, byPlace.data());
 		for (int i = 0; i < batch.count; i++)
-			modulus = std::min(modulus, byPlace[batch.place[i]]);
+			if (byPlace[batch.place[i]] < modulus) {
+				modulus = byPlace[batch.place[i]];
+				softest = batch.id[batch.place[i]];
+			}
 	}
-	const talik::PoreState thawed { pointInput[3], 1, 0, 0 };
+	const talik::PoreState thawed { pointInput[softest * numbersPerPoint + 3], 1, 0, 0 };
 	return talik::skemptonB(s.water->state.coefficients(s.mixture, thawed), modulus);
 }
 

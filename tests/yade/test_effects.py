@@ -4,7 +4,7 @@ be is refused by one exception that names attribute, value and remedy, and the i
 
 import numpy as np
 import pytest
-from yade import O
+from yade import O, wrapper
 
 import talik
 
@@ -332,3 +332,16 @@ def test_cost_names_exactly_the_effects_of_the_scene_and_adds_up_to_the_time_of_
 	print(f"{mpm.pointCount} points: " + ", ".join(f"{name} {1e3 * value / 20:.3f}" for name, value in spent.items()) + f" ms a step; sum {parts[-1]:.1%} of the engine's time")
 	assert all(value >= 0 for value in spent.values())
 	assert 0.9 < parts[-1] <= 1.0
+
+
+def test_skemptons_b_is_that_of_the_softest_point_with_its_own_porosity():
+	O.reset()
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeletons=[wrapper.ElasticSkeleton(youngModulus=1e9, poissonRatio=0), wrapper.ElasticSkeleton(youngModulus=1e8, poissonRatio=0)],
+		water=wrapper.PoreWater(bulkModulus=2.2e9),
+	)
+	mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=[0.25, 0.25], porosity=[0.2, 0.5], skeleton=[0, 1])
+	O.engines = [mpm]
+	expected = 1 / (1 + 1e8 * 0.5 / 2.2e9)
+	print(f"Skempton's B {mpm.skemptonB():.6f}, 1/(1 + M n/K_w) of the softest point {expected:.6f}")
+	assert mpm.skemptonB() == pytest.approx(expected, rel=1e-6)
