@@ -337,7 +337,7 @@ def test_cost_names_exactly_the_effects_of_the_scene_and_adds_up_to_the_time_of_
 def test_skemptons_b_is_that_of_the_softest_point_with_its_own_porosity():
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeletons=[wrapper.ElasticSkeleton(youngModulus=1e9, poissonRatio=0), wrapper.ElasticSkeleton(youngModulus=1e8, poissonRatio=0)],
+		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeletons=[wrapper.ElasticSkeleton(young=1e9, poisson=0), wrapper.ElasticSkeleton(young=1e8, poisson=0)],
 		water=wrapper.PoreWater(bulkModulus=2.2e9),
 	)
 	mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=[0.25, 0.25], porosity=[0.2, 0.5], skeleton=[0, 1])
