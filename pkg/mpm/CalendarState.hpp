@@ -5,7 +5,8 @@
 
 namespace talik {
 
-/// A time in which the ground moved: from the first step in which a point was faster than the tolerance until all of it was slower
+/// A time in which the ground moved: from the first step in which a point was faster than HeatSettings::motionTolerance, and in calendar
+/// time than eventSpeed, until all of it was slower
 /// than half of that for MotionEvent::quietTime.
 struct MotionEvent {
 	static constexpr double quietTime = 0.2; ///< [s of motion]

@@ -9,6 +9,8 @@ namespace talik {
 
 namespace {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
+	/// Nothing that thaws or falls is as fast [m/s]. The time step would follow a run that diverges towards zero and never end.
+	constexpr double fastestGround = 1e5;
 } // namespace
 
 template <int D> StableTimeStep Ground<D>::stableTimeStep() const
@@ -58,7 +60,12 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 			}
 			return reach / (c + v);
 		});
-		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
+		add("velocity", [&](int p) {
+			const double v = speed(g.motion->velocity, p);
+			if (v > fastestGround)
+				throw std::runtime_error(g.whereabouts(p) + " moves at " + std::to_string(v) + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
+			return s.motionFraction * h / v;
+		});
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {

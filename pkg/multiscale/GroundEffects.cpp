@@ -53,6 +53,7 @@ talik::HeatSettings HeatTransfer::build() const
 	heat.followsMotion     = followsMotion;
 	heat.movingTimeScale   = movingTimeScale;
 	heat.motionTolerance   = motionTolerance;
+	heat.eventSpeed        = eventSpeed;
 	heat.eventDisplacement = eventDisplacement;
 	heat.source           = source;
 	heat.smoothingTime    = smoothingTime;
