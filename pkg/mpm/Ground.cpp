@@ -28,9 +28,9 @@ template <int D> bool Ground<D>::initialised() const { return parts_->ready; }
 template <int D> void Ground<D>::step(double dt)
 {
 	beginStep(dt);
-	mapToGrid();
+	p2g();
 	solveNodes();
-	mapToPoints();
+	g2p();
 	updateStrainAndPressure();
 	updateEffectiveStress();
 }

@@ -43,9 +43,9 @@ public:
 	/// Advances by dt [s] > 0: all calls below in turn.
 	void step(double dt);
 	void beginStep(double dt);      ///< sets the length of the step, sorts points if needed
-	void mapToGrid();               ///< mass, momentum, internal force, enthalpy (step 1)
+	void p2g();               ///< mass, momentum, internal force, enthalpy (step 1)
 	void solveNodes();              ///< heat flows, temperature; nodal forces, node-implicit drag, seepage fluxes; boundaries (step 4)
-	void mapToPoints();             ///< velocity, displacement, position, received heat and water (step 5)
+	void g2p();             ///< velocity, displacement, position, received heat and water (step 5)
 	void updateStrainAndPressure(); ///< strain, volume, porosity, temperature, ice saturation, pore pressure (step 2 of the next cycle)
 	void updateEffectiveStress();   ///< asks the skeleton models (step 3 of the next cycle); ends the step
 

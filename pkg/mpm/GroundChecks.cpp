@@ -40,7 +40,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	requireSetting(
 	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
-	requireSetting(s.waveFraction > 0.0 && s.waveFraction <= 1.0, "waveFraction", s.waveFraction, "must lie in (0, 1]");
+	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
 	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "motionFraction", s.motionFraction, "must lie in (0, 0.5]");
 	if (s.motion) {

@@ -41,7 +41,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 		// What a step adds to nodal velocities reaches the next one by way of the points, smoothed: a mode keeps the share s of it, and g of
 		// its velocity, 0 <= s <= g <= 1. It grows where (omega dt)^2 > 2 (1 + g)/(1 + g - s), which is 4 without smoothing and never below 2.
 		// No mode has omega > sqrt(D steepness) c/h.
-		const double reach = h * std::min(s.waveFraction, std::sqrt(2.0 / (D * g.shape->steepness())));
+		const double reach = h * std::min(s.courantNumber, std::sqrt(2.0 / (D * g.shape->steepness())));
 		for (std::size_t k = 0; k < s.skeletons.size(); ++k)
 			s.skeletons[k]->tangentModulus(g.batch(k), g.scratch.data());
 		add("wave", [&](int p) {

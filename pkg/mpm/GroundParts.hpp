@@ -98,7 +98,7 @@ template <int D> struct Ground<D>::Parts {
 	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	bool   hasContent() const { return settings.heat || settings.water; }
 	bool   hasFront() const;
-	bool   averaging() const { return motion && motion->settings->cellAveraging; }
+	bool   averaging() const { return motion && motion->settings->bBar; }
 	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------

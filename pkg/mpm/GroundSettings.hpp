@@ -33,7 +33,7 @@ template <int D> struct MotionSettings {
 		return transfer == VelocityTransfer::flip ? gravityTime(spacing, lengthOf<D>(gravity)) : 0.0;
 	}
 	double localDamping = 0.0;   ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
-	bool   cellAveraging = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
+	bool   bBar = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 };
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
@@ -117,7 +117,7 @@ template <int D> struct GroundSettings {
 	/// work. Results do not depend on it.
 	int parallelFrom = 4000;
 
-	double waveFraction = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
+	double courantNumber = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
 	double heatFraction = 0.9;   ///< C_T: time step over the explicit heat limit, in (0, 1]
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
 };

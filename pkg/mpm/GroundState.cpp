@@ -53,7 +53,7 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
 	g.contentSettled = false;
 	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id));
-	if (g.content->update(p, p + 1) != p + 1) throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->complaint(p));
+	if (g.content->update(p, p + 1) != p + 1) throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->whyImpossible(p));
 }
 
 template <int D> std::vector<StateArray> Ground<D>::state()

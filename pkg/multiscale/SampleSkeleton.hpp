@@ -44,7 +44,7 @@ public:
 	/// the scheduling's. Before the fields are declared, or to another tolerance > 0 at any time.
 	void setTolerance(double tolerance);
 	bool steered() const { return bool(accuracy); }
-	/// Of the error believed to have been made since the start, see setTolerance.
+	/// Of the estimated error since the start, see setTolerance.
 	ErrorSquares errorSquares(const SkeletonBatch<2>&) const;
 
 	SampleScheduling&     scheduling() { return schedule; }

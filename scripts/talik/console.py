@@ -330,7 +330,7 @@ def _seenByGrounds(part, names, stockSet):
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
 _readWhileRunning = {
 	"MpmEngine": {
-		"gravity", "damping", "picTime", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
+		"gravity", "damping", "picTime", "courantNumber", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
 		"stopAtDay", "label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
 	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},
