@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/CalendarState.hpp>
+#include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/GroundParts.hpp>
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/BodyContact.hpp>
 #include <pkg/multiscale/ScriptNames.hpp>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/GroundChecks.hpp>
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
-#include <pkg/multiscale/FileBesides.hpp>
+#include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
 #include <pkg/rve/open/HoldGil.hpp>

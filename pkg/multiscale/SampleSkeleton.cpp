@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>

@@ -41,10 +41,6 @@ protected:
 	}
 };
 
-template <int D> std::unique_ptr<ShapeFunction<D>> makeQuadraticBSpline();
-template <int D> std::unique_ptr<ShapeFunction<D>> makeGimp();
-template <int D> std::unique_ptr<ShapeFunction<D>> makeLinear();
-
 /// "quadraticBSpline" (default), "gimp" (uniform, points a quarter of a cell in half-width), "linear" (debugging only).
 std::vector<std::string> shapeFunctionNames();
 
