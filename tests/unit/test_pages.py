@@ -61,7 +61,7 @@ def test_every_equation_of_the_paper_that_code_cites_stands_on_a_room_page():
 
 
 def test_every_file_that_a_page_names_exists():
-	known = [str(file.relative_to(root)) for file in [*sources(), *pages, *root.glob("scripts/*"), *root.glob("*.txt")]]
+	known = [str(file.relative_to(root)) for file in [*sources(), *pages, Path(__file__).resolve(), *root.glob("scripts/*")]]
 	missing, count = [], 0
 	for page in pages:
 		for name in re.findall(r"`([\w./-]+\.(?:hpp|cpp|inc|py|sh|md))`", textOf(page)):
