@@ -41,8 +41,8 @@ template <int D> class SolidMotion;
 /// The calendar whose scale follows the motion: heat, weather and seepage run at thermalTimeScale while the ground rests and at
 /// movingTimeScale while it moves. One decision per step, from the state at its start alone.
 ///
-/// The scale is a smooth function of the largest speed v: f = f_m + (f_T - f_m)/(1 + (v/v_0)^2), v_0 the tolerance. A switch would
-/// chatter in ground that thaw itself sets in motion, whose speed is in proportion to f. Between rest and an acceleration a some
+/// The scale is a smooth function of the largest speed v: f = f_m + (f_T - f_m)/(1 + (v/v_0)^2), v_0 the tolerance. A switch
+/// between two scales would change in every step where thaw itself moves the ground, because its speed is in proportion to f, eq. (21.1). Between rest and an acceleration a some
 /// (pi/2) f_T v_0/a of calendar time pass.
 template <int D> class Calendar {
 public:

@@ -607,11 +607,11 @@ std::atomic<bool> MpmEngine::runWaitedFor { false };
 
 namespace {
 	/// The error comes up where the run is waited for: YADE's log does not say it as well.
-	void sayNoMore()
+	void muteLog()
 	{
 		const talik::HoldGil held;
 		try {
-			py::import("talik.console").attr("hush")();
+			py::import("talik.console").attr("muteLog")();
 		} catch (const py::error_already_set&) {
 			PyErr_Clear();
 		}
@@ -630,7 +630,7 @@ void MpmEngine::action()
 		failure = problem.what();
 		failures++;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
-		if (runWaitedFor) sayNoMore();
+		if (runWaitedFor) muteLog();
 		throw;
 	}
 }
@@ -1076,7 +1076,7 @@ py::list MpmEngine::events()
 {
 	const auto& g = runningGround();
 	if (!heat || !heat->followsMotion)
-		throw std::runtime_error("MpmEngine.events: nobody looks for events where the scale of the calendar does not follow the motion; set HeatTransfer.followsMotion=True before the first step.");
+		throw std::runtime_error("MpmEngine.events: events are recorded only where the scale of the calendar follows the motion; set HeatTransfer.followsMotion=True before the first step.");
 	py::list          list;
 	const auto        events = g.events();
 	const std::size_t ended  = g.endedEvents().size();

@@ -17,7 +17,7 @@ struct ErrorSquares {
 };
 
 /// Error control of the samples behind points: from one tolerance, the relative error of effective stress that is aimed at, it
-/// steers the strain tolerance and the inertial number of each point and sums up the estimated error.
+/// steers the strain tolerance and the inertial number of each point, eqs. (15.4) and (15.5), and sums up the estimated error, eq. (15.6).
 /// Two errors are measured, half of the tolerance's square for each:
 ///  prediction  the stress predicted by the tangent less that of the sample, at every call. It counts for the whole interval before, although
 ///              it grew from zero there, because the motion that it caused stays.

@@ -93,7 +93,7 @@ struct SampleSkeleton::Arrays {
 			c[i] = tangent[i][p];
 		return c;
 	}
-	/// Stress that the last call and the tangent predict for the accumulated motion.
+	/// Stress that the last call and the tangent predict for the accumulated motion, eq. (15.3).
 	Matrix predicted(int p) const
 	{
 		const Matrix h = accumulated(p), r = rotationOf(h);

@@ -10,7 +10,7 @@
 
 namespace talik {
 
-/// When a sample is asked and how, theory of the multiscale coupling: increments accumulate until one of the tolerances is passed.
+/// When a sample is asked and how, eq. (15.2): increments accumulate until one of the tolerances is passed.
 struct SampleScheduling {
 	double              strainTolerance     = 2e-5; ///< largest accumulated component of the displacement gradient [-]; 0: ask in every step
 	double              saturationTolerance = 0.01; ///< largest accumulated change of ice saturation [-]; 0: ask in every step

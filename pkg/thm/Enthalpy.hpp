@@ -147,7 +147,7 @@ struct EnthalpyBatch {
 
 /// Enthalpy of saturated freezing ground as a function of temperature and the inverse.
 ///
-/// State-function form, zero at T_0 for grains and ice:
+/// State-function form, zero at T_0 for grains and ice, eq. (9.1):
 ///   H(T) = [m_s c_s + m_i c_i + m_l c_l](T - T_0) + m_l L_f,
 ///   m_i(T) = min(rho_i(T) S_i(T) V_pore, (1 - f_r) m_w),  m_l = m_w - m_i.
 /// H rises strictly with T above -150 degC, so the inverse is unique; it is found by Newton's method inside a bracket that

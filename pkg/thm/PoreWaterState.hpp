@@ -27,7 +27,7 @@ struct PoreFill {
 	double compliance; ///< [m^3/Pa]
 };
 
-/// Coefficients of K_p dp/dt + K_T dT/dt + K_S div v_s + K_l div v_l = 0 (div of the Darcy flux taken as n_l div(v_l - v_s)).
+/// Eq. (7.2): coefficients of K_p dp/dt + K_T dT/dt + K_S div v_s + K_l div v_l = 0 (div of the Darcy flux taken as n_l div(v_l - v_s)).
 struct PressureCoefficients {
 	double storage;     ///< K_p = n_l/K_w + n_i/K_i [1/Pa]
 	double temperature; ///< K_T = zeta n dS_l/dT - beta_m [1/K]
@@ -45,7 +45,7 @@ struct PoreState {
 	double temperature;          ///< [degC]
 };
 
-/// Equation of state of the pore content: liquid water and ice compressed into the available pore volume,
+/// Equation of state of the pore content: liquid water and ice compressed into the available pore volume, eq. (7.1),
 ///   p = [m_l/rho_l(T) + m_i/rho_i(T) - V_pore] / [m_l/(rho_l K_w) + m_i/(rho_i K_i)],  p >= p_cav.
 /// Because p follows from masses and volume it cannot drift, and a cavitation gap has to close before pressure returns.
 struct PoreWaterState {
@@ -101,7 +101,7 @@ double undrainedModulus(const PressureCoefficients& c, double skeletonModulus);
 /// Undrained wave speed sqrt(M_u/rho_m) [m/s] from the drained oedometer modulus [Pa].
 double undrainedWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus);
 
-/// Largest wave speed when solid and liquid move without drag [m/s]: the bound that the explicit time step obeys. It is the
+/// Largest wave speed when solid and liquid move without drag [m/s]: the bound that the explicit time step obeys, eq. (10.1). It is the
 /// root of the largest eigenvalue of
 ///   [ (M + (1-n_l) K_S/K_p)/m_s   (1-n_l) K_l/(K_p m_s) ;  n_l K_S/(K_p m_l)   n_l K_l/(K_p m_l) ],
 /// m_s = n_s rho_s + n_i rho_i, m_l = n_l rho_l. Without liquid, sqrt(M/m_s).
@@ -115,7 +115,7 @@ enum class RelativeConductivity { impedance, vanGenuchtenMualem, power, iceAsGra
 RelativeConductivity relativeConductivityFromName(const std::string& name);
 const char*          nameOf(RelativeConductivity law);
 
-/// Hydraulic conductivity k = f_H k_ref KC(n)/KC(n_ref) max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2 (Kozeny-Carman).
+/// Eq. (5.1): hydraulic conductivity k = f_H k_ref KC(n)/KC(n_ref) max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2 (Kozeny-Carman).
 struct Permeability {
 	double referenceConductivity = 1e-4; ///< k_ref of thawed ground at referencePorosity [m/s], > 0 (Yu & Zhao: 1e-4)
 	double referencePorosity     = 0.4;  ///< n_ref [-], in (0,1)

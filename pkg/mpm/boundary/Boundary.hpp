@@ -141,8 +141,8 @@ struct TemperatureNode {
 	int boundary; ///< index of the boundary that prescribes
 };
 
-/// A condition on part of the surface of the ground. A new one is one file with a class like those below and a line in
-/// Boundaries.hpp; it overrides what it needs.
+/// A condition on part of the surface of the ground. A new one is a class in the files of its kind that overrides what it needs;
+/// see "How to add a boundary" in pkg/mpm/README.md.
 template <int D> class Boundary {
 public:
 	explicit Boundary(const Region<D>& region)
