@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace talik {
 
@@ -12,7 +10,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 {
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
-	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar);
+	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->cellAveraging);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
@@ -164,131 +162,9 @@ template <int D> void Ground<D>::initialise()
 	g.ready = true;
 }
 
-// ---- pieces that set-up and steps share ----------------------------------------------------------------------------------
-
-template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(int k) const
-{
-	SkeletonBatch<D> b;
-	b.count = static_cast<int>(skeletonPlaces[k].size());
-	b.place = skeletonPlaces[k].data();
-	b.id    = points->ids();
-	for (int c = 0; c < D * D; ++c)
-		b.gradient[c] = motion->gradient[c];
-	b.iceSaturation = content ? content->iceSaturation : nullptr;
-	for (int c = 0; c < stressSize<D>; ++c)
-		b.stress[c] = motion->stress[c];
-	b.volume = points->volume();
-	return b;
-}
-
-template <int D> std::string Ground<D>::Parts::whereabouts(int place) const
-{
-	std::ostringstream text;
-	text << "material point " << points->id(place) << " at (";
-	for (int a = 0; a < D; ++a)
-		text << (a ? ", " : "") << points->position(a)[place];
-	text << ") in step " << clock.steps;
-	return text.str();
-}
-
-template <int D> void Ground<D>::Parts::sort()
-{
-	points->strips().parallel = points->count() >= settings.parallelFrom;
-	points->sort(grid);
-	clock.range      = ActiveRange::of(grid, *points);
-	clock.lastSort   = clock.steps;
-	clock.sortWanted = 0;
-	afterReordering();
-}
-
-template <int D> void Ground<D>::Parts::afterReordering()
-{
-	// what lies outside the active range stays zero until the next sorting
-	clearNodes(0, grid.nodeCount());
-	if (cells) cells->clearAll();
-	if (water) water->clearCells(0, grid.cellCount());
-	if (!motion) return;
-	listSkeletons();
-	bounds.resize(points->strips().count());
-	points->strips().gather([&](int strip, int first, int last) { boundPositions(strip, first, last); });
-}
-
-template <int D> void Ground<D>::Parts::listSkeletons()
-{
-	skeletonPlaces.resize(settings.skeletons.size());
-	for (auto& places : skeletonPlaces) {
-		places.clear();
-		places.reserve(points->count());
-	}
-	for (int p = 0; p < points->count(); ++p)
-		skeletonPlaces[points->skeletons()[p]].push_back(p);
-}
-
-template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
-{
-	if (motion) motion->nodes.clear(first, last);
-	if (water) water->nodes.clear(first, last);
-	if (heat) heat->clear(first, last);
-	if (surface) surface->nodes.clear(first, last);
-}
-
-template <int D> void Ground<D>::Parts::clearNodes()
-{
-	clock.range.overNodes([&](int, int first, int last) { clearNodes(first, last); });
-}
-
-template <int D> void Ground<D>::Parts::locateInCells()
-{
-	if (!cells) return;
-	cells->clearVolumes(clock.range);
-	cells->clearSums(clock.range);
-	const bool average = averaging();
-	if (water) water->clearCells(clock.range.firstCell, clock.range.lastCell);
-	points->strips().scatter([&](int, int first, int last) {
-		cells->locate(grid, *points, first, last);
-		if (!average) return;
-		if (water) water->addPressure(*cells, first, last);
-		useMeanStress(first, last - first);
-		const double* volume = points->volume();
-		for (int p = first; p < last; ++p)
-			cells->add(p, volume[p] * motion->meanStress[p]);
-	});
-	if (!average) return;
-	cells->finish(clock.range);
-	if (water) water->finishPressure(clock.range);
-}
-
-template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)
-{
-	double* mean = motion->meanStress;
-	for (int p = first; p < first + count; ++p) {
-		double sum = motion->stress[0][p];
-		for (int a = 1; a < D; ++a)
-			sum += motion->stress[a][p];
-		mean[p] = sum * (1.0 / D);
-	}
-	if (!water) return;
-	for (int p = first; p < first + count; ++p)
-		mean[p] -= water->pressure[p];
-}
-
 template int Ground<2>::addPoint(const PointInput<2>&);
 template void Ground<2>::initialise();
 template int Ground<3>::addPoint(const PointInput<3>&);
 template void Ground<3>::initialise();
-template SkeletonBatch<2> Ground<2>::Parts::batch(int) const;
-template std::string Ground<2>::Parts::whereabouts(int) const;
-template void Ground<2>::Parts::sort();
-template void Ground<2>::Parts::afterReordering();
-template void Ground<2>::Parts::clearNodes();
-template void Ground<2>::Parts::locateInCells();
-template void Ground<2>::Parts::useMeanStress(int, int);
-template SkeletonBatch<3> Ground<3>::Parts::batch(int) const;
-template std::string Ground<3>::Parts::whereabouts(int) const;
-template void Ground<3>::Parts::sort();
-template void Ground<3>::Parts::afterReordering();
-template void Ground<3>::Parts::clearNodes();
-template void Ground<3>::Parts::locateInCells();
-template void Ground<3>::Parts::useMeanStress(int, int);
 
 } // namespace talik
