@@ -565,7 +565,7 @@ void MpmEngine::followTolerance()
 	if ((tolerance == 0) != (toleranceInForce == 0))
 		throw std::invalid_argument(
 		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is " + boost::lexical_cast<string>(tolerance)
-		        + ": change it while running to other values above 0 only; begin anew to set it or to let go of it.");
+		        + ": change it while running to other values above 0 only; to switch it on or off, begin anew.");
 	for (const auto& law : activeSkeletons())
 		law->setTolerance(tolerance);
 	toleranceInForce = tolerance;
