@@ -119,7 +119,7 @@ wrong = {
 	"unknown field": (lambda s: asked(lambda mpm: mpm.field("temprature")), "field", "temprature"),
 	"unknown form of samples": (lambda s: sampled(s, form="closed"), "RveSkeleton.form", "closed"),
 	"unknown answer to blow-ups": (lambda s: sampled(s, onBlowUp="ignore"), "RveSkeleton.onBlowUp", "ignore"),
-	"base class of boundaries": (lambda s: ground(boundaries=[wrapper.GroundBoundary(region="left")]), "GroundBoundary", "by itself"),
+	"base class of boundaries": (lambda s: ground(boundaries=[wrapper.GroundBoundary(region="left")]), "GroundBoundary", "base class"),
 	# signs, ranges, NaN, infinities
 	"negative spacing": (lambda s: ground(gridSpacing=-0.25), "MpmEngine.gridSpacing", "-0.25"),
 	"infinite spacing": (lambda s: ground(gridSpacing=inf), "gridSpacing", "inf"),
