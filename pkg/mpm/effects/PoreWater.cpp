@@ -10,6 +10,8 @@ namespace talik {
 namespace {
 	/// Part of its liquid that a cell gives away in a step at most.
 	constexpr double largestLoss = 0.5;
+	// A neighbour that conducts less than this part of a cell is ice to its water.
+	constexpr double tight = 0.1;
 } // namespace
 
 template <int D>
@@ -68,6 +70,7 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 		r[1] += m * pressure[p];
 		if (!iceMass_) continue;
 		r[resistanceAt] += drag[p];
+		r[contentAt] += waterMass_[p];
 		r[warmthAt] += m * temperature_[p];
 		for (int i = 0; i < D; ++i)
 			r[carriedAt + i] += m * velocity[i][p];
@@ -81,6 +84,49 @@ template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 			double* r = cellRecord(c);
 			if (r[0] > 0.0) r[1] /= r[0];
 		}
+	});
+}
+
+/// V n_l^2/Q
+template <int D> double PoreWater<D>::mobility(int cell, double volume, double liquidDensity)
+{
+	const double* r      = cellRecord(cell);
+	const double  liquid = r[0] / liquidDensity;
+	return r[resistanceAt] > 0.0 ? liquid * liquid / (volume * r[resistanceAt]) : 0.0;
+}
+
+template <int D>
+double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity)
+{
+	const double* r      = cellRecord(cell);
+	const double  thawed = r[0] / r[contentAt], mean = r[1], conducts = tight * mobility(cell, cells.cellVolume(cell), liquidDensity);
+	double        frozen = thawed, frozenPressure = mean, lowest = mean;
+	for (int a = 0; a < D; ++a)
+		for (const int side : { -1, 1 }) {
+			const int at = cell / grid.cellStride(a) % grid.cells(a) + side, next = cell + side * grid.cellStride(a);
+			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cellRecord(next)[0] > 0.0)) continue;
+			const double pressure = cellRecord(next)[1] - side * weight[a], liquid = cellRecord(next)[0] / cellRecord(next)[contentAt];
+			lowest                = std::min(lowest, pressure);
+			if (liquid >= frozen || mobility(next, cells.cellVolume(next), liquidDensity) > conducts) continue;
+			frozen         = liquid;
+			frozenPressure = pressure;
+		}
+	// less than the mean: only what flows out is held back, so that nothing is driven that the mean would not drive
+	if (frozenPressure <= mean) return mean;
+	const double phi = (thawed - frozen) / (1.0 - frozen);
+	return std::max(lowest, (mean - (1.0 - phi) * frozenPressure) / phi);
+}
+
+template <int D>
+void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
+{
+	if (!iceMass_) return;
+	Vec<D> weight; // of water between the middles of two cells
+	for (int a = 0; a < D; ++a)
+		weight[a] = liquidDensity * gravity[a] * grid.spacing();
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			if (cellRecord(c)[0] > 0.0) cellRecord(c)[drivingAt] = thawedPressure(grid, range, cells, c, weight, liquidDensity);
 	});
 }
 
@@ -128,7 +174,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 		driving[k] = pressure[w.first + k];
 	if (cells)
 		for (int k = 0; k < w.count; ++k)
-			driving[k] = cellRecord(cells->cell(w.first + k))[1];
+			driving[k] = drivingPressure(cells->cell(w.first + k));
 	if constexpr (D == 2) {
 		double values[8][blockSize];
 		fillRecords(w, driving, values);
@@ -391,12 +437,6 @@ template <int D>
 void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
 {
 	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
-	// k/(rho_l g) = V n_l^2/Q, with the drag Q of all that the cell holds
-	const auto mobility = [&](int c) {
-		const double* r = cellRecord(c);
-		const double  liquid = r[0] / liquidDensity;
-		return r[resistanceAt] > 0.0 ? liquid * liquid / (cells.cellVolume(c) * r[resistanceAt]) : 0.0;
-	};
 	for (int a = 0; a < D; ++a) {
 		const int stride = grid.cellStride(a);
 		range.overCells([&](int first, int last) {
@@ -404,10 +444,10 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 				Face& face = faces_[a][c];
 				face       = {};
 				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
-				const double here = mobility(c), there = mobility(c + stride);
+				const double here = mobility(c, cells.cellVolume(c), liquidDensity), there = mobility(c + stride, cells.cellVolume(c + stride), liquidDensity);
 				if (!(here > 0.0 && there > 0.0)) continue;
 				face.conductance = perSpacing * 2.0 * here * there / (here + there);
-				face.flow        = face.conductance * (cellRecord(c)[1] - cellRecord(c + stride)[1] + liquidDensity * gravity[a] * grid.spacing());
+				face.flow        = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());
 			}
 		});
 	}
@@ -418,7 +458,7 @@ template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, in
 	const Face& f = faces[cell];
 	if (!(f.conductance > 0.0)) return 0.0;
 	// beyond ice, a wall or the surface the flow goes on as it is
-	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < 0.1 * f.conductance ? f.flow : faces[at].flow; };
+	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < tight * f.conductance ? f.flow : faces[at].flow; };
 	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
 }
 

@@ -39,6 +39,11 @@ public:
 
 	/// Mean pressure of each cell, when all points were added.
 	void finishPressure(const ActiveRange& range);
+	/// Pressure that drives the liquid of each cell of ground that freezes. A cell in which ground thaws from one side is a thawed layer
+	/// on a frozen one: p = phi u + (1 - phi) p_f, with the part phi that has thawed since it was like its most frozen neighbour and that
+	/// neighbour's pressure p_f. Its liquid feels u. Felt was the mean, the load that the ice of the whole cell bore would leave at once
+	/// as soon as the cell conducts, and the pressure behind the front would pulse from cell to cell.
+	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 
 	/// cells null: without cell means.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells);
@@ -121,13 +126,19 @@ public:
 
 private:
 	/// Record of a cell: liquid mass, mass times pressure, then mean pressure, then what dilutes the momentum; exchange, then per liquid
-	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity.
-	static constexpr int cellSize = 6 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
-	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize;
+	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity,
+	/// mass of ice and liquid, driving pressure.
+	static constexpr int cellSize = 8 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
+	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize, contentAt = 6 + D + exchangeSize, drivingAt = 7 + D + exchangeSize;
 	/// Between a cell and the next one along an axis: conductance [m^D/(Pa s)] and what Darcy's law would let through [m^D/s].
 	struct Face {
 		double conductance, flow;
 	};
+	double drivingPressure(int cell) { return cellRecord(cell)[iceMass_ ? drivingAt : 1]; }
+	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
+	double mobility(int cell, double volume, double liquidDensity);
+	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
+	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity);
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
