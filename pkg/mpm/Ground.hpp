@@ -95,7 +95,6 @@ public:
 	/// Points of one skeleton model as the model sees them.
 	SkeletonBatch<D> skeletonBatch(int skeleton) const;
 
-	/// After stress, temperature, ice saturation or pressure of points was changed from outside.
 	/// Sets the temperature [degC] and pressure [Pa] of a point (by id), with masses and enthalpy to match.
 	void setThermalState(int id, double temperature, double pressure);
 
