@@ -10,7 +10,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 {
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
-	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->cellAveraging);
+	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
