@@ -92,7 +92,7 @@ public:
 	talik::WaterSettings build(Real residualSaturation) const;
 	/// The share per step that picTime has replaced.
 	Real refusedFlip() const;
-	void refuseFlip(Real);
+	void setFlip(Real);
 	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
@@ -110,7 +110,7 @@ public:
 		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is hastened."))
 		,/*ctor*/ ,
 		/*py*/
-		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::refuseFlip,"Replaced by picTime.")
+		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::setFlip,"Replaced by picTime.")
 	);
 	// clang-format on
 };

@@ -44,7 +44,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	flux.allocate(grid.nodeCount());
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
-	if constexpr (D == 2) exchange.lend(solved, exchangeSize);
+	if constexpr (D == 2) exchange.shareColumns(solved, exchangeSize);
 	none_.assign(blockSize, 0.0);
 }
 

@@ -25,7 +25,7 @@ def slump(settings, folder):
 	preset = thawslump.Preset(settings["grid spacing"], settings["grains"], settings["days of heat"], strainTolerance=settings["sample tolerance"])
 	ground = thawslump.Ground(thermalTimeScale=scale, bulkModulus=settings["bulk modulus of water"])
 	case = thawslump.ThawSlump("accuracy", warmAir, preset, folder, ground)
-	case.mpm.waveFraction, case.mpm.transfer = settings["time-step fraction"], settings["transfer"]
+	case.mpm.courantNumber, case.mpm.transfer = settings["time-step fraction"], settings["transfer"]
 	case.mpm.tolerance = settings["tolerance"]
 	case.skeleton.maxInertialNumber = settings["inertial number"]
 	if settings["sample tolerance"] == 0:

@@ -1,11 +1,35 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
-#include <pkg/mpm/GroundChecks.hpp>
+#include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 
 #include <cmath>
 #include <sstream>
+#include <algorithm>
+#include <stdexcept>
 
 namespace talik {
+
+std::vector<std::string> velocityTransferNames() { return { "flip", "apic", "tpic" }; }
+
+VelocityTransfer velocityTransferFromName(const std::string& name)
+{
+	std::string known;
+	int         at = 0;
+	for (const std::string& entry : velocityTransferNames()) {
+		if (name == entry) return static_cast<VelocityTransfer>(at);
+		known += (known.empty() ? "" : ", ") + entry;
+		++at;
+	}
+	throw std::invalid_argument("transfer = '" + name + "': choose one of " + known);
+}
+
+double keptFraction(double picTime, double dt) { return std::exp(-dt / picTime); }
+
+double gravityTime(double spacing, double gravity)
+{
+	constexpr double ofTheEarth = 9.81;
+	return std::sqrt(spacing / std::max(gravity, ofTheEarth));
+}
 
 template <int D> void checkCalendar(const GroundSettings<D>& s)
 {
@@ -41,7 +65,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	requireSetting(
 	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
-	requireSetting(s.waveFraction > 0.0 && s.waveFraction <= 1.0, "waveFraction", s.waveFraction, "must lie in (0, 1]");
+	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
 	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "motionFraction", s.motionFraction, "must lie in (0, 0.5]");
 	if (s.motion) {
