@@ -113,6 +113,8 @@ template <int D> struct Ground<D>::Parts {
 	void checkFreeSurface();
 	void listSkeletons();
 	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
+	/// True if a boundary acts where the ground faces bodies.
+	bool   facesBodies() const;
 	bool   hasContent() const { return settings.heat || settings.water; }
 	bool   hasFront() const;
 	bool   averaging() const { return motion && motion->settings->bBar; }
@@ -177,6 +179,7 @@ template <int D> struct Ground<D>::Parts {
 	void   useScale();
 	bool allRests() const { return heatRests && !motion; }
 	void findFrontStiffness();
+	void collectSurfaces();
 	void findFlows();
 	void updateTemperature();
 	void solveMomentum();

@@ -2,6 +2,7 @@
 #include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <algorithm>
@@ -126,6 +127,9 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			throw std::invalid_argument(
 			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no " + effect
 			        + "; add it or leave this boundary out");
+		if (b->region().kind == Region<D>::Kind::bodies && !settings.bodies)
+			throw std::invalid_argument(
+			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe() + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
 		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
 			throw std::invalid_argument(
@@ -142,7 +146,8 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			const Region<D>&r = b->region(), &q = other->region();
 			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox || r.cavities != q.cavities) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;
-			bool overlap = true;
+			const auto bothName = [&](int id) { return std::find(q.ids.begin(), q.ids.end(), id) != q.ids.end(); };
+			bool       overlap  = r.kind != Region<D>::Kind::bodies || std::any_of(r.ids.begin(), r.ids.end(), bothName);
 			for (int a = 0; a < D; ++a) {
 				if (r.kind == Region<D>::Kind::side && a == r.on.axis) continue;
 				overlap = overlap && r.boxLower[a] < q.boxUpper[a] && q.boxLower[a] < r.boxUpper[a];

@@ -31,6 +31,12 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
 }
 
+template <int D> bool Ground<D>::Parts::facesBodies() const
+{
+	return std::any_of(
+	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->region().kind == Region<D>::Kind::bodies; });
+}
+
 template <int D> bool Ground<D>::Parts::hasFront() const
 {
 	return settings.motion && settings.freezing && settings.thawFront
@@ -64,6 +70,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	points->allocate(n);
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
+	if (bodies && facesBodies()) bodies->allocateFaces(grid);
 	if (affine) affine->bind(*points);
 	if (record) {
 		record->bind(*points);
@@ -111,8 +118,8 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	surface->collect(grid, *cells, clock.range);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
-		// a cavity may come later, with the body that makes it
-		if (!boundary.usesSurface() || boundary.region().cavities || !surface->patch(b).nodes.empty()) continue;
+		// a cavity may come later, with the body that makes it, and a body may come from outside
+		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies || !surface->patch(b).nodes.empty()) continue;
 		throw std::invalid_argument(
 		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
 		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall more than one point in height; hollows that no air from above reaches are cavities");

@@ -23,6 +23,9 @@ template <int D> void Ground<D>::Parts::findFlows()
 	cost.lap(CostMeter::heat);
 	if (water) {
 		water->nodalPressure(clock.range);
+		for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+			if (settings.boundaries[b]->drains() || settings.boundaries[b]->feeds()) water->open(surface->patch(b));
+		water->addPotential(grid, clock.range, *motion, momentum->wallNodes());
 		cost.lap(CostMeter::water);
 	}
 	if constexpr (D == 2)
@@ -68,7 +71,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 {
 	const double time = calendarEnd();
 	if (water) {
-		water->liquidForce(clock.range, motion->settings->gravity);
+		water->liquidForce(clock.range);
 		cost.lap(CostMeter::water);
 	}
 	momentum->addGravity(clock.range, *motion, water.get());
@@ -110,7 +113,7 @@ template <int D> void Ground<D>::Parts::seep()
 	if (settings.energyLedger) {
 		double work = 0.0;
 		for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
-			work += water->nodal[i][0] * water->exchange[i][0];
+			work += water->pressureAtNode(i) * water->exchange[i][0];
 		clock.porePressureWork += startShare() * work / liquidDensity();
 	}
 	water->finishExchange(clock.range);
@@ -262,6 +265,8 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	const double h = grid.spacing();
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
+	for (int a = 0; a < D; ++a)
+		water->weight[a] = liquidDensity() * settings.motion->gravity[a];
 	const double given = settings.water->picTime, used = std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given;
 	water->kept = keptFraction(water->scale > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
@@ -304,6 +309,17 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 			front->strengthSlope()[p] = settings.skeletons[k]->strengthSlope();
 		}
 	}
+}
+
+template <int D> void Ground<D>::Parts::collectSurfaces()
+{
+	if (bodies) bodies->cover(*shape, grid, *surface);
+	surface->collect(grid, *cells, clock.range);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Region<D>& region = settings.boundaries[b]->region();
+		if (region.kind == Region<D>::Kind::bodies) bodies->collectFaces(*shape, grid, clock.range, region.ids, surface->patch(b));
+	}
+	cost.lap(CostMeter::surface);
 }
 
 template <int D> void Ground<D>::p2g()
@@ -355,10 +371,7 @@ template <int D> void Ground<D>::p2g()
 			sample.lap(CostMeter::surface);
 		}
 	});
-	if (!g.surface) return;
-	if (g.bodies) g.bodies->cover(*g.shape, g.grid, *g.surface);
-	g.surface->collect(g.grid, *g.cells, g.clock.range);
-	g.cost.lap(CostMeter::surface);
+	if (g.surface) g.collectSurfaces();
 }
 
 template <int D> void Ground<D>::solveNodes()

@@ -375,6 +375,7 @@ void MpmEngine::initialise()
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
+	bodiesNamed      = false;
 	stableStep       = 0;
 	toleranceInForce = tolerance;
 	try {
@@ -682,7 +683,7 @@ Real MpmEngine::wantedStep()
 	initialise();
 	if (stableStep == 0) findStableStep();
 	if (!bodies) return stableStep;
-	bodies->collect(*scene, *this, *ground->bodies());
+	collectBodies();
 	return bodies->timeStep(*scene, stableStep);
 }
 
@@ -713,11 +714,21 @@ void MpmEngine::advanceAlone(bool newLimit)
 	}
 }
 
+void MpmEngine::collectBodies()
+{
+	auto& contact = *ground->bodies();
+	bodies->collect(*scene, *this, contact);
+	if (bodiesNamed) return;
+	for (const auto& boundary : boundaries)
+		boundary->checkBodies(contact.bodies);
+	bodiesNamed = true;
+}
+
 /// In the ground's step the bodies are where their velocities take them from their places in the scene.
 void MpmEngine::advanceAmongBodies()
 {
 	auto& contact = *ground->bodies();
-	bodies->collect(*scene, *this, contact);
+	collectBodies();
 	if (automaticTimeStep && leadsTimeStep()) scene->dt = std::min(bodies->timeStep(*scene, stableStep), timeStepOfOthers());
 	if (bodies->due(*scene) > 1e-9 * scene->dt) {
 		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);

@@ -108,6 +108,7 @@ private:
 	int                      subSteps(double dt) const;
 	void                     advanceAlone(bool newLimit);
 	void                     advanceAmongBodies();
+	void                     collectBodies();
 	void                     stepGround();
 	void                     advance(double dt);
 	::boost::python::object  strains(const string& name);
@@ -119,6 +120,7 @@ private:
 
 	std::shared_ptr<talik::Ground<2>> ground;
 	long                              stepsUntilLimit = 0, stepsAtStart = 0;
+	bool                              bodiesNamed = false; ///< boundaries have found the bodies that they name
 	bool                              begun = false, watchesDefault = false;
 	string                            failure;
 	std::set<string>                  said;

@@ -189,8 +189,6 @@ namespace {
 		const double speed = s.motion && dice.chance("moving", 0.3) ? dice.between("machNumber", 0.0, 0.02) * std::sqrt(softest / 2000.0) : 0.0;
 		scene.open            = scene.open || speed > 0.0; // loose ground that meets a wall splashes, and the box has no lid
 		const double porosity = dice.between("n", 0.1, 0.7);
-		// one row of cells shows no gradient of pressure: its water percolates on the spot, and drag spends what nobody gave
-		if (rows == 1 && s.water && s.motion->gravity[1] != 0.0) scene.energyAccounted = false;
 		int number = 0;
 		for (int k = 0; k < (D == 2 ? 1 : cells(D - 1) * perCell); ++k)
 			for (int j = 0; j < rows * perCell; ++j)

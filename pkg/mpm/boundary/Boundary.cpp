@@ -74,6 +74,14 @@ template <int D> Region<D> Region<D>::disc(const Vec<D>& lower, const Vec<D>& up
 	return r;
 }
 
+template <int D> Region<D> Region<D>::facing(const std::vector<int>& bodies)
+{
+	Region r;
+	r.kind = Kind::bodies;
+	r.ids  = bodies;
+	return r;
+}
+
 template <int D> Region<D> Region<D>::within(const Vec<D>& lower, const Vec<D>& upper) const
 {
 	Region r   = *this;
@@ -97,6 +105,12 @@ template <int D> bool Region<D>::holds(const Vec<D>& x, double tolerance) const
 
 template <int D> std::string Region<D>::describe() const
 {
+	if (kind == Kind::bodies) {
+		std::string list = ids.size() == 1 ? "body" : "bodies";
+		for (std::size_t k = 0; k < ids.size(); ++k)
+			list += (k ? ", " : " ") + std::to_string(ids[k]);
+		return list;
+	}
 	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
 	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? (cavities ? "surface of cavities" : "free surface") : round ? "disc" : "node box";
 	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
@@ -139,7 +153,7 @@ template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
 	for (int a = 0; a < D; ++a)
 		requireSetting(
 		        r.boxLower[a] <= r.boxUpper[a], name() + ".region", r.describe(), "the box must have lower corner <= upper corner, none of them NaN");
-	if (r.kind == Region<D>::Kind::freeSurface) return;
+	if (r.kind == Region<D>::Kind::freeSurface || r.kind == Region<D>::Kind::bodies) return;
 	if (r.round)
 		for (int a = 0; a < D; ++a)
 			requireSetting(
@@ -156,7 +170,7 @@ template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>
 {
 	using Kind = typename Region<D>::Kind;
 	std::vector<int> found;
-	if (region.kind == Kind::freeSurface) return found;
+	if (region.kind == Kind::freeSurface || region.kind == Kind::bodies) return found;
 	const double tolerance = 1e-6 * grid.spacing();
 	const int    wall      = region.on.upper ? grid.cells(region.on.axis) + 1 : 1;
 	for (int index = 0; index < grid.nodeCount(); ++index) {

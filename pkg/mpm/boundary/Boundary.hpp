@@ -50,14 +50,16 @@ Side        sideFromName(const std::string& name, int dimensions);
 std::string nameOf(const Side& side);
 
 /// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground as far as the air outside
-/// reaches it, on the surface of cavities inside the ground, or on all nodes inside a box; the others may be limited to a box.
+/// reaches it, on the surface of cavities inside the ground, on all nodes inside a box, or where the ground faces rigid bodies, wherever they
+/// are; the first three may be limited to a box.
 template <int D> struct Region {
-	enum class Kind { side, freeSurface, nodeBox };
+	enum class Kind { side, freeSurface, nodeBox, bodies };
 
 	Kind   kind = Kind::side;
 	Side   on {};
 	bool   round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
 	bool   cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
+	std::vector<int> ids;    ///< bodies: their numbers, or those of their groups
 	Vec<D> boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
 	Vec<D> boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
 
@@ -66,6 +68,7 @@ template <int D> struct Region {
 	static Region cavitySurface();
 	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper);
 	static Region disc(const Vec<D>& lower, const Vec<D>& upper);
+	static Region facing(const std::vector<int>& bodies);
 	/// The same region limited to a box [m].
 	Region within(const Vec<D>& lower, const Vec<D>& upper) const;
 

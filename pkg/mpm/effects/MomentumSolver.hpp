@@ -66,6 +66,8 @@ public:
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
 	const std::vector<int>& freeLiquid() const { return freeLiquid_; }
+	/// Nodes on walls, in front of them and behind.
+	const std::vector<int>& wallNodes() const { return wallNodes_; }
 
 private:
 	struct Load {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +35,8 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	liquidFraction = f.component(liquidFraction_);
 	drag           = f.component(drag_);
 	volume_        = points.volume();
+	for (int a = 0; a < D; ++a)
+		position_[a] = points.position(a);
 	waterMass_     = waterMass;
 	iceMass_       = iceMass;
 	temperature_   = temperature;
@@ -44,6 +47,8 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	flux.allocate(grid.nodeCount());
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
+	carried_.assign(grid.nodeCount(), 0.0);
+	open_.assign(grid.nodeCount(), 0);
 	if constexpr (D == 2) exchange.shareColumns(solved, exchangeSize);
 	none_.assign(blockSize, 0.0);
 }
@@ -68,6 +73,7 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 		const double m = liquidMass(p);
 		r[0] += m;
 		r[1] += m * pressure[p];
+		r[heightAt] += m * potential(p);
 		if (!iceMass_) continue;
 		r[resistanceAt] += drag[p];
 		r[contentAt] += waterMass_[p];
@@ -82,7 +88,9 @@ template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			double* r = cellRecord(c);
-			if (r[0] > 0.0) r[1] /= r[0];
+			if (!(r[0] > 0.0)) continue;
+			r[1] /= r[0];
+			r[heightAt] /= r[0];
 		}
 	});
 }
@@ -131,7 +139,8 @@ void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& r
 }
 
 template <int D>
-void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const
+void PoreWater<D>::fillRecords(
+        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize], double (&values)[8][blockSize]) const
 {
 	const double* const ice    = iceMass_ ? iceMass_ + w.first : none_.data();
 	const double* const water  = waterMass_ + w.first;
@@ -147,7 +156,7 @@ void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[
 		values[liquidVolumeAt][k] = volume[k] * liquid[k];
 		values[pressureAt][k]     = m * driving[k];
 		values[dragAt][k]         = drags[k];
-		if constexpr (dragAt < 7) values[7][k] = 0.0;
+		if constexpr (D == 2) values[potentialAt][k] = m * potential[k];
 	}
 	for (int i = 0; i < D; ++i) {
 		const double* const v = velocity[i] + w.first;
@@ -169,15 +178,20 @@ template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, c
 
 template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells)
 {
-	double driving[blockSize];
-	for (int k = 0; k < w.count; ++k)
+	double driving[blockSize], height[blockSize];
+	for (int k = 0; k < w.count; ++k) {
 		driving[k] = pressure[w.first + k];
+		height[k]  = potential(w.first + k);
+	}
+	// what seeps is handed out evenly within a cell, and rises or sinks by the middle of the cell's liquid
 	if (cells)
-		for (int k = 0; k < w.count; ++k)
+		for (int k = 0; k < w.count; ++k) {
 			driving[k] = drivingPressure(cells->cell(w.first + k));
+			height[k]  = cellRecord(cells->cell(w.first + k))[heightAt];
+		}
 	if constexpr (D == 2) {
 		double values[8][blockSize];
-		fillRecords(w, driving, values);
+		fillRecords(w, driving, height, values);
 		planeLoops().mapEight(w, values, nodes[0]);
 		return;
 	}
@@ -187,7 +201,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 		Vec<D>       momentum;
 		for (int i = 0; i < D; ++i)
 			momentum[i] = m * velocity[i][p];
-		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], q = drag[p];
+		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], mh = m * height[k], q = drag[p];
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			double* r = nodes[node];
 			r[massAt] += s * m;
@@ -197,6 +211,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 			r[liquidVolumeAt] += s * vl;
 			r[pressureAt] += s * mp;
 			r[dragAt] += s * q;
+			r[potentialAt] += s * mh;
 		});
 	}
 }
@@ -213,6 +228,45 @@ template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 				force[i][a] = 0.0;
 			for (int a = 0; a < exchangeSize; ++a)
 				exchange[i][a] = 0.0;
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::open(const SurfacePatch<D>& patch)
+{
+	for (const SurfaceNode<D>& n : patch.nodes)
+		open_[n.node] = 1;
+}
+
+template <int D>
+void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<int>& wallNodes)
+{
+	const Vec<D> gravity = motion.settings->gravity;
+	const double square  = dot<D>(gravity, gravity), falling = 1.0 - motion.settings->localDamping;
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double* r    = motion.nodes[i];
+			const double  mass = r[motion.massAt] + nodes[i][massAt];
+			double        held = 0.0;
+			for (int a = 0; a < D; ++a)
+				held -= r[motion.forceAt + a] * gravity[a];
+			carried_[i] = mass > 0.0 && square > 0.0 ? 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0)) : 0.0;
+		}
+	});
+	for (const int i : wallNodes)
+		carried_[i] = 1.0;
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			double* r = nodes[i];
+			if (!(r[massAt] > 0.0)) continue;
+			const std::array<int, D> node   = grid.nodeOf(i);
+			double                   atNode = 0.0;
+			for (int a = 0; a < D; ++a)
+				atNode -= weight[a] * grid.nodePosition(a, node[a]);
+			const double atNodeMass = r[massAt] * atNode;
+			r[potentialAt]          = atNodeMass + (open_[i] ? 0.0 : carried_[i]) * (r[potentialAt] - atNodeMass);
+			nodal[i][0] += r[potentialAt] * nodal[i][2];
+			open_[i] = 0;
 		}
 	});
 }
@@ -239,12 +293,12 @@ template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const Wei
 	}
 }
 
-template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range, const Vec<D>& gravity)
+template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 {
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				force[i][a] = nodes[i][massAt] * gravity[a] - nodal[i][1] * force[i][a];
+				force[i][a] *= -nodal[i][1];
 	});
 }
 
@@ -252,7 +306,7 @@ template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, d
 {
 	for (const SurfaceNode<D>& n : patch.nodes)
 		for (int a = 0; a < D; ++a)
-			force[n.node][a] += nodal[n.node][1] * (nodal[n.node][0] - outside) * n.area[a];
+			force[n.node][a] += nodal[n.node][1] * (pressureAtNode(n.node) - outside) * n.area[a];
 }
 
 template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
