@@ -21,9 +21,12 @@ namespace HWY_NAMESPACE {
 	HWY_INLINE double Mul(double a, double b) { return a * b; }
 	HWY_INLINE double Div(double a, double b) { return a / b; }
 	HWY_INLINE double Neg(double a) { return -a; }
+	HWY_INLINE double Sqrt(double a) { return __builtin_sqrt(a); }
+	HWY_INLINE double CopySignToAbs(double size, double sign) { return __builtin_copysign(size, sign); }
 	HWY_INLINE double Min(double a, double b) { return a < b ? a : b; }
 	HWY_INLINE double Max(double a, double b) { return a < b ? b : a; }
 	HWY_INLINE double MulAdd(double a, double b, double c) { return a * b + c; }
+	HWY_INLINE double MulSub(double a, double b, double c) { return a * b - c; }
 	HWY_INLINE double NegMulAdd(double a, double b, double c) { return c - a * b; }
 	HWY_INLINE bool   Lt(double a, double b) { return a < b; }
 	HWY_INLINE bool   Ne(double a, double b) { return a != b; }

@@ -19,14 +19,21 @@ namespace {
 
 	namespace hn = hwy::HWY_NAMESPACE;
 
-	using Lanes = hn::CappedTag<double, 4>;
-	using Many  = hn::Vec<Lanes>;
-	constexpr Lanes       lanes;
 	constexpr std::size_t laneCount = HWY_MIN(HWY_LANES(double), 4); ///< pairs or grains that are dealt with at once
 
+#if HWY_TARGET == HWY_SCALAR
+	using Many = double;
+	HWY_INLINE Many splat(double value) { return value; }
+	HWY_INLINE Many load(const double* from) { return *from; }
+	HWY_INLINE void store(Many value, double* to) { *to = value; }
+#else
+	using Lanes = hn::CappedTag<double, laneCount>;
+	using Many  = hn::Vec<Lanes>;
+	constexpr Lanes lanes;
 	HWY_INLINE Many splat(double value) { return hn::Set(lanes, value); }
 	HWY_INLINE Many load(const double* from) { return hn::Load(lanes, from); }
 	HWY_INLINE void store(Many value, double* to) { hn::Store(value, lanes, to); }
+#endif
 
 	/// Four numbers of laneCount grains, each in a vector of its own.
 	struct Columns {
@@ -45,7 +52,11 @@ namespace {
 	{
 		return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) + 2 * std::size_t(offset));
 	}
-#if HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET == HWY_SCALAR
+	HWY_INLINE Columns columnsOf(const Rows& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
+	HWY_INLINE Rows    rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
+	HWY_INLINE Many    sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b) { return *singleAt(base, *a) + *singleAt(base, *b); }
+#else
 	using Pair = hn::CappedTag<double, 2>;
 	using Two  = hn::Vec<Pair>;
 	HWY_INLINE Two singlePair(const double* base, const std::uint32_t* offset)
@@ -54,11 +65,7 @@ namespace {
 	}
 #endif
 
-#if HWY_TARGET == HWY_SCALAR
-	HWY_INLINE Columns columnsOf(const Rows& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
-	HWY_INLINE Rows    rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
-	HWY_INLINE Many    sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b) { return splat(*singleAt(base, *a) + *singleAt(base, *b)); }
-#elif HWY_MAX_BYTES == 16
+#if HWY_MAX_BYTES == 16 && HWY_TARGET != HWY_SCALAR
 	HWY_INLINE Columns columnsOf(const Rows& r)
 	{
 		return { hn::InterleaveLower(lanes, r.part[0], r.part[2]), hn::InterleaveUpper(lanes, r.part[0], r.part[2]),
@@ -69,8 +76,8 @@ namespace {
 		return { { hn::InterleaveLower(lanes, c.a, c.b), hn::InterleaveLower(lanes, c.c, c.d), hn::InterleaveUpper(lanes, c.a, c.b),
 			       hn::InterleaveUpper(lanes, c.c, c.d) } };
 	}
-	HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b) { return hn::Add(singlePair(base, a), singlePair(base, b)); }
-#else
+	HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b) { return Add(singlePair(base, a), singlePair(base, b)); }
+#elif HWY_MAX_BYTES >= 32
 	HWY_INLINE Rows transposed(const Many (&r)[4])
 	{
 		const Many low01 = hn::InterleaveLower(lanes, r[0], r[1]), high01 = hn::InterleaveUpper(lanes, r[0], r[1]);
@@ -86,7 +93,7 @@ namespace {
 	HWY_INLINE Rows rowsOf(const Columns& c) { return transposed({ c.a, c.b, c.c, c.d }); }
 	HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
 	{
-		const Two low = hn::Add(singlePair(base, a), singlePair(base, b)), high = hn::Add(singlePair(base, a + 2), singlePair(base, b + 2));
+		const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
 		return hn::Combine(lanes, high, low);
 	}
 #endif
@@ -112,40 +119,40 @@ namespace {
 		Rows rows;
 		for (std::size_t k = 0; k < 4; ++k) {
 			const std::size_t l = Rows::row(k), at = Rows::at(k);
-			rows.part[k] = hn::Sub(load(view.motion + p.second()[l] + at), load(view.motion + p.first()[l] + at));
-			if (Periodic) rows.part[k] = hn::Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
+			rows.part[k] = Sub(load(view.motion + p.second()[l] + at), load(view.motion + p.first()[l] + at));
+			if (Periodic) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
 		}
 		const Columns c        = columnsOf(rows);
 		const Many    wr       = sumOfSingles(view.spin, p.first(), p.second());
-		const Many    distance = hn::Sqrt(hn::MulAdd(c.a, c.a, hn::Mul(c.b, c.b)));
-		return { c.a, c.b, c.c, c.d, wr, distance, hn::Div(splat(1.), distance) };
+		const Many    distance = Sqrt(MulAdd(c.a, c.a, Mul(c.b, c.b)));
+		return { c.a, c.b, c.c, c.d, wr, distance, Div(splat(1.), distance) };
 	}
 
 	/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; G changes sign for the second.
 	template <bool Periodic> HWY_INLINE void scatter(const PackedStepView<2>& view, const Place& p, const Gathered& g, const ContactForces<Many, Many>& f)
 	{
-		const Many nx   = hn::Mul(g.dx, g.inverse), ny = hn::Mul(g.dy, g.inverse);
-		const Many gx   = hn::NegMulAdd(f.shear, ny, hn::Mul(f.normal, nx)), gy = hn::MulAdd(f.shear, nx, hn::Mul(f.normal, ny));
-		const Rows rows = rowsOf({ gx, gy, f.shear, hn::Mul(hn::Mul(splat(0.5), f.overlap), f.shear) });
-		alignas(32) static constexpr double turns[4] = { -0., -0., 0., 0. };
+		const Many nx   = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
+		const Many gx   = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
+		const Rows rows = rowsOf({ gx, gy, f.shear, Mul(Mul(splat(0.5), f.overlap), f.shear) });
+		alignas(32) static constexpr double ofSecond[4] = { -1, -1, 1, 1 };
 		for (std::size_t k = 0; k < 4; ++k) {
 			const std::size_t l = Rows::row(k), at = Rows::at(k);
 			double*           first  = view.force + p.first()[l] + at;
 			double*           second = view.force + p.second()[l] + at;
-			store(hn::Add(load(first), rows.part[k]), first);
-			store(hn::Add(load(second), hn::Xor(rows.part[k], load(turns + at))), second);
+			store(Add(load(first), rows.part[k]), first);
+			store(Add(load(second), Mul(rows.part[k], load(ofSecond + at))), second);
 			if (Periodic) {
 				double* sum = view.shiftForce + p.shift()[l] + at;
-				store(hn::Add(load(sum), rows.part[k]), sum);
+				store(Add(load(sum), rows.part[k]), sum);
 			}
 		}
 	}
 
 	/// Hands the contacts that `failed` over to the sample, which settles them.
-	HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, hn::Mask<Lanes> failed, ContactForces<Many, Many>& f)
+	template <class Condition> HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, Condition failed, ContactForces<Many, Many>& f)
 	{
 		alignas(32) double reported[4], overlap[4], trialNormal[4], trialShear[4], increment[4], normal[4], shear[4], iceShear[4];
-		store(hn::IfThenElseZero(failed, splat(1.)), reported);
+		store(IfThenElse(failed, splat(1.), splat(0.)), reported);
 		store(f.overlap, overlap);
 		store(f.trialNormal, trialNormal);
 		store(f.trialShear, trialShear);
@@ -177,11 +184,11 @@ namespace {
 	{
 		PackedBlock<2>& block      = p.pair();
 		const Many      sum        = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
-		const Many      overlap    = hn::Sub(sum, g.distance);
-		const Many      nx         = hn::Mul(g.dx, g.inverse), ny = hn::Mul(g.dy, g.inverse);
-		const Many      tangential = hn::MulSub(g.dvy, nx, hn::Mul(g.dvx, ny));
-		const Many      slip       = hn::MulSub(hn::Mul(sum, g.inverse), tangential, g.wr);
-		const Many      increment  = hn::Mul(hn::Mul(c.shearStep, stiffness), slip);
+		const Many      overlap    = Sub(sum, g.distance);
+		const Many      nx         = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
+		const Many      tangential = MulSub(g.dvy, nx, Mul(g.dvx, ny));
+		const Many      slip       = MulSub(Mul(sum, g.inverse), tangential, g.wr);
+		const Many      increment  = Mul(Mul(c.shearStep, stiffness), slip);
 		const Many      shear      = load(block.shear[0] + p.lane);
 		ContactForces<Many, Many> f;
 		if constexpr (Bonded) {
@@ -199,6 +206,19 @@ namespace {
 		return f;
 	}
 
+	/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
+	template <bool Bonded> HWY_INLINE bool passedOver(const Place& p, const Gathered& g)
+	{
+#if HWY_TARGET == HWY_SCALAR
+		if (!(g.distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
+		p.pair().shear[0][p.lane] = 0;
+		return true;
+#else
+		(void)p, (void)g;
+		return false;
+#endif
+	}
+
 	// The next pairs are gathered, and their square roots and quotients started, before the law and the sums of the present ones: the
 	// long latencies then run under work that does not need them.
 	template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
@@ -208,6 +228,7 @@ namespace {
 		if (end == 0) return;
 		const auto place  = [&](std::size_t k) HWY_ATTR { return Place { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
 		const auto finish = [&](std::size_t k, const Gathered& gathered) HWY_ATTR __attribute__((always_inline)) {
+			if (passedOver<Bonded>(place(k), gathered)) return;
 			scatter<Periodic>(view, place(k), gathered, respond<Bonded, Periodic>(view, place(k), c, gathered));
 		};
 		Gathered    present = gather<Periodic>(view, place(0));
@@ -236,8 +257,8 @@ namespace {
 	/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
 	HWY_INLINE Many damped(Many acceleration, Many velocity, Many damping, Many halfStep)
 	{
-		const Many power = hn::Mul(acceleration, hn::MulAdd(halfStep, acceleration, velocity));
-		return hn::NegMulAdd(hn::CopySignToAbs(damping, power), acceleration, acceleration);
+		const Many power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
+		return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
 	}
 
 	/// Columns of neighbouring rows; Clear: zero is left where they were.
@@ -246,7 +267,7 @@ namespace {
 		Rows rows;
 		for (std::size_t k = 0; k < 4; ++k) {
 			rows.part[k] = load(from + k * laneCount);
-			if (Clear) store(hn::Zero(lanes), from + k * laneCount);
+			if (Clear) store(splat(0.), from + k * laneCount);
 		}
 		return columnsOf(rows);
 	}
@@ -258,7 +279,7 @@ namespace {
 		HWY_INLINE Quad()
 		{
 			for (Many& p : part)
-				p = hn::Zero(lanes);
+				p = splat(0.);
 		}
 		HWY_INLINE void numbers(double* four) const
 		{
@@ -296,35 +317,35 @@ namespace {
 				const std::size_t g      = i + part * laneCount;
 				const Columns     motion = takeColumns<false>(view.motion + 4 * g), force = takeColumns<true>(view.force + 4 * g);
 				const Many        minusInverseMass = load(view.minusInverseMass + g);
-				const Many        meanX = hn::MulAdd(lxx, motion.a, hn::Mul(lxy, motion.b)), meanY = hn::MulAdd(lyx, motion.a, hn::Mul(lyy, motion.b));
-				Many              ax = damped(hn::Mul(force.a, minusInverseMass), hn::Sub(motion.c, meanX), damping, halfStep);
-				Many              ay = damped(hn::Mul(force.b, minusInverseMass), hn::Sub(motion.d, meanY), damping, halfStep);
-				ax = hn::MulAdd(lxx, motion.c, hn::MulAdd(lxy, motion.d, ax));
-				ay = hn::MulAdd(lyx, motion.c, hn::MulAdd(lyy, motion.d, ay));
-				Many       vx = hn::MulAdd(dt, ax, motion.c), vy = hn::MulAdd(dt, ay, motion.d);
-				const Many fx = hn::Sub(vx, meanX), fy = hn::Sub(vy, meanY);
-				fluctuation.part[part] = hn::Max(fluctuation.part[part], hn::MulAdd(fx, fx, hn::Mul(fy, fy)));
+				const Many        meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
+				Many              ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
+				Many              ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
+				ax = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
+				ay = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
+				Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
+				const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
+				fluctuation.part[part] = Max(fluctuation.part[part], MulAdd(fx, fx, Mul(fy, fy)));
 				if (Jumps) {
-					vx = hn::MulAdd(jxx, motion.a, hn::MulAdd(jxy, motion.b, vx));
-					vy = hn::MulAdd(jyx, motion.a, hn::MulAdd(jyy, motion.b, vy));
+					vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
+					vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
 				}
-				const Many x = hn::MulAdd(dt, vx, motion.a), y = hn::MulAdd(dt, vy, motion.b);
+				const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
 				const Rows rows = rowsOf({ x, y, vx, vy });
 				for (std::size_t k = 0; k < 4; ++k)
 					store(rows.part[k], view.motion + 4 * g + k * laneCount);
 				if (Stress) {
-					sxx.part[part] = hn::MulAdd(force.a, x, sxx.part[part]);
-					sxy.part[part] = hn::MulAdd(force.a, y, sxy.part[part]);
-					syx.part[part] = hn::MulAdd(force.b, x, syx.part[part]);
-					syy.part[part] = hn::MulAdd(force.b, y, syy.part[part]);
+					sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
+					sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
+					syx.part[part] = MulAdd(force.b, x, syx.part[part]);
+					syy.part[part] = MulAdd(force.b, y, syy.part[part]);
 				}
-				const Many radius = load(view.radius + g), torque = hn::NegMulAdd(radius, force.c, force.d);
+				const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
 				Many       w = load(view.angular + g);
-				w            = hn::MulAdd(dt, damped(hn::Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
-				if (Jumps) w = hn::Add(w, spinJump);
+				w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
+				if (Jumps) w = Add(w, spinJump);
 				store(w, view.angular + g);
-				store(hn::MulAdd(dt, w, load(view.orientation + g)), view.orientation + g);
-				store(hn::Mul(w, radius), view.spin + g);
+				store(MulAdd(dt, w, load(view.orientation + g)), view.orientation + g);
+				store(Mul(w, radius), view.spin + g);
 			}
 		view.maxFluctuationSquare = fluctuation.largest();
 		if (!Stress) return;
