@@ -251,6 +251,7 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 		r[thawedVolumeAt] += s * volume;
 		r[thawedMassAt] += s * m;
 		r[slopeAt] += s * volume * strengthSlope_[p];
+		r[modulusAt] += s * volume * modulus_[p];
 		r[thawedLiquidMassAt] += s * ml;
 		for (int c = 0; c < stressSize<D>; ++c)
 			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
@@ -267,6 +268,25 @@ template <int D> void ThawFront<D>::push(const Grid<D>& grid, const WeightBlock<
 	});
 }
 
+template <int D> void ThawFront<D>::addGravity()
+{
+	for (int slot = 0; slot < nodeCount(); ++slot) {
+		double*      r    = record(slot);
+		const double mass = r[massAt] + r[liquidMassAt];
+		for (int a = 0; a < D; ++a)
+			r[forceAt + a] += mass * motion_->settings->gravity[a];
+	}
+}
+
+template <int D> void ThawFront<D>::addLoad(int node, const Vec<D>& force)
+{
+	if (!present() || slot_[node] < 0) return;
+	double*      r     = record(slot_[node]);
+	const double share = r[massAt] / motion_->nodes[node][SolidMotion<D>::massAt];
+	for (int a = 0; a < D; ++a)
+		r[forceAt + a] += share * force[a];
+}
+
 // ---- contact ---------------------------------------------------------------------------------------------------------------
 
 template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
@@ -278,7 +298,7 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
 		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
-		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt })
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt, modulusAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a)
 			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
@@ -341,12 +361,13 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		if (constraints.solidFixed(node, a)) continue;
 		const double frozenMomentum = r[momentumAt + a] + r[liquidMomentumAt + a];
 		const double momentum       = all[M::momentumAt + a] + (liquid ? liquid[W::momentumAt + a] : 0.0) - frozenMomentum;
-		const double frozenForce    = r[forceAt + a] + mass[0] * motion_->settings->gravity[a];
+		const double frozenForce    = r[forceAt + a];
 		const double parting        = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
 		m.jump[a]                   = momentum / mass[1] - frozenMomentum / mass[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
-	m.slope = r[slopeAt] / r[thawedVolumeAt];
+	m.slope     = r[slopeAt] / r[thawedVolumeAt];
+	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
@@ -360,7 +381,7 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	if (!m.meets || !m.inside) return;
 	const double opening = dot<D>(m.jump, m.normal), carried = m.area * std::max(0.0, dot<D>(m.traction, m.normal));
 	const double together = -m.reducedMass * opening;
-	m.together            = opening <= 0.0 || m.pressing >= -carried || -together <= dt * carried;
+	m.together            = opening <= std::max(0.0, m.pressing + carried) / (m.area * m.impedance) || -together <= dt * carried;
 	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
 	m.impulse             = m.together ? together : -dt * carried;
 }
