@@ -52,17 +52,18 @@ class Knob:
 	label: str  # with its unit
 	settings: object  # function of a value -> settings of talik.accuracy.slump
 	text: object = "{:g}".format  # of a value
+	phrase: str = "{}"  # of a value that a sweep of another knob keeps
 
 
 knobs = {
-	"grid-spacing": Knob("h [m]", lambda value: {"grid spacing": value}),
-	"f_max": Knob("f_max over 8.64e5", lambda value: {"thermal time scale": value * slump.standard["thermal time scale"]}, fraction),
+	"grid-spacing": Knob("h [m]", lambda value: {"grid spacing": value}, phrase="h = {} m"),
+	"f_max": Knob("f_max over 8.64e5", lambda value: {"thermal time scale": value * slump.standard["thermal time scale"]}, fraction, "f_max = {} × 8.64e5"),
 	"time-step": Knob("time step over draft's", lambda value: {"time-step fraction": value * slump.standard["time-step fraction"]}, fraction),
-	"calendar": Knob("scale of time", lambda value: {"follows motion": value == followsMotion}, str),
+	"calendar": Knob("scale of time", lambda value: {"follows motion": value == followsMotion}, str, "a scale that {}"),
 	"motion-tolerance": Knob("motion tolerance [m/s]", lambda value: {"motion tolerance": value}),
 	"inertial-number": Knob("inertial number", lambda value: {"inertial number": value}),
 	"grains": Knob("grains", lambda value: {"grains": value}),
-	"realisations": Knob("realisations", lambda value: {"realisations": value}),
+	"realisations": Knob("realisations", lambda value: {"realisations": value}, phrase="{} realisations"),
 	"sample-tolerance": Knob("sample tolerance", lambda value: {"sample tolerance": value}),
 }
 

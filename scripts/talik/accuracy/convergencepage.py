@@ -29,14 +29,19 @@ def measured(case, rows):
 	return found
 
 
+def planned(rows):
+	"""Rows of the present plan, in its order: others were kept by an earlier version of it."""
+	return {name: rows[name] for name in convergence.plan() if name in rows}
+
+
 def groundOf(sweep):
 	return f"{skeletons[sweep.ground['skeleton']]}, {sweep.ground['thawed cohesion'] / 1e3:g} kPa"
 
 
 def knobOf(sweep):
 	"""The knob, and which others are not draft's."""
-	fixed = [f"{knobs[name].label} = {knobs[name].text(value)}" for name, value in sweep.fixed.items()]
-	return knobs[sweep.knob].label + (f" at {', '.join(fixed)}" if fixed else "")
+	fixed = [knobs[name].phrase.format(knobs[name].text(value)) for name, value in sweep.fixed.items()]
+	return knobs[sweep.knob].label + (f" with {', '.join(fixed)}" if fixed else "")
 
 
 # ---- tables ---------------------------------------------------------------------------------------------------------------
@@ -60,7 +65,7 @@ def _cell(value, finest):
 	if value is None:
 		return "–"
 	apart = convergence.difference(value, finest)
-	return f"{value:.3g}" + ("" if apart is None else f" ({100 * apart:+.0f} %)")
+	return f"{value:.3g}" + ("" if apart is None else f" ({round(100 * apart):+d} %)")
 
 
 def verdictOf(case, sweepsThere):
@@ -80,12 +85,23 @@ def _percent(apart):
 
 def markdown(rows, pictures="accuracy_slump"):
 	"""All there is to say of the rows, {key: row}; pictures: name of their files, less _CASE.png."""
-	parts = []
-	for case in cases:
-		there = measured(case, rows)
-		if there:
-			parts += [f"### {cases[case].title}", _markdownTable(verdictOf(case, there)), _markdownTable(tableOf(case, there)), f"![{cases[case].title}: largest displacement over the days, one panel for each knob]({pictures}_{case}.png)"]
-	return "\n\n".join(parts)
+	return "\n\n".join(part for case in cases for part in _partsOf(case, rows, pictures))
+
+
+def _partsOf(case, rows, pictures):
+	there, title = measured(case, rows), cases[case].title
+	if not there:
+		return []
+	failed = [f"- {convergence.describe(row['settings'])}: {row['failure']}" for row in planned(rows).values() if row["settings"]["case"] == case and "failure" in row]
+	return [
+		f"### {title}",
+		f"How far the two finest values of each knob are apart, at most over days {', '.join(str(day) for day in cases[case].tableDays)}:",
+		_markdownTable(verdictOf(case, there)),
+		"Every row, with its difference to the finest of its knob:",
+		_markdownTable(tableOf(case, there)),
+		*(["Did not come to their end:\n\n" + "\n".join(failed)] if failed else []),
+		f"![{title}: largest displacement over the days, one panel for each knob]({pictures}_{case}.png)",
+	]
 
 
 def _markdownTable(lines):
@@ -139,7 +155,7 @@ def write(page, rows):
 	"""Puts tables into a page between its markers, rows and pictures beside it."""
 	page = Path(page)
 	before, _, after = parts(page)
-	rowsBeside(page).write_text(json.dumps(rows))
+	writeWhole(rowsBeside(page), "{\n" + ",\n".join(f"{json.dumps(name)}: {json.dumps(row)}" for name, row in planned(rows).items()) + "\n}\n")
 	drawAll(rows, page.parent, rowsBeside(page).stem)
 	writeWhole(page, f"{before}{begin}\n{markdown(rows, rowsBeside(page).stem)}\n{end}{after}")
 
@@ -159,7 +175,7 @@ def parts(page):
 
 def agrees(page):
 	"""Whether the tables of a page are those of the rows beside it."""
-	rows = rowsBeside(page)
+	shown, rows = parts(page)[1], rowsBeside(page)
 	if not rows.exists():
 		raise ValueError(f"{rows} is not there: write the page with scripts/accuracy slump --write {page}")
-	return parts(page)[1] == markdown(json.loads(rows.read_text()), rows.stem)
+	return shown == markdown(json.loads(rows.read_text()), rows.stem)
