@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -194,3 +195,32 @@ def test_the_page_of_the_examples_is_what_its_rows_say():
 	pictures = re.findall(r"\]\((\w+\.png)\)", page.read_text())
 	print(f"{len(json.loads(convergencepage.rowsBeside(page).read_text()))} rows; {', '.join(pictures)}")
 	assert pictures and all((page.parent / picture).exists() for picture in pictures)
+
+
+def command(line, folder):
+	"""Runs a command of the page on a copy of the page."""
+	page = shutil.copy(root / "examples" / "accuracy.md", folder)
+	shutil.copy(root / "examples" / "accuracy_slump.json", folder)
+	program, *options = line.replace("examples/accuracy.md", str(page)).split()
+	build = {**os.environ, "TALIK_BUILD": str(Path(talik.__file__).parents[2])}
+	return subprocess.run([str(root / program), *options], env=build, capture_output=True, text=True, timeout=1200, stdin=subprocess.DEVNULL)
+
+
+def commandsOfThePage():
+	return re.findall(r"^\t(scripts/accuracy slump .*)$", (root / "examples" / "accuracy.md").read_text(), re.M)
+
+
+def test_the_page_is_checked_by_the_command_that_it_names(tmp_path):
+	(line,) = [line for line in commandsOfThePage() if "--check" in line]
+	done = command(line, tmp_path)
+	print(done.stdout.splitlines()[-1])
+	assert done.returncode == 0 and "are those of" in done.stdout, done.stderr
+
+
+def test_the_page_is_written_by_the_command_that_it_names_slow(tmp_path):
+	(line,) = [line for line in commandsOfThePage() if "--write" in line]
+	done = command(f"{line} --quick --output {tmp_path / 'out'}", tmp_path)
+	print(done.stdout)
+	assert done.returncode == 0, done.stderr
+	rows = json.loads((tmp_path / "accuracy_slump.json").read_text())
+	assert len(rows) == 4 and convergencepage.agrees(tmp_path / "accuracy.md")
