@@ -17,7 +17,10 @@ from talik.accuracy import convergence, convergencecommand, convergencepage, stu
 
 root = Path(__file__).resolve().parents[2]
 law = {"skeleton": "MohrCoulomb", "thawed cohesion": 2000.0}
-few = [convergence.Sweep("time-step", (1, 1 / 2), law, quick=2), convergence.Sweep("motion-tolerance", (0.05, 0.025), law, {"calendar": convergence.followsMotion})]
+few = [
+	convergence.Sweep("time-step", (1, 1 / 2), law, quick=2),
+	convergence.Sweep("motion-tolerance", (0.05, 0.025), law, {"calendar": convergence.followsMotion}),
+]
 
 
 @pytest.fixture
@@ -68,7 +71,8 @@ def test_the_first_event_of_a_calendar_is_the_first_that_moved_ground_by_more_th
 
 
 def test_differences_are_relative_to_the_finest_row():
-	rows = [{"history": [[day, size, volume] for day in (30, 60, 100, 150)], "firstEvent": event} for size, volume, event in ((3.0, 1.0, 9.0), (1.1, 0.0, 21.0), (1.0, 0.0, 20.0))]
+	found = ((3.0, 1.0, 9.0), (1.1, 0.0, 21.0), (1.0, 0.0, 20.0))
+	rows = [{"history": [[day, size, volume] for day in (30, 60, 100, 150)], "firstEvent": event} for size, volume, event in found]
 	apart = convergence.twoFinest("surface", rows)
 	print({what: f"{100 * one:.1f} %" for what, one in apart.items()})
 	assert apart == pytest.approx({"displacement": 0.1, "volume": 0.0, "first event": 0.05})
@@ -122,6 +126,22 @@ def test_a_study_that_was_stopped_goes_on_with_the_rows_that_it_lacks(toyStudy, 
 	assert all(one not in toyStudy[:k] for k, one in enumerate(toyStudy))
 
 
+def test_a_calendar_that_takes_too_long_ends_and_the_page_says_so(smallStudy, tmp_path, monkeypatch):
+	monkeypatch.setattr(convergence, "motionAllowed", 0.75)  # of the 0.2 s that two days take
+	page = pageIn(tmp_path)
+	assert convergencecommand.main(["--quick", "--case", "surface", "--output", str(tmp_path), "--write", str(page)]) == 0
+	rows = json.loads((tmp_path / "rows.json").read_text()).values()
+	assert all(row["history"][-1][0] == 1 for row in rows)
+	assert "time-step fraction 0.2, skeleton MohrCoulomb, thawed cohesion 2000.0: day 1 of 2 after 0.15 s of motion" in page.read_text()
+
+
+def test_rows_of_two_builds_are_told(toyStudy, tmp_path, monkeypatch, capsys):
+	march, command = convergence.march, ["--case", "surface", "--output", str(tmp_path)]
+	monkeypatch.setattr(convergence, "march", lambda settings: {**march(settings), "build": "old" if settings["follows motion"] else "new"})
+	assert convergencecommand.main(command) == 0
+	assert "measured by 2 builds of Talik" in capsys.readouterr().out
+
+
 def test_a_row_that_fails_is_a_miss_and_is_tried_again(toyStudy, tmp_path, monkeypatch, capsys):
 	march, page = convergence.march, pageIn(tmp_path)
 
@@ -156,7 +176,8 @@ def test_a_bad_argument_is_refused_by_one_sentence(toyStudy, given, sentence):
 
 def test_the_shell_command_says_its_sentence_and_no_more():
 	build = {**os.environ, "TALIK_BUILD": str(Path(talik.__file__).parents[2])}
-	done = subprocess.run([str(root / "scripts/accuracy"), "slump", "--knob", "colour"], env=build, capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
+	asked = [str(root / "scripts/accuracy"), "slump", "--knob", "colour"]
+	done = subprocess.run(asked, env=build, capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
 	said = [line for line in done.stderr.splitlines() if not line.startswith(("Running script", "TCP python", "XMLRPC"))]  # what yade says by itself
 	print(said)
 	assert done.returncode == 1 and len(said) == 1 and "invalid choice: 'colour'" in said[0] and "Traceback" not in done.stderr

@@ -7,9 +7,12 @@
 
 The calibrated law is cheap and carries the knobs of grid and time. Samples carry the knobs that only they have."""
 
+import functools
+import hashlib
 import tempfile
 from dataclasses import dataclass, field
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
@@ -123,7 +126,7 @@ def _sampleSweeps(cohesion):
 
 def rowSettings(case, sweep, value):
 	"""Everything that a row depends on, by name; numbers and words only, so that it names the row in a file."""
-	plain = {name: given for name, given in slump.scene.items() if name not in ("boundaries", "longest motion", "thaw strain")}
+	plain = {name: given for name, given in slump.scene.items() if name not in ("boundaries", "thaw strain")}
 	return {**slump.standard, **plain, **sweep.settings(value), "case": case, "days of heat": cases[case].days}
 
 
@@ -163,7 +166,8 @@ def runRows(rows, results, progress=True):
 def describe(settings):
 	"""Case and what differs from draft, in words."""
 	plain = {**slump.standard, **slump.scene}
-	return ", ".join([settings["case"]] + [f"{name} {value}" for name, value in settings.items() if name in plain and value != plain[name] and name != "days of heat"])
+	differing = [f"{name} {value}" for name, value in settings.items() if name in plain and name != "days of heat" and value != plain[name]]
+	return ", ".join([settings["case"], *differing])
 
 
 def measured(settings):
@@ -177,7 +181,7 @@ def measured(settings):
 
 def march(settings):
 	"""Thaws a slump and looks at it every day."""
-	case, watch, days, looks = cases[settings["case"]], Stopwatch(), settings["days of heat"], [(0, 0.0, 0.0)]
+	case, watch, looks, days = cases[settings["case"]], Stopwatch(), [(0, 0.0, 0.0)], settings["days of heat"]
 	allowed = motionAllowed * days * talik.day / settings["thermal time scale"]
 	with tempfile.TemporaryDirectory() as folder:
 		slope = slump.slump({**settings, "boundaries": case.boundaries, "thaw strain": case.thawStrain}, folder)
@@ -193,8 +197,15 @@ def march(settings):
 	return {
 		"history": [[_rounded(value) for value in look] for look in looks if look[0] % every == 0 or look[0] == days],
 		"firstEvent": _rounded(firstEvent(mpm, looks, settings["follows motion"])),
-		"cpu": watch.cpu, "wall": watch.wall, "points": mpm.pointCount, "steps": O.iter,
+		"cpu": watch.cpu, "wall": watch.wall, "points": mpm.pointCount, "steps": O.iter, "build": build(),
+		**({"shortfall": f"day {looks[-1][0]} of {days} after {allowed:.3g} s of motion"} if looks[-1][0] < days else {}),
 	}
+
+
+@functools.cache
+def build():
+	"""Names the build of Talik that measured a row."""
+	return hashlib.sha256(Path(talik._talik.__file__).read_bytes()).hexdigest()[:12]
 
 
 def motion(mpm):

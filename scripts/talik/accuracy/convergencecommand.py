@@ -43,7 +43,8 @@ def main(arguments=None):
 	try:
 		convergence.runRows(rows, results)
 	except KeyboardInterrupt:
-		print(f"Stopped; {sum(name in results for name in rows)} of {len(rows)} rows are in {results.file}, and the same command goes on with the others.", file=sys.stderr)
+		done = sum(name in results for name in rows)
+		print(f"Stopped; {done} of {len(rows)} rows are in {results.file}, and the same command goes on with the others.", file=sys.stderr)
 		return stopped
 	printReport(rows, results, folder)
 	if options.write:
@@ -57,10 +58,14 @@ def printReport(rows, results, folder):
 	for case in convergence.cases:
 		sweeps = convergencepage.measured(case, there)
 		if sweeps:
-			print(f"\n{convergence.cases[case].title}: u largest displacement, V volume displaced by more than {convergence.moved:g} m; in brackets the difference to the finest")
+			print(f"\n{convergence.cases[case].title}")
+			print(f"u largest displacement, V volume displaced by more than {convergence.moved:g} m; in brackets the difference to the finest value of the knob")
 			report.printAligned(convergencepage.tableOf(case, sweeps))
 			print("\nThe two finest values of each knob differ, at most over these days, by")
 			report.printAligned(convergencepage.verdictOf(case, sweeps))
+	builds = {row.get("build") for row in there.values() if "failure" not in row}
+	if len(builds) > 1:
+		print(f"\nThese rows were measured by {len(builds)} builds of Talik; delete {results.file} to measure all of them anew.")
 	(folder / "table.md").write_text(convergencepage.markdown(there) + "\n")
 	pictures = convergencepage.drawAll(there, folder)
 	print(f"\n{', '.join(pictures)}, {folder / 'table.md'}; every row as it was: {results.file}")

@@ -92,14 +92,15 @@ def _partsOf(case, rows, pictures):
 	there, title = measured(case, rows), cases[case].title
 	if not there:
 		return []
-	failed = [f"- {convergence.describe(row['settings'])}: {row['failure']}" for row in planned(rows).values() if row["settings"]["case"] == case and "failure" in row]
+	own = [row for row in planned(rows).values() if row["settings"]["case"] == case]
+	unfinished = [f"- {convergence.describe(row['settings'])}: {why}" for row in own if (why := row.get("failure") or row.get("shortfall"))]
 	return [
 		f"### {title}",
 		f"How far the two finest values of each knob are apart, at most over days {', '.join(str(day) for day in cases[case].tableDays)}:",
 		_markdownTable(verdictOf(case, there)),
 		"Every row, with its difference to the finest of its knob:",
 		_markdownTable(tableOf(case, there)),
-		*(["Did not come to their end:\n\n" + "\n".join(failed)] if failed else []),
+		*(["Did not come to their end:\n\n" + "\n".join(unfinished)] if unfinished else []),
 		f"![{title}: largest displacement over the days, one panel for each knob]({pictures}_{case}.png)",
 	]
 

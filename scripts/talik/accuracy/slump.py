@@ -30,16 +30,14 @@ standard = {
 }
 scene = {
 	"boundaries": warmAir, "skeleton": "samples", "realisations": 1, "thawed cohesion": 0.0, "thaw strain": 0.0, "follows motion": False,
-	"motion tolerance": thawslump.Ground.motionTolerance, "longest motion": thawslump.Preset.longestMotion,
-}  # what the problem of this page leaves as it is
+	"motion tolerance": thawslump.Ground.motionTolerance,
+}  # what the problem below leaves as it is
 
 
 def slump(settings, folder):
 	"""ThawSlump as the settings say; what they do not name is that of `standard` and `scene`."""
 	s = {**standard, **scene, **settings}
-	preset = thawslump.Preset(
-		s["grid spacing"], s["grains"], s["days of heat"], strainTolerance=s["sample tolerance"], realisations=s["realisations"], longestMotion=s["longest motion"],
-	)
+	preset = thawslump.Preset(s["grid spacing"], s["grains"], s["days of heat"], strainTolerance=s["sample tolerance"], realisations=s["realisations"])
 	ground = thawslump.Ground(
 		thermalTimeScale=s["thermal time scale"], bulkModulus=s["bulk modulus of water"], thawedCohesion=s["thawed cohesion"], thawStrain=s["thaw strain"],
 		followsMotion=s["follows motion"], motionTolerance=s["motion tolerance"],
