@@ -136,10 +136,11 @@ def test_a_calendar_that_takes_too_long_ends_and_the_page_says_so(smallStudy, tm
 
 
 def test_rows_of_two_builds_are_told(toyStudy, tmp_path, monkeypatch, capsys):
-	march, command = convergence.march, ["--case", "surface", "--output", str(tmp_path)]
+	march, page = convergence.march, pageIn(tmp_path)
+	command = ["--case", "surface", "--output", str(tmp_path), "--write", str(page)]
 	monkeypatch.setattr(convergence, "march", lambda settings: {**march(settings), "build": "old" if settings["follows motion"] else "new"})
 	assert convergencecommand.main(command) == 0
-	assert "measured by 2 builds of Talik" in capsys.readouterr().out
+	assert "measured by 2 builds of Talik" in capsys.readouterr().out and "measured by 2 builds of Talik" in page.read_text()
 
 
 def test_a_row_that_fails_is_a_miss_and_is_tried_again(toyStudy, tmp_path, monkeypatch, capsys):

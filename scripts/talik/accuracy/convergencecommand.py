@@ -63,9 +63,8 @@ def printReport(rows, results, folder):
 			report.printAligned(convergencepage.tableOf(case, sweeps))
 			print("\nThe two finest values of each knob differ, at most over these days, by")
 			report.printAligned(convergencepage.verdictOf(case, sweeps))
-	builds = {row.get("build") for row in there.values() if "failure" not in row}
-	if len(builds) > 1:
-		print(f"\nThese rows were measured by {len(builds)} builds of Talik; delete {results.file} to measure all of them anew.")
+	if note := convergencepage.buildsNote(there):
+		print(f"\n{note} Delete {results.file} to measure all of them anew.")
 	(folder / "table.md").write_text(convergencepage.markdown(there) + "\n")
 	pictures = convergencepage.drawAll(there, folder)
 	print(f"\n{', '.join(pictures)}, {folder / 'table.md'}; every row as it was: {results.file}")

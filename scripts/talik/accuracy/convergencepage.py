@@ -85,7 +85,14 @@ def _percent(apart):
 
 def markdown(rows, pictures="accuracy_slump"):
 	"""All there is to say of the rows, {key: row}; pictures: name of their files, less _CASE.png."""
-	return "\n\n".join(part for case in cases for part in _partsOf(case, rows, pictures))
+	parts, note = [part for case in cases for part in _partsOf(case, rows, pictures)], buildsNote(rows)
+	return "\n\n".join([note, *parts] if note else parts)
+
+
+def buildsNote(rows):
+	"""A sentence where the rows were measured by several builds of Talik, else nothing."""
+	builds = {row.get("build") for row in rows.values() if "failure" not in row}
+	return f"These rows were measured by {len(builds)} builds of Talik." if len(builds) > 1 else ""
 
 
 def _partsOf(case, rows, pictures):
