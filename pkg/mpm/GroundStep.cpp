@@ -25,7 +25,7 @@ template <int D> void Ground<D>::Parts::findFlows()
 		water->nodalPressure(clock.range);
 		for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
 			if (settings.boundaries[b]->drains() || settings.boundaries[b]->feeds()) water->open(surface->patch(b));
-		water->addPotential(grid, clock.range, *motion, momentum->wallNodes());
+		water->addPotential(grid, clock.range, *motion, momentum->heldAxes());
 		cost.lap(CostMeter::water);
 	}
 	if constexpr (D == 2)

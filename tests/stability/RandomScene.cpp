@@ -116,8 +116,6 @@ namespace {
 		w.state.cavitationPressure             = dice.chance("suction", 0.3) ? -dice.decades("pCav", 1e3, 1e5) : 0.0;
 		w.state.densityChange                  = !dice.chance("noDensityChange", 0.3);
 		w.picTime                              = dice.decades("picTimeOfLiquid", 1e-6, 1e2);
-		// hastened seepage makes energy in one of these 200 draws, see the limits
-		w.hydraulicTimeScale                   = 1.0;
 	}
 
 	template <int D> void Draw<D>::walls()

@@ -163,6 +163,19 @@ TEST(RandomSearch, WaterThatPercolatesThroughAFewRowsOfPointsSpendsNoMoreThanGra
 		return watch.figures().energyCreated;
 	};
 	for (const std::uint64_t seed : { 700343, 701952 })
-		expectSmall("water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", created(RandomScene<2>(seed)), 0.02);
+		expectSmall("water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", created(RandomScene<2>(seed)), 0.05);
 	expectSmall("water that percolates through a few rows, space, seed 21: energy from nowhere", created(RandomScene<3>(21)), 1e-3);
+}
+
+/// Found by the search (seed 165) when seepage was hastened: where water flows along a thaw front, the thawed side, which holds more of it, was
+/// taken to slide, and what the front then did to that slip drove the flow.
+TEST(RandomSearch, HastenedWaterThatFlowsAlongAThawFrontIsNoSlipAndMakesNoEnergy)
+{
+	RandomScene<2> scene(165);
+	scene.start();
+	EXPECT_GT(scene.ground->seepageScale(), 100.0);
+	Watch watch(*scene.ground, scene.outside());
+	watch.run(scene.steps, 25);
+	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+	expectSmall("hastened water along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
 }

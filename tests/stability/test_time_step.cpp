@@ -181,7 +181,6 @@ TEST(TimeStep, ThawAndFrostAreStableAtEveryScaleOfThermalTimeAndStiffnessOfWater
 				s.heat->thermalTimeScale = scale;
 				s.freezing               = makeFreezingCurve();
 				s.water->state           = softWater(modulus).state;
-				s.water->hydraulicTimeScale = 1.0; // the map is of heat; hastened, one of its runs makes 10 % of energy, see the limits
 				s.boundaries.erase(s.boundaries.begin() + 3, s.boundaries.end()); // closed: no drain, no load
 				addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), surface);
 				Ground<2> ground(s);

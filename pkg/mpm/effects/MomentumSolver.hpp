@@ -66,8 +66,8 @@ public:
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
 	const std::vector<int>& freeLiquid() const { return freeLiquid_; }
-	/// Nodes on walls, in front of them and behind.
-	const std::vector<int>& wallNodes() const { return wallNodes_; }
+	/// Axes along which a wall holds the ground at a node on it, in front of it or behind, a bit each.
+	const std::vector<unsigned char>& heldAxes() const { return heldAxes_; }
 
 private:
 	struct Load {
@@ -94,6 +94,7 @@ private:
 	std::vector<typename MotionConstraints<D>::Mirror> mirrors_; ///< those whose liquid is held first
 	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
 	std::vector<int>        freeLiquid_;
+	std::vector<unsigned char> heldAxes_;
 	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
 	std::vector<char>       isWall_;
 	std::vector<WallRecord> walls_;

@@ -47,7 +47,6 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	flux.allocate(grid.nodeCount());
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
-	carried_.assign(grid.nodeCount(), 0.0);
 	open_.assign(grid.nodeCount(), 0);
 	if constexpr (D == 2) exchange.shareColumns(solved, exchangeSize);
 	none_.assign(blockSize, 0.0);
@@ -90,6 +89,7 @@ template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 			double* r = cellRecord(c);
 			if (!(r[0] > 0.0)) continue;
 			r[1] /= r[0];
+			r[drivingAt] = r[1];
 			r[heightAt] /= r[0];
 		}
 	});
@@ -239,34 +239,29 @@ template <int D> void PoreWater<D>::open(const SurfacePatch<D>& patch)
 }
 
 template <int D>
-void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<int>& wallNodes)
+void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<unsigned char>& heldAxes)
 {
 	const Vec<D> gravity = motion.settings->gravity;
 	const double square  = dot<D>(gravity, gravity), falling = 1.0 - motion.settings->localDamping;
+	if (square == 0.0) return;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
-			const double* r    = motion.nodes[i];
-			const double  mass = r[motion.massAt] + nodes[i][massAt];
-			double        held = 0.0;
-			for (int a = 0; a < D; ++a)
-				held -= r[motion.forceAt + a] * gravity[a];
-			carried_[i] = mass > 0.0 && square > 0.0 ? 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0)) : 0.0;
-		}
-	});
-	for (const int i : wallNodes)
-		carried_[i] = 1.0;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			double* r = nodes[i];
+			double*    r    = nodes[i];
+			const bool open = open_[i];
+			open_[i]        = 0;
 			if (!(r[massAt] > 0.0)) continue;
+			const double*            solid  = motion.nodes[i];
+			const double             mass   = solid[motion.massAt] + r[massAt];
 			const std::array<int, D> node   = grid.nodeOf(i);
-			double                   atNode = 0.0;
-			for (int a = 0; a < D; ++a)
+			double                   atNode = 0.0, held = 0.0;
+			for (int a = 0; a < D; ++a) {
 				atNode -= weight[a] * grid.nodePosition(a, node[a]);
-			const double atNodeMass = r[massAt] * atNode;
-			r[potentialAt]          = atNodeMass + (open_[i] ? 0.0 : carried_[i]) * (r[potentialAt] - atNodeMass);
+				held += heldAxes[i] >> a & 1 ? mass * gravity[a] * gravity[a] : -solid[motion.forceAt + a] * gravity[a];
+			}
+			atNode *= r[massAt];
+			const double carried = open ? 0.0 : 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0));
+			r[potentialAt]       = atNode + carried * (r[potentialAt] - atNode);
 			nodal[i][0] += r[potentialAt] * nodal[i][2];
-			open_[i] = 0;
 		}
 	});
 }

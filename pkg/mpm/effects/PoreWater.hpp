@@ -60,7 +60,7 @@ public:
 	/// work that the points, which receive what flows, lose by their height. At the place of the node it would push water through closed
 	/// surfaces, and drag would spend what nothing gave. That is so as far as stress and damping carry the ground; what falls freely does not flow,
 	/// and through open surfaces water flows by its weight: there x is the node's place.
-	void addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<int>& wallNodes);
+	void addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<unsigned char>& heldAxes);
 	/// Completes the force on the liquid, -n_I grad(p - rho_l g.x), but for what lies outside drained surfaces.
 	void liquidForce(const ActiveRange& range);
 	void drainedForce(const SurfacePatch<D>& patch, double pressure);
@@ -147,7 +147,7 @@ private:
 	struct Face {
 		double conductance, flow;
 	};
-	double drivingPressure(int cell) { return cellRecord(cell)[iceMass_ ? drivingAt : 1]; }
+	double drivingPressure(int cell) { return cellRecord(cell)[drivingAt]; }
 	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
 	double mobility(int cell, double volume, double liquidDensity);
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
@@ -178,7 +178,6 @@ private:
 	void take(int p, const double* share, double diluted, double* waterMass, double* enthalpy);
 
 	std::vector<double> cells_;
-	std::vector<double> carried_; ///< part of the weight of a node that stress and damping carry [-]
 	std::vector<char>   open_;    ///< nodes through whose surface water may cross in this step
 	PointFields::Handle velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};

@@ -331,10 +331,8 @@ template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impul
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
 	using M              = SolidMotion<D>;
-	using W              = PoreWater<D>;
 	const int     node   = nodes_[slot];
 	const double* all    = motion_->nodes[node];
-	const double* liquid = water_ ? water_->nodes[node] : nullptr;
 	const double* r      = record(slot);
 	Meeting&      m      = meetings_[slot];
 	m                    = Meeting();
@@ -359,11 +357,10 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	for (int a = 0; a < D; ++a) {
 		m.normal[a] /= m.area;
 		if (constraints.solidFixed(node, a)) continue;
-		const double frozenMomentum = r[momentumAt + a] + r[liquidMomentumAt + a];
-		const double momentum       = all[M::momentumAt + a] + (liquid ? liquid[W::momentumAt + a] : 0.0) - frozenMomentum;
 		const double frozenForce    = r[forceAt + a];
 		const double parting        = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
-		m.jump[a]                   = momentum / mass[1] - frozenMomentum / mass[0] + dt * parting;
+		// of the skeletons: the thawed side holds more water, and does not slide because that flows
+		m.jump[a]                   = (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
 	m.slope     = r[slopeAt] / r[thawedVolumeAt];
