@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/GroundChecks.hpp>
 #include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
@@ -11,7 +10,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 {
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
-	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->cellAveraging);
+	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
@@ -104,7 +103,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
 	if (content) {
 		const int failed = content->update(0, n);
-		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->complaint(failed));
+		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed));
 	}
 	if (heat) heat->chooseSmoothing(grid, n);
 	if (front) front->start();

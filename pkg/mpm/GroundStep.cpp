@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/GroundParts.hpp>
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -323,7 +322,7 @@ template <int D> void Ground<D>::Parts::collectSurfaces()
 	cost.lap(CostMeter::surface);
 }
 
-template <int D> void Ground<D>::mapToGrid()
+template <int D> void Ground<D>::p2g()
 {
 	Parts& g = *parts_;
 	if (g.allRests()) return;
@@ -384,7 +383,7 @@ template <int D> void Ground<D>::solveNodes()
 	if (g.motion) g.solveMomentum();
 }
 
-template <int D> void Ground<D>::mapToPoints()
+template <int D> void Ground<D>::g2p()
 {
 	Parts& g = *parts_;
 	if (g.motion) {
@@ -394,16 +393,16 @@ template <int D> void Ground<D>::mapToPoints()
 	g.clock.halfDone = 1;
 	if (g.allRests()) return;
 	if (g.averaging()) g.cells->clearSums(g.clock.range);
-	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, lent = D == 2 && conducts && g.water;
+	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = D == 2 && conducts && g.water;
 	const auto gather  = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
                 double gained[blockSize];
                 if (g.water) {
                         g.water->gather(
-                                g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), lent ? gained : nullptr);
+                                g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
                         sample.lap(CostMeter::water);
                 }
                 if (conducts) {
-                        g.heat->gather(g.grid, w, lent ? gained : nullptr);
+                        g.heat->gather(g.grid, w, inRecordOfWater ? gained : nullptr);
                         sample.lap(CostMeter::heat);
                 }
                 if (!g.motion) return;
@@ -493,7 +492,7 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 		if (failed < 0) continue;
 		const int p = failed;
 		std::fill(bad.begin(), bad.end(), -1);
-		throw std::runtime_error(whereabouts(p) + " is in an impossible state: " + content->complaint(p) + "; the step has ended half way: go on from a checkpoint with other settings");
+		throw std::runtime_error(whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p) + "; the step has ended half way: go on from a checkpoint with other settings");
 	}
 }
 
@@ -564,15 +563,15 @@ template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
 template void Ground<2>::Parts::useScale();
 template void Ground<3>::Parts::useScale();
 template void Ground<2>::beginStep(double);
-template void Ground<2>::mapToGrid();
+template void Ground<2>::p2g();
 template void Ground<2>::solveNodes();
-template void Ground<2>::mapToPoints();
+template void Ground<2>::g2p();
 template void Ground<2>::updateStrainAndPressure();
 template void Ground<2>::updateEffectiveStress();
 template void Ground<3>::beginStep(double);
-template void Ground<3>::mapToGrid();
+template void Ground<3>::p2g();
 template void Ground<3>::solveNodes();
-template void Ground<3>::mapToPoints();
+template void Ground<3>::g2p();
 template void Ground<3>::updateStrainAndPressure();
 template void Ground<3>::updateEffectiveStress();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
 
 namespace yade {
@@ -37,7 +37,7 @@ talik::TimeTable GroundBoundary::overTime(Real constant) const
 
 GroundBoundary::Pointer GroundBoundary::build() const
 {
-	throw std::invalid_argument("GroundBoundary says nothing by itself: use RollerBoundary, FixedBoundary, SurfaceTemperature, …");
+	throw std::invalid_argument("GroundBoundary is only a base class: use RollerBoundary, FixedBoundary, SurfaceTemperature, …");
 }
 GroundBoundary::Pointer RollerBoundary::build() const { return std::make_shared<talik::RollerBoundary<2>>(always()); }
 GroundBoundary::Pointer FixedBoundary::build() const { return std::make_shared<talik::FixedBoundary<2>>(always()); }

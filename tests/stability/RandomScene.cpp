@@ -50,9 +50,9 @@ namespace {
 		s.motion->transfer    = velocityTransferFromName(transfer == "apic" && s.shapeFunction == "linear" ? "tpic" : transfer);
 		s.motion->picTime       = dice.decades("picTime", 1e-6, 1e2);
 		s.motion->localDamping  = dice.chance("damped", 0.2) ? 0.7 : 0.0;
-		s.motion->cellAveraging = !dice.chance("noCellMeans", 0.25);
+		s.motion->bBar = !dice.chance("noCellMeans", 0.25);
 		if (dice.chance("gravity", 0.7)) s.motion->gravity = along(dice.uniform(-3.0, 3.0), -9.81);
-		s.waveFraction = dice.between("waveFraction", 0.1, 0.99);
+		s.courantNumber = dice.between("courantNumber", 0.1, 0.99);
 	}
 
 	template <int D> void Draw<D>::skeletons()

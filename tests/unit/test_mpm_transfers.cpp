@@ -74,6 +74,7 @@ template <int D> struct RandomGround {
 			water.addPressure(cells, first, last);
 		});
 		water.finishPressure(range);
+		water.findDrivingPressure(grid, range, cells, Vec<D> {}, 1000.0);
 	}
 
 	static Vec<D> box(double value)

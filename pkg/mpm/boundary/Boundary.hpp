@@ -2,13 +2,41 @@
 #pragma once
 
 #include <pkg/mpm/grid/Grid.hpp>
-#include <pkg/mpm/boundary/TimeTable.hpp>
 
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace talik {
+
+/// A value that changes with time: piecewise linear between the given instants, constant before the first and after the last.
+class TimeTable {
+public:
+	TimeTable(double constant = 0.0)
+	        : times_ { 0.0 }
+	        , values_ { constant }
+	{
+	}
+	/// times [s] strictly increasing, as many as values; checked by validate().
+	TimeTable(std::vector<double> times, std::vector<double> values)
+	        : times_(std::move(times))
+	        , values_(std::move(values))
+	{
+	}
+
+	double at(double time) const;
+	bool   isZero() const;
+
+	/// Throws std::invalid_argument naming owner if the table is empty, not finite or its instants do not increase.
+	void validate(const std::string& owner) const;
+
+	const std::vector<double>& times() const { return times_; }
+	const std::vector<double>& values() const { return values_; }
+
+private:
+	std::vector<double> times_;
+	std::vector<double> values_;
+};
 
 /// One side of the grid's box.
 struct Side {
@@ -116,8 +144,8 @@ struct TemperatureNode {
 	int boundary; ///< index of the boundary that prescribes
 };
 
-/// A condition on part of the surface of the ground. A new one is one file with a class like those below and a line in
-/// Boundaries.hpp; it overrides what it needs.
+/// A condition on part of the surface of the ground. A new one is a class in the files of its kind that overrides what it needs;
+/// see "How to add a boundary" in pkg/mpm/README.md.
 template <int D> class Boundary {
 public:
 	explicit Boundary(const Region<D>& region)

@@ -377,6 +377,11 @@ void MomentumSolver<D>::solve(
 {
 	const bool damped = motion.settings->localDamping > 0.0;
 	rememberWalls(motion, water);
+	if (front) {
+		front->addGravity();
+		for (const Load& load : loads_)
+			front->addLoad(load.node, load.force);
+	}
 	fold(motion, water, dt);
 	if (water) {
 		damped ? solveTwoPhase<true>(range, motion, *water, dt) : solveTwoPhase<false>(range, motion, *water, dt);

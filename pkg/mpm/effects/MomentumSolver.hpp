@@ -15,7 +15,7 @@ struct PhaseAccelerations {
 	double solid, liquid; ///< [m/s^2]
 };
 
-/// Accelerations of one node with the drag between the phases implicit, in any direction:
+/// Accelerations of one node with the drag between the phases implicit, in any direction, eq. (8.2):
 ///   M_s a_s + M_l a_l = f_m,   (M_l + dt Q) a_l - dt Q a_s = f_l - Q (v_l - v_s)
 /// Permeability then does not limit the step.
 class NodeDrag {

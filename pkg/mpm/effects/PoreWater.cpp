@@ -48,7 +48,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
 	open_.assign(grid.nodeCount(), 0);
-	if constexpr (D == 2) exchange.lend(solved, exchangeSize);
+	if constexpr (D == 2) exchange.shareColumns(solved, exchangeSize);
 	none_.assign(blockSize, 0.0);
 }
 

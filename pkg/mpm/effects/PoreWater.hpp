@@ -25,7 +25,7 @@ public:
 	static constexpr int massAt = 0, momentumAt = 1, volumeAt = 1 + D, liquidVolumeAt = 2 + D, pressureAt = 3 + D, dragAt = 4 + D, potentialAt = 5 + D;
 	/// Exchange by seepage: mass, enthalpy, momentum; first sums, then per liquid mass of the node.
 	static constexpr int exchangeSize = 2 + D;
-	/// In 2-D records are as long as the vectors of the plane loops: numbers that water has no use for are lent to heat.
+	/// In 2-D records are as long as the vectors of the plane loops: the columns that water does not need hold nodal values of heat.
 	static constexpr int nodalSize = D == 2 ? 4 : 3, forceSize = D == 2 ? 4 : D, gatheredSize = D == 2 ? 8 : exchangeSize;
 
 	PoreWater(PointFields& fields, const WaterSettings& settings);

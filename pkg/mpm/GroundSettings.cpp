@@ -1,12 +1,36 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
-#include <pkg/mpm/GroundChecks.hpp>
+#include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <algorithm>
+#include <stdexcept>
 
 namespace talik {
+
+std::vector<std::string> velocityTransferNames() { return { "flip", "apic", "tpic" }; }
+
+VelocityTransfer velocityTransferFromName(const std::string& name)
+{
+	std::string known;
+	int         at = 0;
+	for (const std::string& entry : velocityTransferNames()) {
+		if (name == entry) return static_cast<VelocityTransfer>(at);
+		known += (known.empty() ? "" : ", ") + entry;
+		++at;
+	}
+	throw std::invalid_argument("transfer = '" + name + "': choose one of " + known);
+}
+
+double keptFraction(double picTime, double dt) { return std::exp(-dt / picTime); }
+
+double gravityTime(double spacing, double gravity)
+{
+	constexpr double ofTheEarth = 9.81;
+	return std::sqrt(spacing / std::max(gravity, ofTheEarth));
+}
 
 template <int D> void checkCalendar(const GroundSettings<D>& s)
 {
@@ -22,6 +46,7 @@ template <int D> void checkCalendar(const GroundSettings<D>& s)
 	        "must be positive and no more than thermalTimeScale = " + fast.str());
 	requireSetting(
 	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance, "must lie between 1e-6 and 1 m/s, e.g. 0.01");
+	requireSetting(heat.eventSpeed >= 0.0 && std::isfinite(heat.eventSpeed), "eventSpeed", heat.eventSpeed, "must not be negative, in m/s, e.g. 1e-5");
 	requireSetting(
 	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "eventDisplacement", heat.eventDisplacement, "must be positive, in m, e.g. 0.02");
 }
@@ -41,7 +66,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	requireSetting(
 	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
-	requireSetting(s.waveFraction > 0.0 && s.waveFraction <= 1.0, "waveFraction", s.waveFraction, "must lie in (0, 1]");
+	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
 	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "motionFraction", s.motionFraction, "must lie in (0, 0.5]");
 	if (s.motion) {
