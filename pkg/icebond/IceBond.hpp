@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <Eigen/Core>
 #include <pkg/icebond/IceBondModel.hpp>
+#include <type_traits>
 
+/// The law of a contact that ice may bond. Overlap u_n and normal force F_n are positive in compression; k_g is the stiffness of the
+/// grains, k_ice that of the ice, mu the friction, A_b the area of the bond.
+///  NONE     F_n = k_g u_n, |s| <= mu F_n; gone when u_n < 0.
+///  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b + mu max(F_n, 0).
+///           In tension: no force in that step, the ice spring is cut. In shear: u_grain = 0, F_n = k_g max(u_n, 0) + k_ice max(u_n - u_ice, 0),
+///           |s| <= mu F_n; the ice spring is cut if it does not push.
+///  BROKEN   as NONE once the ice spring is cut; until then F_n = k_g u_n + k_ice (u_n - u_ice), and it is cut when u_n <= u_ice.
+/// Without an intact bond nothing is carried across a gap (u_n < 0). Whenever s is limited, the part s_ice carried by ice shrinks in
+/// proportion. The limits of a step are in ContactForces.hpp; what a failure, a change of ice saturation, a melt and new ice do is here.
 namespace talik {
 
 /// Stiffness of one contact without ice and what ice saturation makes of it.
@@ -10,47 +21,81 @@ struct ContactStiffness {
 	double shearRatio; ///< k_s/k_n [-]
 	double iceRatio;   ///< stiffness of the ice spring over k_g, IceBondModel::iceStiffnessRatio [-]
 	double ice() const { return grain * iceRatio; }
-	double total() const { return grain * (1. + iceRatio); }
+	double total() const { return grain + ice(); }
+	double iceShare() const { return iceRatio / (1 + iceRatio); }
 };
 
-/// Memory of one contact: a grain spring beside an ice spring (rule parallel), or one spring with a moving reference
-/// (forceContinuous, secant). Overlap u_n and normal force are positive in compression. Shear is a vector (YADE) or a scalar.
-template <class Shear> struct IceBond {
+/// Forces at which an intact bond fails, eq. (5) times the area of the bond [N].
+struct BondStrength {
+	double tensile, shear;
+};
+
+/// A contact as one step sees it, F_n = stiffness u_n - offset. Number is double, or a vector with one contact in every lane.
+template <class Number> struct ContactResponse {
+	Number stiffness; ///< of the springs in force [N/m]
+	Number offset;    ///< [N]
+	Number floor;     ///< < 0: an intact bond, which fails below this force; > 0: a broken one, to be settled below it; 0: no bond [N]
+	Number cohesion;  ///< limit of the shear force of an intact bond without friction [N]
+	Number iceShare;  ///< part of every shear increment that the ice carries [-]
+};
+
+/// Forces of one step. Shear is a scalar for discs, a vector for spheres.
+template <class Number, class Shear> struct ContactForces {
+	Number overlap, trialNormal; ///< [m], [N]: before any limit
+	Shear  trialShear;           ///< before any limit [N]
+	Shear  increment;            ///< what the trial shear has been reduced by in this step [N]
+	Number normal;               ///< [N]
+	Shear  shear, iceShear;      ///< [N]
+};
+
+enum class BondFailure { none, tension, shear };
+
+inline double shearNorm(double shear) { return std::fabs(shear); }
+inline double shearNorm(const Eigen::Matrix<double, 3, 1>& s) { return std::sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]); }
+
+template <class Shear> void clearShear(Shear& shear)
+{
+	if constexpr (std::is_arithmetic<Shear>::value) shear = 0;
+	else shear.setZero();
+}
+
+/// Memory of one contact: a grain spring beside an ice spring (rule parallel), or one spring with a moving reference (forceContinuous,
+/// secant). The shear forces `shear`, and `iceShear` of which the ice carries, are kept by who owns the contact [N].
+struct IceBond {
 	BondState state  = BondState::NONE;
 	bool      iceCut = false; ///< the ice spring of a broken bond has opened and carries nothing any more
 	double    uGrain = 0;     ///< overlap at which the grain spring of an intact bond is free [m]
 	double    uIce   = 0;     ///< overlap at which the ice spring is free [m]
-	Shear     iceShear;       ///< part of the shear force that the ice carries [N]
 
-	bool hasIceSpring() const { return state == BondState::BONDED || (state == BondState::BROKEN && !iceCut); }
+	bool intact() const { return state == BondState::BONDED; }
+	bool hasIceSpring() const { return intact() || (state == BondState::BROKEN && !iceCut); }
 
-	/// Normal force [N] at overlap un [m]. A broken bond pushes only, and its ice opens for good when un falls to uIce.
-	double normalForce(const ContactStiffness& k, double un, StiffnessRule rule)
+	ContactResponse<double> response(const ContactStiffness& k, const BondStrength& strength, StiffnessRule rule = StiffnessRule::parallel) const
 	{
-		if (rule != StiffnessRule::parallel) {
-			const double force = k.total() * (un - uIce);
-			return state == BondState::BONDED ? force : std::max(force, 0.);
-		}
-		if (state == BondState::BONDED) return k.grain * (un - uGrain) + k.ice() * (un - uIce);
-		const double grainForce = k.grain * std::max(un, 0.);
-		if (!hasIceSpring()) return grainForce;
-		if (un <= uIce) cutIce();
-		return grainForce + (iceCut ? 0. : k.ice() * (un - uIce));
+		const double limit = -std::max(watched, strength.tensile);
+		if (rule != StiffnessRule::parallel) return { k.total(), k.total() * uIce, intact() ? limit : 0., intact() ? strength.shear : 0., 0. };
+		if (intact()) return { k.total(), k.grain * uGrain + k.ice() * uIce, limit, strength.shear, k.iceShare() };
+		if (!hasIceSpring()) return { k.grain, 0., state == BondState::NONE ? 0. : watched, 0., 0. };
+		// the ice spring is relaxed, or the contact opens, where the force is this
+		const double release = uIce > 0 ? k.grain * uIce : -k.ice() * uIce;
+		return { k.total(), k.ice() * uIce, std::max(watched, release), 0., k.iceShare() };
 	}
 
-	/// Shear stiffness now [N/m].
-	double shearStiffness(const ContactStiffness& k, StiffnessRule rule) const
+	/// The bond without an ice spring that is relaxed at this overlap.
+	IceBond relaxed(double un) const
 	{
-		return k.shearRatio * (rule == StiffnessRule::parallel && !hasIceSpring() ? k.grain : k.total());
+		IceBond now = *this;
+		if (!intact() && hasIceSpring() && un <= uIce) now = { state, true, 0, 0 };
+		return now;
 	}
 
 	/// New ice at overlap un is free of stress: no force appears. Reference of a bond across a gap is the gap. A broken bond whose
 	/// ice still carries keeps what it carries.
-	void form(double un, StiffnessRule rule)
+	template <class Shear> void form(double un, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
 	{
 		if (!hasIceSpring()) {
 			if (rule == StiffnessRule::parallel || un < 0) uIce = un;
-			iceShear = iceShear * 0.;
+			clearShear(iceShear);
 		}
 		state  = BondState::BONDED;
 		iceCut = false;
@@ -58,67 +103,94 @@ template <class Shear> struct IceBond {
 	}
 
 	/// Ice grows (forces stay) or melts (melted ice drops its share), Yu & Zhao eqs (5)-(7) with the rule chosen.
-	void changeStiffness(const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, StiffnessRule rule)
+	template <class Shear>
+	void changeStiffness(
+	        const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
 	{
-		if (rule == StiffnessRule::secant) shear = shear * (after.total() / before.total());
-		else if (rule == StiffnessRule::forceContinuous) uIce = un - before.total() / after.total() * (un - uIce);
-		else if (hasIceSpring()) changeIceSpring(before.ice(), after.ice(), un, shear);
+		if (rule == StiffnessRule::secant) {
+			shear *= after.total() / before.total();
+		} else if (rule == StiffnessRule::forceContinuous) {
+			uIce = un - before.total() / after.total() * (un - uIce);
+		} else if (hasIceSpring() && after.iceRatio < before.iceRatio) {
+			const double kept = after.iceRatio / before.iceRatio;
+			shear -= iceShear * (1 - kept);
+			iceShear *= kept;
+		} else if (hasIceSpring() && after.iceRatio > 0) {
+			uIce = un - before.iceRatio / after.iceRatio * (un - uIce);
+		}
 	}
 
 	/// Complete melt: back to friction, the ice share of the shear force is gone.
-	void melt(Shear& shear, StiffnessRule rule)
+	template <class Shear> void melt(Shear& shear, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
 	{
 		if (state == BondState::NONE) return;
-		if (rule == StiffnessRule::parallel) shear = shear - iceShear;
-		state    = BondState::NONE;
-		iceCut   = false;
-		uGrain   = 0;
-		uIce     = rule == StiffnessRule::forceContinuous ? uIce : 0;
-		iceShear = iceShear * 0.;
+		if (rule == StiffnessRule::parallel) shear -= iceShear;
+		clearShear(iceShear);
+		*this = { BondState::NONE, false, 0, rule == StiffnessRule::forceContinuous ? uIce : 0 };
 	}
 
-	/// Failure of a bond that has outlasted its ice: frictional at once, so that new ice bonds it again. Returns the normal force after it [N].
-	double breakThawed(const ContactStiffness& k, double un)
+	/// A bond at its limit fails, in tension first; a broken one below its floor opens, or its ice spring is relaxed. From the trial
+	/// forces those of this step. thawed: the bond has outlasted its ice and leaves a frictional contact, which new ice bonds again.
+	template <class Shear>
+	BondFailure settle(
+	        const ContactStiffness& k, const BondStrength& strength, double friction, bool thawed, ContactForces<double, Shear>& f,
+	        StiffnessRule rule = StiffnessRule::parallel)
 	{
-		state    = BondState::NONE;
-		iceCut   = false;
-		uGrain = uIce = 0;
-		iceShear      = iceShear * 0.;
-		return k.grain * std::max(un, 0.);
-	}
-
-	/// Failure in tension: nothing is carried in this step, only grains push from now on.
-	void breakInTension(Shear& shear)
-	{
-		state  = BondState::BROKEN;
-		iceCut = true;
-		uGrain = uIce = 0;
-		shear = iceShear = iceShear * 0.;
-	}
-
-	/// Failure in shear: friction remains. Returns the normal force after the break [N].
-	double breakInShear(const ContactStiffness& k, double un, StiffnessRule rule)
-	{
-		state  = BondState::BROKEN;
-		uGrain = 0;
-		return normalForce(k, un, rule);
+		BondFailure failure = BondFailure::none;
+		f.shear             = f.trialShear;
+		if (!intact()) {
+			relax(k, f);
+		} else if (f.trialNormal < response(k, strength, rule).floor) {
+			failure  = BondFailure::tension;
+			*this    = broken(thawed);
+			f.normal = 0;
+		} else {
+			failure = BondFailure::shear;
+			breakInShear(k, thawed, f, rule);
+		}
+		if (f.overlap < 0) { // nothing holds or pushes across a gap any more
+			f.normal = 0;
+			iceCut   = state == BondState::BROKEN;
+		}
+		if (!hasIceSpring()) clearShear(f.iceShear);
+		slide(friction * f.normal, f);
+		return failure;
 	}
 
 private:
-	void cutIce()
+	/// Force that is different from zero and far too small to matter: marks a contact to be watched.
+	static constexpr double watched = 1e-300;
+
+	static IceBond broken(bool thawed) { return { thawed ? BondState::NONE : BondState::BROKEN, !thawed, 0, 0 }; }
+
+	template <class Shear> static void slide(double limit, ContactForces<double, Shear>& f)
 	{
-		iceCut   = true;
-		iceShear = iceShear * 0.;
+		const double norm = shearNorm(f.shear);
+		if (norm <= limit) return;
+		if (limit == 0) clearShear(f.shear);
+		f.shear *= limit / norm;
+		f.iceShear *= limit / norm;
 	}
-	void changeIceSpring(double before, double after, double un, Shear& shear)
+
+	template <class Shear> void relax(const ContactStiffness& k, ContactForces<double, Shear>& f)
 	{
-		if (after > before) {
-			uIce = un - (before > 0 ? before / after : 0.) * (un - uIce);
-		} else {
-			const double remaining = before > 0 ? after / before : 0.;
-			shear                  = shear - iceShear * (1. - remaining);
-			iceShear               = iceShear * remaining;
+		f.normal = k.grain * f.overlap;
+		if (!hasIceSpring()) return;
+		if (f.overlap > uIce) {
+			f.normal += k.ice() * (f.overlap - uIce);
+		} else { // the ice takes no part in this step
+			f.shear += f.increment * k.iceShare();
+			*this = broken(false);
 		}
+	}
+
+	template <class Shear> void breakInShear(const ContactStiffness& k, bool thawed, ContactForces<double, Shear>& f, StiffnessRule rule)
+	{
+		const bool   single = rule != StiffnessRule::parallel;
+		const double grain = k.grain * std::max(f.overlap, 0.), push = thawed ? 0. : k.ice() * std::max(f.overlap - uIce, 0.);
+		f.normal = single && !thawed ? k.total() * std::max(f.overlap - uIce, 0.) : push + grain;
+		if (!thawed && (single || push > 0)) *this = { BondState::BROKEN, false, 0, uIce };
+		else *this = broken(thawed);
 	}
 };
 

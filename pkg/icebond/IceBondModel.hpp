@@ -29,7 +29,6 @@ struct IceBondModel {
 	double bondSaturation   = 0.05;   ///< S_bond: ice rising through it bonds every frictional contact in range [-], >= S_melt
 	double bondRange        = 0.05;   ///< largest gap that is bonded, in units of R_min [-]
 	double thawedStrength   = 0.;     ///< tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0; 0: it is gone then
-	StiffnessRule rule      = StiffnessRule::parallel;
 	bool cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
 
 	/// Of grains that no ice bonds or stiffens, whatever the ice saturation.

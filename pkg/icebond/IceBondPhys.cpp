@@ -7,24 +7,14 @@
 namespace yade {
 YADE_PLUGIN((IceBondPhys)(Ip2_IceBondMat_IceBondMat_IceBondPhys));
 
-talik::IceBond<Vector3r> IceBondPhys::bond() const
-{
-	talik::IceBond<Vector3r> b;
-	b.state    = static_cast<talik::BondState>(bondState);
-	b.iceCut   = iceCut;
-	b.uGrain   = uGrain;
-	b.uIce     = uIce;
-	b.iceShear = iceShear;
-	return b;
-}
+talik::IceBond IceBondPhys::bond() const { return { static_cast<talik::BondState>(bondState), iceCut, uGrain, uIce }; }
 
-void IceBondPhys::setBond(const talik::IceBond<Vector3r>& b)
+void IceBondPhys::setBond(const talik::IceBond& b)
 {
 	bondState = static_cast<int>(b.state);
 	iceCut    = b.iceCut;
 	uGrain    = b.uGrain;
 	uIce      = b.uIce;
-	iceShear  = b.iceShear;
 }
 
 namespace {

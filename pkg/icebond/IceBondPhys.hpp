@@ -13,8 +13,8 @@ class IceBondPhys : public FrictPhys {
 public:
 	virtual ~IceBondPhys() {};
 	/// The bond as the formulas see it, and back.
-	talik::IceBond<Vector3r> bond() const;
-	void                     setBond(const talik::IceBond<Vector3r>&);
+	talik::IceBond bond() const;
+	void           setBond(const talik::IceBond&);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondPhys,FrictPhys,"Contact of two grains of :yref:`IceBondMat`: frictional, bonded by ice, or broken. Forces and overlaps are positive in compression. Example: [i.phys.bondState for i in O.interactions if i.isReal].",
 		((int,bondState,0,,"0: frictional, 1: intact ice bond, 2: bond broken mechanically (frictional until melted)."))

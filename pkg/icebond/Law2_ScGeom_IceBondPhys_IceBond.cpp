@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/icebond/ContactForces.hpp>
 #include <pkg/icebond/Law2_ScGeom_IceBondPhys_IceBond.hpp>
 #include <stdexcept>
 
 namespace yade {
 YADE_PLUGIN((Law2_ScGeom_IceBondPhys_IceBond));
 
+using talik::BondFailure;
 using talik::BondState;
+using talik::BondStrength;
 using talik::ContactStiffness;
+using Forces = talik::ContactForces<double, Vector3r>;
 using talik::IceBondModel;
 using talik::StiffnessRule;
 
@@ -41,7 +45,6 @@ IceBondModel Law2_ScGeom_IceBondPhys_IceBond::weakerModel(const Interaction* int
 		both.thawedStrength      = std::min(both.thawedStrength, other.thawedStrength);
 	}
 	both.cohesionDisablesFriction = cohesionDisablesFriction;
-	both.rule                     = rule;
 	return both;
 }
 
@@ -53,7 +56,7 @@ ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, do
 /// Without its bond a contact cannot push across a gap that shrinking grains have left, see GrainSwelling.
 void Law2_ScGeom_IceBondPhys_IceBond::meltBond(Contact& c)
 {
-	c.bond.melt(c.phys.shearForce, rule);
+	c.bond.melt(c.phys.shearForce, c.phys.iceShear, rule);
 	if (c.phys.uRef >= 0) return;
 	c.phys.uRef = 0;
 	c.un        = c.geom.penetrationDepth;
@@ -67,7 +70,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturatio
 	if (c.model.melted(iceSaturation)) {
 		if (c.bond.state != BondState::BONDED || !c.model.bondsOutlastIce()) meltBond(c);
 	} else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
-		c.bond.form(c.un, rule);
+		c.bond.form(c.un, c.phys.iceShear, rule);
 	c.phys.bondNow = false;
 }
 
@@ -76,19 +79,8 @@ void Law2_ScGeom_IceBondPhys_IceBond::takeUpIceSaturation(Contact& c, double ice
 	const double before = c.phys.iceSaturation;
 	if (iceSaturation == before && !c.phys.bondNow) return;
 	formOrMelt(c, iceSaturation);
-	c.bond.changeStiffness(stiffness(c, before), stiffness(c, iceSaturation), c.un, c.phys.shearForce, rule);
+	c.bond.changeStiffness(stiffness(c, before), stiffness(c, iceSaturation), c.un, c.phys.shearForce, c.phys.iceShear, rule);
 	c.phys.iceSaturation = iceSaturation;
-}
-
-void Law2_ScGeom_IceBondPhys_IceBond::integrateShear(Contact& c, const ContactStiffness& k)
-{
-	c.geom.rotate(c.phys.shearForce);
-	c.phys.ks = c.bond.shearStiffness(k, rule);
-	c.phys.shearForce -= c.phys.ks * c.geom.shearIncrement();
-	if (rule == StiffnessRule::parallel && c.bond.hasIceSpring()) {
-		c.geom.rotate(c.bond.iceShear);
-		c.bond.iceShear -= k.shearRatio * k.ice() * c.geom.shearIncrement();
-	}
 }
 
 void Law2_ScGeom_IceBondPhys_IceBond::countBroken()
@@ -97,32 +89,24 @@ void Law2_ScGeom_IceBondPhys_IceBond::countBroken()
 	brokenBonds++;
 }
 
-/// Tension, then shear, then friction; returns the normal force that remains [N].
-double Law2_ScGeom_IceBondPhys_IceBond::limitForces(Contact& c, const ContactStiffness& k, double normalForce)
+void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness& k)
 {
-	const double friction = c.phys.tangensOfFrictionAngle;
-	if (c.bond.state == BondState::BONDED) {
-		const double area = c.phys.bondArea;
-		const bool   thawed = c.model.melted(c.phys.iceSaturation);
-		if (normalForce < -c.model.tensileStrength(c.phys.iceSaturation) * area) {
-			c.bond.breakInTension(c.phys.shearForce);
-			if (thawed) c.bond.breakThawed(k, c.un);
-			countBroken();
-			return 0;
-		}
-		const double frictional = c.model.cohesionDisablesFriction ? 0 : friction * std::max(normalForce, 0.);
-		const double limit      = c.model.shearStrength(c.phys.iceSaturation) * area + frictional;
-		if (c.phys.shearForce.squaredNorm() <= limit * limit) return normalForce;
-		normalForce = thawed ? c.bond.breakThawed(k, c.un) : c.bond.breakInShear(k, c.un, rule);
-		countBroken();
-	}
-	const double maxShear = friction * normalForce;
-	if (c.phys.shearForce.squaredNorm() > maxShear * maxShear) {
-		const double ratio = maxShear / c.phys.shearForce.norm();
-		c.phys.shearForce *= ratio;
-		c.bond.iceShear *= ratio;
-	}
-	return normalForce;
+	const double       friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
+	const BondStrength strength { c.model.tensileStrength(saturation) * area, c.model.shearStrength(saturation) * area };
+	const auto         contact = c.bond.response(k, strength, rule);
+	const auto         settle  = [&](bool, Forces& forces) {
+        if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces, rule) != BondFailure::none) countBroken();
+	};
+	c.geom.rotate(c.phys.shearForce);
+	c.geom.rotate(c.phys.iceShear);
+	const Vector3r increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
+	const Forces   f         = talik::HWY_NAMESPACE::bondedForces(
+            contact, { friction, c.model.cohesionDisablesFriction ? 0 : friction }, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, settle);
+	c.phys.normalForce = f.normal * c.geom.normal;
+	c.phys.shearForce  = f.shear;
+	c.phys.iceShear    = f.iceShear;
+	c.phys.kn          = c.bond.response(k, strength, rule).stiffness;
+	c.phys.ks          = k.shearRatio * c.phys.kn;
 }
 
 void Law2_ScGeom_IceBondPhys_IceBond::applyForces(const Contact& c, const Interaction* interaction) const
@@ -148,7 +132,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::stayOpen(Contact& c) const
 {
 	if (c.geom.penetrationDepth < 0) return false;
 	c.bond.iceCut      = c.bond.state == BondState::BROKEN;
-	c.bond.iceShear    = Vector3r::Zero();
+	c.phys.iceShear    = Vector3r::Zero();
 	c.phys.shearForce  = Vector3r::Zero();
 	c.phys.normalForce = Vector3r::Zero();
 	c.phys.setBond(c.bond);
@@ -165,12 +149,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
 	takeUpIceSaturation(c, iceSaturation);
 	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);
 
-	const ContactStiffness k           = stiffness(c, iceSaturation);
-	double                 normalForce = c.bond.normalForce(k, c.un, rule);
-	integrateShear(c, k);
-	normalForce      = limitForces(c, k, normalForce);
-	phys.kn          = rule == StiffnessRule::parallel && !c.bond.hasIceSpring() ? k.grain : k.total();
-	phys.normalForce = normalForce * geom.normal;
+	respond(c, stiffness(c, iceSaturation));
 	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);
 	phys.setBond(c.bond);
 	applyForces(c, interaction);

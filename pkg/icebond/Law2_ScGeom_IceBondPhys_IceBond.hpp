@@ -20,7 +20,7 @@ private:
 		const ScGeom&             geom;
 		IceBondPhys&              phys;
 		talik::IceBondModel       model;
-		talik::IceBond<Vector3r>  bond;
+		talik::IceBond            bond;
 		double                    un;
 	};
 	talik::ContactStiffness stiffness(const Contact&, double iceSaturation) const;
@@ -28,8 +28,7 @@ private:
 	void                    takeUpIceSaturation(Contact&, double iceSaturation);
 	void                    meltBond(Contact&);
 	void                    formOrMelt(Contact&, double iceSaturation);
-	void                    integrateShear(Contact&, const talik::ContactStiffness&);
-	double                  limitForces(Contact&, const talik::ContactStiffness&, double normalForce);
+	void                    respond(Contact&, const talik::ContactStiffness&);
 	void                    applyForces(const Contact&, const Interaction*) const;
 	void                    countBroken();
 	bool                    stayOpen(Contact&) const;

@@ -74,7 +74,6 @@ private:
 		s.ice.tensileStrength0 = s.ice.shearStrength0 = dice_.decades("C0", 1.0, 1e7);
 		s.ice.tensileStrengthI = s.ice.shearStrengthI = dice_.decades("C1", 1e3, 1e9);
 		s.ice.bondRange        = dice_.between("range", 0.0, 0.2);
-		s.ice.rule             = static_cast<StiffnessRule>(dice_.count("rule", 0, 2));
 		s.ice.cohesionDisablesFriction = dice_.chance("cohesionDisablesFriction", 0.3);
 		if (dice_.chance("shrinks", 0.4)) s.thawStrain = { dice_.between("thawStrain", 0.0, 0.5), s.iceSaturation };
 		return s;

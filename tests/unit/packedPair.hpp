@@ -10,12 +10,11 @@ using State = talik::PackedState<2>;
 
 constexpr double radius = 5e-3;
 
-inline State make(double overlap, double iceSaturation, talik::StiffnessRule rule = talik::StiffnessRule::parallel)
+inline State make(double overlap, double iceSaturation)
 {
 	State s;
 	s.hSize = s.prevHSize = State::Matrix::Identity() * 0.1;
 	s.iceSaturation       = iceSaturation;
-	s.ice.rule            = rule;
 	auto grains           = std::make_shared<talik::PackedGrains>();
 	for (int g = 0; g < 2; ++g) {
 		grains->radius.push_back(radius);
@@ -32,9 +31,9 @@ inline State make(double overlap, double iceSaturation, talik::StiffnessRule rul
 }
 
 /// The same with an intact bond whose springs are free at zero overlap.
-inline State bonded(double overlap, double iceSaturation, talik::StiffnessRule rule = talik::StiffnessRule::parallel)
+inline State bonded(double overlap, double iceSaturation)
 {
-	State s                   = make(overlap, iceSaturation, rule);
+	State s                   = make(overlap, iceSaturation);
 	s.contacts.first          = { 0 };
 	s.contacts.second         = { 1 };
 	s.contacts.cellDist       = { { 0, 0 } };

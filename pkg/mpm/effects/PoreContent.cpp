@@ -373,7 +373,7 @@ template <int D> int PoreContent<D>::update(int first, int last, const CellMeans
 	return last;
 }
 
-template <int D> std::string PoreContent<D>::complaint(int p) const
+template <int D> std::string PoreContent<D>::whyImpossible(int p) const
 {
 	const MixtureProperties& m = settings_->mixture;
 	std::ostringstream       text;

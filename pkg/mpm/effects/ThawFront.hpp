@@ -132,16 +132,17 @@ private:
 	double        lackingPressure(const Meeting& meeting) const;
 	double        widenedShare(const Meeting& meeting) const;
 	void          correct(int slot);
-	void          lead(int place, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const;
+	void          lead(int place, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D]);
 
 	ThawFrontSettings   settings_;
-	PointFields::Handle sideField_, slipField_, strainField_;
+	PointFields::Handle sideField_, slipField_, ledField_, strainField_;
 	SolidMotion<D>*     motion_ = nullptr;
 	PoreWater<D>*       water_  = nullptr;
 	MaterialPoints<D>*  points_ = nullptr;
 	const double *      iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr;
 	double*             side_ = nullptr; ///< 1: held by ice, 0: thawed
 	double*             slip_ = nullptr; ///< path of the thawed ground along the front [m]
+	double*             led_  = nullptr; ///< sum of the strains that led the pressure of the point back [-]
 	std::array<double*, D * D> strain_ {}; ///< slip of the step as displacement gradient
 	double              fastest_ = 0.0;
 	double              spacing_ = 0.0;

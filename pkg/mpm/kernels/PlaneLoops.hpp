@@ -3,14 +3,17 @@
 
 #include <pkg/mpm/grid/WeightBlock.hpp>
 
+#include <vector>
+
 namespace talik {
 
 /// The inner loops of two-dimensional ground, in versions for several processors; the best one that the processor knows is chosen
 /// once. All versions do the same operations in the same order. Those for processors that multiply and add in one rounding (all
-/// since 2013) give the same bits; the plain one rounds twice. Arrays of points are whole arrays,
-/// indexed by place; arrays of nodes begin at node 0.
+/// since 2013) give the same bits, and so do those that round twice. Arrays of points are whole arrays, indexed by place; arrays of
+/// nodes begin at node 0.
 struct PlaneLoops {
 	const char* name;
+	bool        roundsOnce; ///< multiplies and adds in one rounding
 
 	/// Quadratic B-spline along one axis: factors, slopes; adds node * stride to base.
 	void (*spline)(WeightBlock<2>& w, int axis, const double* x, double lower, double inverseSpacing, int stride);
@@ -91,7 +94,7 @@ struct PlaneLoops {
 /// The loops for this processor.
 const PlaneLoops& planeLoops();
 
-/// All versions that this processor can run, the plain one first.
-int planeLoopVersions(const PlaneLoops* (&versions)[3]);
+/// All versions that this processor can run.
+std::vector<const PlaneLoops*> planeLoopVersions();
 
 } // namespace talik

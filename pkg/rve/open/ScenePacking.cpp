@@ -296,18 +296,9 @@ namespace {
 			const auto  law     = lawOf(scene);
 			state.ice           = ice.model();
 			state.iceSaturation = ice.iceSaturation;
-			const std::string rule             = py::extract<std::string>(law.attr("stiffnessRule"));
-			state.ice.rule                     = rule == "parallel" ? StiffnessRule::parallel
-			                                                        : rule == "secant" ? StiffnessRule::secant : StiffnessRule::forceContinuous;
 			state.ice.cohesionDisablesFriction = py::extract<bool>(law.attr("cohesionDisablesFriction"));
 		}
 		state.ice.grainYoung = material.young;
-	}
-
-	std::uint8_t packedBondState(const IceBondPhys& phys)
-	{
-		const bool spring = BondState(phys.bondState) == BondState::BROKEN && !phys.iceCut;
-		return std::uint8_t(phys.bondState) | (spring ? PackedContacts<2>::iceSpringUncut : 0);
 	}
 
 	void packContacts(const Scene& scene, const PackedState<2>* former, const std::map<int, int>& indexOf, PackedState<2>& state)
@@ -349,7 +340,7 @@ namespace {
 			k.iceShear.push_back(known.scalar(entry.key, bond.iceShear, geom.normal, true));
 			k.iceReference.push_back(bond.uIce);
 			k.grainReference.push_back(bond.uGrain);
-			k.bond.push_back(packedBondState(bond));
+			k.bond.push_back(k.encode(bond.bond()));
 			anyIce = anyIce || bond.bondState != 0;
 		}
 		if (ice && !anyIce && !(former && former->bonded())) {
@@ -382,17 +373,15 @@ namespace {
 		phys->gapLimit               = s.ice.bondRange * std::min(r1, r2);
 		phys->shearForce             = vectorOf(k.shear[c], n);
 		if (s.bonded()) {
-			phys->bondState = k.bond[c] & 3;
-			phys->iceCut    = BondState(phys->bondState) == BondState::BROKEN && !(k.bond[c] & PackedContacts<2>::iceSpringUncut);
-			phys->uIce      = k.iceReference[c];
-			phys->uGrain    = k.grainReference[c];
-			phys->iceShear  = vectorOf(k.iceShear[c], n);
+			phys->setBond(k.iceBond(c));
+			phys->iceShear = vectorOf(k.iceShear[c], n);
 		}
-		const ContactStiffness stiffness { grain, s.stiffnessRatio, s.ice.iceStiffnessRatio(s.iceSaturation) };
-		auto                   bond = phys->bond();
-		phys->normalForce           = bond.normalForce(stiffness, un, s.ice.rule) * n;
-		phys->kn                    = s.ice.rule == StiffnessRule::parallel && !bond.hasIceSpring() ? grain : stiffness.total();
-		phys->ks                    = bond.shearStiffness(stiffness, s.ice.rule);
+		const IceBond bond    = phys->bond().relaxed(un);
+		const auto    contact = bond.response({ grain, s.stiffnessRatio, s.ice.iceStiffnessRatio(s.iceSaturation) }, { 0, 0 });
+		const double  force   = contact.stiffness * un - contact.offset;
+		phys->normalForce     = (bond.intact() ? force : std::max(force, 0.)) * n;
+		phys->kn              = contact.stiffness;
+		phys->ks              = s.stiffnessRatio * contact.stiffness;
 		return phys;
 	}
 

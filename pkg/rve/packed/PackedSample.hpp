@@ -46,22 +46,8 @@ template <int Dim> struct PackedServoOptions {
 	long   interval          = 10;   ///< steps between two corrections of the strain rate
 };
 
-// The contact law. Overlap u_n > 0, k_g = 2 E r_1 r_2/(r_1 + r_2) of the grains, k_ice = rho(S_i) k_g, shear stiffness nu times the
-// stiffness in force, mu the friction.
-//  NONE     F_n = k_g u_n, |s| <= mu F_n; gone when u_n < 0.
-//  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b + mu max(F_n, 0).
-//           In tension: no force in that step, the ice spring is cut. In shear: u_grain = 0, F_n = k_g max(u_n, 0) + k_ice max(u_n - u_ice, 0),
-//           |s| <= mu F_n; the ice spring is cut if it does not push; across a gap (u_n < 0) nothing is left and the contact is gone.
-//  BROKEN   as NONE once the ice spring is cut; until then F_n = k_g u_n + k_ice (u_n - u_ice), and it is cut when u_n <= u_ice.
-//           Forgotten when u_n < 0.
-// Whenever s is limited, the part s_ice carried by ice shrinks in proportion. Birth: u_ice = u_n, u_grain = min(u_n, 0), s_ice = 0: free of
-// force. A change of S_i at fixed geometry, parallel rule: growth keeps forces (u_ice moves), melting scales k_ice (u_n - u_ice) and s_ice
-// with k_ice. forceContinuous: one reference for both springs that keeps F_n; secant: references zero, s scales with k_g + k_ice.
-// At S_i <= S_melt every bond returns to NONE and the ice's parts are dropped; with a thawed strength intact bonds stay, with that
-// strength, and one that fails then returns to NONE.
-
 /// One periodic sample of discs (Dim 2) or spheres (Dim 3), advanced by the fused step. Follows stock YADE 2023.02a
-/// (ScGeom, Cundall-Strack, NewtonIntegrator with homoDeform 2) step by step, plus the ice bonds of IceBondModel.
+/// (ScGeom, Cundall-Strack, NewtonIntegrator with homoDeform 2) step by step, plus the ice bonds of IceBond.hpp.
 /// Not thread-safe; different samples may be used by different threads.
 template <int Dim> class PackedSample {
 public:
@@ -104,7 +90,7 @@ public:
 	PackedStatistics<Dim> statistics() const;
 	PackedTangent<Dim>    tangent() const;
 
-	/// "avx2" or "portable": what this sample's steps run on.
+	/// What this sample's steps run on: the name of a kind of processor such as "AVX2" or "NEON", or "portable".
 	const char* path() const;
 	/// Takes the portable path from now on, for all samples made afterwards (tests, comparisons).
 	static void forcePortable(bool portable);

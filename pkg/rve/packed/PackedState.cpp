@@ -62,7 +62,9 @@ namespace {
 		                 &p.ice.tensileStrengthI, &p.ice.shearStrength0, &p.ice.shearStrengthI, &p.ice.exponent, &p.ice.bondAreaFactor,
 		                 &p.ice.meltSaturation, &p.ice.bondSaturation, &p.ice.bondRange, &p.ice.thawedStrength })
 			stream.value(*v);
-		stream.value(p.ice.rule);
+		StiffnessRule rule = StiffnessRule::parallel; // the only one of packed samples; a former version knew others
+		stream.value(rule);
+		if (rule != StiffnessRule::parallel) throw std::runtime_error("packed sample: saved with a stiffness rule other than parallel; prepare the sample again");
 		stream.value(p.ice.cohesionDisablesFriction);
 		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
 			stream.value(*v);

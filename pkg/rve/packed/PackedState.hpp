@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <pkg/icebond/IceBondModel.hpp>
+#include <pkg/icebond/IceBond.hpp>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -48,6 +48,15 @@ template <int Dim> struct PackedContacts {
 	std::vector<std::uint8_t>                     bond;           ///< a BondState, plus iceSpringUncut for a broken bond that still pushes
 
 	static constexpr std::uint8_t iceSpringUncut = 4;
+	static std::uint8_t           encode(const IceBond& bond)
+	{
+		return std::uint8_t(std::uint8_t(bond.state) | (!bond.intact() && bond.hasIceSpring() ? iceSpringUncut : 0));
+	}
+	IceBond iceBond(std::size_t k) const
+	{
+		const BondState state = BondState(bond[k] & 3);
+		return { state, state == BondState::BROKEN && !(bond[k] & iceSpringUncut), grainReference[k], iceReference[k] };
+	}
 	std::size_t                   size() const { return first.size(); }
 };
 
@@ -127,7 +136,7 @@ template <int Dim> struct PackedStatistics {
 	typename PackedTypes<Dim>::Matrix fabric             = PackedTypes<Dim>::Matrix::Zero(); ///< mean n (x) n [-]
 };
 
-/// Elastic upper bound of the tangent, theory: C_ijkl = 1/V sum (k_n n_i l_j n_k l_l + k_s t_i l_j t_k l_l) [Pa], index ((i Dim+j) Dim+k) Dim+l.
+/// Elastic upper bound of the tangent, eq. (13.4): C_ijkl = 1/V sum (k_n n_i l_j n_k l_l + k_s t_i l_j t_k l_l) [Pa], index ((i Dim+j) Dim+k) Dim+l.
 template <int Dim> using PackedTangent = std::array<double, Dim * Dim * Dim * Dim>;
 
 } // namespace talik

@@ -2,9 +2,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <pkg/rve/packed/PackedState.hpp>
 
-/// The running form of a sample, as seen by the fused step. Plain data and no functions: this header is shared with units compiled for
-/// other instruction sets, which must not emit code that the linker could merge.
+/// The running form of a sample, as seen by the fused step.
 namespace talik {
 
 /// Layout of the running form. Grain rows: motion (x, v), spin (discs: w r; spheres: w, r), force (discs: sum of G, sum of s,
@@ -28,9 +28,7 @@ template <int Dim> struct alignas(32) PackedBlock {
 struct alignas(32) PackedNormals {
 	double n[3][4];
 };
-/// What ice adds to four pairs: F_n = stiffness u_n - offset, of which the ice carries the part iceShare of every shear increment.
-/// floor < 0: intact bond, which fails below this force or when shear exceeds cohesion + friction; floor > 0: broken bond, to be looked at
-/// when its force falls below (it opens, or its ice spring has relaxed); 0: no bond.
+/// What ice adds to four pairs, see ContactResponse.
 template <int Dim> struct alignas(32) PackedIceBlock {
 	double iceShear[PackedLayout<Dim>::shear][4];
 	double offset[4];
@@ -48,16 +46,11 @@ template <int Dim> struct PackedPairs {
 	std::size_t          blocks;
 };
 
-/// A bond that reached its limit, or a broken one whose force fell below its floor: in comes the trial state, out go force and shear of
-/// this step.
+/// A bond that reached its limit, or a broken one whose force fell below its floor: in come the trial forces, out go those of this step.
 template <int Dim> struct PackedBondEvent {
-	int         periodic;
-	std::size_t lane;
-	double      overlap;
-	double      normalForce;                         ///< trial, out: of this step
-	double      shear[PackedLayout<Dim>::shear];     ///< trial before any limit, out: of this step
-	double      iceShear[PackedLayout<Dim>::shear];  ///< trial, out: of this step
-	double      increment[PackedLayout<Dim>::shear]; ///< what the trial shear has been reduced by in this step
+	int                                                    periodic;
+	std::size_t                                            lane;
+	ContactForces<double, typename PackedTypes<Dim>::Shear> forces;
 };
 
 template <int Dim> struct PackedStepView {
@@ -99,10 +92,9 @@ template <int Dim> struct PackedKernel {
 	const char* name;
 };
 
-template <int Dim> PackedKernel<Dim> portableKernel(bool bonded);
-
-/// Discs on AVX2 and FMA; the caller has asked the processor.
-PackedKernel<2> avx2Kernel(bool bonded);
-bool            avx2KernelBuilt();
+/// The fastest step that the processor at hand knows, or the one that all processors know.
+template <int Dim> PackedKernel<Dim> stepKernel(bool bonded, bool portable);
+template <> PackedKernel<2> stepKernel<2>(bool bonded, bool portable);
+template <> PackedKernel<3> stepKernel<3>(bool bonded, bool portable);
 
 } // namespace talik

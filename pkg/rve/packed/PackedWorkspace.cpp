@@ -7,25 +7,6 @@
 
 namespace talik {
 
-namespace {
-	bool avx2Usable()
-	{
-#if defined(__x86_64__) && defined(__GNUC__)
-		return avx2KernelBuilt() && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#else
-		return false;
-#endif
-	}
-
-	template <int Dim> PackedKernel<Dim> chooseKernel(bool bonded, bool portable)
-	{
-		if constexpr (Dim == 2)
-			if (!portable && avx2Usable()) return avx2Kernel(bonded);
-		(void)portable;
-		return portableKernel<Dim>(bonded);
-	}
-} // namespace
-
 template <int Dim> PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly) : portable(portableOnly)
 {
 	std::memset(&view, 0, sizeof(view));
@@ -55,7 +36,7 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	iceRatio            = base.ice.iceStiffnessRatio(base.iceSaturation);
 	setStrengths();
 	loadGrains(state);
-	carriesBonds = std::any_of(state.contacts.bond.begin(), state.contacts.bond.end(), [](std::uint8_t b) { return b != bondNone; });
+	carriesBonds = std::any_of(state.contacts.bond.begin(), state.contacts.bond.end(), [](std::uint8_t b) { return b != std::uint8_t(BondState::NONE); });
 	selectKernel();
 	listsValid = false;
 	if (lists) {
@@ -216,7 +197,7 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
 }
 
-template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = chooseKernel<Dim>(carriesBonds, portable); }
+template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = stepKernel<Dim>(carriesBonds, portable); }
 
 // ---------------------------------------------------------------------------------------------- steps
 

@@ -19,6 +19,7 @@ template <int Dim> class PackedWorkspace {
 public:
 	using Vector = typename PackedTypes<Dim>::Vector;
 	using Matrix = typename PackedTypes<Dim>::Matrix;
+	using Shear  = typename PackedTypes<Dim>::Shear;
 
 	explicit PackedWorkspace(bool portable);
 	PackedWorkspace(const PackedWorkspace&) = delete;
@@ -60,11 +61,6 @@ private:
 		double value[4];
 	};
 	using Rows = std::vector<Quad>;
-	/// What a contact remembers beside its shear force.
-	struct BondMemory {
-		double       iceReference = 0, grainReference = 0;
-		std::uint8_t bond = 0;
-	};
 	struct Lanes {
 		std::size_t                        pairs = 0;
 		std::vector<std::uint64_t>         keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
@@ -72,7 +68,7 @@ private:
 		std::vector<PackedNormals>         normals;
 		std::vector<PackedIceBlock<Dim>>   ice;
 		std::vector<std::uint32_t>         shift;
-		std::vector<BondMemory>            memory;
+		std::vector<IceBond>               bond;
 		void                               resize(std::size_t number, bool periodic, bool bonded);
 		void                               takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
 		void                               forgetHistory(std::size_t lane);
@@ -101,7 +97,7 @@ private:
 	void     fillLanes(Lanes& lanes, const Lanes& old, bool periodic);
 	void     setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool periodic);
 	void     fillUp(Lanes& lanes, bool periodic);
-	void     dressLane(Lanes& lanes, std::size_t lane);
+	void     setResponse(Lanes& lanes, std::size_t lane);
 	void     updateShiftRows();
 	unsigned shiftIndex(const std::array<std::int8_t, Dim>& cellDist);
 	void     predictedCell(double* hSize) const;
@@ -115,14 +111,10 @@ private:
 
 	static void onBondEvent(void* owner, PackedBondEvent<Dim>* event);
 	void        settleBond(PackedBondEvent<Dim>& event);
-	void        failBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
-	void        relaxBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain);
 
-	void   removeBonds();
-	void   rescaleBonds(double oldRatio, double newRatio, bool melted);
-	bool   outlasts(std::uint8_t bond) const { return bond == std::uint8_t(BondState::BONDED) && base.ice.bondsOutlastIce(); }
+	void   changeIceOfBonds(double newRatio, bool melted);
+	bool   formBond(Lanes& lanes, std::size_t lane);
 	bool   anyBond() const;
-	void   rescaleBond(Lanes& lanes, std::size_t lane, double oldRatio, double newRatio, double* shear, double* iceShear);
 	void   shrinkGrains(double saturationBefore);
 	void   setStrengths();
 	void   selectKernel();
@@ -130,8 +122,8 @@ private:
 	Lanes& lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
 	Geometry geometry(const Lanes& lanes, std::size_t lane) const;
-	double   grainStiffness(std::uint32_t first, std::uint32_t second) const;
-	double   bondArea(std::uint32_t first, std::uint32_t second) const;
+	ContactStiffness stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
+	BondStrength     strength(const Lanes& lanes, std::size_t lane) const;
 	template <class Visitor> void forContacts(Visitor&& visit) const;
 
 	mutable PackedParameters<Dim>       base; ///< its cell matrices are brought up to date from the view on request

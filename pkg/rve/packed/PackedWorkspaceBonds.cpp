@@ -6,27 +6,6 @@
 
 namespace talik {
 
-namespace {
-
-	template <int Dim> void clearShear(double* shear)
-	{
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-			shear[d] = 0;
-	}
-
-	/// Coulomb's limit; the ice's share shrinks with the rest.
-	template <int Dim> void limitShear(PackedBondEvent<Dim>& event, double limit)
-	{
-		const double norm = shearNorm<Dim>(event.shear);
-		if (norm <= limit) return;
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-			event.shear[d] *= limit / norm;
-			event.iceShear[d] *= limit / norm;
-		}
-	}
-
-} // namespace
-
 template <int Dim> void PackedWorkspace<Dim>::onBondEvent(void* owner, PackedBondEvent<Dim>* event)
 {
 	static_cast<PackedWorkspace*>(owner)->settleBond(*event);
@@ -35,72 +14,14 @@ template <int Dim> void PackedWorkspace<Dim>::onBondEvent(void* owner, PackedBon
 template <int Dim> void PackedWorkspace<Dim>::settleBond(PackedBondEvent<Dim>& event)
 {
 	Lanes&            lanes  = lanesOf(event.periodic != 0);
-	BondMemory&       memory = lanes.memory[event.lane];
-	const std::size_t b = event.lane / 4, l = event.lane % 4;
-	const double      grain = grainStiffness(lanes.block[b].first[l] / 4, lanes.block[b].second[l] / 4);
-	if (memory.bond == bondBonded) failBond(event, memory, grain);
-	else relaxBond(event, memory, grain);
-	dressLane(lanes, event.lane);
-}
-
-/// An intact bond at its limit: tension first, then shear.
-template <int Dim> void PackedWorkspace<Dim>::failBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain)
-{
-	const Lanes&      lanes = lanesOf(event.periodic != 0);
-	const std::size_t b = event.lane / 4, l = event.lane % 4;
-	const bool        thawed = base.ice.melted(base.iceSaturation); // a bond that has outlasted its ice leaves a frictional contact
-	if (event.normalForce < lanes.ice[b].floor[l]) {
-		++base.bondsBrokenInTension;
-		memory            = BondMemory();
-		memory.bond       = event.overlap > 0 && !thawed ? bondBroken : bondNone;
-		event.normalForce = 0;
-		clearShear<Dim>(event.shear);
-		clearShear<Dim>(event.iceShear);
-		return;
-	}
-	++base.bondsBrokenInShear;
-	if (event.overlap < 0) { // nothing holds or pushes across a gap any more
-		memory            = BondMemory();
-		event.normalForce = 0;
-		clearShear<Dim>(event.shear);
-		clearShear<Dim>(event.iceShear);
-		return;
-	}
-	const double push     = thawed ? 0. : grain * iceRatio * std::max(event.overlap - memory.iceReference, 0.);
-	event.normalForce     = push + grain * std::max(event.overlap, 0.);
-	memory.grainReference = 0;
-	limitShear<Dim>(event, view.friction * event.normalForce);
-	if (push > 0) {
-		memory.bond = bondBroken | PackedContacts<Dim>::iceSpringUncut;
-	} else {
-		memory      = BondMemory();
-		memory.bond = thawed ? bondNone : bondBroken;
-		clearShear<Dim>(event.iceShear);
-	}
-}
-
-/// A broken bond below its floor: it opened and is forgotten, or its ice spring is relaxed and cut for good.
-template <int Dim> void PackedWorkspace<Dim>::relaxBond(PackedBondEvent<Dim>& event, BondMemory& memory, double grain)
-{
-	if (event.overlap < 0) {
-		memory            = BondMemory();
-		event.normalForce = 0;
-		clearShear<Dim>(event.shear);
-		clearShear<Dim>(event.iceShear);
-		return;
-	}
-	const bool uncut = memory.bond & PackedContacts<Dim>::iceSpringUncut;
-	event.normalForce = grain * event.overlap;
-	if (uncut && event.overlap > memory.iceReference) {
-		event.normalForce += grain * iceRatio * (event.overlap - memory.iceReference);
-	} else if (uncut) {
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-			event.shear[d] += event.increment[d] * (iceRatio / (1 + iceRatio));
-		memory      = BondMemory();
-		memory.bond = bondBroken;
-		clearShear<Dim>(event.iceShear);
-	}
-	limitShear<Dim>(event, view.friction * event.normalForce);
+	IceBond&          bond   = lanes.bond[event.lane];
+	const bool        thawed = base.ice.melted(base.iceSaturation);
+	const BondFailure failure
+	        = bond.settle(stiffness(lanes, event.lane, iceRatio), strength(lanes, event.lane), view.friction, thawed, event.forces);
+	base.bondsBrokenInTension += failure == BondFailure::tension;
+	base.bondsBrokenInShear += failure == BondFailure::shear;
+	if (event.forces.overlap < 0) bond = IceBond(); // a contact that has opened is forgotten
+	setResponse(lanes, event.lane);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
@@ -110,87 +31,39 @@ template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
 		lanes.ice.assign(carry ? lanes.block.size() : 0, PackedIceBlock<Dim>());
-		lanes.memory.assign(carry ? lanes.pairs : 0, BondMemory());
+		lanes.bond.assign(carry ? lanes.pairs : 0, IceBond());
 	}
 	bind();
 	selectKernel();
 }
 
-/// Stiffness of bonds follows the ice; shear and reference overlaps of one contact under the stiffness rule in force.
-template <int Dim>
-void PackedWorkspace<Dim>::rescaleBond(Lanes& lanes, std::size_t lane, double oldRatio, double newRatio, double* shear, double* iceShear)
-{
-	BondMemory&  memory  = lanes.memory[lane];
-	const double overlap = geometry(lanes, lane).overlap;
-	const auto   scale   = [](double* values, double factor) {
-        for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-            values[d] *= factor;
-	};
-	switch (base.ice.rule) {
-		case StiffnessRule::parallel:
-			if (newRatio >= oldRatio) {
-				if (newRatio > 0) memory.iceReference = overlap - oldRatio / newRatio * (overlap - memory.iceReference);
-			} else {
-				const double kept = newRatio / oldRatio;
-				for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-					shear[d] -= iceShear[d] * (1 - kept);
-					iceShear[d] *= kept;
-				}
-			}
-			break;
-		case StiffnessRule::forceContinuous: {
-			const double kept = (1 + oldRatio) / (1 + newRatio);
-			if (memory.bond == bondBonded)
-				memory.iceReference = memory.grainReference = overlap - kept * (overlap - memory.iceReference);
-			else if (newRatio > 0)
-				memory.iceReference = overlap - oldRatio / newRatio * (overlap - memory.iceReference);
-			break;
-		}
-		case StiffnessRule::secant:
-			scale(shear, (1 + newRatio) / (1 + oldRatio));
-			scale(iceShear, (1 + newRatio) / (1 + oldRatio));
-			break;
-	}
-}
-
-/// melted: only bonds that outlast the ice are left with any of it.
-template <int Dim> void PackedWorkspace<Dim>::rescaleBonds(double oldRatio, double newRatio, bool melted)
+/// Bonds follow the stiffness of the ice; where the ice has melted only bonds that outlast it are left.
+template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, bool melted)
 {
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
-		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {
-			const std::uint8_t bond = lanes.memory[lane].bond;
-			if (bond != bondBonded && !(bond & PackedContacts<Dim>::iceSpringUncut)) continue;
+		for (std::size_t lane = 0; lane < lanes.bond.size(); ++lane) {
 			const std::size_t b = lane / 4, l = lane % 4;
-			double            shear[PackedLayout<Dim>::shear], iceShear[PackedLayout<Dim>::shear];
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-				shear[d]    = lanes.block[b].shear[d][l];
-				iceShear[d] = lanes.ice[b].iceShear[d][l];
+			IceBond&          bond     = lanes.bond[lane];
+			auto              shear    = laneShear<Dim>(lanes.block[b].shear, l);
+			auto              iceShear = laneShear<Dim>(lanes.ice[b].iceShear, l);
+			if (melted && !(bond.intact() && base.ice.bondsOutlastIce())) {
+				base.bondsMelted += bond.intact();
+				bond.melt(shear, iceShear);
+			} else if (bond.hasIceSpring()) {
+				bond.changeStiffness(stiffness(lanes, lane, iceRatio), stiffness(lanes, lane, newRatio), geometry(lanes, lane).overlap, shear, iceShear);
 			}
-			rescaleBond(lanes, lane, oldRatio, melted && !outlasts(bond) ? 0. : newRatio, shear, iceShear);
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d) {
-				lanes.block[b].shear[d][l]  = shear[d];
-				lanes.ice[b].iceShear[d][l] = iceShear[d];
-			}
+			setLaneShear<Dim>(lanes.block[b].shear, l, shear);
+			setLaneShear<Dim>(lanes.ice[b].iceShear, l, iceShear);
 		}
 	}
-}
-
-template <int Dim> void PackedWorkspace<Dim>::removeBonds()
-{
-	for (Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (BondMemory& memory : lanes->memory) {
-			if (outlasts(memory.bond)) continue;
-			base.bondsMelted += memory.bond == bondBonded;
-			memory = BondMemory();
-		}
-	carryBonds(anyBond());
+	if (melted) carryBonds(anyBond());
 }
 
 template <int Dim> bool PackedWorkspace<Dim>::anyBond() const
 {
-	const auto carries = [](const BondMemory& m) { return m.bond != bondNone; };
-	return std::any_of(innerLanes.memory.begin(), innerLanes.memory.end(), carries) || std::any_of(periodicLanes.memory.begin(), periodicLanes.memory.end(), carries);
+	const auto carries = [](const IceBond& bond) { return bond.state != BondState::NONE; };
+	return std::any_of(innerLanes.bond.begin(), innerLanes.bond.end(), carries) || std::any_of(periodicLanes.bond.begin(), periodicLanes.bond.end(), carries);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::shrinkGrains(double saturationBefore)
@@ -212,8 +85,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	if (saturation == base.iceSaturation) return;
 	const double newRatio = base.ice.iceStiffnessRatio(saturation);
 	const bool   melted = base.ice.melted(saturation), births = !melted && base.ice.formsBonds(base.iceSaturation, saturation);
-	if (carriesBonds) rescaleBonds(iceRatio, newRatio, melted);
-	if (melted && carriesBonds) removeBonds();
+	if (carriesBonds) changeIceOfBonds(newRatio, melted);
 	const double before = base.iceSaturation;
 	base.iceSaturation  = saturation;
 	iceRatio            = newRatio;
@@ -221,7 +93,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	shrinkGrains(before);
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
-			dressLane(*lanes, lane);
+			setResponse(*lanes, lane);
 	if (births) bondAll();
 }
 
@@ -233,31 +105,31 @@ template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 	rebuildLists(1.01 * base.ice.bondRange * largestRadius);
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
-		for (std::size_t lane = 0; lane < lanes.memory.size(); ++lane) {
-			BondMemory& memory = lanes.memory[lane];
-			if (memory.bond != bondNone) continue;
-			const Geometry now     = geometry(lanes, lane);
-			const double   smaller = std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]);
-			if (now.overlap < -base.ice.bondRange * smaller) continue;
-			memory.bond           = bondBonded;
-			memory.iceReference   = now.overlap;
-			memory.grainReference = std::min(now.overlap, 0.);
-			if (base.ice.rule == StiffnessRule::secant) memory.iceReference = memory.grainReference = 0;
-			if (base.ice.rule == StiffnessRule::forceContinuous)
-				memory.iceReference = memory.grainReference = now.overlap - std::max(now.overlap, 0.) / (1 + iceRatio);
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				lanes.ice[lane / 4].iceShear[d][lane % 4] = 0;
-			if constexpr (Dim == 3)
-				if (now.overlap < 0)
-					for (int d = 0; d < 3; ++d)
-						lanes.normals[lane / 4].n[d][lane % 4] = now.n[d];
-			dressLane(lanes, lane);
-			++formed;
-		}
+		for (std::size_t lane = 0; lane < lanes.bond.size(); ++lane)
+			formed += formBond(lanes, lane);
 	}
 	base.bondsFormed += formed;
 	if (formed == 0) carryBonds(anyBond());
 	return formed;
+}
+
+/// True if a bond was formed: the contact had none and its grains are near.
+template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t lane)
+{
+	IceBond& bond = lanes.bond[lane];
+	if (bond.state != BondState::NONE) return false;
+	const Geometry now     = geometry(lanes, lane);
+	const double   smaller = std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]);
+	if (now.overlap < -base.ice.bondRange * smaller) return false;
+	auto iceShear = laneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4);
+	bond.form(now.overlap, iceShear);
+	setLaneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4, iceShear);
+	if constexpr (Dim == 3)
+		if (now.overlap < 0)
+			for (int d = 0; d < 3; ++d)
+				lanes.normals[lane / 4].n[d][lane % 4] = now.n[d];
+	setResponse(lanes, lane);
+	return true;
 }
 
 template void PackedWorkspace<2>::onBondEvent(void*, PackedBondEvent<2>*);

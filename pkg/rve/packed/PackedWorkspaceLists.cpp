@@ -10,20 +10,6 @@ namespace talik {
 namespace {
 	/// Skin of the neighbour lists over the mean radius: rebuilds against pairs carried along in vain.
 	constexpr double skinOverRadius = 0.04;
-	/// Force that is different from zero and far too small to matter: marks a lane to be watched.
-	constexpr double watched = 1e-300;
-
-	template <class T> const double* shearData(const T& shear)
-	{
-		if constexpr (std::is_same<T, double>::value) return &shear;
-		else return shear.data();
-	}
-	template <class T> double* shearData(T& shear)
-	{
-		if constexpr (std::is_same<T, double>::value) return &shear;
-		else return shear.data();
-	}
-
 } // namespace
 
 // ---------------------------------------------------------------------------------------------- lanes
@@ -36,33 +22,31 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, 
 	normals.resize(Dim == 3 ? blocks : 0);
 	shift.resize(crosses ? 4 * blocks : 0);
 	ice.resize(bonded ? blocks : 0);
-	memory.resize(bonded ? number : 0);
+	bond.resize(bonded ? number : 0);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
 {
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		block[lane / 4].shear[d][lane % 4] = from.block[at / 4].shear[d][at % 4];
+	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, laneShear<Dim>(from.block[at / 4].shear, at % 4));
 	if constexpr (Dim == 3)
 		for (int d = 0; d < 3; ++d)
 			normals[lane / 4].n[d][lane % 4] = from.normals[at / 4].n[d][at % 4];
 	if (ice.empty()) return;
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		ice[lane / 4].iceShear[d][lane % 4] = from.ice[at / 4].iceShear[d][at % 4];
-	memory[lane] = from.memory[at];
+	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, laneShear<Dim>(from.ice[at / 4].iceShear, at % 4));
+	bond[lane] = from.bond[at];
 }
 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t lane)
 {
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		block[lane / 4].shear[d][lane % 4] = 0;
+	Shear none;
+	clearShear(none);
+	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, none);
 	if constexpr (Dim == 3)
 		for (int d = 0; d < 3; ++d)
 			normals[lane / 4].n[d][lane % 4] = 0;
 	if (ice.empty()) return;
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		ice[lane / 4].iceShear[d][lane % 4] = 0;
-	if (lane < pairs) memory[lane] = BondMemory();
+	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, none);
+	if (lane < pairs) bond[lane] = IceBond();
 }
 
 /// History goes where a rebuild expects it: into the lanes of the "previous" list.
@@ -91,15 +75,13 @@ template <int Dim>
 void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
 {
 	const std::size_t b = lane / 4, l = lane % 4;
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		lanes.block[b].shear[d][l] = shearData(c.shear[k])[d];
+	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
 	if constexpr (Dim == 3)
 		for (int d = 0; d < 3; ++d)
 			lanes.normals[b].n[d][l] = c.normal[k][d];
 	if (!carriesBonds) return;
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		lanes.ice[b].iceShear[d][l] = shearData(c.iceShear[k])[d];
-	lanes.memory[lane] = { c.iceReference[k], c.grainReference[k], c.bond[k] };
+	setLaneShear<Dim>(lanes.ice[b].iceShear, l, c.iceShear[k]);
+	lanes.bond[lane] = c.iceBond(k);
 }
 
 /// Lists as they were stored: nothing is searched, sorted or compared.
@@ -122,7 +104,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 			setPair(lanes, lane, pair, crosses);
 			if (known) takeContact(lanes, lane, contacts, contact++);
 			else lanes.forgetHistory(lane);
-			dressLane(lanes, lane);
+			setResponse(lanes, lane);
 		}
 		fillUp(lanes, crosses);
 	}
@@ -132,9 +114,8 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 /// A pair that touches, or remembers a force or a bond.
 template <int Dim> bool PackedWorkspace<Dim>::carriesHistory(const Lanes& lanes, std::size_t lane) const
 {
-	for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-		if (lanes.block[lane / 4].shear[d][lane % 4] != 0) return true;
-	if (carriesBonds && lanes.memory[lane].bond != bondNone) return true;
+	if (shearNorm(laneShear<Dim>(lanes.block[lane / 4].shear, lane % 4)) != 0) return true;
+	if (carriesBonds && lanes.bond[lane].state != BondState::NONE) return true;
 	double       branch[Dim];
 	const double reach = lanes.block[lane / 4].sumRadius[lane % 4];
 	return pairBranch(view, pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane), branch) <= reach * reach;
@@ -173,18 +154,16 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			c.second[k]   = std::uint16_t(lanes.block[b].second[l] / 4);
 			for (int d = 0; d < Dim; ++d)
 				c.cellDist[k][d] = crosses ? shiftCell[lanes.shift[lane] / 4 * Dim + d] : std::int8_t(0);
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				shearData(c.shear[k])[d] = lanes.block[b].shear[d][l];
+			c.shear[k] = laneShear<Dim>(lanes.block[b].shear, l);
 			if constexpr (Dim == 3)
 				for (int d = 0; d < 3; ++d)
 					c.normal[k][d] = lanes.normals[b].n[d][l];
 			if (carriesBonds) {
-				for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-					shearData(c.iceShear[k])[d] = lanes.ice[b].iceShear[d][l];
-				const BondMemory& memory = lanes.memory[lane];
-				c.iceReference[k]        = memory.iceReference;
-				c.grainReference[k]      = memory.grainReference;
-				c.bond[k]                = memory.bond;
+				const IceBond& bond = lanes.bond[lane];
+				c.iceShear[k]       = laneShear<Dim>(lanes.ice[b].iceShear, l);
+				c.iceReference[k]   = bond.uIce;
+				c.grainReference[k] = bond.uGrain;
+				c.bond[k]           = c.encode(bond);
 			}
 			++k;
 		}
@@ -328,12 +307,11 @@ void PackedWorkspace<Dim>::keepDistantBonds(const Lanes& old, const std::vector<
 {
 	std::size_t       at    = 0;
 	const std::size_t found = keys.size();
-	for (std::size_t lane = 0; lane < old.memory.size(); ++lane) {
+	for (std::size_t lane = 0; lane < old.bond.size(); ++lane) {
 		while (at < found && keys[at] < old.keys[lane])
 			++at;
 		const bool listed = at < found && keys[at] == old.keys[lane];
-		const bool holds  = old.memory[lane].bond == bondBonded || (old.memory[lane].bond & PackedContacts<Dim>::iceSpringUncut);
-		if (!listed && holds) kept.push_back(old.keys[lane]);
+		if (!listed && old.bond[lane].hasIceSpring()) kept.push_back(old.keys[lane]);
 	}
 }
 
@@ -378,7 +356,7 @@ template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lane
 			++at;
 		if (at < old.pairs && old.keys[at] == lanes.keys[lane]) lanes.takeHistory(lane, old, at);
 		else lanes.forgetHistory(lane);
-		dressLane(lanes, lane);
+		setResponse(lanes, lane);
 	}
 	fillUp(lanes, crosses);
 }
@@ -400,50 +378,41 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 	}
 }
 
-template <int Dim> double PackedWorkspace<Dim>::grainStiffness(std::uint32_t first, std::uint32_t second) const
+template <int Dim> ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes& lanes, std::size_t lane, double ratio) const
 {
-	const double a = grains->radius[first], b = grains->radius[second];
-	return 2 * base.ice.grainYoung * a * b / (a + b);
+	const PackedBlock<Dim>& block = lanes.block[lane / 4];
+	const double            a = grains->radius[block.first[lane % 4] / 4], b = grains->radius[block.second[lane % 4] / 4];
+	return { 2 * base.ice.grainYoung * a * b / (a + b), base.stiffnessRatio, ratio };
 }
 
-template <int Dim> double PackedWorkspace<Dim>::bondArea(std::uint32_t first, std::uint32_t second) const
+template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lanes, std::size_t lane) const
 {
-	return base.ice.bondArea(std::min(grains->radius[first], grains->radius[second]));
+	const PackedBlock<Dim>& block = lanes.block[lane / 4];
+	const double            area  = base.ice.bondArea(std::min(grains->radius[block.first[lane % 4] / 4], grains->radius[block.second[lane % 4] / 4]));
+	return { tensileStrength * area, shearStrength * area };
 }
 
 /// Radii, stiffness and bond of a pair into its lane.
-template <int Dim> void PackedWorkspace<Dim>::dressLane(Lanes& lanes, std::size_t lane)
+template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::size_t lane)
 {
-	PackedBlock<Dim>&   block = lanes.block[lane / 4];
-	const std::size_t   l     = lane % 4;
-	const std::uint32_t first = block.first[l] / 4, second = block.second[l] / 4;
-	const double        k     = grainStiffness(first, second);
-	block.sumRadius[l]        = view.radius[first] + view.radius[second];
-	block.stiffness[l]        = k;
+	PackedBlock<Dim>&      block = lanes.block[lane / 4];
+	const std::size_t      l     = lane % 4;
+	const ContactStiffness k     = stiffness(lanes, lane, iceRatio);
+	block.sumRadius[l]           = view.radius[block.first[l] / 4] + view.radius[block.second[l] / 4];
+	block.stiffness[l]           = k.grain;
 	if (!carriesBonds) return;
-	PackedIceBlock<Dim>& ice    = lanes.ice[lane / 4];
-	const BondMemory&    memory = lanes.memory[lane];
-	ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
-	if (memory.bond == bondBonded) {
-		const double area  = bondArea(first, second);
-		block.stiffness[l] = k + k * iceRatio;
-		ice.offset[l]      = k * memory.grainReference + k * iceRatio * memory.iceReference;
-		ice.floor[l]       = -std::max(watched, tensileStrength * area);
-		ice.cohesion[l]    = shearStrength * area;
-		ice.iceShare[l]    = iceRatio / (1 + iceRatio);
-	} else if (memory.bond == bondBroken) {
-		ice.floor[l] = watched;
-	} else if (memory.bond & PackedContacts<Dim>::iceSpringUncut) {
-		// its ice spring is relaxed, or it opens, where the force is this
-		const double release = memory.iceReference > 0 ? k * memory.iceReference : -k * iceRatio * memory.iceReference;
-		block.stiffness[l]   = k + k * iceRatio;
-		ice.offset[l]        = k * iceRatio * memory.iceReference;
-		ice.floor[l]         = std::max(watched, release);
-		ice.iceShare[l]      = iceRatio / (1 + iceRatio);
-	}
-	if (memory.bond == bondNone || memory.bond == bondBroken)
-		for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-			ice.iceShear[d][l] = 0;
+	const IceBond&                bond    = lanes.bond[lane];
+	const ContactResponse<double> contact = bond.response(k, strength(lanes, lane));
+	block.stiffness[l]                    = contact.stiffness;
+	PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
+	ice.offset[l]            = contact.offset;
+	ice.floor[l]             = contact.floor;
+	ice.cohesion[l]          = contact.cohesion;
+	ice.iceShare[l]          = contact.iceShare;
+	if (bond.hasIceSpring()) return;
+	Shear none;
+	clearShear(none);
+	setLaneShear<Dim>(ice.iceShear, l, none);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
@@ -474,8 +443,9 @@ template bool PackedWorkspace<2>::listsExhausted() const;
 template void PackedWorkspace<2>::accumulateTravel();
 template void PackedWorkspace<2>::refreshLists();
 template void PackedWorkspace<2>::rebuildLists(double);
-template double PackedWorkspace<2>::grainStiffness(std::uint32_t, std::uint32_t) const;
-template void PackedWorkspace<2>::dressLane(Lanes&, std::size_t);
+template ContactStiffness PackedWorkspace<2>::stiffness(const Lanes&, std::size_t, double) const;
+template BondStrength PackedWorkspace<2>::strength(const Lanes&, std::size_t) const;
+template void PackedWorkspace<2>::setResponse(Lanes&, std::size_t);
 template void PackedWorkspace<2>::updateShiftRows();
 template void PackedWorkspace<3>::loadContacts(const PackedState<3>&);
 template void PackedWorkspace<3>::loadListed(const PackedContacts<3>&, const PackedLists<3>&);
@@ -484,8 +454,9 @@ template bool PackedWorkspace<3>::listsExhausted() const;
 template void PackedWorkspace<3>::accumulateTravel();
 template void PackedWorkspace<3>::refreshLists();
 template void PackedWorkspace<3>::rebuildLists(double);
-template double PackedWorkspace<3>::grainStiffness(std::uint32_t, std::uint32_t) const;
-template void PackedWorkspace<3>::dressLane(Lanes&, std::size_t);
+template ContactStiffness PackedWorkspace<3>::stiffness(const Lanes&, std::size_t, double) const;
+template BondStrength PackedWorkspace<3>::strength(const Lanes&, std::size_t) const;
+template void PackedWorkspace<3>::setResponse(Lanes&, std::size_t);
 template void PackedWorkspace<3>::updateShiftRows();
 
 } // namespace talik

@@ -23,20 +23,11 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 {
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
-			const Geometry     now  = geometry(*lanes, lane);
-			const std::uint8_t bond = carriesBonds ? lanes->memory[lane].bond : bondNone;
-			if (now.overlap < 0 && bond != bondBonded) continue;
-			double stiffness = lanes->block[lane / 4].stiffness[lane % 4], normalForce = stiffness * now.overlap;
-			double shear[PackedLayout<Dim>::shear];
-			for (int d = 0; d < PackedLayout<Dim>::shear; ++d)
-				shear[d] = lanes->block[lane / 4].shear[d][lane % 4];
-			if (bond & PackedContacts<Dim>::iceSpringUncut && now.overlap <= lanes->memory[lane].iceReference) {
-				stiffness /= 1 + iceRatio;
-				normalForce = stiffness * now.overlap;
-			} else if (carriesBonds) {
-				normalForce -= lanes->ice[lane / 4].offset[lane % 4];
-			}
-			visit(now, stiffness, normalForce, shear, bond);
+			const Geometry now  = geometry(*lanes, lane);
+			const IceBond  bond = carriesBonds ? lanes->bond[lane].relaxed(now.overlap) : IceBond();
+			if (now.overlap < 0 && !bond.intact()) continue;
+			const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
+			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, laneShear<Dim>(lanes->block[lane / 4].shear, lane % 4), bond);
 		}
 }
 
@@ -45,9 +36,9 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 	PackedStatistics<Dim> result;
 	std::vector<Vector>   net(grainCount, Vector::Zero());
 	double                forces = 0, overlaps = 0;
-	forContacts([&](const Geometry& now, double, double normalForce, const double* shear, std::uint8_t bond) {
+	forContacts([&](const Geometry& now, double, double normalForce, const Shear& shear, const IceBond& bond) {
 		double       force[Dim];
-		const double norm = shearNorm<Dim>(shear);
+		const double norm = shearNorm(shear);
 		pairForce<Dim>(now.n, normalForce, shear, force);
 		for (int d = 0; d < Dim; ++d) {
 			net[now.rows.first / 4][d] -= force[d];
@@ -57,8 +48,8 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 		}
 		forces += std::sqrt(normalForce * normalForce + norm * norm);
 		++result.contacts;
-		result.bondsIntact += bond == bondBonded;
-		result.bondsBroken += (bond & bondBroken) != 0;
+		result.bondsIntact += bond.intact();
+		result.bondsBroken += bond.state == BondState::BROKEN;
 		if (now.overlap <= 0) return;
 		overlaps += now.overlap / now.sumRadius;
 		result.maxOverlapRatio
@@ -99,7 +90,7 @@ template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 	PackedTangent<Dim> result {};
 	Matrix             second = Matrix::Zero();
 	const double       volume = parameters().volume();
-	forContacts([&](const Geometry& now, double stiffness, double, const double*, std::uint8_t) {
+	forContacts([&](const Geometry& now, double stiffness, double, const Shear&, const IceBond&) {
 		const double factor = now.distance * now.distance * stiffness / volume;
 		double       pairs[Dim * Dim], weighted[Dim * Dim];
 		for (int k = 0; k < Dim * Dim; ++k) {

@@ -7,8 +7,6 @@
 
 namespace talik {
 
-inline constexpr std::uint8_t bondNone = std::uint8_t(BondState::NONE), bondBonded = std::uint8_t(BondState::BONDED), bondBroken = std::uint8_t(BondState::BROKEN);
-
 template <int Dim> inline void copyMatrix(const Eigen::Matrix<double, Dim, Dim>& from, double* to)
 {
 	for (int i = 0; i < Dim; ++i)

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Forces of one step within the limits of friction and bond, for numbers of any kind: double, or a vector with one contact in every
+// lane. As a header of Highway's it is read once for every kind of processor that the including file is compiled for.
+#if defined(TALIK_ICEBOND_CONTACTFORCES) == defined(HWY_TARGET_TOGGLE)
+#ifdef TALIK_ICEBOND_CONTACTFORCES
+#undef TALIK_ICEBOND_CONTACTFORCES
+#else
+#define TALIK_ICEBOND_CONTACTFORCES
+#endif
+
+#include <hwy/highway.h>
+#include <pkg/icebond/IceBond.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace talik {
+namespace HWY_NAMESPACE {
+
+	// What Highway offers for vectors, for one number.
+	HWY_INLINE double Add(double a, double b) { return a + b; }
+	HWY_INLINE double Sub(double a, double b) { return a - b; }
+	HWY_INLINE double Mul(double a, double b) { return a * b; }
+	HWY_INLINE double Div(double a, double b) { return a / b; }
+	HWY_INLINE double Neg(double a) { return -a; }
+	HWY_INLINE double Sqrt(double a) { return __builtin_sqrt(a); }
+	HWY_INLINE double CopySignToAbs(double size, double sign) { return __builtin_copysign(size, sign); }
+	HWY_INLINE double Min(double a, double b) { return a < b ? a : b; }
+	HWY_INLINE double Max(double a, double b) { return a < b ? b : a; }
+	HWY_INLINE double MulAdd(double a, double b, double c) { return a * b + c; }
+	HWY_INLINE double MulSub(double a, double b, double c) { return a * b - c; }
+	HWY_INLINE double NegMulAdd(double a, double b, double c) { return c - a * b; }
+	HWY_INLINE bool   Lt(double a, double b) { return a < b; }
+	HWY_INLINE bool   Ne(double a, double b) { return a != b; }
+	HWY_INLINE bool   And(bool a, bool b) { return a && b; }
+	HWY_INLINE bool   AndNot(bool a, bool b) { return !a && b; }
+	HWY_INLINE bool   Or(bool a, bool b) { return a || b; }
+	HWY_INLINE double IfThenElse(bool condition, double yes, double no) { return condition ? yes : no; }
+
+	/// Zero of the kind of `number`, and whether a condition on such numbers holds in some lane.
+	HWY_INLINE double zeroLike(double) { return 0; }
+	HWY_INLINE bool   holdsSomewhere(double, bool condition) { return condition; }
+	template <class Vector> HWY_INLINE Vector zeroLike(Vector) { return hwy::HWY_NAMESPACE::Zero(hwy::HWY_NAMESPACE::DFromV<Vector>()); }
+	template <class Vector, class Mask> HWY_INLINE bool holdsSomewhere(Vector, Mask condition)
+	{
+		return !hwy::HWY_NAMESPACE::AllFalse(hwy::HWY_NAMESPACE::DFromV<Vector>(), condition);
+	}
+
+	template <class Number> HWY_INLINE Number limitedShear(Number trial, Number limit) { return Min(Max(trial, Neg(limit)), limit); }
+	/// The ice's part of a shear force that slides from `trial` to `shear`.
+	template <class Number> HWY_INLINE Number slidIce(Number iceShear, Number shear, Number trial) { return Mul(iceShear, Div(shear, trial)); }
+
+#if HWY_TARGET == HWY_STATIC_TARGET
+	// The same for a shear force in space.
+	using Spatial = Eigen::Matrix<double, 3, 1>;
+	HWY_INLINE Spatial Sub(const Spatial& a, const Spatial& b) { return a - b; }
+	HWY_INLINE Spatial NegMulAdd(double a, const Spatial& b, const Spatial& c) { return c - a * b; }
+	HWY_INLINE bool    Ne(const Spatial& a, const Spatial& b) { return a != b; }
+	HWY_INLINE Spatial IfThenElse(bool condition, const Spatial& yes, const Spatial& no) { return condition ? yes : no; }
+	HWY_INLINE Spatial limitedShear(const Spatial& trial, double limit)
+	{
+		const double norm = shearNorm(trial);
+		return norm <= limit ? trial : Spatial(trial * (limit / norm));
+	}
+	HWY_INLINE Spatial slidIce(const Spatial& iceShear, const Spatial& shear, const Spatial& trial)
+	{
+		return iceShear * (shearNorm(shear) / shearNorm(trial));
+	}
+#endif
+
+	/// Contacts that have no bond; no force across a gap.
+	template <class Number, class Shear>
+	HWY_INLINE ContactForces<Number, Shear>
+	frictionalForces(const Number& stiffness, const Number& friction, const Number& overlap, const Shear& shear, const Shear& increment)
+	{
+		ContactForces<Number, Shear> f;
+		f.overlap    = overlap;
+		f.increment  = increment;
+		f.trialShear = Sub(shear, increment);
+		f.normal     = Max(Mul(stiffness, overlap), zeroLike(overlap));
+		f.shear      = limitedShear(f.trialShear, Mul(friction, f.normal));
+		return f;
+	}
+
+	/// Tangent of the friction angle of contacts without and with an intact bond [-].
+	template <class Number> struct ContactFriction {
+		Number free, bonded;
+	};
+
+	/// Contacts that may be bonded. settle(condition, forces) is called if some of them reached the limit of a bond or fell below the floor
+	/// of a broken one; it puts what IceBond::settle makes of them in.
+	template <class Number, class Shear, class Settle>
+	HWY_INLINE ContactForces<Number, Shear> bondedForces(
+	        const ContactResponse<Number>& contact, const ContactFriction<Number>& friction, const Number& overlap, const Shear& shear,
+	        const Shear& iceShear, const Shear& increment, Settle&& settle)
+	{
+		const Number                 zero   = zeroLike(overlap);
+		const auto                   intact = Lt(contact.floor, zero);
+		ContactForces<Number, Shear> f;
+		f.overlap     = overlap;
+		f.increment   = increment;
+		f.trialNormal = Sub(Mul(contact.stiffness, overlap), contact.offset);
+		f.normal      = Max(f.trialNormal, contact.floor);
+		const Number limit
+		        = MulAdd(IfThenElse(intact, friction.bonded, friction.free), Max(f.trialNormal, zero), contact.cohesion);
+		f.trialShear       = Sub(shear, increment);
+		f.shear            = limitedShear(f.trialShear, limit);
+		f.iceShear         = NegMulAdd(contact.iceShare, increment, iceShear);
+		const auto limited = Ne(f.trialShear, f.shear);
+		const auto opened  = And(Lt(f.trialNormal, contact.floor), Ne(contact.floor, zero));
+		const auto shared  = And(limited, Or(intact, Ne(contact.iceShare, zero)));
+		if (HWY_UNLIKELY(holdsSomewhere(overlap, Or(opened, shared)))) {
+			const auto slides = AndNot(Or(opened, intact), shared); // a broken bond whose ice still carries
+			f.iceShear        = IfThenElse(slides, slidIce(f.iceShear, f.shear, f.trialShear), f.iceShear);
+			const auto failed = Or(opened, AndNot(slides, shared));
+			if (holdsSomewhere(overlap, failed)) settle(failed, f);
+		}
+		return f;
+	}
+
+} // namespace HWY_NAMESPACE
+} // namespace talik
+HWY_AFTER_NAMESPACE();
+
+#endif
