@@ -82,7 +82,7 @@ TEST(ThawFront, ThinThawedLayerSlidesAsFarAsFrictionLetsIt)
 	expectSlide("along the grid", layer(1.0, 0.25), 5e-2);
 	expectSlide("along the grid", layer(2.0, 0.75), 5e-2);
 	expectSlide("along the grid, psi = phi", dilating(layer(2.0)), 5e-2);
-	expectSlide("along the grid, saturated", wet(layer(2.0)), 5e-2);
+	expectSlide("along the grid, saturated", wet(layer(1.0)), 5e-2);
 	expectSlide("front at 45 degrees to the grid", inclined(1.0, 45.0), 1e-1);
 	// what the front is for: with one velocity the same layer does not slide
 	EXPECT_LT(slideOf(withoutFront(layer(1.0))), 0.05);
@@ -92,13 +92,12 @@ TEST(ThawFront, LayerOfAnyThicknessSlidesWhereverTheFrontLies_slow)
 {
 	for (const double above : { 0.0, 0.25, 0.5, 0.75 })
 		for (const double thickness : { 0.5, 1.0, 2.0, 4.0, 8.0 }) {
-			// a single row of points, most of it in cells that it shares with frozen ground
+			// a single row of points on a line of nodes
 			const bool singleRow = thickness == 0.5 && above == 0.75;
 			expectSlide("along the grid", layer(thickness, above), 5e-2);
-			// the stress of a single row that dilates wanders
-			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), singleRow ? 2.5e-1 : thickness < 2.0 ? 7e-2 : 5e-2);
-			// pressure in a layer thinner than a cell has one value
-			expectSlide("along the grid, saturated", wet(layer(thickness, above)), thickness < 2.0 ? 3e-1 : 5e-2);
+			expectSlide("along the grid, saturated", wet(layer(thickness, above)), singleRow ? 1e-1 : 5e-2);
+			// dilating ground at the front has now more pressure than its reaction, now less: about two thirds of these rows are within 5 %
+			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), singleRow ? 4e-1 : thickness < 2.0 ? 1.6e-1 : 1e-1);
 		}
 }
 
@@ -106,7 +105,8 @@ TEST(ThawFront, LayerOnAFrontInclinedToTheGridSlides_slow)
 {
 	for (const double thickness : { 0.5, 1.0, 2.0, 4.0 }) {
 		expectSlide("front at 45 degrees to the grid", inclined(thickness, 45.0), 1e-1);
-		expectSlide("front at 30 degrees to the grid", inclined(thickness, 30.0), thickness <= 2.0 ? 1e-1 : 3e-1);
+		// at 30 degrees 0.12 g drive the layer against 0.38 g of friction: an error of the friction counts threefold
+		expectSlide("front at 30 degrees to the grid", inclined(thickness, 30.0), thickness < 2.0 ? 1e-1 : 3e-1);
 	}
 }
 

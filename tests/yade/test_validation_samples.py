@@ -292,7 +292,7 @@ def realisations(sampleCache):
 def test_thawed_layer_of_samples_slides_on_its_frozen_base_with_their_friction_slow(realisations, thickness):
 	"""Infinite slope of 45 degrees, cells of 2 m so that samples are pressed as in their tests: a t^2/2 with the friction of the same
 	samples in simple shear at the normal stress on the front."""
-	report = Report("Samples.Slab", "the same samples in simple shear")
+	report = Report(f"Samples.Slab.{thickness}", "the same samples in simple shear")
 	h, density, beta, duration = 2.0, 0.6 * 2650 + 0.4 * 1000, np.radians(45), 0.5
 	pressure = density * 9.81 * np.cos(beta) * thickness * h
 	friction, error = frictionInSimpleShear(realisations, pressure)

@@ -616,7 +616,8 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 				for (int j = 0; j < D; ++j)
 					slip[i][j] += dilatancy_[p] * widening[i][j];
 			limitStrain(slip, limit / (weight * modulus_[p] * dt));
-			lead(p, dt, limit / weight, slip, lacking);
+			// water holds the normal stress by itself; what grains gained would be taken off its pressure
+			if (!water_) lead(p, dt, limit / weight, slip, lacking);
 		}
 		for (int i = 0; i < D; ++i) {
 			motion_->velocity[i][p] += gain[i];
