@@ -92,7 +92,8 @@ void Law2_ScGeom_IceBondPhys_IceBond::countBroken()
 void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness& k)
 {
 	const double       friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
-	const BondStrength strength { c.model.tensileStrength(saturation) * area, c.model.shearStrength(saturation) * area };
+	BondStrength       strength { 0, 0 };
+	if (c.bond.intact()) strength = { c.model.tensileStrength(saturation) * area, c.model.shearStrength(saturation) * area };
 	const auto         contact = c.bond.response(k, strength, rule);
 	const auto         settle  = [&](bool, Forces& forces) {
         if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces, rule) != BondFailure::none) countBroken();

@@ -22,6 +22,7 @@ template <int D> void Calendar<D>::bind(MaterialPoints<D>& points, const SolidMo
 	displacement_ = motion.displacement;
 	velocity_     = motion.velocity;
 	volume_       = points.volume();
+	mass_         = motion.mass;
 	capacity_     = heat.heatCapacity;
 	conductivity_ = heat.conductivity;
 }
@@ -51,7 +52,34 @@ template <int D> typename Calendar<D>::Extremes Calendar<D>::extremesOf(int firs
 	return { fastest, least };
 }
 
-template <int D> void Calendar<D>::measure(CalendarState& state, const Strips& strips, double spacing, double heatFraction)
+/// Square of the largest mean velocity in a cell [m^2/s^2].
+template <int D> double Calendar<D>::fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range)
+{
+	cellMotion_.resize(cells.count());
+	std::fill(cellMotion_.begin() + range.firstCell, cellMotion_.begin() + range.lastCell, std::array<double, D + 1> {});
+	strips.scatter([&](int, int first, int last) {
+		for (int p = first; p < last; ++p) {
+			auto& sum = cellMotion_[cells.cell(p)];
+			for (int a = 0; a < D; ++a)
+				sum[a] += mass_[p] * velocity_[a][p];
+			sum[D] += mass_[p];
+		}
+	});
+	double fastest = 0.0;
+	for (int c = range.firstCell; c < range.lastCell; ++c) {
+		const auto& sum = cellMotion_[c];
+		if (!(sum[D] > 0.0)) continue;
+		double square = 0.0;
+		for (int a = 0; a < D; ++a)
+			square += sum[a] * sum[a];
+		fastest = std::max(fastest, square / (sum[D] * sum[D]));
+	}
+	return fastest;
+}
+
+template <int D>
+void Calendar<D>::measure(
+        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction)
 {
 	partial_.assign(strips.count(), { 0.0, std::numeric_limits<double>::infinity() });
 	strips.gather([&](int s, int first, int last) { partial_[s] = extremesOf(first, last); });
@@ -60,7 +88,7 @@ template <int D> void Calendar<D>::measure(CalendarState& state, const Strips& s
 		whole.speedSquare = std::max(whole.speedSquare, strip.speedSquare);
 		whole.reach       = std::min(whole.reach, strip.reach);
 	}
-	state.speed = std::sqrt(whole.speedSquare);
+	state.speed = std::sqrt(cells ? fastestCell(strips, *cells, range) : whole.speedSquare);
 	state.reach = whole.reach * heatFraction * spacing * spacing / (2.0 * D);
 }
 

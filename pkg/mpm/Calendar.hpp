@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
@@ -29,7 +30,7 @@ struct MotionEvent {
 struct CalendarState {
 	double time  = 0.0; ///< of slow processes and boundary tables [s]
 	double scale = 1.0; ///< calendar time that passes per time of motion in this or the last step [-]
-	/// Speed of the fastest point at the end of the last step [m/s], and how much calendar time one step may take for the sake of heat [s].
+	/// Speed of the fastest ground at the end of the last step [m/s], and how much calendar time one step may take for the sake of heat [s].
 	double      speed  = 0.0, reach = std::numeric_limits<double>::infinity();
 	long        moving = 0;   ///< an event goes on
 	double      quiet  = 0.0, quietCalendar = 0.0; ///< how long the ground has been slow in it [s of motion, of calendar time]
@@ -44,7 +45,8 @@ template <int D> class SolidMotion;
 ///
 /// The scale is a smooth function of the largest speed v: f = f_m + (f_T - f_m)/(1 + (v/v_0)^2), v_0 the tolerance. A switch
 /// between two scales would change in every step where thaw itself moves the ground, because its speed is in proportion to f, eq. (21.1). Between rest and an acceleration a some
-/// (pi/2) f_T v_0/a of calendar time pass.
+/// (pi/2) f_T v_0/a of calendar time pass. v is the largest mean velocity of the points of a cell: points of one cell may swing against
+/// each other, which moves no ground.
 template <int D> class Calendar {
 public:
 	Calendar(PointFields& fields, const HeatSettings& settings);
@@ -52,8 +54,9 @@ public:
 
 	/// Scale of a step of length dt [s].
 	double scale(const CalendarState& state, double dt) const;
-	/// Speed and reach of the ground as it is. heatFraction: of the explicit limit of conduction.
-	void measure(CalendarState& state, const Strips& strips, double spacing, double heatFraction);
+	/// Speed and reach of the ground as it is. heatFraction: of the explicit limit of conduction. cells: where the points are; null: the
+	/// fastest point counts.
+	void measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction);
 	/// At the end of a step of length dt [s] that ended at time [s of motion], calendar included: keeps account of events.
 	void keepEvents(CalendarState& state, double dt, double time, int points);
 	/// The event that goes on, as if it ended now.
@@ -66,13 +69,16 @@ private:
 		double speedSquare, reach;
 	};
 	TALIK_PROCESSOR_VERSIONS Extremes extremesOf(int first, int last) const;
+	double                            fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
 	void                     measureEvent(MotionEvent& event, int points) const;
 
 	const HeatSettings*   settings_;
 	PointFields::Handle   handle_;
 	std::array<double*, D> before_ {}, displacement_ {}, velocity_ {};
-	const double *        volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
+	const double *        mass_ = nullptr, *volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
 	std::vector<Extremes> partial_;
+	/// By cell: momentum [kg m/s] and mass [kg] of its points.
+	std::vector<std::array<double, D + 1>> cellMotion_;
 };
 
 extern template class Calendar<2>;

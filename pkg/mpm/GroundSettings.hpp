@@ -62,8 +62,8 @@ struct HeatSettings {
 	double        thermalTimeScale = 1.0;
 	bool          followsMotion    = false; ///< f_T holds while the ground rests; the faster it moves the nearer to movingTimeScale. Needs motion
 	double        movingTimeScale  = 1.0;   ///< f_m, scale while the ground moves [-], > 0, at most f_T
-	double        eventSpeed       = 1e-5;  ///< of the fastest point, per calendar time, from which on motion is an event [m/s], >= 0
-	double        motionTolerance  = 0.01;  ///< v_0, speed of the fastest point at which the scale lies half way [m/s], 1e-6 to 1
+	double        eventSpeed       = 1e-5;  ///< of the fastest ground, per calendar time, from which on motion is an event [m/s], >= 0
+	double        motionTolerance  = 0.01;  ///< v_0, speed of the fastest ground at which the scale lies half way [m/s], 1e-6 to 1
 	double        eventDisplacement = 0.02; ///< what a point must be displaced by to count as moved in an event [m], > 0
 	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s of calendar time]; what the grid
 	/// resolves is touched in fourth order of h only. NaN (default): one diffusion time of a cell, h^2 C/kappa; infinity: none.

@@ -157,7 +157,7 @@ template <int D> void Ground<D>::initialise()
 			g.settings.skeletons[k]->initialise(g.batch(k));
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		if (g.water) g.water->chooseLargestConductivity();
-		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), g.grid.spacing(), g.settings.heatFraction);
+		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
 		for (int p = 0; p < g.points->count(); ++p)
 			g.clock.initialMass += g.motion->mass[p] + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
 	}

@@ -517,7 +517,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
 	if (g.calendar) {
-		g.calendar->measure(g.clock.calendar, g.points->strips(), g.grid.spacing(), g.settings.heatFraction);
+		g.calendar->measure(g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
 		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count());
 		g.cost.lap(CostMeter::calendar);
 	}

@@ -81,7 +81,7 @@ public:
 		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao as mechanical shrinkage of grains prepared frozen, (r/r_0)^2 = 1-thawStrain*(1-S_i/S_frozen), S_frozen the largest ice saturation so far; not undone by refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A scene opened from it keeps the radii of that moment.")
 		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.calibrate.thawedStrength finds the one that gives a cohesion.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
-		.add_property("path",&RveSample::path,"What the steps of samples run on here: the name of a kind of processor, such as AVX2 or NEON, or portable.")
+		.add_property("path",&RveSample::path,"What the steps of samples run on here: the vectors in use as the library Highway names them, such as AVX2, AVX3 (AVX-512) or NEON, or portable.")
 		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")
 		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient [-].")
 	);

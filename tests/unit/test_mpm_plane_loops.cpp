@@ -36,8 +36,8 @@ std::vector<double> resultsOf(const PlaneLoops& loops)
 		w.base[k] = 0;
 	for (int n = 0; n < 9; ++n)
 		w.offset[n] = n % 3 + n / 3 * stride;
-	loops.spline(w, 0, x.data(), 0.0, 10.0, 1);
-	loops.spline(w, 1, y.data(), 0.0, 10.0, stride);
+	loops.spline(count, x.data(), 0.0, 10.0, 1, w.base, w.value[0], w.slope[0]);
+	loops.spline(count, y.data(), 0.0, 10.0, stride, w.base, w.value[1], w.slope[1]);
 
 	std::vector<double> all;
 	const auto          keep = [&](const double* values, std::size_t n) { all.insert(all.end(), values, values + n); };

@@ -43,6 +43,8 @@ public:
 		std::fill(sum_.begin(), sum_.end(), 0.0);
 	}
 
+	/// Cells of the grid.
+	int    count() const { return static_cast<int>(volume_.size()); }
 	int    cell(int place) const { return cell_[place]; }
 	void   add(int place, double volumeTimesValue) { sum_[cell_[place]] += volumeTimesValue; }
 	/// Turns the sums into means; nothing can be added until they are cleared.

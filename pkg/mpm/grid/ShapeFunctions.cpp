@@ -26,24 +26,7 @@ namespace {
 		}
 		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
-			if constexpr (D == 2) {
-				planeLoops().spline(w, axis, x, grid.lower()[axis], grid.inverseSpacing(), grid.nodeStride(axis));
-				return;
-			}
-			const double lower = grid.lower()[axis], inverse = grid.inverseSpacing();
-			const int    stride = grid.nodeStride(axis);
-			for (int k = 0; k < count; ++k) {
-				const double s    = (x[k] - lower) * inverse + 0.5; // half a cell behind the node coordinate: never negative inside the box
-				const int    node = static_cast<int>(s);
-				const double f    = s - node; // 0 .. 1 from the middle between the first two nodes
-				w.base[k] += node * stride;
-				w.value[axis][0][k] = 0.5 * (1.0 - f) * (1.0 - f);
-				w.value[axis][1][k] = 0.5 + f * (1.0 - f);
-				w.value[axis][2][k] = 0.5 * f * f;
-				w.slope[axis][0][k] = (f - 1.0) * inverse;
-				w.slope[axis][1][k] = (1.0 - 2.0 * f) * inverse;
-				w.slope[axis][2][k] = f * inverse;
-			}
+			planeLoops().spline(count, x, grid.lower()[axis], grid.inverseSpacing(), grid.nodeStride(axis), w.base, w.value[axis], w.slope[axis]);
 		}
 	};
 

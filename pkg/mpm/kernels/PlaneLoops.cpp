@@ -185,22 +185,21 @@ namespace {
 		return sums;
 	}
 
-	void spline(WeightBlock<2>& w, int axis, const double* x, double lowerWall, double inverse, int stride)
+	void spline(int count, const double* x, double lower, double inverse, int stride, int* base, PlaneLoops::AxisWeights& value, PlaneLoops::AxisWeights& slope)
 	{
-		const int n = w.count;
 		// positions are no part of the block
 #pragma GCC ivdep
-		for (int k = 0; k < n; ++k) {
-			const double s    = (x[k] - lowerWall) * inverse + 0.5; // half a cell behind the node coordinate: never negative inside the box
+		for (int k = 0; k < count; ++k) {
+			const double s    = (x[k] - lower) * inverse + 0.5; // half a cell behind the node coordinate: never negative inside the box
 			const int    node = static_cast<int>(s);
 			const double f    = s - node; // 0 .. 1 from the middle between the first two nodes
-			w.base[k] += node * stride;
-			w.value[axis][0][k] = 0.5 * (1.0 - f) * (1.0 - f);
-			w.value[axis][1][k] = 0.5 + f * (1.0 - f);
-			w.value[axis][2][k] = 0.5 * f * f;
-			w.slope[axis][0][k] = (f - 1.0) * inverse;
-			w.slope[axis][1][k] = (1.0 - 2.0 * f) * inverse;
-			w.slope[axis][2][k] = f * inverse;
+			base[k] += node * stride;
+			value[0][k] = 0.5 * (1.0 - f) * (1.0 - f);
+			value[1][k] = 0.5 + f * (1.0 - f);
+			value[2][k] = 0.5 * f * f;
+			slope[0][k] = (f - 1.0) * inverse;
+			slope[1][k] = (1.0 - 2.0 * f) * inverse;
+			slope[2][k] = f * inverse;
 		}
 	}
 

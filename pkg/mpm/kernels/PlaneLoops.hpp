@@ -15,8 +15,10 @@ struct PlaneLoops {
 	const char* name;
 	bool        roundsOnce; ///< multiplies and adds in one rounding
 
-	/// Quadratic B-spline along one axis: factors, slopes; adds node * stride to base.
-	void (*spline)(WeightBlock<2>& w, int axis, const double* x, double lower, double inverseSpacing, int stride);
+	/// Factors and slopes along one axis, in the plane or in space.
+	using AxisWeights = double[supportNodes][blockSize];
+	/// Quadratic B-spline along one axis of `count` points; adds node * stride to base.
+	void (*spline)(int count, const double* x, double lower, double inverseSpacing, int stride, int* base, AxisWeights& value, AxisWeights& slope);
 	/// Node record [mass, momentum x, y, unused, force x, y, capacity, capacity times carried].
 	static constexpr int motionSize = 8;
 	struct MotionMap {

@@ -86,14 +86,6 @@ namespace {
 
 	bool inPlane(const Matrix3r& m) { return m(0, 2) == 0 && m(1, 2) == 0 && m(2, 0) == 0 && m(2, 1) == 0 && m(2, 2) == 0; }
 
-	Matrix3r rootIncrement(const Matrix3r& displacementGradient, long steps)
-	{
-		if (!inPlane(displacementGradient)) return matrixRootIncrement<3>(displacementGradient, steps);
-		Matrix3r increment               = Matrix3r::Zero();
-		increment.topLeftCorner<2, 2>() = matrixRootIncrement<2>(displacementGradient.topLeftCorner<2, 2>(), steps);
-		return increment;
-	}
-
 	bool inherits(const Engine& engine, const char* base)
 	{
 		const std::string name = engine.getClassName();
@@ -203,7 +195,7 @@ void OpenSample::adopt(shared_ptr<Scene> adopted)
 	forbidRedirection(*scene);
 	scene->dt = timeStepForIce(*scene);
 	measureGrains();
-	lastStress = loveWeber(*scene);
+	meanStress = loveWeber(*scene);
 }
 
 void OpenSample::measureGrains()
@@ -256,19 +248,16 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 	if (!(targetIceSaturation >= 0 && targetIceSaturation <= 1))
 		throw std::invalid_argument("open sample: ice saturation " + std::to_string(targetIceSaturation) + " must lie in 0..1");
 	OpenUpdateResult result;
-	result.stress    = symmetric(lastStress);
+	result.stress    = symmetric(meanStress);
 	const long start = scene->iter;
 	try {
 		onOneThread([&] {
-			const Matrix3r remaining = settle(displacementGradient);
-			changeIce(targetIceSaturation, options);
-			move(remaining, options);
-			relax(options);
+			SampleUpdate<OpenSample>(*this, options).perform(displacementGradient, targetIceSaturation);
 			checkHealth();
 			result.flipped = options.flipSkew > 0 && flip(options.flipSkew);
 			if (options.tangent) result.tangent = tangent();
 		});
-		result.stress = symmetric(lastStress);
+		result.stress = symmetric(meanStress);
 	} catch (const std::runtime_error& problem) {
 		result.blewUp = true;
 		result.reason = problem.what();
@@ -277,15 +266,8 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 	return result;
 }
 
-/// A velocity gradient left in force moves the cell once more; what it moves is taken from the increment.
-Matrix3r OpenSample::settle(const Matrix3r& displacementGradient)
-{
-	const Matrix3r one = Matrix3r::Identity(), left = scene->dt * scene->cell->velGrad;
-	setNextVelGrad(Matrix3r::Zero());
-	if (left.isZero(0)) return displacementGradient;
-	run(1);
-	return (one + displacementGradient) * (one + left).inverse() - one;
-}
+double   OpenSample::timeStep() const { return scene->dt; }
+Matrix3r OpenSample::velGrad() const { return scene->cell->velGrad; }
 
 void OpenSample::setNextVelGrad(const Matrix3r& velGrad)
 {
@@ -301,19 +283,8 @@ void OpenSample::run(long steps, long averaged)
 		scene->moveToNextTimeStep();
 		if (k >= first) sum += loveWeber(*scene);
 	}
-	if (steps > 0) lastStress = sum / double(steps - first);
+	if (steps > 0) meanStress = sum / double(steps - first);
 	scene->speed = 0; // steps per second by the clock on the wall, which YADE archives: the same run is to give the same bytes
-}
-
-void OpenSample::changeIce(double target, const PackedUpdateOptions& options)
-{
-	if (!hasIce()) return;
-	const double from  = iceSaturation();
-	const long   parts = long(std::ceil(std::fabs(target - from) / options.saturationIncrement - 1e-9));
-	for (long k = 1; k <= parts; k++) {
-		setIceSaturation(k == parts ? target : from + (target - from) * double(k) / double(parts));
-		run(std::max(1l, options.stepsPerSaturation)); // contacts take it up in a step
-	}
 }
 
 double OpenSample::iceSaturation() const { return hasIce() ? iceMaterials.front()->iceSaturation : 0; }
@@ -329,42 +300,28 @@ void OpenSample::setIceSaturation(double iceSaturation)
 	if (births && !model.melted(iceSaturation)) bondAll();
 }
 
-/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.
-void OpenSample::move(const Matrix3r& displacementGradient, const PackedUpdateOptions& options)
+Matrix3r OpenSample::motionPerStep(const Matrix3r& displacementGradient, long steps) const
 {
-	if (displacementGradient.isZero(0)) return;
-	const long     steps = stepsFor(displacementGradient, options);
-	const Matrix3r rate  = rootIncrement(displacementGradient, steps) / scene->dt;
-	const long     mean  = std::min(steps, long(options.averageOver * double(steps)));
-	setNextVelGrad(rate);
-	run(steps, mean);
-	const Matrix3r before = lastStress;
-	setNextVelGrad(Matrix3r::Zero());
-	run(1);
-	if (mean > 1) lastStress = (before * double(mean) + lastStress) / double(mean + 1);
+	if (!inPlane(displacementGradient)) return matrixRootIncrement<3>(displacementGradient, steps);
+	Matrix3r increment              = Matrix3r::Zero();
+	increment.topLeftCorner<2, 2>() = matrixRootIncrement<2>(displacementGradient.topLeftCorner<2, 2>(), steps);
+	return increment;
 }
 
-long OpenSample::stepsFor(const Matrix3r& displacementGradient, const PackedUpdateOptions& options) const
+long OpenSample::movingSteps(const Matrix3r& displacementGradient, const PackedUpdateOptions& options) const
 {
 	if (discs && inPlane(displacementGradient)) {
 		PackedParameters<2> p;
 		p.dt      = scene->dt;
 		p.density = density;
-		p.stress  = lastStress.topLeftCorner<2, 2>();
-		return movingSteps<2>(p, averageRadius, displacementGradient.topLeftCorner<2, 2>(), options);
+		p.stress  = meanStress.topLeftCorner<2, 2>();
+		return talik::movingSteps<2>(p, averageRadius, displacementGradient.topLeftCorner<2, 2>(), options);
 	}
 	PackedParameters<3> p;
 	p.dt      = scene->dt;
 	p.density = density;
-	p.stress  = lastStress;
-	return movingSteps<3>(p, averageRadius, displacementGradient, options);
-}
-
-void OpenSample::relax(const PackedUpdateOptions& options)
-{
-	if (options.relaxSteps > 0) run(options.relaxSteps);
-	for (long done = 0; done < options.maxRelaxSteps && statistics().unbalancedForce > options.unbalancedLimit; done += 10)
-		run(10);
+	p.stress  = meanStress;
+	return talik::movingSteps<3>(p, averageRadius, displacementGradient, options);
 }
 
 void OpenSample::checkHealth() const
@@ -454,7 +411,7 @@ std::size_t OpenSample::intactBonds() const
 
 // ---------------------------------------------------------------------------------------------- measures
 
-Matrix3r OpenSample::stress() const { return symmetric(lastStress); }
+Matrix3r OpenSample::stress() const { return symmetric(meanStress); }
 
 PackedTangent<2> OpenSample::tangent() const
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 
 namespace yade {
@@ -86,14 +87,21 @@ public:
 private:
 	void            adopt(boost::shared_ptr<yade::Scene>);
 	void            measureGrains();
-	Eigen::Matrix3d settle(const Eigen::Matrix3d& displacementGradient);
-	void            changeIce(double target, const PackedUpdateOptions&);
-	void            setIceSaturation(double iceSaturation);
-	void            move(const Eigen::Matrix3d& displacementGradient, const PackedUpdateOptions&);
-	void            relax(const PackedUpdateOptions&);
-	void            run(long steps, long averaged = 1);
-	void            setNextVelGrad(const Eigen::Matrix3d&);
-	long            stepsFor(const Eigen::Matrix3d& displacementGradient, const PackedUpdateOptions&) const;
+
+	friend class SampleUpdate<OpenSample>;
+	using Matrix = Eigen::Matrix3d;
+	static constexpr long leastStepsOfIce = 1; ///< contacts take ice saturation up in a step
+	double                timeStep() const;
+	Matrix                velGrad() const;
+	void                  setNextVelGrad(const Matrix&);
+	void                  run(long steps, long averaged = 1);
+	const Matrix&         lastStress() const { return meanStress; }
+	void                  setLastStress(const Matrix& stress) { meanStress = stress; }
+	double                unbalancedForce() const { return statistics().unbalancedForce; }
+	long                  movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions&) const;
+	Matrix                motionPerStep(const Matrix& displacementGradient, long steps) const;
+	void                  setIceSaturation(double iceSaturation);
+
 	bool            bondPair(yade::Body& first, yade::Body& second);
 	void            checkHealth() const;
 	std::size_t     intactBonds() const;
@@ -102,7 +110,7 @@ private:
 	std::vector<yade::IceBondMat*> iceMaterials;
 	bool                           discs = false;
 	double                         averageRadius = 0, density = 0;
-	Eigen::Matrix3d                lastStress = Eigen::Matrix3d::Zero();
+	Eigen::Matrix3d                meanStress = Eigen::Matrix3d::Zero(); ///< of the last steps that were run, not symmetrised [Pa]
 	std::uint64_t                  formed = 0, melted = 0;
 	std::string                    kept;
 	std::array<std::uint64_t, 2>   keptCounts {};

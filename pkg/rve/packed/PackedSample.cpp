@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <pkg/rve/SampleUpdate.hpp>
 #include <pkg/rve/packed/PackedProtocol.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -98,6 +99,11 @@ long movingSteps(
 	return std::max(options.minSteps, long(wanted));
 }
 
+template <int Dim> long PackedWorkspace<Dim>::movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const
+{
+	return talik::movingSteps<Dim>(parameters(), averageRadius, displacementGradient, options);
+}
+
 template <int Dim>
 long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options)
 {
@@ -108,81 +114,6 @@ long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>
 }
 
 // ---------------------------------------------------------------------------------------------- one update
-
-namespace {
-
-	template <int Dim> class Update {
-		using Matrix = typename PackedTypes<Dim>::Matrix;
-
-	public:
-		Update(PackedWorkspace<Dim>& sample, const PackedUpdateOptions& chosen) : workspace(sample), options(chosen), start(sample.parameters().step) {}
-
-		PackedUpdateResult<Dim> perform(const Matrix& displacementGradient, double targetIceSaturation)
-		{
-			const Matrix remaining = settle(displacementGradient);
-			changeIce(targetIceSaturation);
-			move(remaining);
-			relax();
-			workspace.checkHealth();
-			PackedUpdateResult<Dim> result;
-			result.flipped = options.flipSkew > 0 && workspace.flip(options.flipSkew);
-			result.stress  = symmetric<Matrix>(workspace.stress());
-			result.steps   = long(workspace.parameters().step - start);
-			if (options.tangent) result.tangent = workspace.tangent();
-			return result;
-		}
-
-	private:
-		/// A velocity gradient left in force moves the cell once more; what it moves is taken from the increment.
-		Matrix settle(const Matrix& displacementGradient)
-		{
-			const PackedParameters<Dim>& p = workspace.parameters();
-			const Matrix one = Matrix::Identity(), left = p.dt * p.velGrad;
-			workspace.setNextVelGrad(Matrix::Zero());
-			if (left.isZero(0)) return displacementGradient;
-			workspace.run(1);
-			return (one + displacementGradient) * (one + left).inverse() - one;
-		}
-
-		void changeIce(double target)
-		{
-			const double from  = workspace.parameters().iceSaturation;
-			const long   parts = long(std::ceil(std::fabs(target - from) / options.saturationIncrement - 1e-9));
-			for (long k = 1; k <= parts; ++k) {
-				workspace.setIceSaturation(k == parts ? target : from + (target - from) * double(k) / double(parts));
-				if (options.stepsPerSaturation > 0) workspace.run(options.stepsPerSaturation);
-			}
-		}
-
-		// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.
-		void move(const Matrix& displacementGradient)
-		{
-			if (displacementGradient.isZero(0)) return;
-			const PackedParameters<Dim>& p     = workspace.parameters();
-			const long                   steps = movingSteps<Dim>(p, workspace.meanRadius(), displacementGradient, options);
-			const Matrix                 rate  = matrixRootIncrement<Dim>(displacementGradient, steps) / p.dt;
-			const long                   mean  = std::min(steps, long(options.averageOver * double(steps)));
-			workspace.setNextVelGrad(rate);
-			workspace.run(steps, mean);
-			const Matrix before = workspace.stress();
-			workspace.setNextVelGrad(Matrix::Zero());
-			workspace.run(1);
-			if (mean > 1) workspace.setStress((before * double(mean) + workspace.stress()) / double(mean + 1));
-		}
-
-		void relax()
-		{
-			if (options.relaxSteps > 0) workspace.run(options.relaxSteps);
-			for (long done = 0; done < options.maxRelaxSteps && workspace.statistics().unbalancedForce > options.unbalancedLimit; done += 10)
-				workspace.run(10);
-		}
-
-		PackedWorkspace<Dim>&      workspace;
-		const PackedUpdateOptions& options;
-		std::uint64_t              start;
-	};
-
-} // namespace
 
 void checkOptions(const PackedUpdateOptions& o)
 {
@@ -202,7 +133,16 @@ PackedUpdateResult<Dim> updateWorkspace(
         double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	try {
-		return Update<Dim>(workspace, options).perform(displacementGradient, targetIceSaturation);
+		using Matrix    = typename PackedTypes<Dim>::Matrix;
+		const auto start = workspace.parameters().step;
+		SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
+		workspace.checkHealth();
+		PackedUpdateResult<Dim> result;
+		result.flipped = options.flipSkew > 0 && workspace.flip(options.flipSkew);
+		result.stress  = symmetric<Matrix>(workspace.lastStress());
+		result.steps   = long(workspace.parameters().step - start);
+		if (options.tangent) result.tangent = workspace.tangent();
+		return result;
 	} catch (const std::runtime_error& problem) {
 		workspace.load(before);
 		PackedUpdateResult<Dim> result;
@@ -248,7 +188,7 @@ namespace {
 			Matrix target = Matrix::Zero();
 			for (int d = 0; d < Dim; ++d)
 				target(d, d) = options.principalStress[d];
-			return target - symmetric<Matrix>(workspace.stress());
+			return target - symmetric<Matrix>(workspace.lastStress());
 		}
 
 		bool withinTolerance() const { return error().cwiseAbs().maxCoeff() < options.stressTolerance * scale; }
@@ -364,7 +304,7 @@ template <int Dim> bool PackedSample<Dim>::servo(const PackedServoOptions<Dim>& 
 
 template <int Dim> bool PackedSample<Dim>::flip(double skew) { return workspace->flip(skew); }
 
-template <int Dim> typename PackedTypes<Dim>::Matrix PackedSample<Dim>::stress() const { return symmetric<Matrix>(workspace->stress()); }
+template <int Dim> typename PackedTypes<Dim>::Matrix PackedSample<Dim>::stress() const { return symmetric<Matrix>(workspace->lastStress()); }
 template <int Dim> PackedStatistics<Dim>             PackedSample<Dim>::statistics() const { return workspace->statistics(); }
 template <int Dim> PackedTangent<Dim>                PackedSample<Dim>::tangent() const { return workspace->tangent(); }
 template <int Dim> const char*                       PackedSample<Dim>::path() const { return workspace->path(); }
@@ -372,6 +312,8 @@ template <int Dim> void                              PackedSample<Dim>::forcePor
 
 template PackedTypes<2>::Matrix matrixRootIncrement<2>(const PackedTypes<2>::Matrix&, long);
 template PackedTypes<3>::Matrix matrixRootIncrement<3>(const PackedTypes<3>::Matrix&, long);
+template long PackedWorkspace<2>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
+template long PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
 template long movingSteps<2>(const PackedParameters<2>&, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
 template long movingSteps<3>(const PackedParameters<3>&, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template long substepCount<2>(const PackedState<2>&, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);

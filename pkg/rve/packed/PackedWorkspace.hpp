@@ -35,6 +35,15 @@ public:
 	/// Throws PackedBlowUp when lists are due and the sample is not healthy.
 	void run(long steps, long averaged = 1);
 
+	double      timeStep() const { return view.dt; }
+	Matrix      velGrad() const { return parameters().velGrad; }
+	double      unbalancedForce() const { return statistics().unbalancedForce; }
+	long        movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const;
+	Matrix      motionPerStep(const Matrix& displacementGradient, long steps) const { return matrixRootIncrement<Dim>(displacementGradient, steps); }
+
+	static constexpr long leastStepsOfIce = 0; ///< that a change of ice saturation takes
+	static constexpr bool hasIce() { return true; }
+	double      iceSaturation() const { return base.iceSaturation; }
 	void        setIceSaturation(double iceSaturation);
 	std::size_t bondAll();
 	void        setFriction(double tangent);
@@ -44,8 +53,9 @@ public:
 	/// whoever runs steps checks once more when it is done.
 	void checkHealth() const;
 
-	Matrix                stress() const { return base.stress; }
-	void                  setStress(const Matrix& stress) { base.stress = stress; }
+	/// Of the last steps that were run, tension positive, not symmetrised [Pa].
+	const Matrix&         lastStress() const { return base.stress; }
+	void                  setLastStress(const Matrix& stress) { base.stress = stress; }
 	PackedStatistics<Dim> statistics() const;
 	PackedTangent<Dim>    tangent() const;
 	Matrix                hSize() const;

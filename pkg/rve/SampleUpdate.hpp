@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <pkg/rve/packed/PackedSample.hpp>
+
+namespace talik {
+
+/// One macroscopic increment on a sample, packed or open: ice at zero velocity gradient, then motion, then relaxation.
+/// A sample offers timeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation, setIceSaturation,
+/// leastStepsOfIce, movingSteps, motionPerStep and unbalancedForce.
+template <class Sample> class SampleUpdate {
+	using Matrix = typename Sample::Matrix;
+
+public:
+	SampleUpdate(Sample& s, const PackedUpdateOptions& chosen) : sample(s), options(chosen) {}
+
+	void perform(const Matrix& displacementGradient, double targetIceSaturation)
+	{
+		const Matrix remaining = stopMotion(displacementGradient);
+		changeIce(targetIceSaturation);
+		move(remaining);
+		relax();
+	}
+
+private:
+	/// A velocity gradient left in force moves the cell once more; what it moves is taken from the increment.
+	Matrix stopMotion(const Matrix& displacementGradient)
+	{
+		const Matrix one = Matrix::Identity(), left = sample.timeStep() * sample.velGrad();
+		sample.setNextVelGrad(Matrix::Zero());
+		if (left.isZero(0)) return displacementGradient;
+		sample.run(1);
+		return (one + displacementGradient) * (one + left).inverse() - one;
+	}
+
+	void changeIce(double target)
+	{
+		if (!sample.hasIce()) return;
+		const double from  = sample.iceSaturation();
+		const long   parts = long(std::ceil(std::fabs(target - from) / options.saturationIncrement - 1e-9));
+		for (long k = 1; k <= parts; ++k) {
+			sample.setIceSaturation(k == parts ? target : from + (target - from) * double(k) / double(parts));
+			sample.run(std::max(Sample::leastStepsOfIce, options.stepsPerSaturation));
+		}
+	}
+
+	/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.
+	void move(const Matrix& displacementGradient)
+	{
+		if (displacementGradient.isZero(0)) return;
+		const long   steps = sample.movingSteps(displacementGradient, options);
+		const Matrix rate  = sample.motionPerStep(displacementGradient, steps) / sample.timeStep();
+		const long   mean  = std::min(steps, long(options.averageOver * double(steps)));
+		sample.setNextVelGrad(rate);
+		sample.run(steps, mean);
+		const Matrix before = sample.lastStress();
+		sample.setNextVelGrad(Matrix::Zero());
+		sample.run(1);
+		if (mean > 1) sample.setLastStress((before * double(mean) + sample.lastStress()) / double(mean + 1));
+	}
+
+	void relax()
+	{
+		sample.run(options.relaxSteps);
+		for (long done = 0; done < options.maxRelaxSteps && sample.unbalancedForce() > options.unbalancedLimit; done += 10)
+			sample.run(10);
+	}
+
+	Sample&                    sample;
+	const PackedUpdateOptions& options;
+};
+
+} // namespace talik
