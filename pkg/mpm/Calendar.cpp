@@ -66,7 +66,7 @@ template <int D> void Calendar<D>::measure(CalendarState& state, const Strips& s
 
 template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points)
 {
-	const double tolerance = settings_->motionTolerance;
+	const double tolerance = std::max(settings_->motionTolerance, settings_->eventSpeed * state.scale);
 	if (!state.moving) {
 		if (!(state.speed > tolerance)) return;
 		state.moving = 1;

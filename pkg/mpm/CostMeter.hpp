@@ -58,7 +58,7 @@ public:
 		samples_.assign(strips, {});
 		skeletons_.assign(skeletons, 0.0);
 	}
-	/// What happened since the last lap belongs to nobody.
+	/// What happened since the last lap is not counted.
 	void start() { last_ = now(); }
 	/// What happened since the last lap belongs to an effect, or to a skeleton.
 	void lap(Entry e) { seconds_[e] += sinceLast(); }

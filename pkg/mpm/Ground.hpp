@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/CalendarState.hpp>
+#include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 
@@ -43,9 +43,9 @@ public:
 	/// Advances by dt [s] > 0: all calls below in turn.
 	void step(double dt);
 	void beginStep(double dt);      ///< sets the length of the step, sorts points if needed
-	void mapToGrid();               ///< mass, momentum, internal force, enthalpy (step 1)
+	void p2g();               ///< mass, momentum, internal force, enthalpy (step 1)
 	void solveNodes();              ///< heat flows, temperature; nodal forces, node-implicit drag, seepage fluxes; boundaries (step 4)
-	void mapToPoints();             ///< velocity, displacement, position, received heat and water (step 5)
+	void g2p();             ///< velocity, displacement, position, received heat and water (step 5)
 	void updateStrainAndPressure(); ///< strain, volume, porosity, temperature, ice saturation, pore pressure (step 2 of the next cycle)
 	void updateEffectiveStress();   ///< asks the skeleton models (step 3 of the next cycle); ends the step
 
@@ -95,7 +95,6 @@ public:
 	/// Points of one skeleton model as the model sees them.
 	SkeletonBatch<D> skeletonBatch(int skeleton) const;
 
-	/// After stress, temperature, ice saturation or pressure of points was changed from outside.
 	/// Sets the temperature [degC] and pressure [Pa] of a point (by id), with masses and enthalpy to match.
 	void setThermalState(int id, double temperature, double pressure);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/GroundParts.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,8 @@ namespace talik {
 
 namespace {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
+	/// Nothing that thaws or falls is as fast [m/s]. The time step would follow a run that diverges towards zero and never end.
+	constexpr double fastestGround = 1e5;
 } // namespace
 
 template <int D> StableTimeStep Ground<D>::stableTimeStep() const
@@ -41,7 +44,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 		// What a step adds to nodal velocities reaches the next one by way of the points, smoothed: a mode keeps the share s of it, and g of
 		// its velocity, 0 <= s <= g <= 1. It grows where (omega dt)^2 > 2 (1 + g)/(1 + g - s), which is 4 without smoothing and never below 2.
 		// No mode has omega > sqrt(D steepness) c/h.
-		const double reach = h * std::min(s.waveFraction, std::sqrt(2.0 / (D * g.shape->steepness())));
+		const double reach = h * std::min(s.courantNumber, std::sqrt(2.0 / (D * g.shape->steepness())));
 		for (std::size_t k = 0; k < s.skeletons.size(); ++k)
 			s.skeletons[k]->tangentModulus(g.batch(k), g.scratch.data());
 		add("wave", [&](int p) {
@@ -58,7 +61,12 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 			}
 			return reach / (c + v);
 		});
-		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
+		add("velocity", [&](int p) {
+			const double v = speed(g.motion->velocity, p);
+			if (v > fastestGround)
+				throw std::runtime_error(g.whereabouts(p) + " moves at " + std::to_string(v) + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
+			return s.motionFraction * h / v;
+		});
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {
@@ -87,7 +95,173 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 	return result;
 }
 
+// ---- points that are about to leave the grid are found before the first of them has moved ---------------------------------
+
+namespace {
+	/// The larger number, or what is not a number.
+	double larger(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+} // namespace
+
+/// Upper bound of |displacement| of any point in this step, per axis [m]; not a number in a run that became unstable.
+template <int D> double Ground<D>::Parts::longestPath()
+{
+	partial.assign(clock.range.chunks(), 0.0);
+	clock.range.overNodes([&](int chunk, int first, int last) {
+		Vec<D> most {}, notFinite {};
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a) {
+				const double speed = std::fabs(motion->solved[i][D + a]);
+				most[a]            = speed > most[a] ? speed : most[a];
+				notFinite[a] += speed - speed;
+			}
+		for (int a = 0; a < D; ++a)
+			partial[chunk] = larger(partial[chunk], most[a] + notFinite[a]);
+	});
+	double longest = 0.0;
+	for (const double chunk : partial)
+		longest = larger(longest, chunk);
+	return clock.dt * (front ? larger(longest, longest + front->fastest()) : longest);
+}
+
+template <int D> bool Ground<D>::Parts::mayLeaveGrid(int p, double reach) const
+{
+	for (int a = 0; a < D; ++a) {
+		const double x = points->position(a)[p];
+		if (!(x - reach >= grid.lower()[a] && x + reach <= grid.upper()[a])) return true;
+	}
+	return false;
+}
+
+template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) const
+{
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points->position(a);
+	shape->evaluate(grid, x, p, 1, w);
+	Vec<D> next;
+	for (int a = 0; a < D; ++a)
+		next[a] = x[a][p];
+	overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+		const double* jump = front ? front->correction(node, p) : nullptr;
+		for (int a = 0; a < D; ++a)
+			next[a] += clock.dt * s * (motion->solved[node][D + a] + (jump ? jump[a] : 0.0));
+	});
+	// rounding may differ from that of the step itself
+	constexpr double rounding = 1e-13;
+	const double     size     = grid.spacing() * rounding;
+	for (int a = 0; a < D; ++a)
+		if (!(next[a] >= grid.lower()[a] - size && next[a] <= grid.upper()[a] + size)) return true;
+	return false;
+}
+
+template <int D> void Ground<D>::Parts::boundPositions(int strip, int first, int last)
+{
+	PositionBounds& b = bounds[strip];
+	b.numbers         = true;
+	for (int a = 0; a < D && first < last; ++a) {
+		const PlaneLoops::Extent extent = planeLoops().extent(last - first, points->position(a) + first);
+		b.low[a]                        = extent.low;
+		b.high[a]                       = extent.high;
+		b.numbers                       = b.numbers && extent.numbers;
+	}
+}
+
+/// Points outside the grid's box are noted, and sorting is asked for where points have strayed far from their strip or out of the
+/// rows that are cleared in every step.
+template <int D> void Ground<D>::Parts::checkPositions()
+{
+	const Strips& strips  = points->strips();
+	const int     stride  = grid.cellStride(strips.axis);
+	const double  origin  = grid.lower()[strips.axis], h = grid.spacing();
+	const double  cleared = clock.range.firstCell / stride, clearedEnd = clock.range.lastCell / stride;
+	for (int s = 0; s < strips.count(); ++s) {
+		if (strips.first[s] == strips.first[s + 1]) continue;
+		const PositionBounds& b = bounds[s];
+		if (!(b.numbers && grid.contains(b.low) && grid.contains(b.high))) {
+			findOutside(s);
+			continue;
+		}
+		const double low  = origin + std::max(s * Strips::rows - Strips::stray, cleared) * h;
+		const double high = origin + std::min((s + 1) * Strips::rows + Strips::stray, clearedEnd) * h;
+		if (b.low[strips.axis] < low || b.high[strips.axis] >= high) clock.sortWanted = 1;
+	}
+}
+
+template <int D> void Ground<D>::Parts::findOutside(int strip)
+{
+	for (int p = points->strips().first[strip + 1] - 1; p >= points->strips().first[strip]; --p) {
+		Vec<D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = points->position(a)[p];
+		if (!grid.contains(x)) bad[strip] = p;
+	}
+}
+
+template <int D> void Ground<D>::Parts::requirePathsInside()
+{
+	const double reach = longestPath();
+	points->strips().gather([&](int strip, int first, int last) {
+		if (first == last) return;
+		const PositionBounds& b    = bounds[strip];
+		bool                  near = !b.numbers;
+		for (int a = 0; a < D; ++a)
+			near = near || !(b.low[a] - reach >= grid.lower()[a]) || !(b.high[a] + reach <= grid.upper()[a]);
+		if (!near) return;
+		WeightBlock<D> w;
+		for (int p = last - 1; p >= first; --p)
+			if (mayLeaveGrid(p, reach) && leavesGrid(p, w)) bad[strip] = p;
+	});
+	for (const int p : bad)
+		if (p >= 0) refuseToLeave(std::isfinite(reach));
+}
+
+template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
+{
+	std::fill(bad.begin(), bad.end(), -1);
+	WeightBlock<D>   w;
+	std::vector<int> leaving;
+	for (int p = 0; p < points->count(); ++p)
+		if (leavesGrid(p, w)) leaving.push_back(p);
+	const std::string place = leaving.empty() ? "a material point" : whereabouts(leaving.front());
+	std::string       names;
+	for (std::size_t k = 0; k < leaving.size() && k < 5; ++k)
+		names += (k ? ", " : "") + std::to_string(points->id(leaving[k]));
+	accounts.restore(*this);
+	throw std::runtime_error(
+	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(leaving.size())
+	        + (leaving.size() == 1 ? " point concerned: " : " points concerned: ") + names + (leaving.size() > 5 ? ", ..." : "")
+	        + "); the ground is as it was before this step: " + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
+}
+
+template <int D> void Ground<D>::Parts::Accounts::take(const Parts& g)
+{
+	clock = g.clock;
+	if (g.heat) heatIn = g.heat->heatIn;
+	if (!g.water) return;
+	waterOut    = g.water->waterOut;
+	enthalpyOut = g.water->enthalpyOut;
+	momentumOut = g.water->momentumOut;
+}
+
+template <int D> void Ground<D>::Parts::Accounts::restore(Parts& g) const
+{
+	g.clock = clock;
+	if (g.heat) g.heat->heatIn = heatIn;
+	if (!g.water) return;
+	g.water->waterOut    = waterOut;
+	g.water->enthalpyOut = enthalpyOut;
+	g.water->momentumOut = momentumOut;
+}
+
 template StableTimeStep Ground<2>::stableTimeStep() const;
 template StableTimeStep Ground<3>::stableTimeStep() const;
+template void Ground<2>::Parts::boundPositions(int, int, int);
+template void Ground<3>::Parts::boundPositions(int, int, int);
+template void Ground<2>::Parts::checkPositions();
+template void Ground<3>::Parts::checkPositions();
+template void Ground<2>::Parts::requirePathsInside();
+template void Ground<3>::Parts::requirePathsInside();
+template void Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);
+template void Ground<3>::Parts::Accounts::take(const Ground<3>::Parts&);
 
 } // namespace talik

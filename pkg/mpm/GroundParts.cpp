@@ -94,7 +94,9 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	});
 	if (!average) return;
 	cells->finish(clock.range);
-	if (water) water->finishPressure(clock.range);
+	if (!water) return;
+	water->finishPressure(clock.range);
+	water->findDrivingPressure(grid, clock.range, *cells, motion->settings->gravity, liquidDensity());
 }
 
 template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)

@@ -8,7 +8,6 @@
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/points/DeformationRecord.hpp>
-#include <pkg/mpm/effects/EffectPart.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
@@ -22,8 +21,26 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <memory>
 
 namespace talik {
+
+/// Takes the place of an effect in code that is built without it: it is false at compile time, so that the compiler removes all that asks for it.
+template <class T> struct AbsentEffect {
+	AbsentEffect& operator=(std::unique_ptr<T>) { return *this; }
+	constexpr explicit operator bool() const { return false; }
+	constexpr T* get() const { return nullptr; }
+	constexpr T* operator->() const { return nullptr; }
+	constexpr T& operator*() const { return *get(); }
+};
+
+/// An effect that a scene may have; empty if it has not. With TALIK_DRY_GROUND the ground is built with motion alone:
+/// scripts/bench compares with it what effects cost that are switched off.
+#ifdef TALIK_DRY_GROUND
+template <class T> using EffectPart = AbsentEffect<T>;
+#else
+template <class T> using EffectPart = std::unique_ptr<T>;
+#endif
 
 /// Numbers that change from step to step, kept together so that a checkpoint holds them all.
 template <int D> struct Clock {
@@ -35,8 +52,7 @@ template <int D> struct Clock {
 	long               sortWanted  = 0;
 	long               halfDone    = 0; ///< points have moved and the step has not ended
 	double             initialMass = 0.0;
-	double             skeletonWork = 0.0, porePressureWork = 0.0, gravityImpulseTime = 0.0;
-	Vec<D>             gravityImpulse {};
+	double             skeletonWork = 0.0, porePressureWork = 0.0;
 	MomentumAccount<D> account;
 	ActiveRange        range;
 };
@@ -96,9 +112,11 @@ template <int D> struct Ground<D>::Parts {
 	void checkFreeSurface();
 	void listSkeletons();
 	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
+	/// True if a boundary acts where the ground faces bodies.
+	bool   facesBodies() const;
 	bool   hasContent() const { return settings.heat || settings.water; }
 	bool   hasFront() const;
-	bool   averaging() const { return motion && motion->settings->cellAveraging; }
+	bool   averaging() const { return motion && motion->settings->bBar; }
 	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------
@@ -160,6 +178,7 @@ template <int D> struct Ground<D>::Parts {
 	void   useScale();
 	bool allRests() const { return heatRests && !motion; }
 	void findFrontStiffness();
+	void collectSurfaces();
 	void findFlows();
 	void updateTemperature();
 	void solveMomentum();

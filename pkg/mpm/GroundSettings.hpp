@@ -4,11 +4,9 @@
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
-#include <pkg/mpm/points/VelocityTransfer.hpp>
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
-#include <pkg/thm/Permeability.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
 #include <cmath>
@@ -19,6 +17,27 @@
 #include <vector>
 
 namespace talik {
+
+/// How the velocity of the solid comes back from the grid. What a point's own velocity differs by from that of the grid dies out in
+/// the time picTime with each of them.
+/// flip: points keep their own velocity and take the grid's acceleration (Brackbill & Ruppel 1986): little dissipation.
+/// apic: points take the grid's velocity and its first moment and give both back (Jiang et al. 2015): momentum and angular momentum
+///       are kept to round-off, noise is filtered.
+/// tpic: points take the grid's velocity and its gradient (Taylor expansion; Nakamura et al. 2023): as apic, for any shape function,
+///       angular momentum is kept approximately only.
+enum class VelocityTransfer { flip, apic, tpic };
+
+/// "flip" (default), "apic", "tpic".
+std::vector<std::string> velocityTransferNames();
+/// Throws std::invalid_argument that lists the names.
+VelocityTransfer velocityTransferFromName(const std::string& name);
+
+/// chi, the share of its difference from the grid that a point keeps in a step: exp(-dt/picTime). A share per step in its place is a
+/// viscosity of some (1 - chi) h^2/(4 dt), larger the smaller the step.
+double keptFraction(double picTime, double dt);
+/// sqrt(h/g): in that time a body at rest falls by half a cell, or ground that flows under gravity passes one; g: gravity, that of
+/// the earth where a scene has less. The viscosity h^2/(4 picTime) then vanishes as h^1.5, whatever stiffness and step.
+double gravityTime(double spacing, double gravity);
 
 /// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
 template <int D> struct MotionSettings {
@@ -33,7 +52,7 @@ template <int D> struct MotionSettings {
 		return transfer == VelocityTransfer::flip ? gravityTime(spacing, lengthOf<D>(gravity)) : 0.0;
 	}
 	double localDamping = 0.0;   ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
-	bool   cellAveraging = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
+	bool   bBar = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 };
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
@@ -43,6 +62,7 @@ struct HeatSettings {
 	double        thermalTimeScale = 1.0;
 	bool          followsMotion    = false; ///< f_T holds while the ground rests; the faster it moves the nearer to movingTimeScale. Needs motion
 	double        movingTimeScale  = 1.0;   ///< f_m, scale while the ground moves [-], > 0, at most f_T
+	double        eventSpeed       = 1e-5;  ///< of the fastest point, per calendar time, from which on motion is an event [m/s], >= 0
 	double        motionTolerance  = 0.01;  ///< v_0, speed of the fastest point at which the scale lies half way [m/s], 1e-6 to 1
 	double        eventDisplacement = 0.02; ///< what a point must be displaced by to count as moved in an event [m], > 0
 	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s of calendar time]; what the grid
@@ -117,7 +137,7 @@ template <int D> struct GroundSettings {
 	/// work. Results do not depend on it.
 	int parallelFrom = 4000;
 
-	double waveFraction = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
+	double courantNumber = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
 	double heatFraction = 0.9;   ///< C_T: time step over the explicit heat limit, in (0, 1]
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
 };
@@ -177,5 +197,11 @@ struct StateArray {
 	void*       data;
 	std::size_t bytes;
 };
+
+// What a scene must fulfil before its ground is set up. All throw std::invalid_argument naming attribute, value and remedy.
+
+template <int D> void checkSettings(const GroundSettings<D>& settings);
+template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid);
+template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const std::vector<PointInput<D>>& points);
 
 } // namespace talik

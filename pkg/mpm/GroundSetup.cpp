@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/GroundChecks.hpp>
 #include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
@@ -11,7 +10,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 {
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
-	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->cellAveraging);
+	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
@@ -30,6 +29,12 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
+}
+
+template <int D> bool Ground<D>::Parts::facesBodies() const
+{
+	return std::any_of(
+	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->region().kind == Region<D>::Kind::bodies; });
 }
 
 template <int D> bool Ground<D>::Parts::hasFront() const
@@ -65,6 +70,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	points->allocate(n);
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
+	if (bodies && facesBodies()) bodies->allocateFaces(grid);
 	if (affine) affine->bind(*points);
 	if (record) {
 		record->bind(*points);
@@ -97,7 +103,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
 	if (content) {
 		const int failed = content->update(0, n);
-		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->complaint(failed));
+		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed));
 	}
 	if (heat) heat->chooseSmoothing(grid, n);
 	if (front) front->start();
@@ -112,8 +118,8 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	surface->collect(grid, *cells, clock.range);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
-		// a cavity may come later, with the body that makes it
-		if (!boundary.usesSurface() || boundary.region().cavities || !surface->patch(b).nodes.empty()) continue;
+		// a cavity may come later, with the body that makes it, and a body may come from outside
+		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies || !surface->patch(b).nodes.empty()) continue;
 		throw std::invalid_argument(
 		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
 		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall more than one point in height; hollows that no air from above reaches are cavities");

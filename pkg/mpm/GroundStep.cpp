@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
 #include <pkg/mpm/GroundParts.hpp>
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +23,9 @@ template <int D> void Ground<D>::Parts::findFlows()
 	cost.lap(CostMeter::heat);
 	if (water) {
 		water->nodalPressure(clock.range);
+		for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+			if (settings.boundaries[b]->drains() || settings.boundaries[b]->feeds()) water->open(surface->patch(b));
+		water->addPotential(grid, clock.range, *motion, momentum->heldAxes());
 		cost.lap(CostMeter::water);
 	}
 	if constexpr (D == 2)
@@ -69,7 +71,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 {
 	const double time = calendarEnd();
 	if (water) {
-		water->liquidForce(clock.range, motion->settings->gravity);
+		water->liquidForce(clock.range);
 		cost.lap(CostMeter::water);
 	}
 	momentum->addGravity(clock.range, *motion, water.get());
@@ -111,7 +113,7 @@ template <int D> void Ground<D>::Parts::seep()
 	if (settings.energyLedger) {
 		double work = 0.0;
 		for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
-			work += water->nodal[i][0] * water->exchange[i][0];
+			work += water->pressureAtNode(i) * water->exchange[i][0];
 		clock.porePressureWork += startShare() * work / liquidDensity();
 	}
 	water->finishExchange(clock.range);
@@ -263,6 +265,8 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	const double h = grid.spacing();
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
+	for (int a = 0; a < D; ++a)
+		water->weight[a] = liquidDensity() * settings.motion->gravity[a];
 	const double given = settings.water->picTime, used = std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given;
 	water->kept = keptFraction(water->scale > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
@@ -307,7 +311,18 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 	}
 }
 
-template <int D> void Ground<D>::mapToGrid()
+template <int D> void Ground<D>::Parts::collectSurfaces()
+{
+	if (bodies) bodies->cover(*shape, grid, *surface);
+	surface->collect(grid, *cells, clock.range);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Region<D>& region = settings.boundaries[b]->region();
+		if (region.kind == Region<D>::Kind::bodies) bodies->collectFaces(*shape, grid, clock.range, region.ids, surface->patch(b));
+	}
+	cost.lap(CostMeter::surface);
+}
+
+template <int D> void Ground<D>::p2g()
 {
 	Parts& g = *parts_;
 	if (g.allRests()) return;
@@ -356,10 +371,7 @@ template <int D> void Ground<D>::mapToGrid()
 			sample.lap(CostMeter::surface);
 		}
 	});
-	if (!g.surface) return;
-	if (g.bodies) g.bodies->cover(*g.shape, g.grid, *g.surface);
-	g.surface->collect(g.grid, *g.cells, g.clock.range);
-	g.cost.lap(CostMeter::surface);
+	if (g.surface) g.collectSurfaces();
 }
 
 template <int D> void Ground<D>::solveNodes()
@@ -371,7 +383,7 @@ template <int D> void Ground<D>::solveNodes()
 	if (g.motion) g.solveMomentum();
 }
 
-template <int D> void Ground<D>::mapToPoints()
+template <int D> void Ground<D>::g2p()
 {
 	Parts& g = *parts_;
 	if (g.motion) {
@@ -381,16 +393,16 @@ template <int D> void Ground<D>::mapToPoints()
 	g.clock.halfDone = 1;
 	if (g.allRests()) return;
 	if (g.averaging()) g.cells->clearSums(g.clock.range);
-	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, lent = D == 2 && conducts && g.water;
+	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = D == 2 && conducts && g.water;
 	const auto gather  = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
                 double gained[blockSize];
                 if (g.water) {
                         g.water->gather(
-                                g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), lent ? gained : nullptr);
+                                g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
                         sample.lap(CostMeter::water);
                 }
                 if (conducts) {
-                        g.heat->gather(g.grid, w, lent ? gained : nullptr);
+                        g.heat->gather(g.grid, w, inRecordOfWater ? gained : nullptr);
                         sample.lap(CostMeter::heat);
                 }
                 if (!g.motion) return;
@@ -480,7 +492,7 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 		if (failed < 0) continue;
 		const int p = failed;
 		std::fill(bad.begin(), bad.end(), -1);
-		throw std::runtime_error(whereabouts(p) + " is in an impossible state: " + content->complaint(p) + "; the step has ended half way: go on from a checkpoint with other settings");
+		throw std::runtime_error(whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p) + "; the step has ended half way: go on from a checkpoint with other settings");
 	}
 }
 
@@ -551,15 +563,15 @@ template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
 template void Ground<2>::Parts::useScale();
 template void Ground<3>::Parts::useScale();
 template void Ground<2>::beginStep(double);
-template void Ground<2>::mapToGrid();
+template void Ground<2>::p2g();
 template void Ground<2>::solveNodes();
-template void Ground<2>::mapToPoints();
+template void Ground<2>::g2p();
 template void Ground<2>::updateStrainAndPressure();
 template void Ground<2>::updateEffectiveStress();
 template void Ground<3>::beginStep(double);
-template void Ground<3>::mapToGrid();
+template void Ground<3>::p2g();
 template void Ground<3>::solveNodes();
-template void Ground<3>::mapToPoints();
+template void Ground<3>::g2p();
 template void Ground<3>::updateStrainAndPressure();
 template void Ground<3>::updateEffectiveStress();
 

@@ -42,7 +42,7 @@ namespace {
 		return condition();
 	}
 
-	/// Pieces of one thread that nobody has taken: number of the loop, end, next. In one word, so that a thread that comes late takes
+	/// Pieces of one thread that have not been taken: number of the loop, end, next. In one word, so that a thread that comes late takes
 	/// no piece of another loop.
 	struct alignas(64) Share {
 		std::atomic<std::uint64_t> word { 0 };
@@ -55,10 +55,10 @@ namespace {
 
 	double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-	/// Decides whether short loops are shared out. Where others want the processors a thread that is kept from its own for a time slice
-	/// of the system holds up a loop for longer than all of its work takes, and nobody can foresee it: time is measured against what one
-	/// thread takes, and after a loss all is done by one for a while, the longer the more often it happened.
-	class Judge {
+	/// Decides whether short loops are shared out. Where other processes want the processors, a thread may be kept from its own for a time
+	/// slice of the system: longer than the whole loop takes. That cannot be foreseen. So time is measured against that of one thread, and
+	/// after a loss one thread does all for a while, the longer the more often it happened.
+	class SharingChoice {
 	public:
 		/// What is known of a loop.
 		struct Loop {
@@ -112,17 +112,17 @@ namespace {
 	public:
 		void run(int count, int threads, Function f, void* w)
 		{
-			Judge::Loop& known = judge.of(f);
+			SharingChoice::Loop& known = choice.of(f);
 			const auto   begin = Clock::now();
-			if (judge.alone(known, count)) {
+			if (choice.alone(known, count)) {
 				for (int i = 0; i < count; ++i)
 					f(w, i, 0);
-				judge.tookAlone(known, secondsSince(begin) / count);
+				choice.tookAlone(known, secondsSince(begin) / count);
 				return;
 			}
 			runTogether(count, threads, f, w);
-			if (known.piece == 0 && ownPieces > 0) judge.tookAlone(known, ownSeconds / ownPieces);
-			else judge.tookTogether(known, count, secondsSince(begin));
+			if (known.piece == 0 && ownPieces > 0) choice.tookAlone(known, ownSeconds / ownPieces);
+			else choice.tookTogether(known, count, secondsSince(begin));
 			if (!failure) return;
 			const std::exception_ptr thrown = failure;
 			failure                         = nullptr;
@@ -135,7 +135,7 @@ namespace {
 		void runTogether(int count, int threads, Function f, void* w)
 		{
 			members = std::min(threads, largestTeam);
-			hire(members - 1);
+			startHelpers(members - 1);
 			function.store(f, std::memory_order_relaxed);
 			work.store(w, std::memory_order_relaxed);
 			done.store(0, std::memory_order_relaxed);
@@ -145,7 +145,7 @@ namespace {
 			for (int m = 0; m < members; ++m)
 				shares[m].word.store(Share::pack(now, int(long(count) * m / members), int(long(count) * (m + 1) / members)), std::memory_order_release);
 			loop.store(now);
-			if (asleep.load() > 0) {
+			if (waiting.load() > 0) {
 				std::lock_guard<std::mutex> lock(mutex);
 				begun.notify_all();
 			}
@@ -155,23 +155,23 @@ namespace {
 			awaitOthers(count);
 		}
 
-		void hire(int helpers)
+		void startHelpers(int helpers)
 		{
-			for (; hired < helpers; ++hired)
-				std::thread([this, member = hired + 1] { help(member); }).detach();
+			for (; started < helpers; ++started)
+				std::thread([this, member = started + 1] { helpLoops(member); }).detach();
 		}
 
-		/// What a helper does as long as the process lives. It comes when it can: nobody waits for its coming.
-		void help(int member)
+		/// What a helper does as long as the process lives. No loop waits for it to join.
+		void helpLoops(int member)
 		{
 			std::uint32_t seen = 0;
 			for (;;) {
 				const auto isNew = [&] { return loop.load(std::memory_order_acquire) != seen; };
 				if (!holdsSoon(isNew)) {
 					std::unique_lock<std::mutex> lock(mutex);
-					++asleep;
+					++waiting;
 					begun.wait(lock, [&] { return loop.load() != seen; });
-					--asleep;
+					--waiting;
 				}
 				seen = loop.load(std::memory_order_acquire);
 				if (member < parts.load(std::memory_order_relaxed)) takePart(member, seen);
@@ -229,21 +229,21 @@ namespace {
 		alignas(64) std::atomic<std::uint32_t> loop { 0 };
 		std::atomic<Function> function { nullptr };
 		std::atomic<void*>    work { nullptr };
-		std::atomic<int>      parts { 0 }, total { 0 }, asleep { 0 };
+		std::atomic<int>      parts { 0 }, total { 0 }, waiting { 0 };
 		std::atomic<bool>     callerSleeps { false };
 		alignas(64) std::atomic<int> done { 0 };
 		Share                   shares[largestTeam];
 		std::mutex              mutex;
 		std::condition_variable begun, ended;
 		std::exception_ptr      failure;
-		int                     members = 1, hired = 0, ownPieces = 0;
+		int                     members = 1, started = 0, ownPieces = 0;
 		double                  ownSeconds = 0;
-		Judge                   judge;
+		SharingChoice                   choice;
 	};
 
 	std::atomic<Team*> present { nullptr };
 
-	/// Never destroyed: its threads outlive everything. A process that was forked has none of them and hires its own.
+	/// Never destroyed: its threads outlive everything. A process that was forked has none of them and starts its own.
 	Team& team()
 	{
 		static const bool made = [] {

@@ -7,8 +7,8 @@
 namespace talik {
 
 /// The threads of all loops, in place of those of OpenMP, whose threads wait for each other for milliseconds at full speed: beside
-/// another busy process a loop then takes as long as the slowest of them is kept from its processor. Here whoever is there takes the
-/// pieces that are left; who waits does so for some 30 us and then sleeps, which gives its processor to the one waited for. Which
+/// another busy process a loop then takes as long as the slowest of them is kept from its processor. Here every thread that has a processor
+/// takes pieces that are left. A thread that waits does so for some 30 us and then sleeps, which frees its processor for the others. Which
 /// thread takes a piece has no influence on results as long as pieces write to places of their own.
 class ThreadTeam {
 public:

@@ -6,7 +6,7 @@
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/BodyContact.hpp>
 #include <pkg/multiscale/ScriptNames.hpp>
 
@@ -19,7 +19,7 @@ namespace {
 	constexpr int  numbersPerImpulse = 4;
 	constexpr int  facetGroup        = -2; // all facets are one surface: neighbours share edges
 	constexpr Real outOfPlane        = 1e-6;
-	constexpr Real waveFraction      = 0.3; // of the time that a wave needs through the smallest sphere
+	constexpr Real courantNumber      = 0.3; // of the time that a wave needs through the smallest sphere
 
 	void turnAxes(Shown& shown, Real angle)
 	{
@@ -299,7 +299,7 @@ Real BodyContact::timeStep(const Scene& scene, Real stableStep) const
 		const auto* material = dynamic_cast<const ElastMat*>(body.material.get());
 		const auto* sphere   = dynamic_cast<const Sphere*>(body.shape.get());
 		if (sphere && material && movesFreely(*mover(scene, body).state))
-			limit = std::min(limit, waveFraction * sphere->radius * std::sqrt(material->density / material->young));
+			limit = std::min(limit, courantNumber * sphere->radius * std::sqrt(material->density / material->young));
 	}
 	return limit;
 }

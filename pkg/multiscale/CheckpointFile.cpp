@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <lib/factory/ClassFactory.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
-#include <pkg/multiscale/FileBesides.hpp>
+#include <pkg/multiscale/AtomicFile.hpp>
 
 #include <cerrno>
 #include <cstring>
@@ -208,7 +208,7 @@ std::vector<std::string>& checkpointClasses()
 
 void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& scene)
 {
-	FileBesides beside("checkpoint", file, headerLength);
+	AtomicFile beside("checkpoint", file, headerLength);
 	try {
 		const BetweenSteps              whole(*scene);
 		boost::archive::binary_oarchive archive(beside);
@@ -235,7 +235,7 @@ void requireWritable(const std::string& file)
 	std::error_code error;
 	if (std::filesystem::is_directory(file, error)) throw std::invalid_argument("Checkpoint.file is '" + file + "', a folder: give the name of a file in it.");
 	try {
-		const FileBesides probe("checkpoint", file, headerLength);
+		const AtomicFile probe("checkpoint", file, headerLength);
 		if (probe.problem()) probe.fail(std::strerror(probe.problem()));
 	} catch (const std::runtime_error& problem) {
 		throw std::invalid_argument("Checkpoint.file is '" + file + "': " + problem.what() + "; choose a file in a folder of yours.");

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
 
 namespace yade {
 YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)(SurfaceTemperature)(
-        HeatFlux)(WaterFlux)(SurfaceLoad));
+        BodyTemperature)(HeatFlux)(WaterFlux)(SurfaceLoad));
 
 talik::Region<2> GroundBoundary::where() const
 {
@@ -37,7 +37,7 @@ talik::TimeTable GroundBoundary::overTime(Real constant) const
 
 GroundBoundary::Pointer GroundBoundary::build() const
 {
-	throw std::invalid_argument("GroundBoundary says nothing by itself: use RollerBoundary, FixedBoundary, SurfaceTemperature, …");
+	throw std::invalid_argument("GroundBoundary is only a base class: use RollerBoundary, FixedBoundary, SurfaceTemperature, …");
 }
 GroundBoundary::Pointer RollerBoundary::build() const { return std::make_shared<talik::RollerBoundary<2>>(always()); }
 GroundBoundary::Pointer FixedBoundary::build() const { return std::make_shared<talik::FixedBoundary<2>>(always()); }
@@ -49,6 +49,20 @@ GroundBoundary::Pointer SurfaceTemperature::build() const
 {
 	talik::requireSetting(heatTransferCoefficient > 0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient, "must be positive, in W/(m^2 K); without exchange leave the boundary out");
 	return std::make_shared<talik::SurfaceTemperature<2>>(where(), overTime(temperature), heatTransferCoefficient);
+}
+GroundBoundary::Pointer BodyTemperature::build() const
+{
+	const GroundBoundary anywhere;
+	if (!region.empty() || lower != anywhere.lower || upper != anywhere.upper)
+		throw std::invalid_argument("BodyTemperature.region is '" + region + "', with lower and upper: it acts where its bodies are; leave region, lower and upper out.");
+	return std::make_shared<talik::BodyTemperature<2>>(bodies, overTime(temperature), resistance);
+}
+void BodyTemperature::checkBodies(const vector<talik::RigidBody<2>>& met) const
+{
+	for (const int id : bodies)
+		if (std::none_of(met.begin(), met.end(), [&](const auto& body) { return body.id == id || body.group == id; }))
+			throw std::invalid_argument(
+			        "BodyTemperature.bodies names " + std::to_string(id) + ", which is no body that the ground meets: give numbers of O.bodies that BodyContact.mask does not leave out.");
 }
 GroundBoundary::Pointer HeatFlux::build() const { return std::make_shared<talik::HeatFlux<2>>(where(), overTime(flux)); }
 GroundBoundary::Pointer WaterFlux::build() const { return std::make_shared<talik::WaterFlux<2>>(where(), overTime(flux), temperature); }

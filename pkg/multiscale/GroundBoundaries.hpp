@@ -2,6 +2,7 @@
 #pragma once
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/effects/RigidBody.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 
 namespace yade {
@@ -12,6 +13,8 @@ public:
 	using Pointer = std::shared_ptr<talik::Boundary<2>>;
 	virtual ~GroundBoundary() {};
 	virtual Pointer build() const;
+	/// Throws if the boundary names a body that the ground does not meet.
+	virtual void checkBodies(const vector<talik::RigidBody<2>>&) const {};
 
 protected:
 	talik::Region<2> where() const;
@@ -103,6 +106,21 @@ public:
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(SurfaceTemperature);
+
+class BodyTemperature : public GroundBoundary {
+public:
+	virtual ~BodyTemperature() {};
+	Pointer build() const override;
+	void    checkBodies(const vector<talik::RigidBody<2>>& met) const override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(BodyTemperature,GroundBoundary,"Temperature of bodies of the scene (a pipe, a slab, a warm wall), which heats or cools the ground where it faces them now: within half a point's width of their surface, wherever they have moved. Heat per area (T_body - T_ground)/(resistance + that of the ground). Other bodies let no heat pass. Needs MpmEngine.bodies; region, lower and upper stay as they are. Example, body 0 as a pipe of 10 degC in 5 cm of insulation of 0.04 W/(m K): BodyTemperature(bodies=[0],temperature=10,resistance=0.05/0.04).",
+		((vector<int>,bodies,,,"Numbers of the bodies (O.bodies), or of clumps, whose members then all have the temperature."))
+		((Real,temperature,0,,"Inside the bodies [degC], -100 to 100; times and values may replace it."))
+		((Real,resistance,0,,"Thermal resistance between inside and ground [m^2 K/W], >= 0, thickness over conductivity of a wall, per area of the body's surface; 0: the surface itself has the temperature."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(BodyTemperature);
 
 class HeatFlux : public GroundBoundary {
 public:

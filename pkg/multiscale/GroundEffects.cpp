@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
 #include <pkg/multiscale/ScriptNames.hpp>
 
@@ -53,6 +53,7 @@ talik::HeatSettings HeatTransfer::build() const
 	heat.followsMotion     = followsMotion;
 	heat.movingTimeScale   = movingTimeScale;
 	heat.motionTolerance   = motionTolerance;
+	heat.eventSpeed        = eventSpeed;
 	heat.eventDisplacement = eventDisplacement;
 	heat.source           = source;
 	heat.smoothingTime    = smoothingTime;

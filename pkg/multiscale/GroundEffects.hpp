@@ -41,7 +41,8 @@ public:
 		((Real,thermalTimeScale,1,,"f_T [-], > 0: calendar time that passes in each second of motion. Conduction, surface coefficients, heat fluxes and sources are multiplied by it, and seepage and rain unless PoreWater.hydraulicTimeScale says otherwise; tables of boundaries are read at calendar time. With followsMotion its largest value, at rest. May be changed while running."))
 		((bool,followsMotion,false,,"The scale of the calendar follows the motion: thermalTimeScale while the ground rests, movingTimeScale while it moves, in between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2) with the speed v of the fastest point; where heat needs it the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. Needs motion."))
 		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: nature's. May be changed while running."))
-		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest point at which the scale of the calendar lies half way, and from which on motion is an event. Until ground of acceleration a has left it, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
+		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest point at which the scale of the calendar lies half way. Until ground of acceleration a has left it, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
+		((Real,eventSpeed,1e-5,,"Speed of the fastest point in calendar time, its speed over the scale of the calendar, from which on motion is an event [m/s], >= 0; it is also faster than motionTolerance then. Ground that follows its thaw creeps more slowly, at whatever scale it is computed; 1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996)."))
 		((Real,eventDisplacement,0.02,,"What a point must be displaced by to count as moved in an event [m], > 0; events that move none so far are left out."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
 		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s of calendar time]; NaN: chosen from the grid, infinite: none."))
@@ -91,7 +92,7 @@ public:
 	talik::WaterSettings build(Real residualSaturation) const;
 	/// The share per step that picTime has replaced.
 	Real refusedFlip() const;
-	void refuseFlip(Real);
+	void setFlip(Real);
 	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
@@ -109,7 +110,7 @@ public:
 		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is hastened."))
 		,/*ctor*/ ,
 		/*py*/
-		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::refuseFlip,"Replaced by picTime.")
+		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::setFlip,"Replaced by picTime.")
 	);
 	// clang-format on
 };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/GroundChecks.hpp>
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
-#include <pkg/multiscale/FileBesides.hpp>
+#include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
@@ -305,7 +305,7 @@ void MpmEngine::checkChangeable() const
 		require(std::isfinite(gravity[axis]), "gravity", gravity[axis], "finite components in m/s^2");
 	require(damping >= 0 && damping < 1, "damping", damping, "a number from 0 to below 1");
 	require(!(picTime < 0), "picTime", picTime, "a time in s, 0 or more; inf: none dies out, nan: chosen");
-	require(waveFraction > 0 && waveFraction <= 1, "waveFraction", waveFraction, "a number above 0 and up to 1");
+	require(courantNumber > 0 && courantNumber <= 1, "courantNumber", courantNumber, "a number above 0 and up to 1");
 	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
 	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
 	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
@@ -337,7 +337,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 		m.transfer      = talik::velocityTransferFromName(transfer);
 		m.picTime       = picTime;
 		m.localDamping  = damping;
-		m.cellAveraging = cellAveraging;
+		m.bBar = bBar;
 		s.motion        = m;
 	}
 	if (heat) s.heat = heat->build();
@@ -360,7 +360,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 			s.skeletons.push_back(law->build(pointCount()));
 			if (tolerance > 0) law->setTolerance(tolerance);
 		}
-	s.waveFraction   = waveFraction;
+	s.courantNumber   = courantNumber;
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
 	return s;
@@ -375,6 +375,7 @@ void MpmEngine::initialise()
 	checkPresence();
 	ground           = std::make_shared<talik::Ground<2>>(buildSettings());
 	stepsUntilLimit  = 0;
+	bodiesNamed      = false;
 	stableStep       = 0;
 	toleranceInForce = tolerance;
 	try {
@@ -481,29 +482,46 @@ void MpmEngine::checkFixed() const
 }
 
 namespace {
-	// a share per step is a viscosity that grows as the step shrinks: there is no time that stands for it
-	[[noreturn]] void sayFlipIsGone(const char* className)
+	[[noreturn]] void raiseAttributeError(const string& text)
 	{
-		const string text = string(className) + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give "
-		        + className + ".picTime=inf in place of flip=1.";
 		PyErr_SetString(PyExc_AttributeError, text.c_str());
 		::boost::python::throw_error_already_set();
 		throw std::logic_error(text); // never reached
 	}
+
+	// a share per step is a viscosity that grows as the step shrinks: there is no time that stands for it
+	[[noreturn]] void refuseFlip(const string& className)
+	{
+		raiseAttributeError(
+		        className + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give " + className
+		        + ".picTime=inf in place of flip=1.");
+	}
+
+	const std::map<string, string>& renamedAttributes()
+	{
+		static const std::map<string, string> names { { "waveFraction", "courantNumber" }, { "cellAveraging", "bBar" }, { "believedError", "estimatedError" } };
+		return names;
+	}
 }
 
-Real MpmEngine::refusedFlip() const { sayFlipIsGone("MpmEngine"); }
-void MpmEngine::refuseFlip(Real) { sayFlipIsGone("MpmEngine"); }
+void MpmEngine::refuseFormerName(const char* name)
+{
+	if (string(name) == "flip") refuseFlip("MpmEngine");
+	raiseAttributeError("MpmEngine." + string(name) + " is now MpmEngine." + renamedAttributes().at(name) + ": the same value under the new name.");
+}
+
 void MpmEngine::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
 {
-	if (keywords.has_key("flip")) sayFlipIsGone("MpmEngine");
+	if (keywords.has_key("flip")) refuseFlip("MpmEngine");
+	for (const auto& [former, present] : renamedAttributes())
+		if (keywords.has_key(former)) refuseFormerName(former.c_str());
 }
 
-Real PoreWater::refusedFlip() const { sayFlipIsGone("PoreWater"); }
-void PoreWater::refuseFlip(Real) { sayFlipIsGone("PoreWater"); }
+Real PoreWater::refusedFlip() const { refuseFlip("PoreWater"); }
+void PoreWater::setFlip(Real) { refuseFlip("PoreWater"); }
 void PoreWater::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
 {
-	if (keywords.has_key("flip")) sayFlipIsGone("PoreWater");
+	if (keywords.has_key("flip")) refuseFlip("PoreWater");
 }
 
 void MpmEngine::followAttributes()
@@ -516,7 +534,7 @@ void MpmEngine::followAttributes()
 		s.motion->localDamping = damping;
 		s.motion->picTime      = picTime;
 	}
-	s.waveFraction   = waveFraction;
+	s.courantNumber   = courantNumber;
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
 	s.resting        = resting;
@@ -548,7 +566,7 @@ void MpmEngine::followTolerance()
 	if ((tolerance == 0) != (toleranceInForce == 0))
 		throw std::invalid_argument(
 		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is " + boost::lexical_cast<string>(tolerance)
-		        + ": change it while running to other values above 0 only; begin anew to set it or to let go of it.");
+		        + ": change it while running to other values above 0 only; to switch it on or off, begin anew.");
 	for (const auto& law : activeSkeletons())
 		law->setTolerance(tolerance);
 	toleranceInForce = tolerance;
@@ -590,11 +608,11 @@ std::atomic<bool> MpmEngine::runWaitedFor { false };
 
 namespace {
 	/// The error comes up where the run is waited for: YADE's log does not say it as well.
-	void sayNoMore()
+	void muteLog()
 	{
 		const talik::HoldGil held;
 		try {
-			py::import("talik.console").attr("hush")();
+			py::import("talik.console").attr("muteLog")();
 		} catch (const py::error_already_set&) {
 			PyErr_Clear();
 		}
@@ -613,7 +631,7 @@ void MpmEngine::action()
 		failure = problem.what();
 		failures++;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
-		if (runWaitedFor) sayNoMore();
+		if (runWaitedFor) muteLog();
 		throw;
 	}
 }
@@ -665,7 +683,7 @@ Real MpmEngine::wantedStep()
 	initialise();
 	if (stableStep == 0) findStableStep();
 	if (!bodies) return stableStep;
-	bodies->collect(*scene, *this, *ground->bodies());
+	collectBodies();
 	return bodies->timeStep(*scene, stableStep);
 }
 
@@ -696,11 +714,21 @@ void MpmEngine::advanceAlone(bool newLimit)
 	}
 }
 
+void MpmEngine::collectBodies()
+{
+	auto& contact = *ground->bodies();
+	bodies->collect(*scene, *this, contact);
+	if (bodiesNamed) return;
+	for (const auto& boundary : boundaries)
+		boundary->checkBodies(contact.bodies);
+	bodiesNamed = true;
+}
+
 /// In the ground's step the bodies are where their velocities take them from their places in the scene.
 void MpmEngine::advanceAmongBodies()
 {
 	auto& contact = *ground->bodies();
-	bodies->collect(*scene, *this, contact);
+	collectBodies();
 	if (automaticTimeStep && leadsTimeStep()) scene->dt = std::min(bodies->timeStep(*scene, stableStep), timeStepOfOthers());
 	if (bodies->due(*scene) > 1e-9 * scene->dt) {
 		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);
@@ -718,9 +746,9 @@ void MpmEngine::advanceAmongBodies()
 void MpmEngine::advance(double dt)
 {
 	ground->beginStep(dt);
-	ground->mapToGrid();               // step 1: points to grid
+	ground->p2g();               // step 1: points to grid
 	ground->solveNodes();              // step 4: nodal forces and heat flows, implicit drag, boundaries
-	ground->mapToPoints();             // step 5: grid to points
+	ground->g2p();             // step 5: grid to points
 	ground->updateStrainAndPressure(); // step 2: strain, pore pressure, saturations
 	ground->updateEffectiveStress();   // step 3: displacement gradient and ice saturation down, effective stress back
 }
@@ -940,7 +968,7 @@ vector<Real> MpmEngine::valueAt(const string& name, int id)
 
 namespace {
 	/// What a history holds unless the user chooses: soil and sample, without what only the method knows.
-	const vector<string> toldByDefault { "position", "displacement", "velocity", "temperature", "iceSaturation", "pressure", "porosity", "stress", "strain",
+	const vector<string> defaultFields { "position", "displacement", "velocity", "temperature", "iceSaturation", "pressure", "porosity", "stress", "strain",
 		                             "deviatoricStrain", "bondsIntact", "bondsBroken", "bondsMelted", "coordinationNumber", "samplePorosity", "fabric" };
 }
 
@@ -974,7 +1002,7 @@ void MpmEngine::recordWatched()
 	if (!watched->isDue(ground->time())) return;
 	if (watched->times.empty()) {
 		const auto existing = existingFields();
-		if (watched->fields.empty()) watched->fields = toldByDefault;
+		if (watched->fields.empty()) watched->fields = defaultFields;
 		auto& names = watched->fields;
 		names.erase(
 		        std::remove_if(names.begin(), names.end(), [&](const string& name) { return std::find(existing.begin(), existing.end(), name) == existing.end(); }),
@@ -1024,7 +1052,7 @@ py::dict MpmEngine::cost()
 	return d;
 }
 
-py::object MpmEngine::believedError()
+py::object MpmEngine::estimatedError()
 {
 	auto& g = runningGround();
 	if (toleranceInForce == 0) return py::object();
@@ -1059,7 +1087,7 @@ py::list MpmEngine::events()
 {
 	const auto& g = runningGround();
 	if (!heat || !heat->followsMotion)
-		throw std::runtime_error("MpmEngine.events: nobody looks for events where the scale of the calendar does not follow the motion; set HeatTransfer.followsMotion=True before the first step.");
+		throw std::runtime_error("MpmEngine.events: events are recorded only where the scale of the calendar follows the motion; set HeatTransfer.followsMotion=True before the first step.");
 	py::list          list;
 	const auto        events = g.events();
 	const std::size_t ended  = g.endedEvents().size();
@@ -1090,14 +1118,18 @@ double MpmEngine::skemptonB()
 	if (!water) throw std::runtime_error("MpmEngine.skemptonB: the scene has no water.");
 	const auto& s       = g.settings();
 	Real        modulus = std::numeric_limits<Real>::infinity();
+	int         softest = 0;
 	vector<Real> byPlace(g.points().count());
 	for (int k = 0; k < int(s.skeletons.size()); k++) {
 		const auto batch = g.skeletonBatch(k);
 		s.skeletons[k]->tangentModulus(batch, byPlace.data());
 		for (int i = 0; i < batch.count; i++)
-			modulus = std::min(modulus, byPlace[batch.place[i]]);
+			if (byPlace[batch.place[i]] < modulus) {
+				modulus = byPlace[batch.place[i]];
+				softest = batch.id[batch.place[i]];
+			}
 	}
-	const talik::PoreState thawed { pointInput[3], 1, 0, 0 };
+	const talik::PoreState thawed { pointInput[softest * numbersPerPoint + 3], 1, 0, 0 };
 	return talik::skemptonB(s.water->state.coefficients(s.mixture, thawed), modulus);
 }
 

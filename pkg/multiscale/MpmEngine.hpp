@@ -51,7 +51,7 @@ public:
 	::boost::python::dict   balance();
 	::boost::python::dict   cost();
 	::boost::python::object grid();
-	::boost::python::object believedError();
+	::boost::python::object estimatedError();
 	int                     pointCount() const;
 	::boost::python::list   skeletonNumbers() const;
 	double                  groundTime() const;
@@ -108,6 +108,7 @@ private:
 	int                      subSteps(double dt) const;
 	void                     advanceAlone(bool newLimit);
 	void                     advanceAmongBodies();
+	void                     collectBodies();
 	void                     stepGround();
 	void                     advance(double dt);
 	::boost::python::object  strains(const string& name);
@@ -119,6 +120,7 @@ private:
 
 	std::shared_ptr<talik::Ground<2>> ground;
 	long                              stepsUntilLimit = 0, stepsAtStart = 0;
+	bool                              bodiesNamed = false; ///< boundaries have found the bodies that they name
 	bool                              begun = false, watchesDefault = false;
 	string                            failure;
 	std::set<string>                  said;
@@ -137,7 +139,7 @@ public:
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed while running."))
 		((string,transfer,"flip",,"How the velocity of the solid comes back from the grid. flip: points keep their own and take the grid's acceleration; apic: points carry the grid's velocity and its first moment, which keeps angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's velocity and its gradient. apic and tpic add the field affineVelocity [1/s], zero at the start. picTime says how long points keep what the grid does not see; water has its own, PoreWater.picTime."))
 		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid dies out [s], >= 0: in a step the share exp(-dt/picTime) of it is kept. 0: none is (PIC; apic and tpic as published), inf: all (FLIP). NaN: sqrt(h/g) with transfer='flip', in which a body falls by half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
-		((bool,cellAveraging,true,,"Cell means of div v and, transposed, of the mean stress: without them nearly incompressible ground locks."))
+		((bool,bBar,true,,"B-bar: mean of div v over each cell and, transposed, of the mean stress. False: nearly incompressible ground locks."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or linear (debugging only)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
@@ -150,12 +152,12 @@ public:
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
 		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit. Of several grounds in O.engines the first sets it, to the smallest of their steps."))
-		((Real,waveFraction,0.4,,"Time step over h/(c+|v|) [-], in (0,1]; cut to what is stable wherever the points lie: 0.408 with quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
+		((Real,courantNumber,0.4,,"Courant number: time step over h/(c+|v|) [-], in (0,1]; lowered to what is stable wherever the points lie: 0.408 with quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
-		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see believedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
-		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. The calendar's O.stopAtTime. May be changed while running."))
+		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see estimatedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
+		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. It is for the calendar what O.stopAtTime is for the scene. May be changed while running."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
@@ -175,35 +177,37 @@ public:
 		.def("most",&MpmEngine::most,(::boost::python::arg("field"),::boost::python::arg("n")=10),"Ids of the n points with the largest values of a field, largest first, the lower id first among equals; vectors and tensors by their length, points without a value left out.")
 		.def("mostBroken",&MpmEngine::mostBroken,(::boost::python::arg("n")=10),"Ids of the n points whose samples have lost most bonds mechanically.")
 		.def("mostStrained",&MpmEngine::mostStrained,(::boost::python::arg("n")=10),"Ids of the n points with the largest deviatoric strain.")
-		.def("watch",&MpmEngine::watch,(::boost::python::arg("ids"),::boost::python::arg("interval")=0.,::boost::python::arg("fields")=::boost::python::list()),"Record the histories of some points from now on: fields (default: all that say something of soil or sample) every interval seconds, 0 for every step. Saved with the scene; see history(). A second call begins anew, watch([]) lets go of all records.")
+		.def("watch",&MpmEngine::watch,(::boost::python::arg("ids"),::boost::python::arg("interval")=0.,::boost::python::arg("fields")=::boost::python::list()),"Record the histories of some points from now on: fields (default: all that say something of soil or sample) every interval seconds, 0 for every step. Saved with the scene; see history(). A second call begins anew, watch([]) deletes all records.")
 		.def("history",&MpmEngine::history,(::boost::python::arg("id")),"Records of a watched point: a dictionary of NumPy arrays by instant, time [s] and the fields.")
 		.def_readwrite("inspected",&MpmEngine::inspected,"True while O shows one of the samples: the ground does not step then. Set by inspect() and back().")
-		.def("balance",&MpmEngine::balance,"Masses, momentum, enthalpy and energies with all that crossed the boundary since the start; see theory of the engine for signs.")
+		.def("balance",&MpmEngine::balance,"Dictionary: masses, momentum, enthalpy and energies now, and all that crossed the boundary since the start. heatIn is positive into the ground, waterOut and enthalpyOut out of it; impulse is that on the ground; skeletonWork and porePressureWork are done on skeleton and pore content.")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free surface', boundaries, 'deformation record', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer modulus.")
 		.def("doubts",&MpmEngine::doubts,"Sentences about settings that are valid and yet hardly what was meant; talik.check(mpm) prints them, the first step prints those of which nothing sensible comes.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], with enthalpy to match.")
 		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")
 		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
-		.add_property("believedError",&MpmEngine::believedError,"Error of effective stress that the samples are believed to have caused since the start, root mean square over points and steps, over that of the stress itself [-]: from the differences between predicted and sampled stress and between two rates of strain, as they were measured. None without tolerance. Error of grid and time step is not in it.")
+		.add_property("estimatedError",&MpmEngine::estimatedError,"Estimated error of effective stress that the samples have caused since the start: root mean square over points and steps, over that of the stress itself [-]: from the differences between predicted and sampled stress and between two rates of strain, as they were measured. None without tolerance. Error of grid and time step is not in it.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
 		.add_property("time",&MpmEngine::groundTime,"Time of motion of the ground [s]; see calendar for that of heat, weather and seepage.")
 		.add_property("calendar",&MpmEngine::calendar,"Dictionary: day, calendar time in days, at which tables of boundaries are read; scale, calendar time per time of motion in the last step [-]; followsMotion; speed of the fastest point [m/s] and moving, whether an event goes on (both with followsMotion only); seepageScale, what hastens seepage and rain [-]; largestConductivity, up to which it does [m/s], None without water.")
-		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per metre], largest displacement [m], goesOn. An event begins when the fastest point passes motionTolerance and ends when all have been below half of it for 0.2 s.")
+		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per metre], largest displacement [m], goesOn. An event begins when the fastest point passes both HeatTransfer.motionTolerance and, in calendar time, HeatTransfer.eventSpeed, and ends when all have been below half of that for 0.2 s.")
 		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
-		.add_property("flip",&MpmEngine::refusedFlip,&MpmEngine::refuseFlip,"Replaced by picTime.")
+		.add_property("flip",+[](const MpmEngine&)->Real{refuseFormerName("flip");},+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("flip");},"Replaced by picTime.")
+		.add_property("waveFraction",+[](const MpmEngine&)->Real{refuseFormerName("waveFraction");},+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("waveFraction");},"Now courantNumber.")
+		.add_property("cellAveraging",+[](const MpmEngine&)->Real{refuseFormerName("cellAveraging");},+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("cellAveraging");},"Now bBar.")
+		.add_property("believedError",+[](const MpmEngine&)->Real{refuseFormerName("believedError");},+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("believedError");},"Now estimatedError.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, setDay, exchangeSkeletons, replaceSample). Until then every setting may be changed, also after fields were read.")
 		.def("heldByWaitingGround",&MpmEngine::heldByWaitingGround,(::boost::python::arg("part")),"True if a ground whose fields were read but that has not begun holds this object.").staticmethod("heldByWaitingGround")
 		.def("renewWaitingGrounds",&MpmEngine::renewWaitingGrounds,(::boost::python::arg("part")),"Grounds that hold this object and have not begun are made anew from their settings when they are next asked. Done by every change of an attribute.").staticmethod("renewWaitingGrounds")
 	);
 	// clang-format on
-	/// The share per step that picTime has replaced.
-	Real refusedFlip() const;
-	void refuseFlip(Real);
+	/// Throws AttributeError with the attribute that has taken the place of this one.
+	[[noreturn]] static void refuseFormerName(const char* name);
 	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	static ::boost::python::object pyAddPoints(::boost::python::tuple args, ::boost::python::dict keywords);
 };

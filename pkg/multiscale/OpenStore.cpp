@@ -31,7 +31,7 @@ namespace {
 
 } // namespace
 
-OpenSample OpenStore::Beginning::wake() const
+OpenSample OpenStore::Beginning::makeSample() const
 {
 	OpenSample sample(scene);
 	sample.setBondCounts(bondCounts);
@@ -69,7 +69,7 @@ OpenStore::BeginningPointer OpenStore::frozen(int prototype, double iceSaturatio
 	const BeginningPointer prepared = prototypes.at(prototype);
 	if (!prepared->hasIce || prepared->iceSaturation == iceSaturation) return prepared;
 	forbidRedirection();
-	OpenSample sample = prepared->wake();
+	OpenSample sample = prepared->makeSample();
 	const auto result = sample.apply(Eigen::Matrix3d::Zero(), iceSaturation, options);
 	if (result.blewUp) throw std::runtime_error("RveSkeleton: sample " + std::to_string(prototype) + " does not survive freezing: " + result.reason);
 	return describe(sample);
@@ -102,8 +102,8 @@ void OpenStore::prepare(const std::vector<PackedRequest<2>>& requests)
 	}
 	for (const std::size_t s : asked) {
 		Sample& sample = samples[s];
-		if (!sample.awake) sample.awake = std::make_unique<OpenSample>(sample.beginning->wake());
-		sample.awake->keepState();
+		if (!sample.running) sample.running = std::make_unique<OpenSample>(sample.beginning->makeSample());
+		sample.running->keepState();
 		sample.beginning.reset();
 	}
 }
@@ -119,7 +119,7 @@ std::vector<PackedUpdateResult<2>> OpenStore::update(const std::vector<PackedReq
 		const auto&            request = requests[std::size_t(k)];
 		const StepGate::Helper helper;
 		try {
-			results[std::size_t(k)] = inPlane(samples[request.sample].awake->apply(inSpace(request.displacementGradient), request.iceSaturation, options));
+			results[std::size_t(k)] = inPlane(samples[request.sample].running->apply(inSpace(request.displacementGradient), request.iceSaturation, options));
 		} catch (...) {
 			failures[std::size_t(k)] = std::current_exception();
 		}
@@ -127,14 +127,14 @@ std::vector<PackedUpdateResult<2>> OpenStore::update(const std::vector<PackedReq
 	for (const auto& failure : failures)
 		if (failure) std::rethrow_exception(failure);
 	for (std::size_t k = 0; k < requests.size(); k++)
-		if (results[k].blewUp) samples[requests[k].sample].awake->recover();
+		if (results[k].blewUp) samples[requests[k].sample].running->recover();
 	return results;
 }
 
 std::vector<double> OpenStore::measure(std::size_t number, const std::string& name) const
 {
 	const Sample&        sample     = at(number);
-	const OpenStatistics statistics = sample.awake ? sample.awake->statistics() : sample.beginning->statistics;
+	const OpenStatistics statistics = sample.running ? sample.running->statistics() : sample.beginning->statistics;
 	if (name == "bondsIntact") return { double(statistics.bondsIntact) };
 	if (name == "bondsFormed") return { double(statistics.bondsFormed) };
 	if (name == "bondsBroken") return { double(statistics.bondsBroken) };
@@ -142,7 +142,7 @@ std::vector<double> OpenStore::measure(std::size_t number, const std::string& na
 	if (name == "contacts") return { double(statistics.contacts) };
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
 	if (name == "samplePorosity") return { statistics.porosity };
-	if (name == "sampleIceSaturation") return { sample.awake ? sample.awake->iceSaturation() : sample.beginning->iceSaturation };
+	if (name == "sampleIceSaturation") return { sample.running ? sample.running->iceSaturation() : sample.beginning->iceSaturation };
 	if (name == "fabric") return { statistics.fabric(0, 0), statistics.fabric(1, 1), statistics.fabric(0, 1) };
 	refuseMeasure(name);
 }
@@ -150,7 +150,7 @@ std::vector<double> OpenStore::measure(std::size_t number, const std::string& na
 const void* OpenStore::identity(std::size_t sample) const
 {
 	const Sample& s = at(sample);
-	return s.awake ? static_cast<const void*>(s.awake.get()) : static_cast<const void*>(s.beginning.get());
+	return s.running ? static_cast<const void*>(s.running.get()) : static_cast<const void*>(s.beginning.get());
 }
 
 std::size_t OpenStore::distinctStates() const
@@ -166,7 +166,7 @@ std::size_t OpenStore::bytes() const
 	std::size_t                sum = 0;
 	std::set<const Beginning*> counted;
 	for (const auto& sample : samples) {
-		if (sample.awake) sum += sample.awake->bytesKept();
+		if (sample.running) sum += sample.running->bytesKept();
 		else if (counted.insert(sample.beginning.get()).second) sum += sample.beginning->scene.size();
 	}
 	return sum;
@@ -175,19 +175,19 @@ std::size_t OpenStore::bytes() const
 boost::shared_ptr<yade::Scene> OpenStore::scene(std::size_t number) const
 {
 	const Sample& sample = at(number);
-	return sceneForView(sample.awake ? sceneToBytes(sample.awake->yadeScene()) : sample.beginning->scene);
+	return sceneForView(sample.running ? sceneToBytes(sample.running->yadeScene()) : sample.beginning->scene);
 }
 
 void OpenStore::setScene(std::size_t number, const boost::shared_ptr<yade::Scene>& scene)
 {
 	auto    replacement = std::make_unique<OpenSample>(sceneToBytes(scene));
 	Sample& sample      = at(number);
-	if (!sample.awake) sample.awake = std::make_unique<OpenSample>(sample.beginning->wake());
-	const std::uint64_t before = sample.awake->statistics().bondsIntact, now = replacement->statistics().bondsIntact;
-	auto                counts = sample.awake->bondCounts();
+	if (!sample.running) sample.running = std::make_unique<OpenSample>(sample.beginning->makeSample());
+	const std::uint64_t before = sample.running->statistics().bondsIntact, now = replacement->statistics().bondsIntact;
+	auto                counts = sample.running->bondCounts();
 	if (now > before) counts[0] += now - before;
 	replacement->setBondCounts(counts);
-	sample.awake        = std::move(replacement);
+	sample.running        = std::move(replacement);
 	sample.beginning.reset();
 }
 
@@ -197,7 +197,7 @@ void OpenStore::save(ByteWriter& writer) const
 	std::map<const Beginning*, std::uint64_t> numbers;
 	std::vector<const Beginning*>             shared;
 	for (const auto& sample : samples)
-		if (!sample.awake && numbers.emplace(sample.beginning.get(), shared.size() + 1).second) shared.push_back(sample.beginning.get());
+		if (!sample.running && numbers.emplace(sample.beginning.get(), shared.size() + 1).second) shared.push_back(sample.beginning.get());
 	writer.number(shared.size());
 	for (const auto* beginning : shared) {
 		writer.block(beginning->scene);
@@ -206,17 +206,17 @@ void OpenStore::save(ByteWriter& writer) const
 	}
 	writer.number(samples.size());
 	for (const auto& sample : samples) {
-		writer.number(sample.awake ? 0 : numbers.at(sample.beginning.get()));
-		if (!sample.awake) continue;
-		writer.block(sceneToBytes(sample.awake->yadeScene()));
-		for (const auto count : sample.awake->bondCounts())
+		writer.number(sample.running ? 0 : numbers.at(sample.beginning.get()));
+		if (!sample.running) continue;
+		writer.block(sceneToBytes(sample.running->yadeScene()));
+		for (const auto count : sample.running->bondCounts())
 			writer.number(count);
 	}
 }
 
 void OpenStore::restore(ByteReader& reader)
 {
-	const auto wake = [&] {
+	const auto makeSample = [&] {
 		auto                         sample = std::make_unique<OpenSample>(reader.block());
 		std::array<std::uint64_t, 2> counts;
 		for (auto& count : counts)
@@ -226,13 +226,13 @@ void OpenStore::restore(ByteReader& reader)
 	};
 	std::vector<BeginningPointer> shared(reader.number());
 	for (auto& beginning : shared)
-		beginning = describe(*wake());
+		beginning = describe(*makeSample());
 	samples.clear();
 	samples.resize(reader.number());
 	for (auto& sample : samples) {
 		const std::uint64_t number = reader.number();
 		if (number > 0) sample.beginning = shared.at(number - 1);
-		else sample.awake = wake();
+		else sample.running = makeSample();
 	}
 }
 

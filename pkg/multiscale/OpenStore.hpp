@@ -42,12 +42,12 @@ private:
 		SampleStart                  start;
 		OpenStatistics               statistics;
 		StiffnessBound               stiffness;
-		OpenSample                   wake() const;
+		OpenSample                   makeSample() const;
 	};
 	using BeginningPointer = std::shared_ptr<const Beginning>;
 	struct Sample {
 		BeginningPointer            beginning;
-		std::unique_ptr<OpenSample> awake;
+		std::unique_ptr<OpenSample> running;
 	};
 	static BeginningPointer describe(OpenSample&);
 	BeginningPointer        frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;

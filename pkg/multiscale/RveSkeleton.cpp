@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/FileBesides.hpp>
+#include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
 
 #include <boost/python/numpy.hpp>
@@ -191,7 +191,7 @@ void RveSkeleton::keepBlownUp(int id) const
 	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
 	try {
 		const string       bytes = talik::sceneToBytes(scene(id));
-		talik::FileBesides beside("sample", file.string());
+		talik::AtomicFile beside("sample", file.string());
 		beside.sputn(bytes.data(), std::streamsize(bytes.size()));
 		beside.commit();
 		std::cerr << "The sample of point " << id << " blew up; its last good state is in " << file.string() << "." << std::endl;

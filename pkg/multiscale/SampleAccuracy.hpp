@@ -17,11 +17,11 @@ struct ErrorSquares {
 };
 
 /// Error control of the samples behind points: from one tolerance, the relative error of effective stress that is aimed at, it
-/// steers the strain tolerance and the inertial number of each point and keeps account of the error it believes was made.
+/// steers the strain tolerance and the inertial number of each point, eqs. (15.4) and (15.5), and sums up the estimated error, eq. (15.6).
 /// Two errors are measured, half of the tolerance's square for each:
-///  prediction  what the tangent foretold less what the sample answered, at every call. It counts for the whole interval before, though it
-///              grew there from zero: the motion that it caused stays.
-///  rate        what quasi-static motion would have answered: every sixteenth call of a point is followed at two rates.
+///  prediction  the stress predicted by the tangent less that of the sample, at every call. It counts for the whole interval before, although
+///              it grew from zero there, because the motion that it caused stays.
+///  rate        the stress less that of quasi-static motion. Every sixteenth call of a point is computed at two rates to find it.
 class SampleAccuracy {
 public:
 	/// One answer of a sample.

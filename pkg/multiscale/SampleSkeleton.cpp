@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/StopAfterStep.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>
@@ -93,7 +93,7 @@ struct SampleSkeleton::Arrays {
 			c[i] = tangent[i][p];
 		return c;
 	}
-	/// Stress that the last call and the tangent predict for the accumulated motion.
+	/// Stress that the last call and the tangent predict for the accumulated motion, eq. (15.3).
 	Matrix predicted(int p) const
 	{
 		const Matrix h = accumulated(p), r = rotationOf(h);
@@ -153,7 +153,7 @@ void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
 		placeOf[batch.id[batch.place[k]]] = batch.place[k];
 	for (const auto& [id, place] : placeOf) {
 		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
-			throw std::invalid_argument("RveSkeleton.sampleOf says nothing of point " + std::to_string(id) + ": give one number per point, or none at all.");
+			throw std::invalid_argument("RveSkeleton.sampleOf has no number for point " + std::to_string(id) + ": give one number per point, or none at all.");
 		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
 		sampleOf[id]               = int(store->size());
 		const SampleStart& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);

@@ -10,7 +10,7 @@
 
 namespace talik {
 
-/// When a sample is asked and how, theory of the multiscale coupling: increments accumulate until one of the tolerances is passed.
+/// When a sample is asked and how, eq. (15.2): increments accumulate until one of the tolerances is passed.
 struct SampleScheduling {
 	double              strainTolerance     = 2e-5; ///< largest accumulated component of the displacement gradient [-]; 0: ask in every step
 	double              saturationTolerance = 0.01; ///< largest accumulated change of ice saturation [-]; 0: ask in every step
@@ -44,7 +44,7 @@ public:
 	/// the scheduling's. Before the fields are declared, or to another tolerance > 0 at any time.
 	void setTolerance(double tolerance);
 	bool steered() const { return bool(accuracy); }
-	/// Of the error believed to have been made since the start, see setTolerance.
+	/// Of the estimated error since the start, see setTolerance.
 	ErrorSquares errorSquares(const SkeletonBatch<2>&) const;
 
 	SampleScheduling&     scheduling() { return schedule; }

@@ -8,7 +8,7 @@ YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton));
 
 SkeletonLaw::Pointer SkeletonLaw::build(int)
 {
-	throw std::invalid_argument("SkeletonLaw says nothing by itself: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
+	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
 }
 
 ::boost::python::object SkeletonLaw::values(const string& name) const

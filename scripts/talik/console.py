@@ -34,13 +34,13 @@ def makeRunsInterruptible(omegaClass):
 	stockRun, stockWait = omegaClass.run, omegaClass.wait
 	signals, omegaClass._stockWait = _watcher(), stockWait
 	unwaited = []  # a run was started and nobody has asked yet how it ended
-	omegaClass._mayStir = False  # the last step of a run that was paused may still be under way
+	omegaClass._mayStep = False  # the last step of a run that was paused may still be under way
 
 	def run(self, nSteps=-1, wait=False):
 		if not self.running:
 			_talik.refuseToAbort()
 		unwaited[:] = [] if wait else [True]
-		omegaClass._mayStir = True
+		omegaClass._mayStep = True
 		if not wait:
 			return stockRun(self, nSteps)
 		before = _failures(self)
@@ -68,21 +68,21 @@ def _saidOnce():
 		yield
 	finally:
 		_talik.setRunWaitedFor(False)
-		for name, level in _hushed.items():
+		for name, level in _muted.items():
 			if level is None:
 				log.unsetLevel(name)
 			else:
 				log.setLevel(name, level)
-		_hushed.clear()
+		_muted.clear()
 
 
-_hushed = {}  # loggers of YADE that are silent for now, and their levels
+_muted = {}  # loggers of YADE that are silent for now, and their levels
 
 
-def hush():
+def muteLog():
 	"""For an engine of ours that is about to fail in such a run."""
 	for name in ("ThreadRunner", "yadeWrapper.cpp"):
-		_hushed[name] = log.getUsedLevels().get(name)
+		_muted[name] = log.getUsedLevels().get(name)
 		log.setLevel(name, 0)
 
 
@@ -146,8 +146,8 @@ def _watcher():
 def awaitEndOfStep(omega, quiet=0.02, patience=60):
 	"""Returns when no engine of a run that was paused is at work any more: YADE says that it rests while its last step is still under way.
 
-	quiet     time for which nothing may stir [s]: a step that was about to begin when the pause came
-	patience  [s]: after an engine's error YADE believes its step to be under way for good"""
+	quiet     time for which no step may begin [s]: a step that was about to begin when the pause came
+	patience  [s]: after an engine's error YADE reports its step as under way for good"""
 	if omega.subStepping:
 		return
 	began = still = time.monotonic()
@@ -161,12 +161,12 @@ def awaitEndOfStep(omega, quiet=0.02, patience=60):
 def awaitRest(omega, patience=1.0):
 	"""Returns when the step that was under way when a run was paused has ended, at once where there was no such run or it goes on.
 
-	patience  [s] for engines that are not ours: after an error of theirs YADE believes the step to be under way for good"""
-	if not omega._mayStir or omega.running or _talik.stepUnderWay() or isinstance(threading.current_thread(), threading._DummyThread):
+	patience  [s] for engines that are not ours: after an error of theirs YADE reports the step as under way for good"""
+	if not omega._mayStep or omega.running or _talik.stepUnderWay() or isinstance(threading.current_thread(), threading._DummyThread):
 		return
 	_talik.callBetweenSteps(lambda: None, (), {})
 	awaitEndOfStep(omega, patience=patience)
-	type(omega)._mayStir = False
+	type(omega)._mayStep = False
 
 
 def _failed(omega):
@@ -330,7 +330,7 @@ def _seenByGrounds(part, names, stockSet):
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
 _readWhileRunning = {
 	"MpmEngine": {
-		"gravity", "damping", "picTime", "waveFraction", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
+		"gravity", "damping", "picTime", "courantNumber", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
 		"stopAtDay", "label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
 	},
 	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},

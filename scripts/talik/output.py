@@ -4,7 +4,7 @@
 	series = talik.output.ParaViewSeries(mpm, "output/slope")
 	frames = talik.output.Frames(mpm, times=[2.5, 5, 10, 15])  # or days=True: days of the calendar
 	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
-	talik.output.writeSummary("output/slope/summary.json", points=mpm.numberOfPoints, ...)
+	talik.output.writeSummary("output/slope/summary.json", points=mpm.pointCount, ...)
 
 An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) must be among them.
 """

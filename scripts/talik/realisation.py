@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Several realisations of one sample: the same grains thrown anew, prepared by as many yades at a time as there are cores.
+"""Several realisations of one sample: the same grains placed anew, prepared by as many yades at a time as there are cores.
 
 	samples = talik.rve.prepare(grains=100, realisations=8, seed=1)    # a list; those in the cache are not made again
 

@@ -96,7 +96,7 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	"""Brings the samples of a filled MpmEngine to the weight above their points, before they freeze and before the first step.
 
-	A sample that freezes at a pressure that its point does not carry expands when its ice lets go of it: 8 mm in two metres of ground with
+	A sample that freezes at a pressure that its point does not carry expands when its ice melts: 8 mm in two metres of ground with
 	samples of 100 kPa under 20 kPa. The samples of mpm.skeleton are replaced by those of depth bands; several of them are realisations.
 
 	polygon        outline of the ground, for the depth below its surface

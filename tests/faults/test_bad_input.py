@@ -119,7 +119,7 @@ wrong = {
 	"unknown field": (lambda s: asked(lambda mpm: mpm.field("temprature")), "field", "temprature"),
 	"unknown form of samples": (lambda s: sampled(s, form="closed"), "RveSkeleton.form", "closed"),
 	"unknown answer to blow-ups": (lambda s: sampled(s, onBlowUp="ignore"), "RveSkeleton.onBlowUp", "ignore"),
-	"base class of boundaries": (lambda s: ground(boundaries=[wrapper.GroundBoundary(region="left")]), "GroundBoundary", "by itself"),
+	"base class of boundaries": (lambda s: ground(boundaries=[wrapper.GroundBoundary(region="left")]), "GroundBoundary", "base class"),
 	# signs, ranges, NaN, infinities
 	"negative spacing": (lambda s: ground(gridSpacing=-0.25), "MpmEngine.gridSpacing", "-0.25"),
 	"infinite spacing": (lambda s: ground(gridSpacing=inf), "gridSpacing", "inf"),
@@ -127,7 +127,7 @@ wrong = {
 	"damping of one": (lambda s: ground(damping=1), "MpmEngine.damping", "1"),
 	"PIC time below zero": (lambda s: ground(picTime=-1), "MpmEngine.picTime", "-1"),
 	"no steps between limits": (lambda s: ground(limitInterval=0), "MpmEngine.limitInterval", "0"),
-	"wave fraction above one": (lambda s: ground(waveFraction=1.5), "MpmEngine.waveFraction", "1.5"),
+	"wave fraction above one": (lambda s: ground(courantNumber=1.5), "MpmEngine.courantNumber", "1.5"),
 	"motion fraction above a half": (lambda s: ground(motionFraction=0.9), "MpmEngine.motionFraction", "0.9"),
 	"heat fraction of zero": (lambda s: warm(heatFraction=0), "MpmEngine.heatFraction", "0"),
 	"pores more than full": (lambda s: warm(poreFill=1.2), "poreFill", "1.2"),

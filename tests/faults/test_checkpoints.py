@@ -61,14 +61,14 @@ def test_ground_with_a_tolerance_goes_on_to_the_last_bit_with_another_number_of_
 	run(25)
 	talik.checkpoint.write(file)
 	run(25)
-	through, believed = stateOf(mpm), mpm.believedError
+	through, estimated = stateOf(mpm), mpm.estimatedError
 	O.reset()
 	mpm = talik.resume(file)
 	mpm.skeleton.threads = 2
 	run(25)
 	difference = largestDifference(through, stateOf(mpm))
-	print(f"largest difference over {len(through)} fields, balances and whole samples: {difference}; believed error {believed:.4f}, and {mpm.believedError:.4f}")
-	assert difference == 0 and mpm.believedError == believed > 0
+	print(f"largest difference over {len(through)} fields, balances and whole samples: {difference}; estimated error {estimated:.4f}, and {mpm.estimatedError:.4f}")
+	assert difference == 0 and mpm.estimatedError == estimated > 0
 
 
 def test_the_checkpoint_that_the_engine_keeps_is_the_state_between_two_steps(tmp_path, smallSample):

@@ -15,7 +15,7 @@ senseless = [nan, inf, -inf, -1, 1e300, -1e300, 1e-300, 2.5, 10**30, "text", Non
 boundaries = {
 	"FixedBoundary": dict(region="bottom"), "RollerBoundary": dict(region="left"), "SurfaceTemperature": dict(region="surface", temperature=5),
 	"SurfaceLoad": dict(region="surface", pressure=10), "DrainedBoundary": dict(region="surface"), "WallTemperature": dict(region="bottom", temperature=-1),
-	"HeatFlux": dict(region="left", flux=1), "WaterFlux": dict(region="left"),
+	"HeatFlux": dict(region="left", flux=1), "WaterFlux": dict(region="left"), "BodyTemperature": dict(bodies=[0], temperature=3),
 }
 
 

@@ -21,7 +21,7 @@ using namespace talik;
 
 namespace {
 
-constexpr double spacing = 0.01, porosity = 0.4, gravity = 9.81, flipFraction = 0.97, waveFraction = 0.3;
+constexpr double spacing = 0.01, porosity = 0.4, gravity = 9.81, flipFraction = 0.97, courantNumber = 0.3;
 constexpr int    columns = 140, rows = 112, perDirection = 2, points = 40000, limitInterval = 10;
 const Vec<2>     corner { 0.2, 0.0 }, size { 1.0, 1.0 };
 
@@ -44,12 +44,12 @@ GroundSettings<2> settingsOf(const Effects& e)
 	GroundSettings<2> s;
 	s.upper        = { columns * spacing, rows * spacing };
 	s.gridSpacing  = spacing;
-	s.waveFraction = waveFraction;
+	s.courantNumber = courantNumber;
 	const auto floor = Region<2>::side("bottom");
 	if (e.motion) {
 		MotionSettings<2> m;
 		m.gravity       = { 0.0, -gravity };
-		m.cellAveraging = e.averaging;
+		m.bBar = e.averaging;
 		s.motion        = m;
 		s.skeletons.push_back(skeletonOf(e));
 		s.boundaries.push_back(std::make_shared<FixedBoundary<2>>(floor));
@@ -170,9 +170,9 @@ struct Phases {
 		double time;
 	};
 	std::array<Phase, 5> all { {
-		{ "to grid", [](Ground<2>& g, double step) { g.beginStep(step); g.mapToGrid(); }, 0.0 },
+		{ "to grid", [](Ground<2>& g, double step) { g.beginStep(step); g.p2g(); }, 0.0 },
 		{ "nodes", [](Ground<2>& g, double) { g.solveNodes(); }, 0.0 },
-		{ "to points", [](Ground<2>& g, double) { g.mapToPoints(); }, 0.0 },
+		{ "to points", [](Ground<2>& g, double) { g.g2p(); }, 0.0 },
 		{ "strain, pressure", [](Ground<2>& g, double) { g.updateStrainAndPressure(); }, 0.0 },
 		{ "law", [](Ground<2>& g, double) { g.updateEffectiveStress(); }, 0.0 },
 	} };

@@ -50,9 +50,9 @@ namespace {
 		s.motion->transfer    = velocityTransferFromName(transfer == "apic" && s.shapeFunction == "linear" ? "tpic" : transfer);
 		s.motion->picTime       = dice.decades("picTime", 1e-6, 1e2);
 		s.motion->localDamping  = dice.chance("damped", 0.2) ? 0.7 : 0.0;
-		s.motion->cellAveraging = !dice.chance("noCellMeans", 0.25);
+		s.motion->bBar = !dice.chance("noCellMeans", 0.25);
 		if (dice.chance("gravity", 0.7)) s.motion->gravity = along(dice.uniform(-3.0, 3.0), -9.81);
-		s.waveFraction = dice.between("waveFraction", 0.1, 0.99);
+		s.courantNumber = dice.between("courantNumber", 0.1, 0.99);
 	}
 
 	template <int D> void Draw<D>::skeletons()
@@ -116,8 +116,6 @@ namespace {
 		w.state.cavitationPressure             = dice.chance("suction", 0.3) ? -dice.decades("pCav", 1e3, 1e5) : 0.0;
 		w.state.densityChange                  = !dice.chance("noDensityChange", 0.3);
 		w.picTime                              = dice.decades("picTimeOfLiquid", 1e-6, 1e2);
-		// hastened seepage makes energy in one of these 200 draws, see the limits
-		w.hydraulicTimeScale                   = 1.0;
 	}
 
 	template <int D> void Draw<D>::walls()
@@ -189,8 +187,6 @@ namespace {
 		const double speed = s.motion && dice.chance("moving", 0.3) ? dice.between("machNumber", 0.0, 0.02) * std::sqrt(softest / 2000.0) : 0.0;
 		scene.open            = scene.open || speed > 0.0; // loose ground that meets a wall splashes, and the box has no lid
 		const double porosity = dice.between("n", 0.1, 0.7);
-		// one row of cells shows no gradient of pressure: its water percolates on the spot, and drag spends what nobody gave
-		if (rows == 1 && s.water && s.motion->gravity[1] != 0.0) scene.energyAccounted = false;
 		int number = 0;
 		for (int k = 0; k < (D == 2 ? 1 : cells(D - 1) * perCell); ++k)
 			for (int j = 0; j < rows * perCell; ++j)

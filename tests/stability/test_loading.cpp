@@ -21,7 +21,7 @@ TEST(Loading, WaterOfTrueStiffnessOnOnePointPerCellShowsNoCheckerboard)
 		s.motion.emplace();
 		s.motion->gravity       = { 0.0, -9.81 };
 		s.motion->localDamping  = 0.5;
-		s.motion->cellAveraging = means;
+		s.motion->bBar = means;
 		s.water.emplace();
 		s.skeletons.push_back(elasticOedometer(1e8));
 		s.energyLedger = true;

@@ -36,7 +36,7 @@ Ground<2> restingSlope()
 	s.motion.emplace();
 	s.motion->gravity      = { 0.0, -9.81 };
 	s.motion->localDamping = 0.7;
-	s.motion->cellAveraging = false; // with means the last mode to come to rest takes 4000 steps by a factor of e
+	s.motion->bBar = false; // with means the last mode to come to rest takes 4000 steps by a factor of e
 	s.skeletons.push_back(elasticOedometer(1e7));
 	s.energyLedger = true;
 	addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));

@@ -68,9 +68,6 @@ template <int D> std::string whatIsWrong(const RandomScene<D>& scene, const Figu
 	return wrong;
 }
 
-/// Draws in space that stand as a case of their own below.
-constexpr std::uint64_t excessOfDrag = 21;
-
 struct Search {
 	Figures worst;
 	double  excess  = 0.0;
@@ -91,7 +88,6 @@ template <int D> void search(const std::string& name, std::uint64_t draws)
 	const std::uint64_t first = firstSeed();
 	Search              search;
 	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
-		if (D == 3 && seed == excessOfDrag) continue;
 		RandomScene<D> scene(seed);
 		try {
 			scene.start();
@@ -154,18 +150,32 @@ TEST(RandomSearch, LiquidOfFrozenGroundWithoutChangeOfDensityWeighsWhatItsFracti
 	expectSmall("frozen column without change of density: liquid mass over density times volume of liquid, less 1", worst, 1e-12);
 }
 
-/// Found when the liquid began to keep what the grid does not see for longer than a few steps: water that percolates on the spot between
-/// stiff grains, ten cells, spends more on drag than weight and pressure give, whatever the step, for a cause not found. Nothing of it
-/// is there where the liquid's points take the grid's velocity in every step.
-TEST(RandomSearch, ExcessOfDragOfWaterThatPercolatesOnTheSpotStaysWhatItIsAndVanishesWithPicTimeZero)
+/// Found by the search (plane, seeds 700343 and 701952; space, seed 21): gravity pushed the liquid of a node, and what it moved came from and
+/// went to points that surface and walls leave on one side of the node. Drag spent up to 0.2 of all that was turned over, the more the
+/// fewer the rows.
+TEST(RandomSearch, WaterThatPercolatesThroughAFewRowsOfPointsSpendsNoMoreThanGravityGives)
 {
-	for (const bool kept : { true, false }) {
-		RandomScene<3> scene(excessOfDrag);
-		if (!kept) scene.ground->settings().water->picTime = 0.0;
+	const auto created = [](auto scene) {
 		scene.start();
-		Watch<3> watch(*scene.ground, scene.outside());
+		Watch watch(*scene.ground, scene.outside());
 		watch.run(scene.steps, 25);
 		EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-		expectSmall(std::string("water that percolates on the spot, picTime ") + (kept ? "3 s" : "0") + ": energy from nowhere", watch.figures().energyCreated, kept ? 0.2 : 0.1);
-	}
+		return watch.figures().energyCreated;
+	};
+	for (const std::uint64_t seed : { 700343, 701952 })
+		expectSmall("water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", created(RandomScene<2>(seed)), 0.05);
+	expectSmall("water that percolates through a few rows, space, seed 21: energy from nowhere", created(RandomScene<3>(21)), 1e-3);
+}
+
+/// Found by the search (seed 165) when seepage was hastened: where water flows along a thaw front, the thawed side, which holds more of it, was
+/// taken to slide, and what the front then did to that slip drove the flow.
+TEST(RandomSearch, HastenedWaterThatFlowsAlongAThawFrontIsNoSlipAndMakesNoEnergy)
+{
+	RandomScene<2> scene(165);
+	scene.start();
+	EXPECT_GT(scene.ground->seepageScale(), 100.0);
+	Watch watch(*scene.ground, scene.outside());
+	watch.run(scene.steps, 25);
+	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+	expectSmall("hastened water along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
 }

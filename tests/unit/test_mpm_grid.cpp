@@ -2,7 +2,7 @@
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
-#include <pkg/mpm/boundary/TimeTable.hpp>
+#include <pkg/mpm/boundary/Boundary.hpp>
 
 #include <gtest/gtest.h>
 

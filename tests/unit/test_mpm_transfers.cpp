@@ -74,6 +74,7 @@ template <int D> struct RandomGround {
 			water.addPressure(cells, first, last);
 		});
 		water.finishPressure(range);
+		water.findDrivingPressure(grid, range, cells, Vec<D> {}, 1000.0);
 	}
 
 	static Vec<D> box(double value)
@@ -177,7 +178,7 @@ template <int D> double seepagePairError(bool averaged)
 	EXPECT_FALSE(surface.patch(0).nodes.empty());
 	g.water.nodalPressure(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.pressureForce(g.grid, w); });
-	g.water.liquidForce(g.range, Vec<D> {});
+	g.water.liquidForce(g.range);
 	g.water.drainedForce(surface.patch(0), 0.0);
 	double work = 0.0, size = 0.0;
 	for (int i = g.range.firstNode; i < g.range.lastNode; ++i)

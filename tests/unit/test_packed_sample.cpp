@@ -454,7 +454,7 @@ TEST(SamplePool, comparedRatesKeepTheFinerStateAndSayHowFarTheCoarserIsFromSlowM
 	EXPECT_EQ(result.steps, fast.steps + refined.steps);
 	options.steps         = 100 * four.steps;
 	const double measured = (fast.stress - slow.apply(increment, 0, options).stress).norm();
-	std::printf("%ld steps: error of stress believed %.0f Pa, measured against 100 times slower motion %.0f Pa\n", fast.steps, result.rateError, measured);
+	std::printf("%ld steps: estimated error of stress %.0f Pa, measured against 100 times slower motion %.0f Pa\n", fast.steps, result.rateError, measured);
 	EXPECT_GT(result.rateError, measured / 3);
 	EXPECT_LT(result.rateError, measured * 3);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/thm/Mixture.hpp>
-#include <pkg/thm/Permeability.hpp>
+#include <pkg/thm/PoreWaterState.hpp>
 
 #include <gtest/gtest.h>
 

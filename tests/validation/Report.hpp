@@ -7,7 +7,7 @@
 
 /// One row of the validation table: prints "case: figure | measured | reference | error | tolerance | source" and asserts that the
 /// error does not exceed the tolerance. What stands before the first colon of a row's name is its case; rows of one case are
-/// summed up in one line of the README.
+/// summed up in one line of examples/validation.md.
 /// Where the environment variable TALIK_VALIDATION_OUTPUT names a folder, rows go to <folder>/rows and curves to
 /// <folder>/curves, as CSV, from which scripts/validate draws.
 namespace talik::validation {

@@ -54,13 +54,25 @@ public:
 
 	Ground<2>& ground() { return *ground_; }
 	/// Mean displacement of the top row at mid-length, downhill along the front [m].
-	double displacement() const
+	double displacement() const { return displacementBetween(slab_.depth() - 0.6 * slab_.spacing, slab_.depth()); }
+	/// The same of the points that started at mid-length between two heights over the front [m].
+	double displacementBetween(double lower, double upper) const
 	{
 		const auto x = valuesOf(*ground_, "displacement", 0), y = valuesOf(*ground_, "displacement", 1);
 		double     sum = 0.0;
-		for (const int id : watched_)
-			sum += x[id] * down_[0] + y[id] * down_[1];
-		return sum / watched_.size();
+		int        count = 0;
+		for (const LayerPoint& p : layer_) {
+			if (std::abs(p.along) >= 3.0 * slab_.spacing || !(p.height > lower && p.height < upper)) continue;
+			sum += x[p.id] * down_[0] + y[p.id] * down_[1];
+			++count;
+		}
+		return sum / count;
+	}
+	/// Freezes the points of the layer that started between two heights over the front [m].
+	void freeze(double lower, double upper)
+	{
+		for (const LayerPoint& p : layer_)
+			if (p.height > lower && p.height < upper) ground_->setThermalState(p.id, -10.0, 0.0);
 	}
 	/// Displacement over a t^2/2 after some time [s] from the start.
 	double slide(double duration)
@@ -68,9 +80,14 @@ public:
 		marchTo(*ground_, duration);
 		return displacement() / (0.5 * slab_.acceleration() * duration * duration);
 	}
-	const std::vector<int>& watched() const { return watched_; }
 
 private:
+	/// A point of the layer, and where it started in the frame of the front [m].
+	struct LayerPoint {
+		int    id;
+		double along, height;
+	};
+
 	void build()
 	{
 		const double h = slab_.spacing, beta = Slab::radians(slab_.slope), tilt = beta - Slab::radians(slab_.front);
@@ -125,7 +142,7 @@ private:
 				if (layer && (height >= slab_.depth() || (!slab_.wallToWall && std::abs(along) >= 0.5 * slab_.length * h))) continue;
 				PointInput<2> p = point(height, { x, y }, step * step);
 				ground_->addPoint(p);
-				if (layer && std::abs(along) < 3.0 * h && height > slab_.depth() - 1.2 * step) watched_.push_back(id);
+				if (layer) layer_.push_back({ id, along, height });
 				++id;
 			}
 	}
@@ -158,7 +175,7 @@ private:
 	Vec<2>                     down_, up_, origin_ {};
 	double                     base_ = 0.0;
 	std::unique_ptr<Ground<2>> ground_;
-	std::vector<int>           watched_;
+	std::vector<LayerPoint>    layer_;
 };
 
 } // namespace talik::validation

@@ -336,3 +336,150 @@ TEST(Bodies, AWallShadesTheGroundThatItTouchesFromTheAir)
 	expectSmall("wall that shades the ground: temperature behind it off that at an insulated side, mean of two cells [degC]", behind / count, 0.2);
 	expectSmall("wall that shades the ground: the same, any point, over the jump of 19 degC", worst / 19.0, 0.05);
 }
+
+// ---- bodies with a temperature ---------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr double warm = 10.0, cold = 0.0;
+
+/// Ground that lets heat and time pass quickly and hardly moves, with bodies above, in or beside it.
+GroundSettings<2> heatedSettings(double h, const Vec<2>& upper, double timeScale)
+{
+	GroundSettings<2> s;
+	s.upper       = upper;
+	s.gridSpacing = h;
+	s.mixture     = withoutExpansion();
+	s.motion.emplace();
+	s.heat.emplace();
+	s.heat->thermalTimeScale = timeScale;
+	s.skeletons.push_back(elasticOedometer(1e6));
+	s.bodies.emplace();
+	return s;
+}
+
+double conductivityOf(const GroundSettings<2>& s) { return s.mixture.conductivity(VolumeFractions::of(0.4, 1.0)); }
+
+/// Slope of values over places by least squares.
+double slopeOf(const std::vector<double>& places, const std::vector<double>& values)
+{
+	double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+	for (std::size_t k = 0; k < places.size(); ++k)
+		n += 1.0, x += places[k], y += values[k], xx += places[k] * places[k], xy += places[k] * values[k];
+	return (n * xy - x * y) / (n * xx - x * x);
+}
+
+RigidBody<2> still(const RigidShape<2>& shape, const Vec<2>& position, const Vec<2>& size, int id = 0)
+{
+	RigidBody<2> body;
+	body.id = body.group = id;
+	body.shape           = &shape;
+	body.position        = position;
+	body.size            = size;
+	body.axes            = { { { 1.0, 0.0 }, { 0.0, 1.0 } } };
+	return body;
+}
+
+} // namespace
+
+TEST(Bodies, APlateOfGivenTemperatureSendsTheHeatOfItsResistanceAndTheGroundsInSeriesThroughALayer)
+{
+	citing("Fourier, resistances in series");
+	constexpr double height = 1.0;
+	constexpr int    cells  = 20;
+	const double     h      = height / cells;
+	for (const char* shape : { "quadraticBSpline", "gimp" })
+		for (const double share : { 0.0, 1.0, 4.0 }) { // of the ground's own resistance
+			auto         s          = heatedSettings(h, { h, height + 2 * h }, 3e6);
+			const double kappa      = conductivityOf(s), own = height / kappa;
+			s.shapeFunction         = shape;
+			s.skeletons             = { elasticOedometer(1e7) };
+			standOnRollers(s);
+			addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), cold);
+			addBoundary<BodyTemperature<2>>(s, std::vector<int> { 3 }, warm, share * own);
+			Ground<2> ground(s);
+			fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = cold; });
+			ground.initialise();
+			ground.bodies()->bodies = { smoothPlane(height, 1) };
+			ground.bodies()->bodies[0].id = ground.bodies()->bodies[0].group = 3;
+			marchTo(ground, 4.0);
+			char label[100];
+			std::snprintf(label, sizeof label, "plate of 10 degC, R = %.0f L/kappa, %s: heat flow through the layer [W/m2]", share, shape);
+			expectRelative(label, kappa * slopeOf(valuesOf(ground, "position", 1), valuesOf(ground, "temperature")), (warm - cold) / ((1.0 + share) * own), 0.02);
+		}
+}
+
+TEST(Bodies, APipeInTheGroundGivesTheHeatOfConcentricCylinders)
+{
+	citing("Carslaw & Jaeger 1959, hollow cylinder");
+	const double inner = 0.5, outer = 2.0;
+	for (const double h : { 0.125, 0.0625 })
+		for (const double share : { 0.0, 1.0 }) {
+			const double box = outer + 3 * h;
+			auto         s   = heatedSettings(h, { 2 * box, 2 * box }, 2e6);
+			const double kappa = conductivityOf(s), own = inner * std::log(outer / inner) / kappa; // per area of the pipe
+			addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), cold);
+			addBoundary<BodyTemperature<2>>(s, std::vector<int> { 0 }, warm, share * own);
+			Ground<2>    ground(s);
+			const double d = 0.5 * h;
+			for (double y = 0.5 * d; y < 2 * box; y += d)
+				for (double x = 0.5 * d; x < 2 * box; x += d) {
+					const double r = std::hypot(x - box, y - box);
+					if (r < inner || r > outer) continue;
+					PointInput<2> p;
+					p.position    = { x, y };
+					p.volume      = d * d;
+					p.porosity    = 0.4;
+					p.temperature = cold;
+					ground.addPoint(p);
+				}
+			ground.initialise();
+			ground.bodies()->bodies = { still(rigidBall<2>(), { box, box }, { inner, inner }) };
+			marchTo(ground, 12.0);
+			const auto          x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1), t = valuesOf(ground, "temperature");
+			std::vector<double> logs, values;
+			for (std::size_t k = 0; k < t.size(); ++k) {
+				const double r = std::hypot(x[k] - box, y[k] - box);
+				if (r < inner + 2 * h || r > outer - 2 * h) continue;
+				logs.push_back(std::log(r));
+				values.push_back(t[k]);
+			}
+			char label[100];
+			std::snprintf(label, sizeof label, "pipe of 10 degC, %.0f cells across, R = %.0f of the ground's: heat per length [W/m]", 2 * inner / h, share);
+			expectRelative(label, -2.0 * reference::pi * kappa * slopeOf(logs, values), 2.0 * reference::pi * inner * (warm - cold) / ((1.0 + share) * own), h > 0.1 ? 0.08 : 0.04); // its area is counted by whole points
+		}
+}
+
+// Where it is now: the ground that the plate left only cools, that which it reached warms as the other did before.
+TEST(Bodies, AWarmPlateThatIsMovedWarmsTheGroundWhereItIsAndOneThatIsLiftedNone)
+{
+	citing("the same body one metre before");
+	const double h = 0.1, height = 0.5;
+	auto         s = heatedSettings(h, { 2.0, height + 3 * h }, 1e6);
+	standOnRollers(s);
+	addBoundary<BodyTemperature<2>>(s, std::vector<int> { 0 }, warm);
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { 2.0, height }, [](PointInput<2>& p) { p.temperature = cold; });
+	ground.initialise();
+	auto& bodies = ground.bodies()->bodies;
+	bodies       = { still(rigidBox<2>(), { 0.5, height + 0.1 }, { 0.2, 0.1 }) };
+	marchTo(ground, 0.03);
+	const auto   first = valuesOf(ground, "temperature");
+	const double heat  = ground.balance().heatIn;
+	bodies[0].position[0] += 1.0;
+	marchTo(ground, 0.06);
+	const auto then = valuesOf(ground, "temperature");
+	double     worst = 0.0, warmed = 0.0;
+	for (int j = 0; j < 10; ++j)
+		for (int i = 6; i < 14; ++i) {
+			worst  = std::max(worst, std::abs(then[j * 40 + i + 20] - first[j * 40 + i]));
+			warmed = std::max(warmed, first[j * 40 + i]);
+		}
+	EXPECT_GT(warmed, 1.0);
+	expectSmall("warm plate moved by a metre: temperatures below it off those below its former place, over the largest", worst / warmed, 0.01);
+	expectRelative("warm plate moved by a metre: heat in the second period over that in the first", (ground.balance().heatIn - heat) / heat, 1.0, 0.01);
+	const double before = ground.balance().heatIn;
+	bodies[0].position[1] += 0.6 * h;
+	marchTo(ground, 0.09);
+	expectSmall("warm plate lifted off by more than half a point: heat that still enters, over that before", (ground.balance().heatIn - before) / before, 0.0);
+}

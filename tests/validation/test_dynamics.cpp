@@ -421,7 +421,7 @@ TEST(Dynamics, ACollapseRunsAsFarAtAQuarterOfTheTimeStep)
 	citing("the same at another step");
 	double front[2];
 	for (int k = 0; k < 2; ++k)
-		front[k] = toeOf(collapsed(1.0, 0.1, 5.0, [&](auto& s) { s.waveFraction = k ? 0.1 : 0.4; }), 0.98);
+		front[k] = toeOf(collapsed(1.0, 0.1, 5.0, [&](auto& s) { s.courantNumber = k ? 0.1 : 0.4; }), 0.98);
 	expectRelative("dry collapse, 10 cells: run-out, time step over four", front[1] - 1.0, front[0] - 1.0, 0.05);
 }
 
@@ -436,7 +436,7 @@ double rippleLeft(double spacing, double fractionOfStep)
 	s.upper        = { 6.0, spacing * std::ceil(0.4 / spacing + 4.0) };
 	s.gridSpacing  = spacing;
 	s.mixture      = withoutExpansion();
-	s.waveFraction = fractionOfStep;
+	s.courantNumber = fractionOfStep;
 	s.motion.emplace();
 	s.skeletons.push_back(elasticOedometer(modulus));
 	Ground<2>    ground(s);

@@ -304,6 +304,84 @@ def test_ground_that_does_not_ask_for_bodies_does_not_see_them():
 	assert O.forces.f(0) == Vector3.Zero
 
 
+# ---- bodies with a temperature ---------------------------------------------------------------------------------------------
+
+
+def warmPlate(**attributes):
+	"""A plate of 10 degC on ground of 0 degC that nothing else heats, pushed along at 1 m/s."""
+	O.reset()
+	O.engines = []
+	plate = O.bodies.append(utils.box((0.5, 0.6, 0), (0.2, 0.1, 0.5), fixed=True, material=rigid(0)))
+	condition = wrapper.BodyTemperature(**{"bodies": [plate], "temperature": 10, **attributes})
+	sides = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
+	mpm = ground(
+		talik.geometry.rectangle(0, 0, 2, 0.5), lower=(0, 0), upper=(2, 0.8), gravity=(0, 0), heat=wrapper.HeatTransfer(thermalTimeScale=5e4), boundaries=[*sides, condition]
+	)
+	O.bodies[plate].state.vel = (1, 0, 0)
+	return mpm
+
+
+def test_a_warm_plate_that_is_pushed_along_warms_the_ground_that_it_has_passed_and_none_ahead():
+	mpm = warmPlate()
+	while O.time < 0.8:
+		run(50)
+	x, t = mpm.field("position")[:, 0], mpm.field("temperature")
+	passed, ahead = t[(x > 0.5) & (x < 1.1)], t[x > 1.9]
+	print(f"plate now at {O.bodies[0].state.pos[0]:.2f} m; ground that it passed {passed.mean():.2f} degC, ground ahead of it {ahead.max():.1e} degC")
+	assert passed.mean() > 1 and ahead.max() < 0.01 * passed.mean()
+	assert mpm.balance()["heatIn"] == pytest.approx(mpm.balance()["enthalpy"] - warmPlate().balance()["enthalpy"], rel=1e-9)
+
+
+def test_resistance_of_a_body_lets_less_heat_in_and_a_table_changes_its_temperature():
+	heat = []
+	for attributes in ({}, {"resistance": 0.5}, {"times": [0, 1], "values": [10, 10]}, {"times": [0, 1], "values": [0, 0]}):
+		mpm = warmPlate(**attributes)
+		run(200)
+		heat.append(mpm.balance()["heatIn"])
+	print(f"heat in {heat[0]:.4g} J/m, with 0.5 m2 K/W {heat[1]:.4g}, from a table {heat[2]:.4g}, at the ground's temperature {heat[3]:.1e}")
+	assert 0 < heat[1] < 0.8 * heat[0] and heat[2] == heat[0] and heat[3] == 0
+
+
+def test_a_saved_scene_with_a_warm_body_goes_on_bit_for_bit(tmp_path):
+	def temperatures():
+		return O.engines[1].field("temperature")
+
+	warmPlate()
+	run(150)
+	O.save(str(tmp_path / "warm.yade.gz"))
+	run(150)
+	through = temperatures()
+	O.load(str(tmp_path / "warm.yade.gz"))
+	run(150)
+	difference = np.abs(temperatures() - through).max()
+	print(f"difference after saving, loading and 150 steps: {difference}")
+	assert difference == 0 and through.max() > 1
+
+
+def test_temperatures_of_bodies_without_sense_are_refused():
+	for attributes, pattern in (
+		({"bodies": []}, r"BodyTemperature.bodies = \[\]: names no body"),
+		({"bodies": [7]}, "BodyTemperature.bodies names 7, which is no body that the ground meets"),
+		({"bodies": [-1]}, "BodyTemperature.bodies = -1: must be numbers of bodies"),
+		({"resistance": -1}, "BodyTemperature.resistance = -1: must not be negative"),
+		({"resistance": float("inf")}, "BodyTemperature.resistance = inf: must not be negative"),
+		({"temperature": 300}, "BodyTemperature.temperature = 300: must lie between"),
+		({"region": "left"}, "BodyTemperature.region is 'left'.*leave region, lower and upper out"),
+		({"lower": (0, 0)}, "BodyTemperature.region is ''.*leave region, lower and upper out"),
+	):
+		warmPlate(**attributes)
+		refusal(pattern)
+	mpm = warmPlate()
+	mpm.boundaries = [*mpm.boundaries, wrapper.BodyTemperature(bodies=[0], temperature=5)]
+	refusal("BodyTemperature on body 0 overlaps")
+	mpm = warmPlate()
+	mpm.bodies = None
+	refusal("BodyTemperature of body 0: the ground meets no bodies")
+	mpm = warmPlate()
+	mpm.heat = None
+	refusal("BodyTemperature.*the scene has no heat")
+
+
 # ---- refusals --------------------------------------------------------------------------------------------------------------
 
 block = talik.geometry.rectangle(0, 0, 0.6, 0.5)

@@ -4,7 +4,7 @@ be is refused by one exception that names attribute, value and remedy, and the i
 
 import numpy as np
 import pytest
-from yade import O
+from yade import O, wrapper
 
 import talik
 
@@ -200,7 +200,7 @@ refused = {
 	"samples forgotten": (dict(skeleton=lambda: RveSkeleton()), "RveSkeleton.samples is empty", "talik.rve.pack"),
 	"too much damping": (dict(**motion, damping=1.5), "MpmEngine.damping is 1.5", "from 0 to below 1"),
 	"gravity not a number": (dict(**motion, gravity=(0, nan)), "MpmEngine.gravity is nan", "finite components"),
-	"time step fraction above one": (dict(**motion, waveFraction=2), "MpmEngine.waveFraction is 2", "up to 1"),
+	"time step fraction above one": (dict(**motion, courantNumber=2), "MpmEngine.courantNumber is 2", "up to 1"),
 }
 
 
@@ -226,10 +226,20 @@ def test_the_share_per_step_is_refused_by_a_sentence_that_names_the_time_in_its_
 	assert "picTime" in str(refusal.value) and ".flip" in str(refusal.value)
 
 
+@pytest.mark.parametrize("former, present", (("waveFraction", "courantNumber"), ("cellAveraging", "bBar"), ("believedError", "estimatedError")))
+def test_a_renamed_attribute_is_refused_by_a_sentence_that_gives_the_new_name(former, present):
+	for use in (lambda: MpmEngine(**{former: 0.3}), lambda: setattr(MpmEngine(), former, 0.3), lambda: getattr(MpmEngine(), former)):
+		with pytest.raises(AttributeError) as refusal:
+			use()
+		assert f"MpmEngine.{former} is now MpmEngine.{present}" in str(refusal.value)
+	print(refusal.value)
+	assert hasattr(MpmEngine, present)
+
+
 def test_a_bad_value_given_to_a_running_ground_is_refused_before_the_step():
 	mpm = engine(**motion, gravity=(0, -10))
 	O.step()
-	for name, bad, good in (("damping", 5, 0.1), ("picTime", -1, 0.9), ("waveFraction", 0, 0.3), ("gravity", (0, nan), (0, -9))):
+	for name, bad, good in (("damping", 5, 0.1), ("picTime", -1, 0.9), ("courantNumber", 0, 0.3), ("gravity", (0, nan), (0, -9))):
 		before = mpm.time, mpm.field("velocity")
 		setattr(mpm, name, bad)
 		with pytest.raises(ValueError) as refusal:
@@ -332,3 +342,16 @@ def test_cost_names_exactly_the_effects_of_the_scene_and_adds_up_to_the_time_of_
 	print(f"{mpm.pointCount} points: " + ", ".join(f"{name} {1e3 * value / 20:.3f}" for name, value in spent.items()) + f" ms a step; sum {parts[-1]:.1%} of the engine's time")
 	assert all(value >= 0 for value in spent.values())
 	assert 0.9 < parts[-1] <= 1.0
+
+
+def test_skemptons_b_is_that_of_the_softest_point_with_its_own_porosity():
+	O.reset()
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeletons=[wrapper.ElasticSkeleton(young=1e9, poisson=0), wrapper.ElasticSkeleton(young=1e8, poisson=0)],
+		water=wrapper.PoreWater(bulkModulus=2.2e9),
+	)
+	mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=[0.25, 0.25], porosity=[0.2, 0.5], skeleton=[0, 1])
+	O.engines = [mpm]
+	expected = 1 / (1 + 1e8 * 0.5 / 2.2e9)
+	print(f"Skempton's B {mpm.skemptonB():.6f}, 1/(1 + M n/K_w) of the softest point {expected:.6f}")
+	assert mpm.skemptonB() == pytest.approx(expected, rel=1e-6)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""MpmEngine.tolerance: error as an input, and what the engine believes of it against the error it made.
+"""MpmEngine.tolerance: error as an input, and the estimate of it against the error it made.
 
 The true error is that of effective stress, root mean square over points and forty instants, against the same ground whose samples are
 asked in every step at an inertial number of 2e-4, twenty-five times below that of production."""
@@ -87,15 +87,15 @@ def stresses(build, sample, tolerance=0.0):
 
 
 @pytest.mark.parametrize("build", (compressedColumn, shearedBlock, thawingColumn))
-def test_the_believed_error_is_the_true_one_within_a_factor_of_three(build, sample):
+def test_the_estimated_error_is_the_true_one_within_a_factor_of_three(build, sample):
 	exact, mpm = stresses(build, sample)
 	calls = mpm.skeleton.counters["calls"]
 	for tolerance in (0.1, 0.03):
 		reached, mpm = stresses(build, sample, tolerance)
-		error, believed = np.sqrt(np.sum((reached - exact) ** 2) / np.sum(exact**2)), mpm.believedError
+		error, estimated = np.sqrt(np.sum((reached - exact) ** 2) / np.sum(exact**2)), mpm.estimatedError
 		fewer = calls / mpm.skeleton.counters["calls"]
-		print(f"{build.__name__}, tolerance {tolerance}: believed {believed:.4f}, true {error:.4f}, ratio {believed / error:.2f}, 1/{fewer:.1f} of the calls")
-		assert 1 / 3 < believed / error < 3
+		print(f"{build.__name__}, tolerance {tolerance}: estimated {estimated:.4f}, true {error:.4f}, ratio {estimated / error:.2f}, 1/{fewer:.1f} of the calls")
+		assert 1 / 3 < estimated / error < 3
 		assert fewer > 1
 
 
@@ -108,7 +108,7 @@ def test_tolerance_leaves_no_trace_where_it_is_not_set(sample):
 		O.engines = [mpm]
 		O.step()
 		fields[tolerance] = {info["name"].split(".")[-1] for info in mpm.fields()}
-		assert (mpm.believedError is None) == (tolerance == 0)
+		assert (mpm.estimatedError is None) == (tolerance == 0)
 	added = fields[0.03] - fields[0]
 	print(f"fields with a tolerance only: {', '.join(sorted(added))}")
 	assert fields[0] < fields[0.03] and added == {"inertialNumber", "predictionError", "rateError", "stepOfLastCall", "callsOfSample"}

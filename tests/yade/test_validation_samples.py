@@ -234,3 +234,69 @@ def test_dry_column_of_samples_collapses_to_the_run_out_of_lube_slow(sample):
 	report.expectScaled("dry collapse, samples: speed left over sqrt(g H)", speed, 0.0, 1.0, 0.05)
 	report.expectRelative("dry collapse, samples: run-out over width, a = 1, 20 cells", fine[-1], 1.2, 0.2)
 	report.expectRelative("dry collapse, samples: run-out over width, a = 1, extrapolated to h = 0", limit[-1], 1.2, 0.1)
+
+
+# ---- a thawed layer on a frozen base ----------------------------------------------------------------------------------------
+
+
+def ratioInSimpleShear(sample, pressure, strain=0.5, increment=5e-4):
+	"""Mean shear over mean normal stress of an ice-free sample in simple shear at constant normal stress, servo by the strain across."""
+	sheared = sample.copy()
+	assert sheared.servo(-pressure, -pressure)
+	across, carried = 0.0, np.zeros(3)
+	for _ in range(round(strain / increment)):
+		stress = sheared.apply(Matrix3(0, increment, 0, 0, across, 0, 0, 0, 0), 0)["stress"]
+		across = float(np.clip(-(stress[1] + pressure) / 40e6, -increment, increment))
+		carried += stress
+	assert carried[1] / round(strain / increment) == pytest.approx(-pressure, rel=0.1)
+	return carried[2] / -carried[1]
+
+
+def frictionInSimpleShear(samples, pressure):
+	"""Mean and standard error over samples, each at normal stresses within 5 %: 60 grains that shear by a half take another course after the
+	slightest change."""
+	ratios = [ratioInSimpleShear(sample, pressure * share) for sample in samples for share in np.linspace(0.95, 1.05, 16)]
+	return np.mean(ratios), np.std(ratios) / np.sqrt(len(ratios))
+
+
+def slideOfLayer(samples, thickness, h, density, beta, duration):
+	"""Mean displacement down the slope, at mid-length, of a thawed layer on a frozen base; thickness over h."""
+	length, base = (8 + 8 * thickness) * h, 2 * h
+	top, width = base + thickness * h, length + 6 * h
+	level = talik.geometry.rectangle(0, 0, width, top)
+	position, volume = talik.geometry.fillPolygon(level, h, 4, (0.0, 0.0))
+	thawed = position[:, 1] > base
+	there = ~thawed | (abs(position[:, 0] - width / 2) < length / 2)
+	position, volume, thawed = position[there], volume[there], thawed[there]
+	banded, sampleOf = slope.depthBands(position, level, samples, density, bandThickness=0.5 * h, lateralRatio=1.0, gravity=9.81 * np.cos(beta))
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h, lower=(0, 0), upper=(width, top + 2 * h), gravity=(9.81 * np.sin(beta), -9.81 * np.cos(beta)), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(),
+		skeleton=wrapper.RveSkeleton(samples=banded, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0),
+		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom")],
+	)
+	mpm.addPoints(position=position, volume=volume, porosity=0.4, temperature=np.where(thawed, 5.0, -10.0))
+	O.engines = [mpm]
+	thawslump.runUntil(duration)
+	slide = mpm.field("displacement")[thawed & (abs(position[:, 0] - width / 2) < 1.1 * h), 0].mean()
+	O.reset()
+	return slide
+
+
+@pytest.fixture(scope="module")
+def realisations(sampleCache):
+	"""Four times 60 grains without ice: points of one and the same sample would all be at their weakest at once."""
+	return slope.pack(rve.prepare(grains=60, porosity=0.19, realisations=4, cache=sampleCache))
+
+
+@pytest.mark.parametrize("thickness", [1, 2, 4])
+def test_thawed_layer_of_samples_slides_on_its_frozen_base_with_their_friction_slow(realisations, thickness):
+	"""Infinite slope of 45 degrees, cells of 2 m so that samples are pressed as in their tests: a t^2/2 with the friction of the same
+	samples in simple shear at the normal stress on the front."""
+	report = Report(f"Samples.Slab.{thickness}", "the same samples in simple shear")
+	h, density, beta, duration = 2.0, 0.6 * 2650 + 0.4 * 1000, np.radians(45), 0.5
+	pressure = density * 9.81 * np.cos(beta) * thickness * h
+	friction, error = frictionInSimpleShear(realisations, pressure)
+	print(f"\nX/h = {thickness}: friction {friction:.3f} +- {error:.3f} at {1e-3 * pressure:.0f} kPa", end="")
+	free = 0.5 * 9.81 * (np.sin(beta) - friction * np.cos(beta)) * duration**2
+	slide = slideOfLayer(realisations, thickness, h, density, beta, duration)
+	report.expectRelative(f"slab of samples on a frozen base: X/h = {thickness}, u over a t^2/2", slide / free, 1, 0.15)

@@ -55,7 +55,7 @@ changes = {
 	"shape functions": lambda mpm: setattr(mpm, "shapeFunction", "gimp"),
 	"transfer": lambda mpm: setattr(mpm, "transfer", "apic"),
 	"pore fill": lambda mpm: mpm.updateAttrs(dict(water=None, poreFill=0.9)),
-	"cell averages": lambda mpm: setattr(mpm, "cellAveraging", False),
+	"cell averages": lambda mpm: setattr(mpm, "bBar", False),
 	"more points": lambda mpm: mpm.addPoints(position=[(0.25, 1.1)], volume=0.02, temperature=-1.0),
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 
 #include <algorithm>
 #include <sstream>
+#include <cmath>
+#include <stdexcept>
 
 namespace talik {
 
@@ -72,6 +74,14 @@ template <int D> Region<D> Region<D>::disc(const Vec<D>& lower, const Vec<D>& up
 	return r;
 }
 
+template <int D> Region<D> Region<D>::facing(const std::vector<int>& bodies)
+{
+	Region r;
+	r.kind = Kind::bodies;
+	r.ids  = bodies;
+	return r;
+}
+
 template <int D> Region<D> Region<D>::within(const Vec<D>& lower, const Vec<D>& upper) const
 {
 	Region r   = *this;
@@ -95,6 +105,12 @@ template <int D> bool Region<D>::holds(const Vec<D>& x, double tolerance) const
 
 template <int D> std::string Region<D>::describe() const
 {
+	if (kind == Kind::bodies) {
+		std::string list = ids.size() == 1 ? "body" : "bodies";
+		for (std::size_t k = 0; k < ids.size(); ++k)
+			list += (k ? ", " : " ") + std::to_string(ids[k]);
+		return list;
+	}
 	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
 	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? (cavities ? "surface of cavities" : "free surface") : round ? "disc" : "node box";
 	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
@@ -137,7 +153,7 @@ template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
 	for (int a = 0; a < D; ++a)
 		requireSetting(
 		        r.boxLower[a] <= r.boxUpper[a], name() + ".region", r.describe(), "the box must have lower corner <= upper corner, none of them NaN");
-	if (r.kind == Region<D>::Kind::freeSurface) return;
+	if (r.kind == Region<D>::Kind::freeSurface || r.kind == Region<D>::Kind::bodies) return;
 	if (r.round)
 		for (int a = 0; a < D; ++a)
 			requireSetting(
@@ -154,7 +170,7 @@ template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>
 {
 	using Kind = typename Region<D>::Kind;
 	std::vector<int> found;
-	if (region.kind == Kind::freeSurface) return found;
+	if (region.kind == Kind::freeSurface || region.kind == Kind::bodies) return found;
 	const double tolerance = 1e-6 * grid.spacing();
 	const int    wall      = region.on.upper ? grid.cells(region.on.axis) + 1 : 1;
 	for (int index = 0; index < grid.nodeCount(); ++index) {
@@ -216,6 +232,37 @@ template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Re
 		if (held > 0.0) found.push_back({ index, held / all });
 	}
 	return found;
+}
+
+double TimeTable::at(double time) const
+{
+	if (time <= times_.front()) return values_.front();
+	if (time >= times_.back()) return values_.back();
+	const auto        next = std::upper_bound(times_.begin(), times_.end(), time);
+	const std::size_t i    = static_cast<std::size_t>(next - times_.begin());
+	const double      s    = (time - times_[i - 1]) / (times_[i] - times_[i - 1]);
+	return values_[i - 1] + s * (values_[i] - values_[i - 1]);
+}
+
+bool TimeTable::isZero() const
+{
+	return std::all_of(values_.begin(), values_.end(), [](double v) { return v == 0.0; });
+}
+
+void TimeTable::validate(const std::string& owner) const
+{
+	if (times_.empty() || times_.size() != values_.size())
+		throw std::invalid_argument(
+		        owner + ": table with " + std::to_string(times_.size()) + " times and " + std::to_string(values_.size())
+		        + " values; give one value for each time, at least one");
+	for (std::size_t i = 0; i < times_.size(); ++i) {
+		if (!std::isfinite(times_[i]) || !std::isfinite(values_[i]))
+			throw std::invalid_argument(owner + ": entry " + std::to_string(i) + " of the table is not finite; give finite times and values");
+		if (i > 0 && times_[i] <= times_[i - 1])
+			throw std::invalid_argument(
+			        owner + ": time " + std::to_string(times_[i]) + " follows " + std::to_string(times_[i - 1])
+			        + " in the table; times must increase");
+	}
 }
 
 template struct Region<2>;

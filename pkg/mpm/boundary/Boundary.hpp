@@ -2,13 +2,41 @@
 #pragma once
 
 #include <pkg/mpm/grid/Grid.hpp>
-#include <pkg/mpm/boundary/TimeTable.hpp>
 
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace talik {
+
+/// A value that changes with time: piecewise linear between the given instants, constant before the first and after the last.
+class TimeTable {
+public:
+	TimeTable(double constant = 0.0)
+	        : times_ { 0.0 }
+	        , values_ { constant }
+	{
+	}
+	/// times [s] strictly increasing, as many as values; checked by validate().
+	TimeTable(std::vector<double> times, std::vector<double> values)
+	        : times_(std::move(times))
+	        , values_(std::move(values))
+	{
+	}
+
+	double at(double time) const;
+	bool   isZero() const;
+
+	/// Throws std::invalid_argument naming owner if the table is empty, not finite or its instants do not increase.
+	void validate(const std::string& owner) const;
+
+	const std::vector<double>& times() const { return times_; }
+	const std::vector<double>& values() const { return values_; }
+
+private:
+	std::vector<double> times_;
+	std::vector<double> values_;
+};
 
 /// One side of the grid's box.
 struct Side {
@@ -22,14 +50,16 @@ Side        sideFromName(const std::string& name, int dimensions);
 std::string nameOf(const Side& side);
 
 /// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground as far as the air outside
-/// reaches it, on the surface of cavities inside the ground, or on all nodes inside a box; the others may be limited to a box.
+/// reaches it, on the surface of cavities inside the ground, on all nodes inside a box, or where the ground faces rigid bodies, wherever they
+/// are; the first three may be limited to a box.
 template <int D> struct Region {
-	enum class Kind { side, freeSurface, nodeBox };
+	enum class Kind { side, freeSurface, nodeBox, bodies };
 
 	Kind   kind = Kind::side;
 	Side   on {};
 	bool   round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
 	bool   cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
+	std::vector<int> ids;    ///< bodies: their numbers, or those of their groups
 	Vec<D> boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
 	Vec<D> boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
 
@@ -38,6 +68,7 @@ template <int D> struct Region {
 	static Region cavitySurface();
 	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper);
 	static Region disc(const Vec<D>& lower, const Vec<D>& upper);
+	static Region facing(const std::vector<int>& bodies);
 	/// The same region limited to a box [m].
 	Region within(const Vec<D>& lower, const Vec<D>& upper) const;
 
@@ -113,8 +144,8 @@ struct TemperatureNode {
 	int boundary; ///< index of the boundary that prescribes
 };
 
-/// A condition on part of the surface of the ground. A new one is one file with a class like those below and a line in
-/// Boundaries.hpp; it overrides what it needs.
+/// A condition on part of the surface of the ground. A new one is a class in the files of its kind that overrides what it needs;
+/// see "How to add a boundary" in pkg/mpm/README.md.
 template <int D> class Boundary {
 public:
 	explicit Boundary(const Region<D>& region)

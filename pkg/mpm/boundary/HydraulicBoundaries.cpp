@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/boundary/HydraulicBoundaries.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 
 #include <cmath>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/boundary/ThermalBoundaries.hpp>
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
+
+#include <cmath>
 
 namespace talik {
 
@@ -49,6 +51,33 @@ template <int D> void WallTemperature<D>::validate(const Grid<D>& grid) const
 
 template class WallTemperature<2>;
 template class WallTemperature<3>;
+
+template <int D> void BodyTemperature<D>::validate(const Grid<D>& grid) const
+{
+	const std::vector<int>& ids = this->region_.ids;
+	if (ids.empty()) throw std::invalid_argument("BodyTemperature.bodies = []: names no body; give the numbers of bodies, e.g. [0]");
+	for (int id : ids)
+		requireSetting(id >= 0, "BodyTemperature.bodies", id, "must be numbers of bodies, 0 or more");
+	temperature_.validate("BodyTemperature.temperature");
+	for (double t : temperature_.values())
+		requireSetting(t > -100.0 && t < 100.0, "BodyTemperature.temperature", t, "must lie between -100 and 100 degC");
+	requireSetting(
+	        std::isfinite(resistance_) && resistance_ >= 0.0, "BodyTemperature.resistance", resistance_,
+	        "must not be negative, in m^2 K/W; 0: none; a body that no heat enters needs no BodyTemperature");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> SurfaceHeat BodyTemperature<D>::heat(double time) const
+{
+	SurfaceHeat h;
+	h.ambient   = temperature_.at(time);
+	h.atSurface = resistance_ == 0.0;
+	if (!h.atSurface) h.coefficient = 1.0 / resistance_;
+	return h;
+}
+
+template class BodyTemperature<2>;
+template class BodyTemperature<3>;
 
 template <int D> void HeatFlux<D>::validate(const Grid<D>& grid) const
 {

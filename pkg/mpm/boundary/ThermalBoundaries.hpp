@@ -52,6 +52,29 @@ private:
 	TimeTable temperature_;
 };
 
+/// Temperature of rigid bodies: heat crosses where ground faces them, and moves along with them.
+template <int D> class BodyTemperature final : public Boundary<D> {
+public:
+	/// bodies: numbers of bodies or of their groups; temperature [degC] inside; resistance of the body's wall, 1/U [m^2 K/W], 0: the
+	/// ground that it touches has the temperature itself. The resistance is divided by the thermal time scale.
+	BodyTemperature(const std::vector<int>& bodies, const TimeTable& temperature, double resistance = 0.0)
+	        : Boundary<D>(Region<D>::facing(bodies))
+	        , temperature_(temperature)
+	        , resistance_(resistance)
+	{
+	}
+	std::string name() const override { return "BodyTemperature"; }
+	std::string effect() const override { return "heat"; }
+	void        validate(const Grid<D>& grid) const override;
+	bool        usesSurface() const override { return true; }
+	bool        heats() const override { return true; }
+	SurfaceHeat heat(double time) const override;
+
+private:
+	TimeTable temperature_;
+	double    resistance_;
+};
+
 /// Heat flux through the free surface or a side, positive into the ground [W/m^2]; scaled by the thermal time scale.
 template <int D> class HeatFlux final : public Boundary<D> {
 public:

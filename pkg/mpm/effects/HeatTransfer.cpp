@@ -49,16 +49,16 @@ template <int D> void HeatTransfer<D>::shareRecords([[maybe_unused]] SolidMotion
 {
 	if constexpr (D == 2) {
 		carried_ = motion;
-		if (motion) motion->nodes.lend(nodes, motion->freeAt);
+		if (motion) motion->nodes.shareColumns(nodes, motion->freeAt);
 		if (water) {
-			water->nodal.lend(nodal, 3);
-			water->force.lend(energy, 2);
-			water->force.lend(noise, 3);
-			water->exchange.lend(rise, 6);
+			water->nodal.shareColumns(nodal, 3);
+			water->force.shareColumns(energy, 2);
+			water->force.shareColumns(noise, 3);
+			water->exchange.shareColumns(rise, 6);
 		} else {
 			received_.allocate(static_cast<int>(capacity.bytes() / sizeof(double)));
-			received_.lend(energy, 0);
-			received_.lend(noise, 1);
+			received_.shareColumns(energy, 0);
+			received_.shareColumns(noise, 1);
 		}
 	}
 }

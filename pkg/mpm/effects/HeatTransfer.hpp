@@ -17,7 +17,7 @@ namespace talik {
 template <int D> class PoreWater;
 template <int D> class SolidMotion;
 
-/// Heat: enthalpy on the points, conduction on the nodes. Nodal heat is handed to the points by partition weights, so that the
+/// Heat: enthalpy on the points, conduction on the nodes, eqs. (9.3) to (9.6). Nodal heat is handed to the points by partition weights, so that the
 /// sum over points changes by exactly what boundaries and sources supply.
 template <int D> class HeatTransfer {
 public:

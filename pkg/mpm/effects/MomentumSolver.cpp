@@ -43,6 +43,18 @@ template <int D> MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const st
 			}
 	for (int n : constraints_.constrainedNodes())
 		isWall_[n] = 1;
+	heldAxes_.assign(grid.nodeCount(), 0);
+	const auto fixedAxes = [&](int node) {
+		unsigned char axes = 0;
+		for (int a = 0; a < D; ++a)
+			axes |= constraints_.solidFixed(node, a) << a;
+		return axes;
+	};
+	for (int n : constraints_.constrainedNodes())
+		heldAxes_[n] |= fixedAxes(n);
+	for (const auto& m : constraints_.mirrors())
+		for (const int n : { m.ghost, m.inner })
+			heldAxes_[n] |= fixedAxes(m.wall());
 	for (int n = 0; n < grid.nodeCount(); ++n)
 		if (isWall_[n]) wallNodes_.push_back(n);
 	walls_.resize(wallNodes_.size());
@@ -365,6 +377,11 @@ void MomentumSolver<D>::solve(
 {
 	const bool damped = motion.settings->localDamping > 0.0;
 	rememberWalls(motion, water);
+	if (front) {
+		front->addGravity();
+		for (const Load& load : loads_)
+			front->addLoad(load.node, load.force);
+	}
 	fold(motion, water, dt);
 	if (water) {
 		damped ? solveTwoPhase<true>(range, motion, *water, dt) : solveTwoPhase<false>(range, motion, *water, dt);

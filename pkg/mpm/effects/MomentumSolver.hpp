@@ -15,7 +15,7 @@ struct PhaseAccelerations {
 	double solid, liquid; ///< [m/s^2]
 };
 
-/// Accelerations of one node with the drag between the phases implicit, in any direction:
+/// Accelerations of one node with the drag between the phases implicit, in any direction, eq. (8.2):
 ///   M_s a_s + M_l a_l = f_m,   (M_l + dt Q) a_l - dt Q a_s = f_l - Q (v_l - v_s)
 /// Permeability then does not limit the step.
 class NodeDrag {
@@ -66,6 +66,8 @@ public:
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
 	const std::vector<int>& freeLiquid() const { return freeLiquid_; }
+	/// Axes along which a wall holds the ground at a node on it, in front of it or behind, a bit each.
+	const std::vector<unsigned char>& heldAxes() const { return heldAxes_; }
 
 private:
 	struct Load {
@@ -92,6 +94,7 @@ private:
 	std::vector<typename MotionConstraints<D>::Mirror> mirrors_; ///< those whose liquid is held first
 	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
 	std::vector<int>        freeLiquid_;
+	std::vector<unsigned char> heldAxes_;
 	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
 	std::vector<char>       isWall_;
 	std::vector<WallRecord> walls_;

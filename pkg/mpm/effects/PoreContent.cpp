@@ -151,8 +151,8 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b) const
 template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const
 {
 	int          changes = 0;
-	const double* const solidMass_ = solidMass + b.first;
-	const double* const waterMass_ = waterMass + b.first;
+	const double* const solids = solidMass + b.first;
+	const double* const water  = waterMass + b.first;
 	double* const       mass       = motion_->mass + b.first;
 	for (int k = 0; k < b.count; ++k)
 		changes |= b.iceBefore[k] != b.ice[k];
@@ -162,9 +162,9 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) cons
 	for (int k = 0; k < b.count; ++k) {
 		const double melt     = b.iceBefore[k] - b.ice[k];
 		const double toLiquid = std::max(melt, 0.0), toSolid = std::max(-melt, 0.0);
-		liquidShare[k]        = toLiquid / (waterMass_[k] - b.iceBefore[k] + toLiquid);
-		solidShare[k]         = toSolid / (solidMass_[k] + b.iceBefore[k] + toSolid);
-		mass[k]               = solidMass_[k] + b.ice[k];
+		liquidShare[k]        = toLiquid / (water[k] - b.iceBefore[k] + toLiquid);
+		solidShare[k]         = toSolid / (solids[k] + b.iceBefore[k] + toSolid);
+		mass[k]               = solids[k] + b.ice[k];
 	}
 	for (int i = 0; i < D; ++i) {
 		double* const liquid = water_->velocity[i] + b.first;
@@ -373,7 +373,7 @@ template <int D> int PoreContent<D>::update(int first, int last, const CellMeans
 	return last;
 }
 
-template <int D> std::string PoreContent<D>::complaint(int p) const
+template <int D> std::string PoreContent<D>::whyImpossible(int p) const
 {
 	const MixtureProperties& m = settings_->mixture;
 	std::ostringstream       text;

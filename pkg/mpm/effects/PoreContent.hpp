@@ -32,7 +32,7 @@ public:
 	int update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const;
 	int update(int first, int last, const CellMeans<D>* cells = nullptr) const;
 	/// Why a point is in an impossible state.
-	std::string complaint(int place) const;
+	std::string whyImpossible(int place) const;
 
 	const EnthalpyModel& enthalpyModel() const { return enthalpyModel_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,8 @@ namespace talik {
 namespace {
 	/// Part of its liquid that a cell gives away in a step at most.
 	constexpr double largestLoss = 0.5;
+	// A neighbour that conducts less than this part of a cell is ice to its water.
+	constexpr double tight = 0.1;
 } // namespace
 
 template <int D>
@@ -32,6 +35,8 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	liquidFraction = f.component(liquidFraction_);
 	drag           = f.component(drag_);
 	volume_        = points.volume();
+	for (int a = 0; a < D; ++a)
+		position_[a] = points.position(a);
 	waterMass_     = waterMass;
 	iceMass_       = iceMass;
 	temperature_   = temperature;
@@ -42,7 +47,8 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	flux.allocate(grid.nodeCount());
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
-	if constexpr (D == 2) exchange.lend(solved, exchangeSize);
+	open_.assign(grid.nodeCount(), 0);
+	if constexpr (D == 2) exchange.shareColumns(solved, exchangeSize);
 	none_.assign(blockSize, 0.0);
 }
 
@@ -66,8 +72,10 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 		const double m = liquidMass(p);
 		r[0] += m;
 		r[1] += m * pressure[p];
+		r[heightAt] += m * potential(p);
 		if (!iceMass_) continue;
 		r[resistanceAt] += drag[p];
+		r[contentAt] += waterMass_[p];
 		r[warmthAt] += m * temperature_[p];
 		for (int i = 0; i < D; ++i)
 			r[carriedAt + i] += m * velocity[i][p];
@@ -79,13 +87,60 @@ template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			double* r = cellRecord(c);
-			if (r[0] > 0.0) r[1] /= r[0];
+			if (!(r[0] > 0.0)) continue;
+			r[1] /= r[0];
+			r[drivingAt] = r[1];
+			r[heightAt] /= r[0];
 		}
 	});
 }
 
+/// V n_l^2/Q
+template <int D> double PoreWater<D>::mobility(int cell, double volume, double liquidDensity)
+{
+	const double* r      = cellRecord(cell);
+	const double  liquid = r[0] / liquidDensity;
+	return r[resistanceAt] > 0.0 ? liquid * liquid / (volume * r[resistanceAt]) : 0.0;
+}
+
 template <int D>
-void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const
+double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity)
+{
+	const double* r      = cellRecord(cell);
+	const double  thawed = r[0] / r[contentAt], mean = r[1], conducts = tight * mobility(cell, cells.cellVolume(cell), liquidDensity);
+	double        frozen = thawed, frozenPressure = mean, lowest = mean;
+	for (int a = 0; a < D; ++a)
+		for (const int side : { -1, 1 }) {
+			const int at = cell / grid.cellStride(a) % grid.cells(a) + side, next = cell + side * grid.cellStride(a);
+			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cellRecord(next)[0] > 0.0)) continue;
+			const double pressure = cellRecord(next)[1] - side * weight[a], liquid = cellRecord(next)[0] / cellRecord(next)[contentAt];
+			lowest                = std::min(lowest, pressure);
+			if (liquid >= frozen || mobility(next, cells.cellVolume(next), liquidDensity) > conducts) continue;
+			frozen         = liquid;
+			frozenPressure = pressure;
+		}
+	// less than the mean: only what flows out is held back, so that nothing is driven that the mean would not drive
+	if (frozenPressure <= mean) return mean;
+	const double phi = (thawed - frozen) / (1.0 - frozen);
+	return std::max(lowest, (mean - (1.0 - phi) * frozenPressure) / phi);
+}
+
+template <int D>
+void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
+{
+	if (!iceMass_) return;
+	Vec<D> weight; // of water between the middles of two cells
+	for (int a = 0; a < D; ++a)
+		weight[a] = liquidDensity * gravity[a] * grid.spacing();
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			if (cellRecord(c)[0] > 0.0) cellRecord(c)[drivingAt] = thawedPressure(grid, range, cells, c, weight, liquidDensity);
+	});
+}
+
+template <int D>
+void PoreWater<D>::fillRecords(
+        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize], double (&values)[8][blockSize]) const
 {
 	const double* const ice    = iceMass_ ? iceMass_ + w.first : none_.data();
 	const double* const water  = waterMass_ + w.first;
@@ -101,7 +156,7 @@ void PoreWater<D>::fillRecords(const WeightBlock<D>& w, const double (&driving)[
 		values[liquidVolumeAt][k] = volume[k] * liquid[k];
 		values[pressureAt][k]     = m * driving[k];
 		values[dragAt][k]         = drags[k];
-		if constexpr (dragAt < 7) values[7][k] = 0.0;
+		if constexpr (D == 2) values[potentialAt][k] = m * potential[k];
 	}
 	for (int i = 0; i < D; ++i) {
 		const double* const v = velocity[i] + w.first;
@@ -123,15 +178,20 @@ template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, c
 
 template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells)
 {
-	double driving[blockSize];
-	for (int k = 0; k < w.count; ++k)
+	double driving[blockSize], height[blockSize];
+	for (int k = 0; k < w.count; ++k) {
 		driving[k] = pressure[w.first + k];
+		height[k]  = potential(w.first + k);
+	}
+	// what seeps is handed out evenly within a cell, and rises or sinks by the middle of the cell's liquid
 	if (cells)
-		for (int k = 0; k < w.count; ++k)
-			driving[k] = cellRecord(cells->cell(w.first + k))[1];
+		for (int k = 0; k < w.count; ++k) {
+			driving[k] = drivingPressure(cells->cell(w.first + k));
+			height[k]  = cellRecord(cells->cell(w.first + k))[heightAt];
+		}
 	if constexpr (D == 2) {
 		double values[8][blockSize];
-		fillRecords(w, driving, values);
+		fillRecords(w, driving, height, values);
 		planeLoops().mapEight(w, values, nodes[0]);
 		return;
 	}
@@ -141,7 +201,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 		Vec<D>       momentum;
 		for (int i = 0; i < D; ++i)
 			momentum[i] = m * velocity[i][p];
-		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], q = drag[p];
+		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], mh = m * height[k], q = drag[p];
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
 			double* r = nodes[node];
 			r[massAt] += s * m;
@@ -151,6 +211,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 			r[liquidVolumeAt] += s * vl;
 			r[pressureAt] += s * mp;
 			r[dragAt] += s * q;
+			r[potentialAt] += s * mh;
 		});
 	}
 }
@@ -167,6 +228,40 @@ template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 				force[i][a] = 0.0;
 			for (int a = 0; a < exchangeSize; ++a)
 				exchange[i][a] = 0.0;
+		}
+	});
+}
+
+template <int D> void PoreWater<D>::open(const SurfacePatch<D>& patch)
+{
+	for (const SurfaceNode<D>& n : patch.nodes)
+		open_[n.node] = 1;
+}
+
+template <int D>
+void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<unsigned char>& heldAxes)
+{
+	const Vec<D> gravity = motion.settings->gravity;
+	const double square  = dot<D>(gravity, gravity), falling = 1.0 - motion.settings->localDamping;
+	if (square == 0.0) return;
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			double*    r    = nodes[i];
+			const bool open = open_[i];
+			open_[i]        = 0;
+			if (!(r[massAt] > 0.0)) continue;
+			const double*            solid  = motion.nodes[i];
+			const double             mass   = solid[motion.massAt] + r[massAt];
+			const std::array<int, D> node   = grid.nodeOf(i);
+			double                   atNode = 0.0, held = 0.0;
+			for (int a = 0; a < D; ++a) {
+				atNode -= weight[a] * grid.nodePosition(a, node[a]);
+				held += heldAxes[i] >> a & 1 ? mass * gravity[a] * gravity[a] : -solid[motion.forceAt + a] * gravity[a];
+			}
+			atNode *= r[massAt];
+			const double carried = open ? 0.0 : 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0));
+			r[potentialAt]       = atNode + carried * (r[potentialAt] - atNode);
+			nodal[i][0] += r[potentialAt] * nodal[i][2];
 		}
 	});
 }
@@ -193,12 +288,12 @@ template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const Wei
 	}
 }
 
-template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range, const Vec<D>& gravity)
+template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 {
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				force[i][a] = nodes[i][massAt] * gravity[a] - nodal[i][1] * force[i][a];
+				force[i][a] *= -nodal[i][1];
 	});
 }
 
@@ -206,7 +301,7 @@ template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, d
 {
 	for (const SurfaceNode<D>& n : patch.nodes)
 		for (int a = 0; a < D; ++a)
-			force[n.node][a] += nodal[n.node][1] * (nodal[n.node][0] - outside) * n.area[a];
+			force[n.node][a] += nodal[n.node][1] * (pressureAtNode(n.node) - outside) * n.area[a];
 }
 
 template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
@@ -391,12 +486,6 @@ template <int D>
 void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
 {
 	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
-	// k/(rho_l g) = V n_l^2/Q, with the drag Q of all that the cell holds
-	const auto mobility = [&](int c) {
-		const double* r = cellRecord(c);
-		const double  liquid = r[0] / liquidDensity;
-		return r[resistanceAt] > 0.0 ? liquid * liquid / (cells.cellVolume(c) * r[resistanceAt]) : 0.0;
-	};
 	for (int a = 0; a < D; ++a) {
 		const int stride = grid.cellStride(a);
 		range.overCells([&](int first, int last) {
@@ -404,10 +493,10 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 				Face& face = faces_[a][c];
 				face       = {};
 				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
-				const double here = mobility(c), there = mobility(c + stride);
+				const double here = mobility(c, cells.cellVolume(c), liquidDensity), there = mobility(c + stride, cells.cellVolume(c + stride), liquidDensity);
 				if (!(here > 0.0 && there > 0.0)) continue;
 				face.conductance = perSpacing * 2.0 * here * there / (here + there);
-				face.flow        = face.conductance * (cellRecord(c)[1] - cellRecord(c + stride)[1] + liquidDensity * gravity[a] * grid.spacing());
+				face.flow        = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());
 			}
 		});
 	}
@@ -418,7 +507,7 @@ template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, in
 	const Face& f = faces[cell];
 	if (!(f.conductance > 0.0)) return 0.0;
 	// beyond ice, a wall or the surface the flow goes on as it is
-	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < 0.1 * f.conductance ? f.flow : faces[at].flow; };
+	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < tight * f.conductance ? f.flow : faces[at].flow; };
 	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
 }
 

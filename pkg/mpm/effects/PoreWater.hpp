@@ -13,17 +13,19 @@
 
 namespace talik {
 
+template <int D> class SolidMotion;
+
 /// Pore water with a velocity of its own. The force of its pressure and the flux of its mass are adjoint: pressure does exactly
 /// the work that the pore content receives. Mass, momentum and enthalpy that seepage moves are handed over by the same
 /// partition weights, so that none is made.
 template <int D> class PoreWater {
 public:
-	/// Record of a node: liquid mass, its momentum, volume, volume of liquid, mass times pressure, drag.
-	static constexpr int mapSize = 8;
-	static constexpr int massAt = 0, momentumAt = 1, volumeAt = 1 + D, liquidVolumeAt = 2 + D, pressureAt = 3 + D, dragAt = 4 + D;
+	/// Record of a node: liquid mass, its momentum, volume, volume of liquid, mass times pressure, drag, mass times gravity's potential.
+	static constexpr int mapSize = 6 + D;
+	static constexpr int massAt = 0, momentumAt = 1, volumeAt = 1 + D, liquidVolumeAt = 2 + D, pressureAt = 3 + D, dragAt = 4 + D, potentialAt = 5 + D;
 	/// Exchange by seepage: mass, enthalpy, momentum; first sums, then per liquid mass of the node.
 	static constexpr int exchangeSize = 2 + D;
-	/// In 2-D records are as long as the vectors of the plane loops: numbers that water has no use for are lent to heat.
+	/// In 2-D records are as long as the vectors of the plane loops: the columns that water does not need hold nodal values of heat.
 	static constexpr int nodalSize = D == 2 ? 4 : 3, forceSize = D == 2 ? 4 : D, gatheredSize = D == 2 ? 8 : exchangeSize;
 
 	PoreWater(PointFields& fields, const WaterSettings& settings);
@@ -39,6 +41,11 @@ public:
 
 	/// Mean pressure of each cell, when all points were added.
 	void finishPressure(const ActiveRange& range);
+	/// Pressure that drives the liquid of each cell of ground that freezes. A cell in which ground thaws from one side is a thawed layer
+	/// on a frozen one: p = phi u + (1 - phi) p_f, with the part phi that has thawed since it was like its most frozen neighbour and that
+	/// neighbour's pressure p_f. Its liquid feels u. Felt was the mean, the load that the ice of the whole cell bore would leave at once
+	/// as soon as the cell conducts, and the pressure behind the front would pulse from cell to cell.
+	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 
 	/// cells null: without cell means.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells);
@@ -46,12 +53,20 @@ public:
 	void nodalPressure(const ActiveRange& range);
 	/// Adds sum V S grad p of a block to the nodes.
 	void pressureForce(const Grid<D>& grid, const WeightBlock<D>& w);
-	/// Completes the force on the liquid: pressure, what lies outside drained surfaces, body force.
-	void liquidForce(const ActiveRange& range, const Vec<D>& gravity);
+	/// Where water may cross the surface of the ground.
+	void open(const SurfacePatch<D>& patch);
+	/// Adds gravity's potential to the pressure, -rho_l g.x. Surfaces and walls leave the points on one side of a node; there x is the
+	/// middle of the liquid that the node sees, as it is for the pressure: hydrostatic pressure then moves nothing, and gravity does the
+	/// work that the points, which receive what flows, lose by their height. At the place of the node it would push water through closed
+	/// surfaces, and drag would spend what nothing gave. That is so as far as stress and damping carry the ground; what falls freely does not flow,
+	/// and through open surfaces water flows by its weight: there x is the node's place.
+	void addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<unsigned char>& heldAxes);
+	/// Completes the force on the liquid, -n_I grad(p - rho_l g.x), but for what lies outside drained surfaces.
+	void liquidForce(const ActiveRange& range);
 	void drainedForce(const SurfacePatch<D>& patch, double pressure);
-	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
 	/// True unless the flux is zero at every node: then nothing seeps, and nothing is what seep() would add.
 	bool flows(const ActiveRange& range) const;
+	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
 	void seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.
 	void drain(const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
@@ -90,13 +105,15 @@ public:
 	double seepageWork(int firstCell, int lastCell) const;
 
 	const WaterSettings* settings;
+	Vec<D>               weight {};  ///< rho_l g in this step [N/m^3]
 	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
 
 	std::array<double*, D> velocity; ///< of the liquid
 	double *pressure, *liquidFraction, *drag;
 
 	NodeField<mapSize>      nodes;
-	NodeField<nodalSize>    nodal;  ///< pressure, liquid fraction n_I, inverse liquid mass as mapped
+	NodeField<nodalSize>    nodal;  ///< p - rho_l g.x, liquid fraction n_I, inverse liquid mass as mapped
+	double                  pressureAtNode(int node) const { return nodal[node][0] - nodes[node][potentialAt] * nodal[node][2]; }
 	NodeField<forceSize>    force;  ///< on the liquid
 	NodeField<D>            solved; ///< chi dt a + (1 - chi) v
 	NodeField<D>            flux;   ///< n_I (v_l - v_s) of the solved velocities
@@ -121,13 +138,20 @@ public:
 
 private:
 	/// Record of a cell: liquid mass, mass times pressure, then mean pressure, then what dilutes the momentum; exchange, then per liquid
-	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity.
-	static constexpr int cellSize = 6 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
-	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize;
+	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity,
+	/// mass of ice and liquid, driving pressure; liquid mass times gravity's potential.
+	static constexpr int cellSize = 9 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
+	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize, contentAt = 6 + D + exchangeSize, drivingAt = 7 + D + exchangeSize,
+	                     heightAt = 8 + D + exchangeSize;
 	/// Between a cell and the next one along an axis: conductance [m^D/(Pa s)] and what Darcy's law would let through [m^D/s].
 	struct Face {
 		double conductance, flow;
 	};
+	double drivingPressure(int cell) { return cellRecord(cell)[drivingAt]; }
+	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
+	double mobility(int cell, double volume, double liquidDensity);
+	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
+	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity);
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
@@ -137,7 +161,16 @@ private:
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
 	void leave(int node, double mass, double heat);
 	/// What a block maps to the nodes, number by number of their record.
-	TALIK_PROCESSOR_VERSIONS void fillRecords(const WeightBlock<D>& w, const double (&driving)[blockSize], double (&values)[8][blockSize]) const;
+	TALIK_PROCESSOR_VERSIONS void fillRecords(
+	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize], double (&values)[8][blockSize]) const;
+	/// Gravity's potential per volume of liquid, -rho_l g.x [Pa].
+	double potential(int p) const
+	{
+		double sum = 0.0;
+		for (int a = 0; a < D; ++a)
+			sum -= weight[a] * position_[a][p];
+		return sum;
+	}
 	TALIK_PROCESSOR_VERSIONS void accelerate(int axis, int first, int count, const double* change);
 	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
 	/// share: exchange per liquid mass of the point,
@@ -145,7 +178,9 @@ private:
 	void take(int p, const double* share, double diluted, double* waterMass, double* enthalpy);
 
 	std::vector<double> cells_;
+	std::vector<char>   open_;    ///< nodes through whose surface water may cross in this step
 	PointFields::Handle velocity_, pressure_, liquidFraction_, drag_;
+	std::array<const double*, D> position_ {};
 	const double *      volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
 	std::vector<double> none_; ///< zeros, in place of the fields of absent effects
 };

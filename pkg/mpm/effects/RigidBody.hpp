@@ -37,6 +37,12 @@ public:
 	virtual NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>& size, int side) const = 0;
 	/// Half edges of a box around the origin that holds the surface [m]; infinity where it has no end.
 	virtual Vec<D> reach(const Vec<D>& size) const = 0;
+	/// Area of the surface over that of the surface parallel to it at a distance [m].
+	virtual double areaWithin(double distance, const Vec<D>& size) const
+	{
+		(void)distance, (void)size;
+		return 1.0;
+	}
 	/// A surface without volume: a point stays on the side from which it came.
 	virtual bool thin() const { return false; }
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
 
 #include <algorithm>
@@ -112,7 +112,7 @@ template <int D> void RigidContact<D>::remember(int p, int slot, const Memory& m
 	}
 }
 
-template <int D> void RigidContact<D>::findNear(int first, int count, std::vector<int>& near) const
+template <int D> void RigidContact<D>::findNear(int first, int count, double reach, std::vector<int>& near) const
 {
 	Vec<D> low, high;
 	double margin = 0.0;
@@ -122,7 +122,7 @@ template <int D> void RigidContact<D>::findNear(int first, int count, std::vecto
 		high[a]         = *std::max_element(x, x + count);
 	}
 	for (int p = first; p < first + count; ++p) {
-		margin = std::max(margin, laidAgainst * halfSize(p));
+		margin = std::max(margin, reach * halfSize(p));
 		for (int slot = 0; slot < contactsPerPoint; ++slot) // what is touched already may be farther
 			if (memory_[slot * memorySize][p] != 0.0) margin = std::max(margin, memory_[slot * memorySize + 1][p]);
 	}
@@ -301,7 +301,7 @@ void RigidContact<D>::push(
 		WeightBlock<D> w;
 		for (int begin = first; begin < last; begin += blockSize) {
 			const int count = std::min(blockSize, last - begin);
-			findNear(begin, count, near_[strip]);
+			findNear(begin, count, laidAgainst, near_[strip]);
 			for (int k = 0; k < count; ++k)
 				pushPoint(begin + k, near_[strip], dt, touches);
 		}
@@ -346,6 +346,62 @@ template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, cons
 				});
 			}
 	});
+}
+
+template <int D> void RigidContact<D>::allocateFaces(const Grid<D>& grid) { faces_.allocate(grid.nodeCount()); }
+
+template <int D> typename RigidContact<D>::Facing RigidContact<D>::faced(int p, const std::vector<int>& near, const std::vector<int>& ids) const
+{
+	const double size = 2.0 * halfSize(p);
+	double       nearest = size;
+	Facing       found;
+	Vec<D>       x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points_->position(a)[p];
+	for (int b : near) {
+		const RigidBody<D>& body = bodies[b];
+		if (std::none_of(ids.begin(), ids.end(), [&](int id) { return id == body.id || id == body.group; })) continue;
+		const Vec<D>            local   = body.toFrame(x);
+		const int               side    = !body.shape->thin() ? 1 : body.side != 0 ? body.side : local[0] < 0.0 ? -1 : 1;
+		const NearestSurface<D> surface = body.shape->nearest(local, body.size, side);
+		if (surface.distance >= nearest || (body.shape->thin() && surface.distance < -size)) continue;
+		nearest = surface.distance;
+		found   = { body.turned(surface.normal), area(p) * body.shape->areaWithin(std::max(0.0, surface.distance), body.size) };
+	}
+	return found;
+}
+
+template <int D>
+void RigidContact<D>::collectFaces(const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch)
+{
+	boxBodies();
+	range.overNodes([&](int, int first, int last) { faces_.clear(first, last); });
+	const Strips& strips = points_->strips();
+	near_.resize(strips.count());
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points_->position(a);
+	strips.scatter([&](int strip, int first, int last) {
+		WeightBlock<D> w;
+		for (int begin = first; begin < last; begin += blockSize) {
+			const int count = std::min(blockSize, last - begin);
+			findNear(begin, count, 2.0, near_[strip]);
+			for (int p = begin; p < begin + count && !near_[strip].empty(); ++p) {
+				const Facing facing = faced(p, near_[strip], ids);
+				if (facing.area == 0.0) continue;
+				shape.evaluate(grid, x, p, 1, w);
+				shape.moveToFace(grid, plus<D>({}, -halfSize(p), facing.normal), 0, w);
+				overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) { faces_[node][0] += s * facing.area; });
+			}
+		}
+	});
+	patch.nodes.clear();
+	for (int node = range.firstNode; node < range.lastNode; ++node) {
+		if (!(faces_[node][0] > 0.0)) continue;
+		SurfaceNode<D> n { node, {} };
+		n.area[0] = faces_[node][0];
+		patch.nodes.push_back(n);
+	}
 }
 
 template <int D> typename RigidContact<D>::Overlap RigidContact<D>::deepestOverlap() const

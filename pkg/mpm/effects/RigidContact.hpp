@@ -54,6 +54,11 @@ public:
 	/// Takes the faces that touch a body off the surface of the ground: no air, rain or load reaches them.
 	void cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const;
 
+	void allocateFaces(const Grid<D>& grid);
+	/// Lists the nodes of the ground that faces the bodies of these ids or groups, with the area of the bodies' surface: of points whose
+	/// middles lie nearer than they are wide. That is one layer of them, wherever the surface runs between them.
+	void collectFaces(const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch);
+
 	double stiffness() const { return stiffness_; } ///< k [Pa/m]
 	int    contacts() const { return contacts_; }   ///< points that touch, in the last step
 	/// Largest stable time step of the contact of the point at a place [s].
@@ -100,7 +105,14 @@ private:
 	double dashpot(double spring, double mass) const;
 	Memory recall(int place, int slot) const;
 	void   remember(int place, int slot, const Memory& memory);
-	void   findNear(int first, int count, std::vector<int>& near) const;
+	/// Bodies within reach of some points, in half sizes of a point.
+	void   findNear(int first, int count, double reach, std::vector<int>& near) const;
+	/// Of the bodies near a point, what it faces of those named: the surface and the body's own area that belongs to the point [m^(D-1)].
+	struct Facing {
+		Vec<D> normal;
+		double area = 0.0;
+	};
+	Facing faced(int place, const std::vector<int>& near, const std::vector<int>& ids) const;
 	bool   meets(int place, int body, const Memories& before, Candidate& candidate) const;
 	void   keepDeepest(const Candidate& candidate, Candidates& found, int& count) const;
 	void   press(int place, Candidate& contact, double dt, std::vector<Touch>& touches) const;
@@ -124,6 +136,7 @@ private:
 	std::vector<Vec<D>>                                lower_, upper_; ///< boxes around the bodies
 	std::vector<std::vector<Touch>>                    touches_;       ///< per strip
 	std::vector<std::vector<int>>                      near_;          ///< per strip
+	NodeField<1>                                       faces_;         ///< area of bodies that nodes face [m^(D-1)]
 };
 
 extern template class RigidContact<2>;

@@ -40,6 +40,11 @@ namespace {
 			r.fill(size[0]);
 			return r;
 		}
+		double areaWithin(double distance, const Vec<D>& size) const override
+		{
+			const double share = size[0] / (size[0] + distance);
+			return D == 2 ? share : share * share;
+		}
 	};
 
 	template <int D> class Box final : public RigidShape<D> {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 
@@ -30,6 +30,10 @@ namespace {
 	constexpr double unlimited      = 1e30;
 	/// Strain of a step with which pressure is led back at most.
 	constexpr double largestLeading = 1e-2;
+	/// Strain with which pressure is led back altogether, as stress over the reaction per area. It makes up for pressure that shear moves
+	/// between the axes, which is of the reaction's size. Without a bound it would undo compression that the nodes go on with, until
+	/// the pores of the point are crushed.
+	constexpr double mostLed = 2.0;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
 	constexpr double insideShare = 0.25;
 } // namespace
@@ -45,6 +49,7 @@ ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
         : settings_(settings)
         , sideField_(fields.declare("frozenSide", "thaw front", "-", 1))
         , slipField_(fields.declare("slip", "thaw front", "m", 1))
+        , ledField_(fields.declare("ledStrain", "thaw front", "-", 1))
         , strainField_(fields.declare("slipStrain", "thaw front", "-", D * D, false))
 {
 }
@@ -63,6 +68,7 @@ void ThawFront<D>::bind(
 	spacing_       = grid.spacing();
 	side_          = points.fields().component(sideField_);
 	slip_          = points.fields().component(slipField_);
+	led_           = points.fields().component(ledField_);
 	for (int c = 0; c < D * D; ++c)
 		strain_[c] = points.fields().component(strainField_, c);
 	margin_ = 0;
@@ -245,6 +251,7 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 		r[thawedVolumeAt] += s * volume;
 		r[thawedMassAt] += s * m;
 		r[slopeAt] += s * volume * strengthSlope_[p];
+		r[modulusAt] += s * volume * modulus_[p];
 		r[thawedLiquidMassAt] += s * ml;
 		for (int c = 0; c < stressSize<D>; ++c)
 			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
@@ -261,6 +268,25 @@ template <int D> void ThawFront<D>::push(const Grid<D>& grid, const WeightBlock<
 	});
 }
 
+template <int D> void ThawFront<D>::addGravity()
+{
+	for (int slot = 0; slot < nodeCount(); ++slot) {
+		double*      r    = record(slot);
+		const double mass = r[massAt] + r[liquidMassAt];
+		for (int a = 0; a < D; ++a)
+			r[forceAt + a] += mass * motion_->settings->gravity[a];
+	}
+}
+
+template <int D> void ThawFront<D>::addLoad(int node, const Vec<D>& force)
+{
+	if (!present() || slot_[node] < 0) return;
+	double*      r     = record(slot_[node]);
+	const double share = r[massAt] / motion_->nodes[node][SolidMotion<D>::massAt];
+	for (int a = 0; a < D; ++a)
+		r[forceAt + a] += share * force[a];
+}
+
 // ---- contact ---------------------------------------------------------------------------------------------------------------
 
 template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
@@ -272,7 +298,7 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
 		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
-		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt })
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt, modulusAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a)
 			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
@@ -305,10 +331,8 @@ template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impul
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
 	using M              = SolidMotion<D>;
-	using W              = PoreWater<D>;
 	const int     node   = nodes_[slot];
 	const double* all    = motion_->nodes[node];
-	const double* liquid = water_ ? water_->nodes[node] : nullptr;
 	const double* r      = record(slot);
 	Meeting&      m      = meetings_[slot];
 	m                    = Meeting();
@@ -333,14 +357,14 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	for (int a = 0; a < D; ++a) {
 		m.normal[a] /= m.area;
 		if (constraints.solidFixed(node, a)) continue;
-		const double frozenMomentum = r[momentumAt + a] + r[liquidMomentumAt + a];
-		const double momentum       = all[M::momentumAt + a] + (liquid ? liquid[W::momentumAt + a] : 0.0) - frozenMomentum;
-		const double frozenForce    = r[forceAt + a] + mass[0] * motion_->settings->gravity[a];
+		const double frozenForce    = r[forceAt + a];
 		const double parting        = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
-		m.jump[a]                   = momentum / mass[1] - frozenMomentum / mass[0] + dt * parting;
+		// of the skeletons: the thawed side holds more water, and does not slide because that flows
+		m.jump[a]                   = (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
-	m.slope = r[slopeAt] / r[thawedVolumeAt];
+	m.slope     = r[slopeAt] / r[thawedVolumeAt];
+	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
@@ -354,7 +378,7 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	if (!m.meets || !m.inside) return;
 	const double opening = dot<D>(m.jump, m.normal), carried = m.area * std::max(0.0, dot<D>(m.traction, m.normal));
 	const double together = -m.reducedMass * opening;
-	m.together            = opening <= 0.0 || m.pressing >= -carried || -together <= dt * carried;
+	m.together            = opening <= std::max(0.0, m.pressing + carried) / (m.area * m.impedance) || -together <= dt * carried;
 	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
 	m.impulse             = m.together ? together : -dt * carried;
 }
@@ -411,8 +435,10 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 		slipping += t * t;
 		held -= friction[i] * t;
 	}
-	// never more than what stops the slip
-	const double stopping = m.reducedMass * slipping, share = held > stopping ? stopping / held : 1.0;
+	// Against the slip never more than what stops it. Stress that springs back pushes along with the slip; where a node has only a trace of
+	// thawed ground, that ground cannot push with the area of the front.
+	const double stopping = m.reducedMass * slipping, thickness = record(slot)[thawedVolumeAt] / m.area;
+	const double share    = held > stopping ? stopping / held : held < 0.0 ? std::min(1.0, thickness / (leastThickness * spacing_)) : 1.0;
 	double       work = 0.0;
 	for (int i = 0; i < D; ++i) {
 		const double impulse = share * friction[i] + m.impulse * m.normal[i];
@@ -590,7 +616,8 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 				for (int j = 0; j < D; ++j)
 					slip[i][j] += dilatancy_[p] * widening[i][j];
 			limitStrain(slip, limit / (weight * modulus_[p] * dt));
-			lead(p, dt, slip, lacking);
+			// water holds the normal stress by itself; what grains gained would be taken off its pressure
+			if (!water_) lead(p, dt, limit / weight, slip, lacking);
 		}
 		for (int i = 0; i < D; ++i) {
 			motion_->velocity[i][p] += gain[i];
@@ -609,7 +636,8 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 }
 
 /// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
-template <int D> void ThawFront<D>::lead(int p, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const
+/// settling: settlingStress times the reaction per area [Pa].
+template <int D> void ThawFront<D>::lead(int p, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D])
 {
 	double pressure = 0.0, square = 0.0;
 	for (int i = 0; i < D; ++i) {
@@ -619,10 +647,13 @@ template <int D> void ThawFront<D>::lead(int p, double dt, double (&slip)[D][D],
 	}
 	const double rate = std::abs(pressure) / (modulus_[p] * leadingSteps * dt); // of the strain [1/s]
 	if (!(rate > 0.0)) return;
-	const double share = std::min(1.0, std::min(std::sqrt(square), largestLeading / dt) / rate);
+	const double wanted = std::copysign(std::min(rate * dt, std::min(std::sqrt(square) * dt, largestLeading)), -pressure);
+	const double most   = mostLed * settling / (settlingStress * modulus_[p]);
+	const double strain = wanted > 0.0 ? std::min(wanted, std::max(0.0, most - led_[p])) : std::max(wanted, std::min(0.0, -most - led_[p]));
+	led_[p] += strain;
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
-			slip[i][j] -= share * lacking[i][j] / (modulus_[p] * leadingSteps * dt);
+			slip[i][j] += strain * lacking[i][j] / (pressure * dt);
 }
 
 template <int D> void ThawFront<D>::addSlip(int first, int last)

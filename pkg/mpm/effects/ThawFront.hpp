@@ -19,8 +19,9 @@ namespace talik {
 /// The solved velocity of a node is that of both sides together. Here each side's balance without the other gives the velocity at
 /// which it would move, and the force between the sides changes it: M_F d_F + M_T d_T = 0 are the corrections that the points of
 /// each side see. At a front node with normal n (from F to T) and area A, both from sum_F V grad S,
-///   normal:     the sides share their normal velocity where they press, R >= 0 being the reaction; where they would part, they are
-///               held back by no more than the tension that the thawed points carry there;
+///   normal:     the sides share their normal velocity where they press, R >= 0 being the reaction; they part when they move away from
+///               each other faster than the unloading of R/A moves their surfaces, R/(A Z) with Z the impedance of the thawed points,
+///               and are then held back by no more than the tension that the thawed points carry there;
 ///   tangential: what the thawed points carry there, t = (sum_T S V sigma) n / V_I with sigma total stress, at the reaction in place of
 ///               their own normal stress: |t_t| + min(s, |t_t|/|t_n|) (R/A - |t_n|), s the slope of their strength; and no more than what
 ///               makes the tangential velocities equal.
@@ -61,6 +62,10 @@ public:
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
 	void push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force);
+	/// Adds the weight of the frozen side; call before mirrors are folded.
+	void addGravity();
+	/// Gives the frozen side its part, by mass, of a surface load on a node [N]; call before mirrors are folded.
+	void addLoad(int node, const Vec<D>& force);
 	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Returns what the force between
 	/// the sides takes from their slip in the step [J], and adds what walls give to the sides apart to impulse [N s].
 	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse);
@@ -77,10 +82,10 @@ public:
 
 private:
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, liquid mass,
-	/// and volume times slope of strength and total stress.
+	/// and volume times slope of strength, tangent modulus and total stress.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
 	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D,
-	                     thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D, stressAt = 7 + 4 * D, recordSize = stressAt + stressSize<D>;
+	                     thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D, modulusAt = 7 + 4 * D, stressAt = 8 + 4 * D, recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
 	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
 	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D, wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D,
@@ -98,6 +103,7 @@ private:
 		Vec<D> jump {};           ///< velocity of the thawed side less that of the frozen one [m/s]
 		Vec<D> traction {};       ///< of the thawed points on the front [Pa]
 		double slope = 0.0;      ///< of strength over normal stress, of the thawed points [-]
+		double impedance = 0.0;  ///< of the thawed points [Pa s/m]
 		double pressing = 0.0;    ///< force along the normal that would give both the same acceleration [N]
 		double reaction = 0.0;    ///< normal force between the sides [N]
 		double impulse  = 0.0;    ///< along the normal, on the thawed side [N s]
@@ -126,16 +132,17 @@ private:
 	double        lackingPressure(const Meeting& meeting) const;
 	double        widenedShare(const Meeting& meeting) const;
 	void          correct(int slot);
-	void          lead(int place, double dt, double (&slip)[D][D], const double (&lacking)[D][D]) const;
+	void          lead(int place, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D]);
 
 	ThawFrontSettings   settings_;
-	PointFields::Handle sideField_, slipField_, strainField_;
+	PointFields::Handle sideField_, slipField_, ledField_, strainField_;
 	SolidMotion<D>*     motion_ = nullptr;
 	PoreWater<D>*       water_  = nullptr;
 	MaterialPoints<D>*  points_ = nullptr;
 	const double *      iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr;
 	double*             side_ = nullptr; ///< 1: held by ice, 0: thawed
 	double*             slip_ = nullptr; ///< path of the thawed ground along the front [m]
+	double*             led_  = nullptr; ///< sum of the strains that led the pressure of the point back [-]
 	std::array<double*, D * D> strain_ {}; ///< slip of the step as displacement gradient
 	double              fastest_ = 0.0;
 	double              spacing_ = 0.0;

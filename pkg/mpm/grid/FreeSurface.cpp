@@ -37,7 +37,8 @@ void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>
 		if (!boundaries[b]->usesSurface()) continue;
 		const Region<D>& region = boundaries[b]->region();
 		sideNodes_[b]           = wallNodes(grid, region);
-		patches_[b].nodes.reserve(region.kind == Region<D>::Kind::freeSurface ? grid.nodeCount() : 3 * sideNodes_[b].size());
+		const bool anywhere     = region.kind == Region<D>::Kind::freeSurface || region.kind == Region<D>::Kind::bodies;
+		patches_[b].nodes.reserve(anywhere ? grid.nodeCount() : 3 * sideNodes_[b].size());
 		if (region.kind == Region<D>::Kind::freeSurface) most = grid.nodeCount();
 	}
 	surface_.reserve(most);
@@ -45,9 +46,9 @@ void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>
 	if (most > 0) emptiness_.assign(grid.cellCount(), filled);
 	reached_.reserve(most > 0 ? grid.cellCount() : 0);
 
-	// boxes of nodes may lie anywhere
+	// boxes of nodes and bodies may lie anywhere
 	for (const auto& b : boundaries) {
-		needsAll_   = needsAll_ || (b->usesSurface() && b->region().kind == Region<D>::Kind::nodeBox);
+		needsAll_   = needsAll_ || (b->usesSurface() && (b->region().kind == Region<D>::Kind::nodeBox || b->region().kind == Region<D>::Kind::bodies));
 		needsSides_ = needsSides_ || (b->usesSurface() && b->region().kind == Region<D>::Kind::side);
 	}
 	int size = 1;
@@ -284,7 +285,7 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		if (region.kind == Region<D>::Kind::side) collectSide(grid, cells, b);
 		else if (region.kind == Region<D>::Kind::nodeBox)
 			collectBox(grid, b);
-		else
+		else if (region.kind == Region<D>::Kind::freeSurface)
 			for (std::size_t k = 0; k < surface_.size(); ++k) {
 				if (ofSurface_[k] != (region.cavities ? cavity : openAir)) continue;
 				const SurfaceNode<D>&    n    = surface_[k];

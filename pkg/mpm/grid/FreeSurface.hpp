@@ -29,11 +29,12 @@ public:
 	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
 	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
 	void map(const Grid<D>& grid, const WeightBlock<D>& w);
-	/// Lists the nodes of every boundary that uses the surface.
+	/// Lists the nodes of every boundary that uses the surface, but for those that face bodies.
 	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
 
 	/// Patch of a boundary, by its index in the scene.
 	const SurfacePatch<D>& patch(int boundary) const { return patches_[boundary]; }
+	SurfacePatch<D>&       patch(int boundary) { return patches_[boundary]; }
 	/// Mean conductivity around a node [W/(m K)].
 	double conductivity(int node) const { return nodes[node][D + 1] / nodes[node][D]; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 
 #include <algorithm>

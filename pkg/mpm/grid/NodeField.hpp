@@ -10,7 +10,7 @@
 namespace talik {
 
 /// Values on the nodes of the grid, a record of Size doubles per node. Fields that one pass over the points writes or reads
-/// together may lie in one record: the owner lends numbers of its record to other fields, which are cleared with it.
+/// together may lie in one record: the owner of the record gives columns of it to other fields, which are cleared with it.
 template <int Size> class NodeField {
 public:
 	static constexpr int size = Size;
@@ -20,22 +20,22 @@ public:
 		constexpr std::size_t line = 64; // no record of 8 numbers lies across two lines of the cache
 		count_                     = nodes;
 		stride_                    = Size;
-		lent_                      = 0;
+		shared_                    = 0;
 		const std::size_t total    = static_cast<std::size_t>(nodes) * Size;
 		storage_.reset(static_cast<double*>(std::aligned_alloc(line, (total * sizeof(double) + line - 1) / line * line)));
 		if (!storage_) throw std::bad_alloc();
 		values_ = storage_.get();
 		std::fill(values_, values_ + total, 0.0);
 	}
-	/// The numbers first .. first + Other - 1 of every record belong to another field from now on.
-	template <int Other> void lend(NodeField<Other>& other, int first)
+	/// The columns first .. first + Other - 1 of every record belong to another field from now on.
+	template <int Other> void shareColumns(NodeField<Other>& other, int first)
 	{
 		static_assert(Other < Size, "a field keeps a part of its record");
 		other.storage_.reset();
 		other.values_ = values_ + first;
 		other.stride_ = stride_;
 		other.count_  = count_;
-		lent_ += Other;
+		shared_ += Other;
 	}
 	void clear(int first, int last)
 	{
@@ -46,7 +46,7 @@ public:
 	const double* operator[](int node) const { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
 	int           stride() const { return stride_; }
 
-	std::size_t bytes() const { return static_cast<std::size_t>(count_) * (Size - lent_) * sizeof(double); }
+	std::size_t bytes() const { return static_cast<std::size_t>(count_) * (Size - shared_) * sizeof(double); }
 
 private:
 	template <int> friend class NodeField;
@@ -56,7 +56,7 @@ private:
 
 	std::unique_ptr<double, Release> storage_;
 	double*                          values_ = nullptr;
-	int                              count_ = 0, stride_ = Size, lent_ = 0;
+	int                              count_ = 0, stride_ = Size, shared_ = 0;
 };
 
 } // namespace talik

@@ -1,22 +1,118 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 #include <stdexcept>
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace talik {
 
 namespace {
-	template <int D> struct Entry {
-		const char* name;
-		std::unique_ptr<ShapeFunction<D>> (*make)();
+	/// N = 3/4 - xi^2 for |xi| <= 1/2, (3/2 - |xi|)^2/2 up to 3/2, xi = (x - x_I)/h.
+	template <int D> class QuadraticBSpline final : public ShapeFunction<D> {
+	public:
+		std::string name() const override { return "quadraticBSpline"; }
+		double      steepness() const override { return 6.0; } // next to the middle between two nodes
+
+	protected:
+		double faceCurvature(const double (&slope)[supportNodes], double width) const override
+		{
+			// a whole number of points per cell: then it vanishes at both ends of the support
+			const double share = 1.0 / std::max(1.0, std::round(1.0 / width));
+			const double rest  = std::fmod(slope[2], share);
+			return 0.5 * rest * (share - rest);
+		}
+		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
+		{
+			planeLoops().spline(count, x, grid.lower()[axis], grid.inverseSpacing(), grid.nodeStride(axis), w.base, w.value[axis], w.slope[axis]);
+		}
 	};
 
-	template <int D> const std::vector<Entry<D>>& table()
+	/// Uniform generalised interpolation: the linear hat averaged over a point of half-width h/4.
+	template <int D> class Gimp final : public ShapeFunction<D> {
+	public:
+		std::string name() const override { return "gimp"; }
+		double      steepness() const override { return 28.0 / 3.0; } // a quarter of a cell beside a node
+
+	private:
+		// Hat function averaged over [xi - l, xi + l], xi and l in cells, l <= 1/2, and its derivative with respect to xi.
+		static double average(double xi)
+		{
+			const double r = std::abs(xi);
+			if (r < halfWidth) return 1.0 - (r * r + halfWidth * halfWidth) / (2.0 * halfWidth);
+			if (r < 1.0 - halfWidth) return 1.0 - r;
+			if (r < 1.0 + halfWidth) return (1.0 + halfWidth - r) * (1.0 + halfWidth - r) / (4.0 * halfWidth);
+			return 0.0;
+		}
+		static double derivative(double xi)
+		{
+			const double r    = std::abs(xi);
+			const double sign = xi < 0.0 ? -1.0 : 1.0;
+			if (r < halfWidth) return -xi / halfWidth;
+			if (r < 1.0 - halfWidth) return -sign;
+			if (r < 1.0 + halfWidth) return -sign * (1.0 + halfWidth - r) / (2.0 * halfWidth);
+			return 0.0;
+		}
+
+	protected:
+		double faceCurvature(const double (&slope)[supportNodes], double) const override
+		{
+			const double fromNode = halfWidth * slope[1];
+			return 0.25 * (halfWidth * halfWidth - fromNode * fromNode) / halfWidth;
+		}
+		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
+		{
+			const int stride = grid.nodeStride(axis);
+			for (int k = 0; k < count; ++k) {
+				const double s    = grid.nodeCoordinate(axis, x[k]);
+				const int    node = static_cast<int>(s - 0.5);
+				w.base[k] += node * stride;
+				for (int i = 0; i < supportNodes; ++i) {
+					w.value[axis][i][k] = average(s - (node + i));
+					w.slope[axis][i][k] = derivative(s - (node + i)) * grid.inverseSpacing();
+				}
+			}
+		}
+		static constexpr double halfWidth = 0.25;
+	};
+
+	/// Hat functions; points make noise when they cross cells: for debugging.
+	template <int D> class Linear final : public ShapeFunction<D> {
+	public:
+		std::string name() const override { return "linear"; }
+		// none at the nodes, where masses vanish: this one holds for points at least a fifteenth of a cell away from them
+		double steepness() const override { return 16.0; }
+
+	protected:
+		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
+		{
+			const double inverse = grid.inverseSpacing();
+			for (int k = 0; k < count; ++k) {
+				const double s    = grid.nodeCoordinate(axis, x[k]);
+				const int    node = std::fmin(s, grid.cells(axis));
+				const double f    = s - node;
+				w.base[k] += node * grid.nodeStride(axis);
+				w.value[axis][0][k] = 1.0 - f;
+				w.value[axis][1][k] = f;
+				w.value[axis][2][k] = 0.0;
+				w.slope[axis][0][k] = -inverse;
+				w.slope[axis][1][k] = inverse;
+				w.slope[axis][2][k] = 0.0;
+			}
+		}
+	};
+
+	template <int D> using Make = std::unique_ptr<ShapeFunction<D>> (*)();
+	template <int D, class Shape> std::unique_ptr<ShapeFunction<D>> make() { return std::make_unique<Shape>(); }
+
+	template <int D> const std::vector<std::pair<const char*, Make<D>>>& table()
 	{
-		static const std::vector<Entry<D>> entries {
-			{ "quadraticBSpline", &makeQuadraticBSpline<D> },
-			{ "gimp", &makeGimp<D> },
-			{ "linear", &makeLinear<D> },
+		static const std::vector<std::pair<const char*, Make<D>>> entries {
+			{ "quadraticBSpline", &make<D, QuadraticBSpline<D>> },
+			{ "gimp", &make<D, Gimp<D>> },
+			{ "linear", &make<D, Linear<D>> },
 		};
 		return entries;
 	}
@@ -26,7 +122,7 @@ std::vector<std::string> shapeFunctionNames()
 {
 	std::vector<std::string> names;
 	for (const auto& entry : table<2>())
-		names.emplace_back(entry.name);
+		names.emplace_back(entry.first);
 	return names;
 }
 
@@ -34,8 +130,8 @@ template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::
 {
 	std::string known;
 	for (const auto& entry : table<D>()) {
-		if (name == entry.name) return entry.make();
-		known += std::string(known.empty() ? "" : ", ") + entry.name;
+		if (name == entry.first) return entry.second();
+		known += std::string(known.empty() ? "" : ", ") + entry.first;
 	}
 	throw std::invalid_argument("shapeFunction = '" + name + "': choose one of " + known);
 }

@@ -10,8 +10,7 @@
 
 namespace talik {
 
-/// A family of shape functions. A new one is one file: a class like those in QuadraticBSpline.cpp and Gimp.cpp, and its line in
-/// the table of ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis and covers the point's cell and
+/// A family of shape functions. A new one is a class and its line of the table in ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis and covers the point's cell and
 /// at most one node behind and two ahead of the cell's lower corner.
 template <int D> class ShapeFunction {
 public:
@@ -40,10 +39,6 @@ protected:
 		return 0.0;
 	}
 };
-
-template <int D> std::unique_ptr<ShapeFunction<D>> makeQuadraticBSpline();
-template <int D> std::unique_ptr<ShapeFunction<D>> makeGimp();
-template <int D> std::unique_ptr<ShapeFunction<D>> makeLinear();
 
 /// "quadraticBSpline" (default), "gimp" (uniform, points a quarter of a cell in half-width), "linear" (debugging only).
 std::vector<std::string> shapeFunctionNames();

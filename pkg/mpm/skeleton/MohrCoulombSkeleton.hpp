@@ -16,10 +16,10 @@ namespace talik {
 /// Trial stress by the Jaumann rate, then return to the yield surface in principal stresses (planes, edges, apex, cut-off).
 ///
 /// In ground that freezes the stress has two parts in parallel, as a bonded contact has: that of the grains, with the thawed
-/// modulus, and that of the ice, with E(S_i) less it. Ice is born free of stress; ice that melts takes its share of the ice's
+/// modulus, and that of the ice, with E(S_i) less it. New ice is free of stress; ice that melts takes its share of the ice's
 /// stress with it: sigma_ice *= E_ice(new)/E_ice(old). Strength limits the sum, as it limits the force of a bond as a whole; what
-/// exceeds it is taken off both parts by their stiffnesses. Grains that part (ice pushes them apart, or ground opens) keep the
-/// volume of the opening in mind, and are pressed again only when it has closed. Given initial stress is that of the grains.
+/// exceeds it is taken off both parts by their stiffnesses. Where grains part (ice pushes them apart, or ground opens) the
+/// volume of the opening is kept, and the grains are pressed again only when it has closed. Given initial stress is that of the grains.
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
 	double youngModulus       = 10e6;  ///< thawed E [Pa], > 0

@@ -15,8 +15,8 @@ template <int D> struct SkeletonBatch {
 	int        count = 0;
 	const int* place = nullptr; ///< ascending
 	const int* id    = nullptr; ///< indexed by place: the number the user knows
-	/// Displacement gradient of this step, Delta t dv_i/dx_j at [i*D+j] [-], locking-free (theory: volume-weighted cell mean of
-	/// the divergence). F_new = (1 + gradient) F_old.
+	/// Displacement gradient of this step, Delta t dv_i/dx_j at [i*D+j] [-], with B-bar: the divergence is
+	/// the volume-weighted mean of the cell. F_new = (1 + gradient) F_old.
 	std::array<const double*, D * D> gradient {};
 	const double* iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
 	/// Effective Cauchy stress [Pa], tension positive, to be updated in place; order of stressIndex<D>().

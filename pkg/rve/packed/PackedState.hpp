@@ -136,7 +136,7 @@ template <int Dim> struct PackedStatistics {
 	typename PackedTypes<Dim>::Matrix fabric             = PackedTypes<Dim>::Matrix::Zero(); ///< mean n (x) n [-]
 };
 
-/// Elastic upper bound of the tangent, theory: C_ijkl = 1/V sum (k_n n_i l_j n_k l_l + k_s t_i l_j t_k l_l) [Pa], index ((i Dim+j) Dim+k) Dim+l.
+/// Elastic upper bound of the tangent, eq. (13.4): C_ijkl = 1/V sum (k_n n_i l_j n_k l_l + k_s t_i l_j t_k l_l) [Pa], index ((i Dim+j) Dim+k) Dim+l.
 template <int Dim> using PackedTangent = std::array<double, Dim * Dim * Dim * Dim>;
 
 } // namespace talik

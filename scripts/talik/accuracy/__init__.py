@@ -6,6 +6,7 @@
 	presets      presets of the examples as rows
 	ground       knobs of the march and the column of those that move
 	report       tables, Pareto front, advice, pictures, misses
+	convergence  `scripts/accuracy slump`: both thaw slumps, knob by knob; convergencepage writes its tables and pictures
 
 A new problem is one file and its entry in `problems`."""
 

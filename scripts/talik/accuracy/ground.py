@@ -12,7 +12,7 @@ quick = {**sweeps, "time-step fraction": (0.2, 0.55), "PIC time over sqrt(h/g)":
 
 def march(settings, h):
 	"""Attributes of an MpmEngine."""
-	attributes = {"waveFraction": settings["time-step fraction"], "shapeFunction": settings["shape function"], "transfer": settings["transfer"]}
+	attributes = {"courantNumber": settings["time-step fraction"], "shapeFunction": settings["shape function"], "transfer": settings["transfer"]}
 	if settings["transfer"] == "flip":
 		attributes["picTime"] = settings["PIC time over sqrt(h/g)"] * math.sqrt(h / 9.81)
 	return attributes

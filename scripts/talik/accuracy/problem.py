@@ -18,7 +18,7 @@ class Run:
 	memory: int  # fields of points and nodes, and samples [bytes]
 	points: int
 	steps: int
-	believed: float = None  # MpmEngine.believedError, where a tolerance is set
+	believed: float = None  # MpmEngine.estimatedError, where a tolerance is set
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,4 +118,4 @@ def groundRun(mpm, answer, watch, steps):
 	"""Run of a ground that has been marched under a Stopwatch."""
 	samples = getattr(mpm.skeleton, "counters", {"bytes": 0})["bytes"] if mpm.motion else 0
 	memory = sum(info["bytes"] for info in mpm.fields()) + samples
-	return Run([float(a) for a in answer], watch.wall, watch.cpu, int(memory), mpm.pointCount, steps, mpm.believedError)
+	return Run([float(a) for a in answer], watch.wall, watch.cpu, int(memory), mpm.pointCount, steps, mpm.estimatedError)

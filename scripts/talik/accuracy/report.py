@@ -98,10 +98,10 @@ def saveTable(rows, path):
 def printTable(rows, names=None):
 	"""Rows in columns as wide as their widest entry."""
 	names = names or list(rows[0])
-	_printAligned([list(names)] + [[_short(row[name]) for name in names] for row in rows])
+	printAligned([list(names)] + [[_short(row[name]) for name in names] for row in rows])
 
 
-def _printAligned(text):
+def printAligned(text):
 	widths = [max(len(line[c]) for line in text) for c in range(len(text[0]))]
 	for line in text:
 		print("  ".join(cell.rjust(width) for cell, width in zip(line, widths)))

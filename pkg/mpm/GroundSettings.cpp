@@ -1,11 +1,36 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Check.hpp>
-#include <pkg/mpm/GroundChecks.hpp>
+#include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <algorithm>
+#include <stdexcept>
 
 namespace talik {
+
+std::vector<std::string> velocityTransferNames() { return { "flip", "apic", "tpic" }; }
+
+VelocityTransfer velocityTransferFromName(const std::string& name)
+{
+	std::string known;
+	int         at = 0;
+	for (const std::string& entry : velocityTransferNames()) {
+		if (name == entry) return static_cast<VelocityTransfer>(at);
+		known += (known.empty() ? "" : ", ") + entry;
+		++at;
+	}
+	throw std::invalid_argument("transfer = '" + name + "': choose one of " + known);
+}
+
+double keptFraction(double picTime, double dt) { return std::exp(-dt / picTime); }
+
+double gravityTime(double spacing, double gravity)
+{
+	constexpr double ofTheEarth = 9.81;
+	return std::sqrt(spacing / std::max(gravity, ofTheEarth));
+}
 
 template <int D> void checkCalendar(const GroundSettings<D>& s)
 {
@@ -21,6 +46,7 @@ template <int D> void checkCalendar(const GroundSettings<D>& s)
 	        "must be positive and no more than thermalTimeScale = " + fast.str());
 	requireSetting(
 	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance, "must lie between 1e-6 and 1 m/s, e.g. 0.01");
+	requireSetting(heat.eventSpeed >= 0.0 && std::isfinite(heat.eventSpeed), "eventSpeed", heat.eventSpeed, "must not be negative, in m/s, e.g. 1e-5");
 	requireSetting(
 	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "eventDisplacement", heat.eventDisplacement, "must be positive, in m, e.g. 0.02");
 }
@@ -40,7 +66,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	requireSetting(
 	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
-	requireSetting(s.waveFraction > 0.0 && s.waveFraction <= 1.0, "waveFraction", s.waveFraction, "must lie in (0, 1]");
+	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
 	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "motionFraction", s.motionFraction, "must lie in (0, 0.5]");
 	if (s.motion) {
@@ -101,6 +127,9 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			throw std::invalid_argument(
 			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no " + effect
 			        + "; add it or leave this boundary out");
+		if (b->region().kind == Region<D>::Kind::bodies && !settings.bodies)
+			throw std::invalid_argument(
+			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe() + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
 		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
 			throw std::invalid_argument(
@@ -117,7 +146,8 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			const Region<D>&r = b->region(), &q = other->region();
 			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox || r.cavities != q.cavities) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;
-			bool overlap = true;
+			const auto bothName = [&](int id) { return std::find(q.ids.begin(), q.ids.end(), id) != q.ids.end(); };
+			bool       overlap  = r.kind != Region<D>::Kind::bodies || std::any_of(r.ids.begin(), r.ids.end(), bothName);
 			for (int a = 0; a < D; ++a) {
 				if (r.kind == Region<D>::Kind::side && a == r.on.axis) continue;
 				overlap = overlap && r.boxLower[a] < q.boxUpper[a] && q.boxLower[a] < r.boxUpper[a];

@@ -13,11 +13,11 @@ using Checksum = boost::crc_optimal<64, 0x42F0E1EBA9EA3693ULL, ~0ULL, ~0ULL, tru
 /// Stream buffer of a file that takes the place of another only when it is complete. It has no name until then where the file system
 /// knows how to (nothing is left of a process that is killed), else one that cannot be foreseen; neither a file nor a link that is
 /// there already is written through or removed. Knows how much went through it and its checksum.
-class FileBesides : public std::streambuf {
+class AtomicFile : public std::streambuf {
 public:
 	/// what: as the file is called in errors. The first headerLength bytes are left out, for commit(). Throws std::runtime_error.
-	FileBesides(std::string what, std::string file, std::size_t headerLength = 0);
-	~FileBesides() override;
+	AtomicFile(std::string what, std::string file, std::size_t headerLength = 0);
+	~AtomicFile() override;
 
 	std::uint64_t bytes() const { return bytes_; }
 	std::uint64_t checksum() const { return checksum_.checksum(); }

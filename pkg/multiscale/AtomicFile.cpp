@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/FileBesides.hpp>
+#include <pkg/multiscale/AtomicFile.hpp>
 
 #include <cerrno>
 #include <cstdio>
@@ -39,7 +39,7 @@ namespace {
 	constexpr int attempts = 8;
 } // namespace
 
-FileBesides::FileBesides(std::string what, std::string file, std::size_t headerLength)
+AtomicFile::AtomicFile(std::string what, std::string file, std::size_t headerLength)
         : what_(std::move(what))
         , file_(std::move(file))
         , headerLength_(headerLength)
@@ -52,15 +52,15 @@ FileBesides::FileBesides(std::string what, std::string file, std::size_t headerL
 	setp(buffer_.data(), buffer_.data() + buffer_.size());
 }
 
-FileBesides::~FileBesides()
+AtomicFile::~AtomicFile()
 {
 	if (descriptor_ >= 0) ::close(descriptor_);
 	if (!beside_.empty()) ::unlink(beside_.c_str());
 }
 
-void FileBesides::fail(const std::string& why) const { throw std::runtime_error(what_ + " '" + file_ + "' could not be written: " + why); }
+void AtomicFile::fail(const std::string& why) const { throw std::runtime_error(what_ + " '" + file_ + "' could not be written: " + why); }
 
-void FileBesides::open()
+void AtomicFile::open()
 {
 #ifdef O_TMPFILE
 	const bool canBeNamedLater = ::access("/proc/self/fd", X_OK) == 0;
@@ -71,7 +71,7 @@ void FileBesides::open()
 	openNamed();
 }
 
-void FileBesides::openNamed()
+void AtomicFile::openNamed()
 {
 	for (int attempt = 0; descriptor_ < 0; attempt++) {
 		const std::string name = nameBeside(file_);
@@ -82,7 +82,7 @@ void FileBesides::openNamed()
 }
 
 /// A file without a name cannot take the place of another: it gets one first.
-void FileBesides::giveName()
+void AtomicFile::giveName()
 {
 	const std::string present = "/proc/self/fd/" + std::to_string(descriptor_);
 	for (int attempt = 0; beside_.empty(); attempt++) {
@@ -92,7 +92,7 @@ void FileBesides::giveName()
 	}
 }
 
-void FileBesides::commit(std::string header)
+void AtomicFile::commit(std::string header)
 {
 	header.resize(headerLength_, ' ');
 	if (!flush()) fail(std::strerror(problem_));
@@ -108,14 +108,14 @@ void FileBesides::commit(std::string header)
 	::close(folder);
 }
 
-FileBesides::int_type FileBesides::overflow(int_type c)
+AtomicFile::int_type AtomicFile::overflow(int_type c)
 {
 	if (sync() != 0) return traits_type::eof();
 	if (!traits_type::eq_int_type(c, traits_type::eof())) sputc(traits_type::to_char_type(c));
 	return traits_type::not_eof(c);
 }
 
-int FileBesides::sync()
+int AtomicFile::sync()
 {
 	const std::size_t length = std::size_t(pptr() - pbase());
 	checksum_.process_bytes(pbase(), length);
@@ -125,7 +125,7 @@ int FileBesides::sync()
 	return written ? 0 : -1;
 }
 
-bool FileBesides::write(const char* data, std::size_t length)
+bool AtomicFile::write(const char* data, std::size_t length)
 {
 	while (length > 0 && problem_ == 0) {
 		const ssize_t done = ::write(descriptor_, data, length);

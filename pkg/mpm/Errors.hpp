@@ -18,4 +18,11 @@ template <class Value> void requireSetting(bool valid, const std::string& attrib
 	throw std::invalid_argument(text.str());
 }
 
+/// Thrown by a skeleton model that has given every point a stress and wants the run to stop: Ground ends the step first and passes
+/// it on from updateEffectiveStress().
+class StopAfterStep : public std::runtime_error {
+public:
+	using std::runtime_error::runtime_error;
+};
+
 } // namespace talik

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Convergence of the thaw slumps (Cases I and II of Yu & Zhao): what moves on which day, knob by knob. `scripts/accuracy slump` runs it.
+
+	sweeps      one knob at a time, from coarse to fine, all else as the sweep says
+	runRows     runs what is planned and not there yet, row by row into a file
+	measures    what a row came to: largest displacement, volume moved, day of the first event
+
+The calibrated law is cheap and carries the knobs of grid and time. Samples carry the knobs that only they have."""
+
+import functools
+import hashlib
+import tempfile
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+from yade import O
+
+import talik
+from talik import thawslump
+from talik.accuracy import slump
+from talik.accuracy.problem import Stopwatch, key
+
+moved = 0.1  # displacement of ground that counts as moved [m]
+historyLength = 30  # states of a run that are kept, for the picture
+motionAllowed = 10  # times the motion of a run at constant scale; a calendar that still has not come to its end stops there
+
+
+@dataclass(frozen=True)
+class Case:
+	title: str
+	boundaries: object  # function of the start of the warming -> thermal boundaries
+	days: int  # of the thaw
+	tableDays: tuple
+	thawStrain: float  # of the samples
+
+
+cases = {
+	"surface": Case("Case I, thaw from the surface", slump.warmAir, 150, (30, 60, 100, 150), 0.0),
+	"base": Case("Case II, thaw from the base", slump.warmBase, 600, (150, 300, 450, 600), 0.03),
+}
+
+
+constantScale, followsMotion = "constant", "follows motion"  # values of the knob calendar
+
+
+def fraction(value):
+	return f"{Fraction(value)}"
+
+
+@dataclass(frozen=True)
+class Knob:
+	label: str  # with its unit
+	settings: object  # function of a value -> settings of talik.accuracy.slump
+	text: object = "{:g}".format  # of a value
+	phrase: str = "{}"  # of a value that a sweep of another knob keeps
+
+
+knobs = {
+	"grid-spacing": Knob("h [m]", lambda value: {"grid spacing": value}, phrase="h = {} m"),
+	"f_max": Knob("f_max over 8.64e5", lambda value: {"thermal time scale": value * slump.standard["thermal time scale"]}, fraction, "f_max = {} × 8.64e5"),
+	"time-step": Knob("time step over draft's", lambda value: {"time-step fraction": value * slump.standard["time-step fraction"]}, fraction),
+	"calendar": Knob("scale of time", lambda value: {"follows motion": value == followsMotion}, str, "a scale that {}"),
+	"motion-tolerance": Knob("motion tolerance [m/s]", lambda value: {"motion tolerance": value}),
+	"inertial-number": Knob("inertial number", lambda value: {"inertial number": value}),
+	"grains": Knob("grains", lambda value: {"grains": value}),
+	"realisations": Knob("realisations", lambda value: {"realisations": value}, phrase="{} realisations"),
+	"sample-tolerance": Knob("sample tolerance", lambda value: {"sample tolerance": value}),
+}
+
+
+@dataclass(frozen=True)
+class Sweep:
+	"""Values of one knob from coarse to fine; the last one stands for the truth."""
+
+	knob: str
+	values: tuple
+	ground: dict  # skeleton and thawed cohesion
+	fixed: dict = field(default_factory=dict)  # {knob: value} that differ from draft
+	quick: int = 0  # how many of the values a quick study has
+
+	def settings(self, value):
+		"""Settings of talik.accuracy.slump that differ from its standard."""
+		chosen = {**self.fixed, self.knob: value}
+		return dict(self.ground, **{name: given for knob, one in chosen.items() for name, given in knobs[knob].settings(one).items()})
+
+
+def sweeps():
+	"""All sweeps of one case, in the order of the table."""
+	return [sweep for cohesion in (2000.0, 0.0) for sweep in (*_lawSweeps(cohesion), *_sampleSweeps(cohesion))]
+
+
+def _lawSweeps(cohesion):
+	law = {"skeleton": "MohrCoulomb", "thawed cohesion": cohesion}
+	follows = {"calendar": followsMotion}
+	return (
+		Sweep("grid-spacing", (0.5, 0.25, 0.125, 0.0625), law, quick=2),
+		Sweep("grid-spacing", (0.5, 0.25, 0.125), law, {"f_max": 1 / 4}),
+		Sweep("grid-spacing", (0.5, 0.25, 0.125), law, {"f_max": 1 / 16}),
+		Sweep("f_max", (1, 1 / 4, 1 / 16, 1 / 64), law, quick=2),
+		Sweep("f_max", (1, 1 / 4, 1 / 16), law, {"grid-spacing": 0.25}),
+		Sweep("f_max", (1, 1 / 4, 1 / 16), law, {"grid-spacing": 0.125}),
+		Sweep("time-step", (1, 1 / 2), law, quick=2),
+		Sweep("time-step", (1, 1 / 2), law, {"grid-spacing": 0.25}),
+		Sweep("calendar", (constantScale, followsMotion), law),
+		Sweep("f_max", (1, 1 / 4, 1 / 16), law, follows),
+		Sweep("motion-tolerance", (0.05, 0.025), law, follows),
+	)
+
+
+def _sampleSweeps(cohesion):
+	samples = {"skeleton": "samples", "thawed cohesion": cohesion}
+	several = {"realisations": 8}
+	return (
+		Sweep("inertial-number", (5e-3, 1e-3), samples, quick=2 if cohesion else 0),
+		Sweep("sample-tolerance", (2e-5, 5e-6, 1.25e-6), samples),
+		Sweep("realisations", (1, 8), samples),
+		Sweep("grains", (100, 200, 400), samples, several),
+	)
+
+
+# ---- rows -----------------------------------------------------------------------------------------------------------------
+
+
+def rowSettings(case, sweep, value):
+	"""Everything that a row depends on, by name; numbers and words only, so that it names the row in a file."""
+	plain = {name: given for name, given in slump.scene.items() if name not in ("boundaries", "thaw strain")}
+	return {**slump.standard, **plain, **sweep.settings(value), "case": case, "days of heat": cases[case].days}
+
+
+def rowKey(case, sweep, value):
+	return key("slump", rowSettings(case, sweep, value))
+
+
+def plan(caseNames=tuple(cases), knobNames=(), quick=False):
+	"""Settings of the rows by key, each once, the cheapest first."""
+	rows = {}
+	for case in caseNames:
+		for sweep in sweeps():
+			if knobNames and sweep.knob not in knobNames:
+				continue
+			for value in sweep.values[: sweep.quick] if quick else sweep.values:
+				rows[rowKey(case, sweep, value)] = rowSettings(case, sweep, value)
+	return dict(sorted(rows.items(), key=lambda row: cost(row[1])))
+
+
+def cost(settings):
+	"""What a row takes, in units of the cheapest, roughly: points times steps, and grains."""
+	refined = 0.5 / settings["grid spacing"]
+	steps = refined * 8.64e5 / settings["thermal time scale"] * 0.4 / settings["time-step fraction"] * settings["days of heat"] / 150
+	grains = 0.1 * settings["grains"] * 5e-3 / settings["inertial number"] if settings["skeleton"] == "samples" else 1
+	return refined**2 * steps * grains * (10 if settings["follows motion"] else 1)
+
+
+def runRows(rows, results, progress=True):
+	"""Runs the rows that `results` lacks; each is on the disk before the next one begins."""
+	missing = {name: settings for name, settings in rows.items() if name not in results}
+	bar = tqdm(missing.items(), disable=not progress, unit="row")
+	for name, settings in bar:
+		bar.set_postfix_str(describe(settings))
+		results.add(name, measured(settings))
+
+
+def describe(settings):
+	"""Case and what differs from draft, in words."""
+	plain = {**slump.standard, **slump.scene}
+	differing = [f"{name} {value}" for name, value in settings.items() if name in plain and name != "days of heat" and value != plain[name]]
+	return ", ".join([settings["case"], *differing])
+
+
+def measured(settings):
+	"""A row; what failed says why."""
+	try:
+		with talik.scratchScene():
+			return {"settings": settings, **march(settings)}
+	except (RuntimeError, ValueError) as failure:
+		return {"settings": settings, "failure": str(failure)}
+
+
+def march(settings):
+	"""Thaws a slump and looks at it every day."""
+	case, watch, looks, days = cases[settings["case"]], Stopwatch(), [(0, 0.0, 0.0)], settings["days of heat"]
+	allowed = motionAllowed * days * talik.day / settings["thermal time scale"]
+	with tempfile.TemporaryDirectory() as folder:
+		slope = slump.slump({**settings, "boundaries": case.boundaries, "thaw strain": case.thawStrain}, folder)
+	mpm = slope.mpm
+	with watch:
+		slope.rest()
+		for day in range(1, days + 1):
+			thawslump.runUntilDay(mpm, day, longest=slope.preset.restTime + allowed)
+			if mpm.calendar["day"] < day:
+				break
+			looks.append((day, *motion(mpm)))
+	every = max(1, days // historyLength)
+	return {
+		"history": [[_rounded(value) for value in look] for look in looks if look[0] % every == 0 or look[0] == days],
+		"firstEvent": _rounded(firstEvent(mpm, looks, settings["follows motion"])),
+		"cpu": watch.cpu, "wall": watch.wall, "points": mpm.pointCount, "steps": O.iter, "build": build(),
+		**({"shortfall": f"day {looks[-1][0]} of {days} after {allowed:.3g} s of motion"} if looks[-1][0] < days else {}),
+	}
+
+
+@functools.cache
+def build():
+	"""Names the build of Talik that measured a row."""
+	return hashlib.sha256(Path(talik._talik.__file__).read_bytes()).hexdigest()[:12]
+
+
+def motion(mpm):
+	"""Largest displacement [m] and volume of the points displaced by more than `moved` [m3 per m]."""
+	size = np.linalg.norm(mpm.field("displacement"), axis=1)
+	return float(size.max()), float(mpm.field("volume")[size > moved].sum())
+
+
+def firstEvent(mpm, looks, followsMotion):
+	"""Day on which the ground first moves; None if it does not. Where the scale is constant: when the largest displacement passes `moved`."""
+	if followsMotion:
+		return min((event["day"] for event in mpm.events() if event["largest"] > moved), default=None)
+	for (before, least, _), (day, largest, _) in zip(looks, looks[1:]):
+		if largest > moved:
+			return before + (day - before) * (moved - least) / (largest - least)
+	return None
+
+
+def _rounded(value):
+	return None if value is None else float(f"{value:.5g}")
+
+
+# ---- what a row came to ---------------------------------------------------------------------------------------------------
+
+
+def measures(case, row):
+	"""{(what, day): value} of a row, None where its calendar did not come so far or nothing moved."""
+	at = {day: (largest, volume) for day, largest, volume in row["history"]}
+	found = {("displacement", day): at.get(day, (None, None))[0] for day in cases[case].tableDays}
+	found.update({("volume", day): at.get(day, (None, None))[1] for day in cases[case].tableDays})
+	return {**found, ("first event", None): row["firstEvent"]}
+
+
+def difference(value, finest):
+	"""Relative to the finest [-]; None where there is nothing to compare with."""
+	return None if value is None or not finest else value / finest - 1
+
+
+def twoFinest(case, rows):
+	"""Largest relative difference between the two finest rows of a sweep, over the days: {displacement, volume, first event}; None unknown."""
+	coarse, fine = (measures(case, row) for row in rows[-2:])
+	worst = {}
+	for (what, _), value in fine.items():
+		worst.setdefault(what, [])
+	for name in fine:
+		apart = 0.0 if coarse[name] == fine[name] else difference(coarse[name], fine[name])
+		worst[name[0]].append(None if apart is None else abs(apart))
+	return {what: None if None in apart else max(apart) for what, apart in worst.items()}
