@@ -101,6 +101,7 @@ class Preset:
 
 
 skeletons = ("samples", "MohrCoulomb")
+calendars = ("follows-motion", "constant")
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {
@@ -120,7 +121,7 @@ class Ground:
 	porosity: float = 0.4  # (P)
 	conductivity: float = 1e-4  # k [m/s] (P)
 	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P)
-	followsMotion: bool = False  # the scale of slow time falls to movingTimeScale while the ground moves (O)
+	followsMotion: bool = True  # the scale of slow time falls to movingTimeScale while the ground moves (O); False: constant (P)
 	movingTimeScale: float = 1.0  # f_m, while it moves (O)
 	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
 	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
@@ -129,7 +130,7 @@ class Ground:
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
-	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none (O)
+	thawedCohesion: float = 2e3  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
@@ -220,7 +221,7 @@ class ThawSlump:
 			skeleton=self.skeleton,
 			heat=wrapper.HeatTransfer(followsMotion=g.followsMotion, motionTolerance=g.motionTolerance),  # in nature's time until the slope rests
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
-			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive, **({} if g.followsMotion else dict(hydraulicTimeScale=1))),
+			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive, hydraulicTimeScale=1),  # hastened seepage drains frozen pores beside a front until they cool
 		)
 		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, **stress)
 		mpm.boundaries = [
@@ -460,8 +461,8 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
-	parser.add_argument("--calendar", action="store_true", help="slow time follows the motion and hastens seepage too: nature's ratio of both, many times the steps")
-	parser.add_argument("--thawed-cohesion", type=_cohesion, default=0.0, help="cohesion that stays when the ice has gone [Pa], e.g. 2000")
+	parser.add_argument("--calendar", choices=calendars, default="follows-motion", help="ten days pass in each second only while the ground rests, or always (constant, as in the paper)")
+	parser.add_argument("--thawed-cohesion", type=_cohesion, default=Ground.thawedCohesion, help="cohesion that stays when the ice has gone [Pa]; 0: none")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
@@ -510,7 +511,7 @@ def runCase(name, boundaries, options, days=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion, followsMotion=getattr(options, "calendar", False)), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion, followsMotion=options.calendar == "follows-motion"), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])
