@@ -59,14 +59,11 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 				c = largestWaveSpeed(s.mixture, VolumeFractions::of(porosity, sl), k, modulus);
 				v = std::max(v, speed(g.water->velocity, p));
 			}
+			if (v > fastestGround)
+				throw std::runtime_error(g.whereabouts(p) + " or its water moves at " + std::to_string(v) + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
 			return reach / (c + v);
 		});
-		add("velocity", [&](int p) {
-			const double v = speed(g.motion->velocity, p);
-			if (v > fastestGround)
-				throw std::runtime_error(g.whereabouts(p) + " moves at " + std::to_string(v) + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
-			return s.motionFraction * h / v;
-		});
+		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {

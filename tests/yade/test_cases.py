@@ -243,7 +243,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, days=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=0.0), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, days=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=0.0, calendar="follows-motion"), **options})
 
 
 def summaries(folder):

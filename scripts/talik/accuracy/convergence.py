@@ -44,6 +44,7 @@ cases = {
 
 
 constantScale, followsMotion = "constant", "follows motion"  # values of the knob calendar
+draft = {**slump.standard, **slump.scene, "follows motion": True}  # what the rows differ from
 
 
 def fraction(value):
@@ -124,8 +125,8 @@ def _sampleSweeps(cohesion):
 
 def rowSettings(case, sweep, value):
 	"""Everything that a row depends on, by name; numbers and words only, so that it names the row in a file."""
-	plain = {name: given for name, given in slump.scene.items() if name not in ("boundaries", "thaw strain")}
-	return {**slump.standard, **plain, "follows motion": True, **sweep.settings(value), "case": case, "days of heat": cases[case].days}
+	plain = {name: given for name, given in draft.items() if name not in ("boundaries", "thaw strain")}
+	return {**plain, **sweep.settings(value), "case": case, "days of heat": cases[case].days}
 
 
 def rowKey(case, sweep, value):
@@ -163,8 +164,7 @@ def runRows(rows, results, progress=True):
 
 def describe(settings):
 	"""Case and what differs from draft, in words."""
-	plain = {**slump.standard, **slump.scene}
-	differing = [f"{name} {value}" for name, value in settings.items() if name in plain and name != "days of heat" and value != plain[name]]
+	differing = [f"{name} {value}" for name, value in settings.items() if name in draft and name != "days of heat" and value != draft[name]]
 	return ", ".join([settings["case"], *differing])
 
 
