@@ -174,10 +174,15 @@ def calendarHistory(axes, history, events, label=None):
 	line, = axes.plot(history[:, 0], history[:, 2], linewidth=1.2, label=label)
 	for event in events:
 		axes.axvspan(event["day"], event["day"] + event["days"], color=line.get_color(), alpha=0.25, linewidth=1)
-	for event in sorted(events, key=lambda event: -event["volume"])[:5]:
+	apart, named = 0.04 * np.ptp(history[:, 0]), []
+	for event in sorted(events, key=lambda event: -event["volume"]):
+		if len(named) == 5 or any(abs(event["day"] - day) < apart for day in named):
+			continue
+		named.append(event["day"])
 		axes.annotate(f"{event['volume']:.2g} m²", (event["day"], 1), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
 	axes.set(xlabel="day", ylabel="largest displacement [m]")
 	axes.set_yscale("symlog", linthresh=0.01)
+	axes.set_ylim(bottom=0)
 
 
 def metricAxes(axes, position):

@@ -121,7 +121,7 @@ class Ground:
 	porosity: float = 0.4  # (P)
 	conductivity: float = 1e-4  # k [m/s] (P)
 	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P)
-	followsMotion: bool = True  # the scale of slow time falls to movingTimeScale while the ground moves (O); False: constant (P)
+	followsMotion: bool = False  # the scale of slow time falls to movingTimeScale while the ground moves (O); False: constant (P)
 	movingTimeScale: float = 1.0  # f_m, while it moves (O)
 	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
 	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
@@ -130,7 +130,7 @@ class Ground:
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
-	thawedCohesion: float = 2e3  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
+	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
@@ -461,8 +461,8 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
-	parser.add_argument("--calendar", choices=calendars, default="follows-motion", help="ten days pass in each second only while the ground rests, or always (constant, as in the paper)")
-	parser.add_argument("--thawed-cohesion", type=_cohesion, default=Ground.thawedCohesion, help="cohesion that stays when the ice has gone [Pa]; 0: none")
+	parser.add_argument("--calendar", choices=calendars, help="ten days pass in each second only while the ground rests, or always (constant, as in the paper); default: follows-motion with the law alone, constant with samples, which take ten times as long otherwise")
+	parser.add_argument("--thawed-cohesion", type=_cohesion, help="cohesion that stays when the ice has gone [Pa]; default: 2000 with the law alone, 0 with samples")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
@@ -511,7 +511,7 @@ def runCase(name, boundaries, options, days=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], Ground(thawStrain=setting["thawStrain"], thawedCohesion=options.thawed_cohesion, followsMotion=options.calendar == "follows-motion"), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])
@@ -520,6 +520,14 @@ def runCase(name, boundaries, options, days=None):
 		figure = slumppage.sideBySide(runs, outline)
 		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))
 	return slump
+
+
+def groundOf(options, setting):
+	"""Ground of a run. What slides converges with the calendar and a cohesion; samples are too slow for that as a default, and runs that are compared share one ground."""
+	lawAlone = setting["skeleton"] == "MohrCoulomb" and options.compare is None
+	calendar = options.calendar or ("follows-motion" if lawAlone else "constant")
+	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if lawAlone else 0.0
+	return Ground(thawStrain=setting["thawStrain"], thawedCohesion=cohesion, followsMotion=calendar == "follows-motion")
 
 
 def _presetOf(options, days):

@@ -243,7 +243,7 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, days=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=0.0, calendar="follows-motion"), **options})
+	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, days=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=None, calendar=None), **options})
 
 
 def summaries(folder):
@@ -260,6 +260,11 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
 	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
+	grounds = {name: thawslump.groundOf(asCommanded("", skeleton=name, **given), dict(skeleton=name, thawStrain=0.0)) for name, given in (("samples", {}), ("MohrCoulomb", {}))}
+	assert not grounds["samples"].followsMotion and grounds["samples"].thawedCohesion == 0
+	assert grounds["MohrCoulomb"].followsMotion and grounds["MohrCoulomb"].thawedCohesion == 2000
+	compared = thawslump.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
+	assert compared.followsMotion and compared.thawedCohesion == 0
 	for wrong in (["--days", "-5"], ["--duration", "20"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"], ["--grains", "0"], ["--realisations", "2.5"], ["--realisations", "-1"], ["--thawed-cohesion", "-5"], ["--seed", "x"]):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):

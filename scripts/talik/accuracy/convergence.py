@@ -43,7 +43,7 @@ cases = {
 }
 
 
-constantScale, followsMotion = "constant", "follows motion"  # values of the knob calendar
+constantScale, followsMotion = "is constant", "follows motion"  # values of the knob calendar
 draft = {**slump.standard, **slump.scene, "follows motion": True}  # what the rows differ from
 
 
