@@ -24,6 +24,7 @@ shares = (
 	("freezing, in ground at rest", "rigid: heat, freezing", "rigid: heat"),
 	("heat", "dry, heat", "dry"),
 	("freezing", "dry, heat, freezing", "dry, heat"),
+	("thaw front, across the middle of the ground", "dry, heat, freezing, Mohr-Coulomb, thaw front", "dry, heat, freezing, Mohr-Coulomb"),
 	("water", "water", "dry, cell averages"),
 	("heat, with water", "water, heat", "water"),
 	("freezing, with water", "water, heat, freezing", "water, heat"),

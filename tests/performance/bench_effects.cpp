@@ -29,6 +29,7 @@ const Vec<2>     corner { 0.2, 0.0 }, size { 1.0, 1.0 };
 struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
 	bool record = false, ledger = false, surface = false;
+	bool oneVelocity = false; ///< no thaw front, where frozen and thawed ground meet
 	bool uniform = false; ///< one temperature everywhere: heat rests
 	bool lookups = false; ///< of the stable time step, as often as a run does
 };
@@ -66,6 +67,7 @@ GroundSettings<2> settingsOf(const Effects& e)
 		if (e.heat) s.boundaries.push_back(std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), 10.0));
 		if (e.water) s.boundaries.push_back(std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface(), 0.0, false));
 	}
+	if (e.oneVelocity) s.thawFront.reset();
 	s.deformationRecord = e.record;
 	s.energyLedger      = e.ledger;
 	return s;
@@ -241,6 +243,8 @@ std::vector<Combination> combinations()
 		{ "dry, heat", with(dry, &E::heat) },
 		{ "dry, heat, at rest", with(dry, &E::heat, &E::uniform) },
 		{ "dry, heat, freezing", with(dry, &E::heat, &E::freezing) },
+		{ "dry, heat, freezing, Mohr-Coulomb", with(dry, &E::heat, &E::freezing, &E::plastic, &E::oneVelocity) },
+		{ "dry, heat, freezing, Mohr-Coulomb, thaw front", with(dry, &E::heat, &E::freezing, &E::plastic) },
 		{ "water", with(averaged, &E::water) },
 		{ "water, heat", with(averaged, &E::water, &E::heat) },
 		{ "water, heat, freezing", with(averaged, &E::water, &E::heat, &E::freezing), true },
