@@ -461,7 +461,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
-	parser.add_argument("--calendar", choices=calendars, help="ten days pass in each second only while the ground rests, or always (constant, as in the paper); default: follows-motion with the law alone, constant with samples, which take ten times as long otherwise")
+	parser.add_argument("--calendar", choices=calendars, help="ten days pass in each second only while the ground rests, or always (constant, as in the paper); default: follows-motion with the law alone, constant with samples, which take four times as long otherwise")
 	parser.add_argument("--thawed-cohesion", type=_cohesion, help="cohesion that stays when the ice has gone [Pa]; default: 2000 with the law alone, 0 with samples")
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
