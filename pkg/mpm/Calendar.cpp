@@ -35,21 +35,31 @@ template <int D> double Calendar<D>::scale(const CalendarState& state, double dt
 	return std::max(slow, std::min(wanted, state.reach / dt));
 }
 
-template <int D> typename Calendar<D>::Extremes Calendar<D>::extremesOf(int first, int last) const
+/// Least heat capacity over volume and conductivity [s/m^2].
+template <int D> double Calendar<D>::leastInertia(int first, int last) const
 {
-	double       fastest = 0.0, least = std::numeric_limits<double>::infinity();
+	double              least = std::numeric_limits<double>::infinity();
 	const double* const v     = volume_;
 	const double* const c     = capacity_;
 	const double* const kappa = conductivity_;
+	for (int p = first; p < last; ++p) {
+		const double own = c[p] / (v[p] * kappa[p]);
+		least            = own < least ? own : least;
+	}
+	return least;
+}
+
+/// Square of the largest speed of a point [m^2/s^2].
+template <int D> double Calendar<D>::fastestPoint(int first, int last) const
+{
+	double fastest = 0.0;
 	for (int p = first; p < last; ++p) {
 		double square = 0.0;
 		for (int a = 0; a < D; ++a)
 			square += velocity_[a][p] * velocity_[a][p];
 		fastest = square > fastest ? square : fastest;
-		const double own = c[p] / (v[p] * kappa[p]);
-		least            = own < least ? own : least;
 	}
-	return { fastest, least };
+	return fastest;
 }
 
 /// Square of the largest mean velocity in a cell [m^2/s^2].
@@ -81,15 +91,16 @@ template <int D>
 void Calendar<D>::measure(
         CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction)
 {
-	partial_.assign(strips.count(), { 0.0, std::numeric_limits<double>::infinity() });
-	strips.gather([&](int s, int first, int last) { partial_[s] = extremesOf(first, last); });
-	Extremes whole { 0.0, std::numeric_limits<double>::infinity() };
-	for (const Extremes& strip : partial_) {
-		whole.speedSquare = std::max(whole.speedSquare, strip.speedSquare);
-		whole.reach       = std::min(whole.reach, strip.reach);
+	partial_.assign(strips.count(), std::numeric_limits<double>::infinity());
+	strips.gather([&](int s, int first, int last) { partial_[s] = leastInertia(first, last); });
+	state.reach = *std::min_element(partial_.begin(), partial_.end()) * heatFraction * spacing * spacing / (2.0 * D);
+	if (cells) {
+		state.speed = std::sqrt(fastestCell(strips, *cells, range));
+		return;
 	}
-	state.speed = std::sqrt(cells ? fastestCell(strips, *cells, range) : whole.speedSquare);
-	state.reach = whole.reach * heatFraction * spacing * spacing / (2.0 * D);
+	partial_.assign(strips.count(), 0.0);
+	strips.gather([&](int s, int first, int last) { partial_[s] = fastestPoint(first, last); });
+	state.speed = std::sqrt(*std::max_element(partial_.begin(), partial_.end()));
 }
 
 template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points)

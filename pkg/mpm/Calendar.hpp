@@ -12,9 +12,8 @@
 
 namespace talik {
 
-/// A time in which the ground moved: from the first step in which a point was faster than
-/// HeatSettings::motionTolerance, and in calendar time than eventSpeed, until all of it was slower
-/// than half of that for MotionEvent::quietTime.
+/// A time in which the ground moved: from the first step in which the fastest ground passed HeatSettings::motionTolerance, and in
+/// calendar time eventSpeed, until it had been slower than half of that for MotionEvent::quietTime.
 struct MotionEvent {
 	static constexpr double quietTime = 0.2; ///< [s of motion]
 
@@ -44,9 +43,9 @@ template <int D> class SolidMotion;
 /// movingTimeScale while it moves. One decision per step, from the state at its start alone.
 ///
 /// The scale is a smooth function of the largest speed v: f = f_m + (f_T - f_m)/(1 + (v/v_0)^2), v_0 the tolerance. A switch
-/// between two scales would change in every step where thaw itself moves the ground, because its speed is in proportion to f, eq. (21.1). Between rest and an acceleration a some
-/// (pi/2) f_T v_0/a of calendar time pass. v is the largest mean velocity of the points of a cell: points of one cell may swing against
-/// each other, which moves no ground.
+/// between two scales would change in every step where thaw itself moves the ground, because its speed is in proportion to f,
+/// eq. (21.1). Between rest and an acceleration a some (pi/2) f_T v_0/a of calendar time pass. v is the largest mean velocity of the
+/// points of a cell: points of one cell may swing against each other, which moves no ground.
 template <int D> class Calendar {
 public:
 	Calendar(PointFields& fields, const HeatSettings& settings);
@@ -65,18 +64,16 @@ public:
 	std::vector<MotionEvent> events; ///< that have ended, in order; those that moved nothing by eventDisplacement are left out
 
 private:
-	struct Extremes {
-		double speedSquare, reach;
-	};
-	TALIK_PROCESSOR_VERSIONS Extremes extremesOf(int first, int last) const;
-	double                            fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
-	void                     measureEvent(MotionEvent& event, int points) const;
+	TALIK_PROCESSOR_VERSIONS double leastInertia(int first, int last) const;
+	TALIK_PROCESSOR_VERSIONS double fastestPoint(int first, int last) const;
+	double                          fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
+	void                            measureEvent(MotionEvent& event, int points) const;
 
 	const HeatSettings*   settings_;
 	PointFields::Handle   handle_;
 	std::array<double*, D> before_ {}, displacement_ {}, velocity_ {};
 	const double *        mass_ = nullptr, *volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
-	std::vector<Extremes> partial_;
+	std::vector<double> partial_; ///< by strip
 	/// By cell: momentum [kg m/s] and mass [kg] of its points.
 	std::vector<std::array<double, D + 1>> cellMotion_;
 };
