@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The composed step: effects, free fall, balances, determinism, checkpoints, refusals.
+#include "groundState.hpp"
+
 #include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
@@ -102,23 +104,6 @@ Ground<2> busyScene(int parallelFrom = 4000, VelocityTransfer transfer = Velocit
 	});
 	ground.initialise();
 	return ground;
-}
-
-std::vector<std::vector<char>> copyOf(const std::vector<StateArray>& state)
-{
-	std::vector<std::vector<char>> copy;
-	for (const StateArray& a : state)
-		copy.emplace_back(static_cast<char*>(a.data), static_cast<char*>(a.data) + a.bytes);
-	return copy;
-}
-
-long differingBytes(const std::vector<std::vector<char>>& a, const std::vector<StateArray>& b)
-{
-	long different = 0;
-	for (std::size_t k = 0; k < a.size(); ++k)
-		for (std::size_t i = 0; i < a[k].size(); ++i)
-			different += a[k][i] != static_cast<char*>(b[k].data)[i];
-	return different;
 }
 
 std::string refusal(const std::function<void()>& action)
