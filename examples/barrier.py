@@ -122,7 +122,14 @@ print(f"force on both bodies at rest over the weight, less one: {offWeight:.1e}"
 draw(record, folder / "barrier.png")
 output.writeSummary(
 	folder / "summary.json",
-	**{"preset": options.preset, "points": mpm.pointCount, "peak force [N/m]": peak, "force at rest [N/m]": record.forces[-1][1][0], "momentum closure [-]": closure, "weight error at rest [-]": offWeight},
+	**{
+		"preset": options.preset,
+		"points": mpm.pointCount,
+		"peak force [N/m]": peak,
+		"force at rest [N/m]": record.forces[-1][1][0],
+		"momentum closure [-]": closure,
+		"weight error at rest [-]": offWeight,
+	},
 )
 if closure > 1e-11 or offWeight > 0.01:
 	raise SystemExit("the balance of momentum or of weight is worse than it should be")

@@ -127,7 +127,14 @@ print(f"settlement {-1e3 * frozenSettlement:.1f} mm frozen, {-1e3 * settlement:.
 draw(record, weight, folder / "footing_on_thawing_ground.png")
 output.writeSummary(
 	folder / "summary.json",
-	**{"preset": options.preset, "weight [N/m]": weight, "carried, frozen [-]": frozen, "carried, thawed [-]": thawed, "settlement [m]": -settlement, "thawed depth [m]": record.rows[-1][3]},
+	**{
+		"preset": options.preset,
+		"weight [N/m]": weight,
+		"carried, frozen [-]": frozen,
+		"carried, thawed [-]": thawed,
+		"settlement [m]": -settlement,
+		"thawed depth [m]": record.rows[-1][3],
+	},
 )
 if abs(frozen - 1) > 0.01 or abs(thawed - 1) > 0.01:
 	raise SystemExit("the ground does not carry the weight of the footing within 1 %")

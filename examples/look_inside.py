@@ -35,7 +35,9 @@ mpm = MpmEngine(
 	heat=HeatTransfer(thermalTimeScale=8.64e5),
 	freezing=FreezingCurve(),
 	boundaries=[
-		RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom"),
+		RollerBoundary(region="left"),
+		RollerBoundary(region="right"),
+		FixedBoundary(region="bottom"),
 		SurfaceTemperature(region="surface", times=[0, 5 * talik.day], values=[-2, 10]),
 	],
 )
@@ -70,5 +72,7 @@ plots.bondHistory(fig.add_subplot(grid[1, 0]), past["deviatoricStrain"], past["b
 picture = plots.save(fig, folder / "look_inside.png", dpi=80)
 
 output.ParaViewSeries(mpm, folder).write()
-output.writeSummary(folder / "summary.json", A=A, B=B, time=mpm.time, **{name: int(np.nansum(mpm.field(name))) for name in ("bondsIntact", "bondsBroken", "bondsMelted")})
+output.writeSummary(
+	folder / "summary.json", A=A, B=B, time=mpm.time, **{name: int(np.nansum(mpm.field(name))) for name in ("bondsIntact", "bondsBroken", "bondsMelted")}
+)
 print(f"A is point {A}, B point {B}; {picture}, ParaView files and both samples as YADE scenes are in {folder}")

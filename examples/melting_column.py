@@ -100,7 +100,11 @@ def freeze(layers):
 	for material in layers:
 		material.iceSaturation = 1.0
 	O.step()
-	for functor, attribute, value in (("geometry", "interactionDetectionFactor", 1), ("bounds", "aabbEnlargeFactor", 1), ("contactModel", "bondNewContacts", False)):
+	for functor, attribute, value in (
+		("geometry", "interactionDetectionFactor", 1),
+		("bounds", "aabbEnlargeFactor", 1),
+		("contactModel", "bondNewContacts", False),
+	):
 		setattr(_labelled(functor), attribute, value)
 
 
@@ -177,7 +181,7 @@ column = presets[options.preset]
 
 record, torn = run(column)
 weight = (column.layers - 1) * O.bodies[0].state.mass * 9.81
-strength = (load + weight) / radius ** 2
+strength = (load + weight) / radius**2
 expected = math.sqrt(1 - math.sqrt(1 - (strength - 1e6) / 50e6))
 print(f"{'time [ms]':>10} {'ceiling S_i':>12} {'intact':>7} {'broken':>7} {'melted':>7} {'length [mm]':>12}")
 for k in range(0, len(record["time"]), max(1, len(record["time"]) // 20)):
@@ -188,5 +192,8 @@ for k in range(0, len(record["time"]), max(1, len(record["time"]) // 20)):
 print(f"first bond broke at S_i = {torn:.4f} of the ceiling; closed form C(S_i) R^2 = P: {expected:.4f}")
 draw(record, folder / "melting_column.png")
 np.savez(folder / "record.npz", **record)
-output.writeSummary(folder / "summary.json", **{"S_i at failure": torn, "S_i closed form": expected, "bonds": int(record["intact"][0]), "bonds intact at the end": int(record["intact"][-1])})
+output.writeSummary(
+	folder / "summary.json",
+	**{"S_i at failure": torn, "S_i closed form": expected, "bonds": int(record["intact"][0]), "bonds intact at the end": int(record["intact"][-1])},
+)
 print(f"picture, record and summary are in {folder}")

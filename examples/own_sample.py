@@ -72,7 +72,9 @@ def ownScene(law, grains, addGrains=addDiscs):
 		cloud = pack.SpherePack()
 		cloud.makeCloud(Vector3(0, 0, radius), Vector3(side, side, radius), rMean=radius, rRelFuzz=0.3, num=grains, periodic=True, seed=1)
 		addGrains(cloud)
-		triax = wrapper.PeriTriaxController(goal=(-pressure, -pressure, 0), stressMask=3, dynCell=True, mass=0.2, maxStrainRate=(3, 3, 0), maxUnbalanced=1e9, relStressTol=1e-2)
+		triax = wrapper.PeriTriaxController(
+			goal=(-pressure, -pressure, 0), stressMask=3, dynCell=True, mass=0.2, maxStrainRate=(3, 3, 0), maxUnbalanced=1e9, relStressTol=1e-2
+		)
 		O.engines = [
 			wrapper.ForceResetter(),
 			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),
@@ -122,7 +124,11 @@ def bank(scene, spacing, endTime):
 	"""A vertical bank, 1 m high; nothing else than its samples decides whether it stands."""
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=spacing, lower=(0, 0), upper=(4, 2), gravity=(0, -9.81), damping=0.1,
+		gridSpacing=spacing,
+		lower=(0, 0),
+		upper=(4, 2),
+		gravity=(0, -9.81),
+		damping=0.1,
 		skeleton=wrapper.RveSkeleton(scenes=[scene], strainTolerance=1e-4, maxInertialNumber=2e-2),  # coarse, to be seen within a minute
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
 	)
@@ -140,7 +146,12 @@ def drawBank(axes, mpm, title, widest):
 
 def summaryOf(mpm):
 	moved, counters = np.linalg.norm(mpm.field("displacement"), axis=1), mpm.skeleton.counters
-	return {"displacement [m]": moved.max(), "calls": counters["calls"], "DEM steps": counters["steps"], "seconds per call": counters["seconds"] / max(counters["calls"], 1)}
+	return {
+		"displacement [m]": moved.max(),
+		"calls": counters["calls"],
+		"DEM steps": counters["steps"],
+		"seconds per call": counters["seconds"] / max(counters["calls"], 1),
+	}
 
 
 def draw(banks, file):
@@ -152,7 +163,9 @@ def draw(banks, file):
 		with mpm.inspect(mpm.pick(1.4, 0.1)):
 			sample = packing.sampleArrays()
 		drawBank(above, mpm, f"{name}, {mpm.time:.2g} s", widest)
-		plots.sampleForces(below, sample, widest=4, legend=False).set_title(f"sample at the toe, widest force {np.abs(sample['normalForce']).max(initial=0):.2g} N")
+		plots.sampleForces(below, sample, widest=4, legend=False).set_title(
+			f"sample at the toe, widest force {np.abs(sample['normalForce']).max(initial=0):.2g} N"
+		)
 	return plots.save(fig, file, dpi=80)
 
 
@@ -169,7 +182,11 @@ def main():
 	for name, law in {"cohesive-frictional": cohesive, "Hertz-Mindlin": hertzMindlin}.items():
 		banks[name] = bank(ownScene(law, grains), spacing, endTime)
 		summary[name] = its = summaryOf(banks[name])
-		print(f"{name}: largest displacement {its['displacement [m]']:.3f} m after {endTime:.2f} s; {its['calls']} calls of {its['DEM steps'] / max(its['calls'], 1):.0f} DEM steps, {banks[name].skeleton.counters['form']}, {1e3 * its['seconds per call']:.2f} ms each")
+		print(
+			f"{name}: largest displacement {its['displacement [m]']:.3f} m after {endTime:.2f} s; {its['calls']} calls of "
+			f"{its['DEM steps'] / max(its['calls'], 1):.0f} DEM steps, {banks[name].skeleton.counters['form']}, "
+			f"{1e3 * its['seconds per call']:.2f} ms each"
+		)
 	draw(banks, folder / "own_sample.png")
 	output.writeSummary(
 		folder / "summary.json",

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from yade import O, wrapper
 
-import talik
+import talik  # noqa: F401: loads the plugin
 from talik import geometry, output, plots, weather
 from talik.files import writableFolder
 

@@ -64,9 +64,9 @@ namespace {
 
 	template <class Class, class T> std::string getterViolation(const char* className, const char* attribute, T Class::*member)
 	{
-		py::object cls    = py::import("yade.wrapper").attr(className);
-		py::object getter = py::object(cls.attr("__dict__"))[attribute].attr("fget");
-		const auto* impl  = implementation(getter);
+		py::object  cls    = py::import("yade.wrapper").attr(className);
+		py::object  getter = py::object(cls.attr("__dict__"))[attribute].attr("fget");
+		const auto* impl   = implementation(getter);
 		if (typeName(typeid(*impl)).find(typeName(typeid(py::detail::member<T, Class>))) == std::string::npos)
 			return "is not of type " + typeName(typeid(T));
 		long actual, expected;
@@ -79,7 +79,7 @@ namespace {
 
 	std::string sizeViolation(const char* className, std::size_t expected)
 	{
-		expected = overriddenOffset(std::string(className) + ".size", expected);
+		expected                 = overriddenOffset(std::string(className) + ".size", expected);
 		const std::string name   = "CreatePureCustom" + std::string(className);
 		const auto        create = reinterpret_cast<void* (*)()>(dlsym(RTLD_DEFAULT, ("_ZN4yade" + std::to_string(name.size()) + name + "Ev").c_str()));
 		if (!create) return "cannot be found";
@@ -109,19 +109,17 @@ namespace {
 		return "is not entry " + std::to_string(slot) + " of the virtual table";
 	}
 
-#define MEMBER(Class, attribute)                                                                                               \
-	{                                                                                                                      \
-		#Class "." #attribute, [] { return getterViolation(#Class, #attribute, &yade::Class::attribute); }             \
+#define MEMBER(Class, attribute)                                                                                   \
+	{                                                                                                          \
+#Class "." #attribute, [] { return getterViolation(#Class, #attribute, &yade::Class::attribute); } \
 	}
-#define SIZE(Class)                                                                                                            \
-	{                                                                                                                      \
-		#Class ".size", [] { return sizeViolation(#Class, sizeof(yade::Class)); }                                      \
+#define SIZE(Class)                                                                       \
+	{                                                                                 \
+#Class ".size", [] { return sizeViolation(#Class, sizeof(yade::Class)); } \
 	}
-#define VIRTUAL(Class, lengthAndName, method, signature)                                                                       \
-	{                                                                                                                      \
-		#Class "." #method "()", [] {                                                                                  \
-			return slotViolation("_ZTVN4yade" lengthAndName "E", "_ZN" signature, slotOf(&yade::Class::method));   \
-		}                                                                                                              \
+#define VIRTUAL(Class, lengthAndName, method, signature)                                                                                             \
+	{                                                                                                                                            \
+#Class "." #method "()", [] { return slotViolation("_ZTVN4yade" lengthAndName "E", "_ZN" signature, slotOf(&yade::Class::method)); } \
 	}
 
 	/// What the compiled code touches. ("K" in a signature: const member function.)
@@ -129,25 +127,90 @@ namespace {
 	{
 		using namespace yade;
 		return {
-			SIZE(Engine),        SIZE(GlobalEngine), SIZE(Functor),  SIZE(IPhysFunctor), SIZE(LawFunctor), SIZE(GlIPhysFunctor),
-			SIZE(State),         SIZE(Body),         SIZE(Material), SIZE(FrictMat),     SIZE(Shape),      SIZE(Sphere),
-			SIZE(Interaction),   SIZE(NormPhys),     SIZE(FrictPhys), SIZE(ScGeom),      SIZE(Cell),       SIZE(Scene),
-			SIZE(BodyContainer), SIZE(InteractionContainer), SIZE(Wall), SIZE(Box), SIZE(Facet), SIZE(TimeStepper), SIZE(Collider),
-			MEMBER(Engine, dead), MEMBER(Engine, ompThreads), MEMBER(Engine, label), MEMBER(Functor, label),
-			MEMBER(Material, density), MEMBER(Material, label), MEMBER(ElastMat, young), MEMBER(ElastMat, poisson), MEMBER(FrictMat, frictionAngle),
-			MEMBER(State, vel), MEMBER(State, mass), MEMBER(State, angVel), MEMBER(State, inertia), MEMBER(State, refPos),
-			MEMBER(State, isDamped), MEMBER(State, densityScaling),
-			MEMBER(Body, id), MEMBER(Body, material), MEMBER(Body, state), MEMBER(Body, shape), MEMBER(Body, bound), MEMBER(Body, clumpId),
-			MEMBER(Body, groupMask), MEMBER(Wall, sense), MEMBER(Wall, axis), MEMBER(Box, extents), MEMBER(Facet, vertices), MEMBER(TimeStepper, active), MEMBER(Collider, avoidSelfInteractionMask),
-			MEMBER(Sphere, radius), MEMBER(Shape, color), MEMBER(Interaction, id1), MEMBER(Interaction, id2),
-			MEMBER(Interaction, geom), MEMBER(Interaction, phys), MEMBER(Interaction, cellDist), MEMBER(Interaction, iterMadeReal),
-			MEMBER(GenericSpheresContact, normal), MEMBER(GenericSpheresContact, contactPoint),
-			MEMBER(ScGeom, penetrationDepth), MEMBER(ScGeom, shearInc),
-			MEMBER(NormPhys, kn), MEMBER(NormPhys, normalForce), MEMBER(NormShearPhys, ks), MEMBER(NormShearPhys, shearForce),
+			SIZE(Engine),
+			SIZE(GlobalEngine),
+			SIZE(Functor),
+			SIZE(IPhysFunctor),
+			SIZE(LawFunctor),
+			SIZE(GlIPhysFunctor),
+			SIZE(State),
+			SIZE(Body),
+			SIZE(Material),
+			SIZE(FrictMat),
+			SIZE(Shape),
+			SIZE(Sphere),
+			SIZE(Interaction),
+			SIZE(NormPhys),
+			SIZE(FrictPhys),
+			SIZE(ScGeom),
+			SIZE(Cell),
+			SIZE(Scene),
+			SIZE(BodyContainer),
+			SIZE(InteractionContainer),
+			SIZE(Wall),
+			SIZE(Box),
+			SIZE(Facet),
+			SIZE(TimeStepper),
+			SIZE(Collider),
+			MEMBER(Engine, dead),
+			MEMBER(Engine, ompThreads),
+			MEMBER(Engine, label),
+			MEMBER(Functor, label),
+			MEMBER(Material, density),
+			MEMBER(Material, label),
+			MEMBER(ElastMat, young),
+			MEMBER(ElastMat, poisson),
+			MEMBER(FrictMat, frictionAngle),
+			MEMBER(State, vel),
+			MEMBER(State, mass),
+			MEMBER(State, angVel),
+			MEMBER(State, inertia),
+			MEMBER(State, refPos),
+			MEMBER(State, isDamped),
+			MEMBER(State, densityScaling),
+			MEMBER(Body, id),
+			MEMBER(Body, material),
+			MEMBER(Body, state),
+			MEMBER(Body, shape),
+			MEMBER(Body, bound),
+			MEMBER(Body, clumpId),
+			MEMBER(Body, groupMask),
+			MEMBER(Wall, sense),
+			MEMBER(Wall, axis),
+			MEMBER(Box, extents),
+			MEMBER(Facet, vertices),
+			MEMBER(TimeStepper, active),
+			MEMBER(Collider, avoidSelfInteractionMask),
+			MEMBER(Sphere, radius),
+			MEMBER(Shape, color),
+			MEMBER(Interaction, id1),
+			MEMBER(Interaction, id2),
+			MEMBER(Interaction, geom),
+			MEMBER(Interaction, phys),
+			MEMBER(Interaction, cellDist),
+			MEMBER(Interaction, iterMadeReal),
+			MEMBER(GenericSpheresContact, normal),
+			MEMBER(GenericSpheresContact, contactPoint),
+			MEMBER(ScGeom, penetrationDepth),
+			MEMBER(ScGeom, shearInc),
+			MEMBER(NormPhys, kn),
+			MEMBER(NormPhys, normalForce),
+			MEMBER(NormShearPhys, ks),
+			MEMBER(NormShearPhys, shearForce),
 			MEMBER(FrictPhys, tangensOfFrictionAngle),
-			MEMBER(Cell, refHSize), MEMBER(Cell, prevHSize), MEMBER(Cell, nextVelGrad), MEMBER(Cell, prevVelGrad), MEMBER(Cell, homoDeform),
-			MEMBER(Scene, dt), MEMBER(Scene, iter), MEMBER(Scene, time), MEMBER(Scene, isPeriodic), MEMBER(Scene, stopAtIter),
-			MEMBER(Scene, trackEnergy), MEMBER(Scene, selectedBody), MEMBER(Scene, tags),
+			MEMBER(Cell, refHSize),
+			MEMBER(Cell, prevHSize),
+			MEMBER(Cell, nextVelGrad),
+			MEMBER(Cell, prevVelGrad),
+			MEMBER(Cell, homoDeform),
+			MEMBER(Scene, dt),
+			MEMBER(Scene, iter),
+			MEMBER(Scene, time),
+			MEMBER(Scene, isPeriodic),
+			MEMBER(Scene, stopAtIter),
+			MEMBER(Scene, trackEnergy),
+			MEMBER(Scene, selectedBody),
+			MEMBER(Scene, tags),
 			VIRTUAL(Engine, "6Engine", isActivated, "4yade6Engine11isActivatedEv"),
 			VIRTUAL(Engine, "6Engine", action, "4yade6Engine6actionEv"),
 			VIRTUAL(Serializable, "12Serializable", pyRegisterClass, "4yade12Serializable15pyRegisterClassEN5boost6python3api6objectE"),
@@ -172,8 +235,8 @@ std::string interfaceMismatch()
 	for (const auto& expectation : expectations()) {
 		const std::string violation = expectation.violation();
 		if (violation.empty()) continue;
-		return "This YADE (" + yadeVersion() + ") differs from " TALIK_YADE_VERSION ", for which Talik was built: " + expectation.subject + " " + violation
-		        + ". Install Debian's package yade " TALIK_YADE_VERSION ", or rebuild Talik for this YADE.";
+		return "This YADE (" + yadeVersion() + ") differs from " TALIK_YADE_VERSION ", for which Talik was built: " + expectation.subject + " "
+		        + violation + ". Install Debian's package yade " TALIK_YADE_VERSION ", or rebuild Talik for this YADE.";
 	}
 	return "";
 }

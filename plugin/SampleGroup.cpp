@@ -2,8 +2,8 @@
 #include "SampleGroup.hpp"
 
 #include <pkg/multiscale/RveSample.hpp>
-#include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/open/StepGate.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
 
 namespace py = boost::python;
 
@@ -68,11 +68,11 @@ namespace {
 		}
 
 	private:
-		double                              iceSaturation;
-		SamplePool<2>                       pool;
-		PackedUpdateOptions                 options;
-		std::vector<PackedRequest<2>>       requests;
-		std::vector<PackedUpdateResult<2>>  results;
+		double                             iceSaturation;
+		SamplePool<2>                      pool;
+		PackedUpdateOptions                options;
+		std::vector<PackedRequest<2>>      requests;
+		std::vector<PackedUpdateResult<2>> results;
 	};
 
 } // namespace
@@ -84,9 +84,7 @@ void exposeSampleGroup()
 	        "Many copies of an RveSample, each with a history of its own: what stands behind the points of a slope, without the ground. "
 	        "SampleGroup(sample, copies).",
 	        py::init<const yade::RveSample&, std::size_t>((py::arg("sample"), py::arg("copies"))))
-	        .def("apply",
-	             &SampleGroup::apply,
-	             (py::arg("displacementGradient"), py::arg("steps") = 0, py::arg("tangent") = false, py::arg("threads") = 1),
+	        .def("apply", &SampleGroup::apply, (py::arg("displacementGradient"), py::arg("steps") = 0, py::arg("tangent") = false, py::arg("threads") = 1),
 	             "Apply the same displacement gradient (3x3, in-plane part) to each, one after the other, at constant ice saturation. "
 	             "steps: moving DEM steps, 0: as the limits of the sample say. Returns the number of all DEM steps. RuntimeError on blow-up.")
 	        .def("stress", &SampleGroup::stress, py::arg("sample"), "(xx, yy, xy) [Pa], tension positive, that the last apply() returned for a sample.")

@@ -3,16 +3,16 @@
 #include "InterfaceCheck.hpp"
 #include "SampleGroup.hpp"
 
+#include <boost/python/numpy.hpp>
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
-#include <boost/python/numpy.hpp>
+#include <omp.h>
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/rve/open/RunningScene.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/open/StepGate.hpp>
-#include <omp.h>
 #include <sstream>
 
 TALIK_STOCK_POINTER(yade::Serializable, pointer_iserializer, binary_iarchive)
@@ -22,7 +22,6 @@ namespace py = boost::python;
 using namespace yade;
 
 namespace talik {
-
 
 namespace {
 
@@ -96,7 +95,7 @@ namespace {
 	{
 		refuseWhileRunning("Changing the current scene");
 		if (!scene) raise(PyExc_ValueError, "exchangeScene: the scene is None; give a Scene.");
-		Omega& omega = Omega::instance();
+		Omega&                      omega = Omega::instance();
 		std::lock_guard<std::mutex> undrawn(omega.renderMutex);
 		const shared_ptr<Scene>     former = omega.getScene();
 		omega.setScene(scene);
@@ -108,7 +107,9 @@ namespace {
 	{
 		if (!scene) raise(PyExc_ValueError, "refuseFewerThreads: the scene is None; give a Scene.");
 		if (scene->forces.getNumAllocatedThreads() >= omp_get_max_threads()) return;
-		raise(PyExc_RuntimeError, "The scene was made to be stepped by fewer threads than O has: show a copy, as OpenRveSample.open() or RveSkeleton.scene(id) give it, or start yade with -j1.");
+		raise(PyExc_RuntimeError,
+		      "The scene was made to be stepped by fewer threads than O has: show a copy, as OpenRveSample.open() or RveSkeleton.scene(id) give it, or "
+		      "start yade with -j1.");
 	}
 
 	/// Everything that YADE saves of a scene: equal bytes mean that nothing was done to it.
@@ -210,30 +211,51 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("registerClasses", registerClasses,
 	        "Check that the running YADE is the one this module was built for, register our classes into it and return the names of "
 	        "all of them. ImportError when YADE differs.");
-	py::def("ownClasses", +[] {
-		py::list names;
-		for (const auto& name : checkpointClasses())
-			names.append(name);
-		return names;
-	}, "Names of our classes.");
+	py::def(
+	        "ownClasses",
+	        +[] {
+		        py::list names;
+		        for (const auto& name : checkpointClasses())
+			        names.append(name);
+		        return names;
+	        },
+	        "Names of our classes.");
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
-	py::def("sameObject", +[](const shared_ptr<Serializable>& first, const shared_ptr<Serializable>& second) { return first == second; },
+	py::def(
+	        "sameObject", +[](const shared_ptr<Serializable>& first, const shared_ptr<Serializable>& second) { return first == second; },
 	        (py::arg("first"), py::arg("second")), "True if both are the same C++ object: Python may hold it by several names.");
 	py::def("refuseFewerThreads", refuseFewerThreads, py::arg("scene"), "RuntimeError if O could not run a Scene with all of its threads.");
 	py::def("sceneBytes", sceneBytes, py::arg("scene"), "Everything that YADE saves of a Scene, as bytes.");
-	py::def("timeStepForIce", +[](const shared_ptr<Scene>& scene) { return timeStepForIce(*scene); }, py::arg("scene"), "Time step [s] with which a Scene stays stable when full ice saturation stiffens its contacts: its own, lowered where it is too long.");
+	py::def(
+	        "timeStepForIce", +[](const shared_ptr<Scene>& scene) { return timeStepForIce(*scene); }, py::arg("scene"),
+	        "Time step [s] with which a Scene stays stable when full ice saturation stiffens its contacts: its own, lowered where it is too long.");
 	py::def("objectToBytes", objectToBytes, py::arg("object"), "An object of YADE or Talik with all that it holds, as bytes.");
 	py::def("objectFromBytes", objectFromBytes, py::arg("bytes"), "The object back. Only for bytes that are known to be whole.");
-	py::def("readScene", readScene, (py::arg("content"), py::arg("xml")), "The Scene in the bytes of a file of O.save, unpacked; O is left alone, and no label is made a name.");
-	py::def("setSceneFile", +[](const std::string& file) { Omega::instance().sceneFile = file; }, py::arg("file"), "The name of the file that O.reload reads, as O.save and O.load set it.");
+	py::def("readScene", readScene, (py::arg("content"), py::arg("xml")),
+	        "The Scene in the bytes of a file of O.save, unpacked; O is left alone, and no label is made a name.");
+	py::def(
+	        "setSceneFile", +[](const std::string& file) { Omega::instance().sceneFile = file; }, py::arg("file"),
+	        "The name of the file that O.reload reads, as O.save and O.load set it.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");
-	py::def("runSerially", runSerially, py::arg("steps"), "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
-	py::def("refuseToAbort", +[] { refuseToAbort(*Omega::instance().getScene()); }, "RuntimeError if the next step would end the process on an assert of stock YADE: bodies without material or state, cells shorter than bodies, contacts without functor.");
-	py::def("callAsStep", callAsStep, py::arg("step"), "Call *step*, a function that advances the current scene in the calling thread; stepUnderWay() is True meanwhile.");
-	py::def("callBetweenSteps", callBetweenSteps, (py::arg("function"), py::arg("positional"), py::arg("named")), "function(*positional, **named) while no engine of ours is at work: waits for the end of its step, and lets the next one wait.");
-	py::def("setRunWaitedFor", +[](bool waited) { MpmEngine::runWaitedFor = waited; }, py::arg("waited"), "Whether Python waits for the end of the run and takes its error, which YADE need not log then.");
-	py::def("stepUnderWay", +[] { return stepsUnderWay > 0; }, "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
-	py::def("renewRenderer", renewRenderer, py::arg("renderer"), "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
+	py::def("runSerially", runSerially, py::arg("steps"),
+	        "Advance the current scene in the calling thread and with one thread: same bits whatever yade -j says. Refused while O runs.");
+	py::def(
+	        "refuseToAbort", +[] { refuseToAbort(*Omega::instance().getScene()); },
+	        "RuntimeError if the next step would end the process on an assert of stock YADE: bodies without material or state, cells shorter than bodies, "
+	        "contacts without functor.");
+	py::def("callAsStep", callAsStep, py::arg("step"),
+	        "Call *step*, a function that advances the current scene in the calling thread; stepUnderWay() is True meanwhile.");
+	py::def("callBetweenSteps", callBetweenSteps, (py::arg("function"), py::arg("positional"), py::arg("named")),
+	        "function(*positional, **named) while no engine of ours is at work: waits for the end of its step, and lets the next one wait.");
+	py::def(
+	        "setRunWaitedFor", +[](bool waited) { MpmEngine::runWaitedFor = waited; }, py::arg("waited"),
+	        "Whether Python waits for the end of the run and takes its error, which YADE need not log then.");
+	py::def(
+	        "stepUnderWay", +[] { return stepsUnderWay > 0; },
+	        "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
+	py::def("renewRenderer", renewRenderer, py::arg("renderer"),
+	        "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
 	exposeSampleGroup();
-	py::def("currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");
+	py::def(
+	        "currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");
 }

@@ -17,7 +17,7 @@ def readMap(file):
 	"""Title, labels of x, y and value, and the columns x, y, value, held."""
 	lines = file.read_text().splitlines()
 	labels = [line[2:] for line in lines if line.startswith("# ")]
-	return labels, np.loadtxt(lines[len(labels) + 1:], delimiter=",", ndmin=2)
+	return labels, np.loadtxt(lines[len(labels) + 1 :], delimiter=",", ndmin=2)
 
 
 def cellEdges(values):

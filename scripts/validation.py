@@ -139,7 +139,7 @@ def draw(folder):
 	pyplot.rcParams.update({"font.size": 6})
 	figure, grid = pyplot.subplots(rows, columns, figsize=(12, 2.4 * rows), squeeze=False)
 	figure.subplots_adjust(left=0.05, right=0.99, bottom=0.15 / rows, top=1 - 0.35 / rows, wspace=0.25, hspace=0.45)
-	for axes in grid.flat[len(files):]:
+	for axes in grid.flat[len(files) :]:
 		axes.axis("off")
 	for axes, file in zip(grid.flat, files):
 		drawCurve(axes, file, small=True)

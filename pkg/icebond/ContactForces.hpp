@@ -36,9 +36,9 @@ namespace HWY_NAMESPACE {
 	HWY_INLINE double IfThenElse(bool condition, double yes, double no) { return condition ? yes : no; }
 
 	/// Zero of the kind of `number`, and whether a condition on such numbers holds in some lane.
-	HWY_INLINE double zeroLike(double) { return 0; }
-	HWY_INLINE bool   holdsSomewhere(double, bool condition) { return condition; }
-	template <class Vector> HWY_INLINE Vector zeroLike(Vector) { return hwy::HWY_NAMESPACE::Zero(hwy::HWY_NAMESPACE::DFromV<Vector>()); }
+	HWY_INLINE double                                   zeroLike(double) { return 0; }
+	HWY_INLINE bool                                     holdsSomewhere(double, bool condition) { return condition; }
+	template <class Vector> HWY_INLINE Vector           zeroLike(Vector) { return hwy::HWY_NAMESPACE::Zero(hwy::HWY_NAMESPACE::DFromV<Vector>()); }
 	template <class Vector, class Mask> HWY_INLINE bool holdsSomewhere(Vector, Mask condition)
 	{
 		return !hwy::HWY_NAMESPACE::AllFalse(hwy::HWY_NAMESPACE::DFromV<Vector>(), condition);
@@ -68,8 +68,8 @@ namespace HWY_NAMESPACE {
 
 	/// Contacts that have no bond; no force across a gap.
 	template <class Number, class Shear>
-	HWY_INLINE ContactForces<Number, Shear>
-	frictionalForces(const Number& stiffness, const Number& friction, const Number& overlap, const Shear& shear, const Shear& increment)
+	HWY_INLINE ContactForces<Number, Shear> frictionalForces(
+	        const Number& stiffness, const Number& friction, const Number& overlap, const Shear& shear, const Shear& increment)
 	{
 		ContactForces<Number, Shear> f;
 		f.overlap    = overlap;
@@ -95,12 +95,11 @@ namespace HWY_NAMESPACE {
 		const Number                 zero   = zeroLike(overlap);
 		const auto                   intact = Lt(contact.floor, zero);
 		ContactForces<Number, Shear> f;
-		f.overlap     = overlap;
-		f.increment   = increment;
-		f.trialNormal = Sub(Mul(contact.stiffness, overlap), contact.offset);
-		f.normal      = Max(f.trialNormal, contact.floor);
-		const Number limit
-		        = MulAdd(IfThenElse(intact, friction.bonded, friction.free), Max(f.trialNormal, zero), contact.cohesion);
+		f.overlap          = overlap;
+		f.increment        = increment;
+		f.trialNormal      = Sub(Mul(contact.stiffness, overlap), contact.offset);
+		f.normal           = Max(f.trialNormal, contact.floor);
+		const Number limit = MulAdd(IfThenElse(intact, friction.bonded, friction.free), Max(f.trialNormal, zero), contact.cohesion);
 		f.trialShear       = Sub(shear, increment);
 		f.shear            = limitedShear(f.trialShear, limit);
 		f.iceShear         = NegMulAdd(contact.iceShare, increment, iceShear);

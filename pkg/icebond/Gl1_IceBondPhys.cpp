@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <GL/gl.h>
 #include <algorithm>
 #include <core/Scene.hpp>
+#include <GL/gl.h>
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/Gl1_IceBondPhys.hpp>
 
@@ -34,7 +34,7 @@ namespace {
 	void drawRod(const Vector3r& start, const Vector3r& end, Real radius, int sides)
 	{
 		const Vector3r axis = (end - start).normalized();
-		const Vector3r u    = axis.unitOrthogonal(), v = axis.cross(u);
+		const Vector3r u = axis.unitOrthogonal(), v = axis.cross(u);
 		glBegin(GL_QUAD_STRIP);
 		for (int side = 0; side <= sides; side++) {
 			const Real     angle  = 2 * M_PI * side / sides;
@@ -53,7 +53,7 @@ namespace {
 		glVertex3d(end[0], end[1], end[2]);
 		glEnd();
 	}
-}
+} // namespace
 
 Real Gl1_IceBondPhys::radiusFor(const IceBondPhys& phys) const
 {
@@ -84,7 +84,7 @@ void Gl1_IceBondPhys::go(
 	if (!(branch.squaredNorm() > 0)) return;
 	if (!(maxRadius > 0)) maxRadius = 0.25 * std::min(geom->refR1, geom->refR2);
 
-	const Vector3r   start = wrapped(first->state->se3.position);
+	const Vector3r   start  = wrapped(first->state->se3.position);
 	const bool       intact = phys.bondState == int(talik::BondState::BONDED);
 	const PlainColor color(intact ? intactColor : frictionalColor, onTop);
 	if (wire) drawLine(start, start + branch);

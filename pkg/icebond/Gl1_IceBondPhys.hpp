@@ -17,7 +17,8 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_STATICATTRS(Gl1_IceBondPhys,GlIPhysFunctor,"Draws ice bonds in the 3-D view: intact bonds red, broken and frictional contacts black, rods as thick as the contact force. Switch on by yade.qt.Renderer().intrPhys=True. Example: Gl1_IceBondPhys.maxRadius=1e-3.",
+	YADE_CLASS_BASE_DOC_STATICATTRS(Gl1_IceBondPhys,GlIPhysFunctor,"Draws ice bonds in the 3-D view: intact bonds red, broken and frictional contacts black, "
+			"rods as thick as the contact force. Switch on by yade.qt.Renderer().intrPhys=True. Example: Gl1_IceBondPhys.maxRadius=1e-3.",
 		((Real,maxForce,0,,"Force that is drawn with maxRadius [N]; it grows to the largest force seen. Set to 0 to begin anew."))
 		((Real,maxRadius,0,,"Radius of the thickest rod [m]; 0: a quarter of the radius of the smaller grain of the contact drawn first."))
 		((Real,minFraction,0.1,,"Thinnest rod over the thickest [-], 0 to 1: unloaded bonds remain visible."))

@@ -24,7 +24,7 @@ namespace {
 	}
 
 	const IceBondMat& materialOf(const Body& body) { return static_cast<const IceBondMat&>(*body.material); }
-}
+} // namespace
 
 GrainSwelling::Rule GrainSwelling::rule() const
 {
@@ -46,10 +46,7 @@ void GrainSwelling::postLoad(GrainSwelling&)
 	        "give 0 to " + boost::lexical_cast<string>(full) + ", the value at which all of eq. (8) acts.");
 }
 
-Real GrainSwelling::equivalentRatio(Real iceSaturation) const
-{
-	return talik::equivalentRadiusRatio(porosity, volumetricStrain, iceSaturation, dimension);
-}
+Real GrainSwelling::equivalentRatio(Real iceSaturation) const { return talik::equivalentRadiusRatio(porosity, volumetricStrain, iceSaturation, dimension); }
 
 Real GrainSwelling::fullThawStrain() const { return (porosity + volumetricStrain) / (1 + volumetricStrain); }
 
@@ -91,10 +88,10 @@ bool GrainSwelling::followIce()
 		Body*   body   = (*scene->bodies)[id].get();
 		Sphere* sphere = sphereWithIce(body);
 		if (!sphere) continue;
-		auto&      material = static_cast<IceBondMat&>(*body->material);
-		const Real ratio    = radiusRatio(material.iceSaturation);
-		const Real radius   = preparedRadius[id] * ratio;
-		changed             = changed || radius != sphere->radius;
+		auto&      material  = static_cast<IceBondMat&>(*body->material);
+		const Real ratio     = radiusRatio(material.iceSaturation);
+		const Real radius    = preparedRadius[id] * ratio;
+		changed              = changed || radius != sphere->radius;
 		radiusBefore[id]     = sphere->radius;
 		sphere->radius       = radius;
 		material.radiusRatio = ratio;
@@ -110,7 +107,7 @@ void GrainSwelling::moveReferences() const
 	for (const auto& interaction : *scene->interactions) {
 		auto* phys = dynamic_cast<IceBondPhys*>(interaction->phys.get());
 		if (!phys) continue;
-		const std::size_t ids[] = { std::size_t(interaction->id1), std::size_t(interaction->id2) };
+		const std::size_t ids[]          = { std::size_t(interaction->id1), std::size_t(interaction->id2) };
 		Real              swellingBefore = 0, swellingNow = 0;
 		for (const auto id : ids) {
 			const Sphere* sphere = sphereWithIce((*scene->bodies)[id].get());

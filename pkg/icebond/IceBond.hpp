@@ -105,7 +105,8 @@ struct IceBond {
 	/// Ice grows (forces stay) or melts (melted ice drops its share), Yu & Zhao eqs (5)-(7) with the rule chosen.
 	template <class Shear>
 	void changeStiffness(
-	        const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
+	        const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear,
+	        StiffnessRule rule = StiffnessRule::parallel)
 	{
 		if (rule == StiffnessRule::secant) {
 			shear *= after.total() / before.total();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/icebond/IceBondMat.hpp>
 #include <cmath>
+#include <pkg/icebond/IceBondMat.hpp>
 #include <stdexcept>
 
 namespace yade {
@@ -30,7 +30,7 @@ namespace {
 		if (valid && std::isfinite(value)) return;
 		throw std::invalid_argument(string("IceBondMat.") + attribute + " is " + boost::lexical_cast<string>(value) + ": " + remedy);
 	}
-}
+} // namespace
 
 void IceBondMat::postLoad(IceBondMat&)
 {

@@ -17,26 +17,26 @@ enum class StiffnessRule : int { parallel = 0, forceContinuous = 1, secant = 2 }
 
 /// Ice-dependent stiffness and strength of a grain contact, Yu & Zhao eqs (5)-(7).
 struct IceBondModel {
-	double grainYoung       = 0.6e9;  ///< E_c0, contact modulus without ice [Pa], > 0
-	double iceYoung         = 3.0e9;  ///< Delta E, modulus added by full ice saturation [Pa], >= 0
-	double tensileStrength0 = 1.0e6;  ///< C_eta0, bond strength at vanishing ice saturation [Pa], >= 0
-	double tensileStrengthI = 50.0e6; ///< Delta C_eta, tensile strength added at full ice saturation [Pa], >= 0
-	double shearStrength0   = 1.0e6;  ///< C_tau0 [Pa], >= 0
-	double shearStrengthI   = 50.0e6; ///< Delta C_tau [Pa], >= 0
-	double exponent         = 2.0;    ///< m of eq. (7) [-], > 1
-	double bondAreaFactor   = 1.0;    ///< a_f: bond area is a_f R_min^2 [-], > 0
-	double meltSaturation   = 0.02;   ///< S_melt: at or below it every bond is gone [-]
-	double bondSaturation   = 0.05;   ///< S_bond: ice rising through it bonds every frictional contact in range [-], >= S_melt
-	double bondRange        = 0.05;   ///< largest gap that is bonded, in units of R_min [-]
-	double thawedStrength   = 0.;     ///< tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0; 0: it is gone then
-	bool cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
+	double grainYoung               = 0.6e9;  ///< E_c0, contact modulus without ice [Pa], > 0
+	double iceYoung                 = 3.0e9;  ///< Delta E, modulus added by full ice saturation [Pa], >= 0
+	double tensileStrength0         = 1.0e6;  ///< C_eta0, bond strength at vanishing ice saturation [Pa], >= 0
+	double tensileStrengthI         = 50.0e6; ///< Delta C_eta, tensile strength added at full ice saturation [Pa], >= 0
+	double shearStrength0           = 1.0e6;  ///< C_tau0 [Pa], >= 0
+	double shearStrengthI           = 50.0e6; ///< Delta C_tau [Pa], >= 0
+	double exponent                 = 2.0;    ///< m of eq. (7) [-], > 1
+	double bondAreaFactor           = 1.0;    ///< a_f: bond area is a_f R_min^2 [-], > 0
+	double meltSaturation           = 0.02;   ///< S_melt: at or below it every bond is gone [-]
+	double bondSaturation           = 0.05;   ///< S_bond: ice rising through it bonds every frictional contact in range [-], >= S_melt
+	double bondRange                = 0.05;   ///< largest gap that is bonded, in units of R_min [-]
+	double thawedStrength           = 0.; ///< tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0; 0: it is gone then
+	bool   cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
 
 	/// Of grains that no ice bonds or stiffens, whatever the ice saturation.
 	static IceBondModel none()
 	{
 		IceBondModel m;
 		m.iceYoung = m.tensileStrength0 = m.tensileStrengthI = m.shearStrength0 = m.shearStrengthI = 0;
-		m.bondSaturation = std::numeric_limits<double>::infinity();
+		m.bondSaturation                                                                           = std::numeric_limits<double>::infinity();
 		return m;
 	}
 	bool formsBondsEver() const { return bondSaturation <= 1; }
@@ -63,7 +63,7 @@ struct IceBondModel {
 		return iceSaturation <= meltSaturation ? thawedStrength : shearStrength0 + shearStrengthI * phi(iceSaturation);
 	}
 	double bondArea(double smallerRadius) const { return bondAreaFactor * smallerRadius * smallerRadius; }
-	bool melted(double iceSaturation) const { return iceSaturation <= meltSaturation; }
+	bool   melted(double iceSaturation) const { return iceSaturation <= meltSaturation; }
 	/// True when a change of ice saturation forms new bonds.
 	bool formsBonds(double before, double after) const { return before < bondSaturation && after >= bondSaturation; }
 };

@@ -26,7 +26,7 @@ namespace {
 		const Real growth = a.growth(contact->refR1) + b.growth(contact->refR2);
 		return std::min(std::max(contact->penetrationDepth, 0.), growth);
 	}
-}
+} // namespace
 
 void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& interaction)
 {

@@ -16,7 +16,8 @@ public:
 	talik::IceBond bond() const;
 	void           setBond(const talik::IceBond&);
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondPhys,FrictPhys,"Contact of two grains of :yref:`IceBondMat`: frictional, bonded by ice, or broken. Forces and overlaps are positive in compression. Example: [i.phys.bondState for i in O.interactions if i.isReal].",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondPhys,FrictPhys,"Contact of two grains of :yref:`IceBondMat`: frictional, bonded by ice, or broken. Forces and overlaps "
+			"are positive in compression. Example: [i.phys.bondState for i in O.interactions if i.isReal].",
 		((int,bondState,0,,"0: frictional, 1: intact ice bond, 2: bond broken mechanically (frictional until melted)."))
 		((Real,iceSaturation,0,,"Ice saturation that the contact has taken up [-]."))
 		((Real,grainStiffness,0,,"Normal stiffness without ice [N/m]."))
@@ -42,8 +43,12 @@ public:
 	virtual ~Ip2_IceBondMat_IceBondMat_IceBondPhys() {};
 	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(Ip2_IceBondMat_IceBondMat_IceBondPhys,IPhysFunctor,"Makes the :yref:`IceBondPhys` of a new contact: k_n = 2 E1 R1 E2 R2/(E1 R1 + E2 R2) without ice, k_s = poisson k_n, the smaller friction angle, bond area from the smaller radius. Contacts are born frictional; ice that rises through IceBondMat.bondSaturation bonds them. Example: InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond()]).",
-		((bool,bondNewContacts,false,,"Contacts that come into being are bonded at once, free of stress. To bond across gaps, let Ig2_Sphere_Sphere_ScGeom.interactionDetectionFactor and Bo1_Sphere_Aabb.aabbEnlargeFactor exceed 1 while this is set."))
+	YADE_CLASS_BASE_DOC_ATTRS(Ip2_IceBondMat_IceBondMat_IceBondPhys,IPhysFunctor,"Makes the :yref:`IceBondPhys` of a new contact: k_n = 2 E1 R1 E2 R2/(E1 R1 + "
+			"E2 R2) without ice, k_s = poisson k_n, the smaller friction angle, bond area from the smaller radius. Contacts are born frictional; ice that rises "
+			"through IceBondMat.bondSaturation bonds them. Example: "
+			"InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond()]).",
+		((bool,bondNewContacts,false,,"Contacts that come into being are bonded at once, free of stress. To bond across gaps, let "
+				"Ig2_Sphere_Sphere_ScGeom.interactionDetectionFactor and Bo1_Sphere_Aabb.aabbEnlargeFactor exceed 1 while this is set."))
 	);
 	// clang-format on
 	FUNCTOR2D(IceBondMat, IceBondMat);

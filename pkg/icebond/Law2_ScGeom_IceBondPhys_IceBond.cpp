@@ -64,9 +64,8 @@ void Law2_ScGeom_IceBondPhys_IceBond::meltBond(Contact& c)
 
 void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturation)
 {
-	const double before = c.phys.iceSaturation;
-	const bool   bondable
-	        = c.bond.state == BondState::NONE || (healBroken && c.bond.state == BondState::BROKEN);
+	const double before   = c.phys.iceSaturation;
+	const bool   bondable = c.bond.state == BondState::NONE || (healBroken && c.bond.state == BondState::BROKEN);
 	if (c.model.melted(iceSaturation)) {
 		if (c.bond.state != BondState::BONDED || !c.model.bondsOutlastIce()) meltBond(c);
 	} else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
@@ -91,18 +90,18 @@ void Law2_ScGeom_IceBondPhys_IceBond::countBroken()
 
 void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness& k)
 {
-	const double       friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
-	BondStrength       strength { 0, 0 };
+	const double friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
+	BondStrength strength { 0, 0 };
 	if (c.bond.intact()) strength = { c.model.tensileStrength(saturation) * area, c.model.shearStrength(saturation) * area };
-	const auto         contact = c.bond.response(k, strength, rule);
-	const auto         settle  = [&](bool, Forces& forces) {
-        if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces, rule) != BondFailure::none) countBroken();
+	const auto contact = c.bond.response(k, strength, rule);
+	const auto settle  = [&](bool, Forces& forces) {
+                if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces, rule) != BondFailure::none) countBroken();
 	};
 	c.geom.rotate(c.phys.shearForce);
 	c.geom.rotate(c.phys.iceShear);
 	const Vector3r increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
 	const Forces   f         = talik::HWY_NAMESPACE::bondedForces(
-            contact, { friction, c.model.cohesionDisablesFriction ? 0 : friction }, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, settle);
+	                  contact, { friction, c.model.cohesionDisablesFriction ? 0 : friction }, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, settle);
 	c.phys.normalForce = f.normal * c.geom.normal;
 	c.phys.shearForce  = f.shear;
 	c.phys.iceShear    = f.iceShear;
@@ -117,8 +116,8 @@ void Law2_ScGeom_IceBondPhys_IceBond::applyForces(const Contact& c, const Intera
 	scene->forces.addForce(id1, force);
 	scene->forces.addForce(id2, -force);
 	if (scene->isPeriodic || sphericalBodies) {
-		const double halfOverlap = 0.5 * c.geom.penetrationDepth;
-		const Vector3r moment    = c.geom.normal.cross(force);
+		const double   halfOverlap = 0.5 * c.geom.penetrationDepth;
+		const Vector3r moment      = c.geom.normal.cross(force);
 		scene->forces.addTorque(id1, (c.geom.radius1 - halfOverlap) * moment);
 		scene->forces.addTorque(id2, (c.geom.radius2 - halfOverlap) * moment);
 	} else {

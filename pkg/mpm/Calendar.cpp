@@ -12,8 +12,7 @@ template <int D>
 Calendar<D>::Calendar(PointFields& fields, const HeatSettings& settings)
         : settings_(&settings)
         , handle_(fields.declare("displacementBefore", "calendar", "m", D))
-{
-}
+{}
 
 template <int D> void Calendar<D>::bind(MaterialPoints<D>& points, const SolidMotion<D>& motion, const HeatTransfer<D>& heat)
 {
@@ -88,8 +87,7 @@ template <int D> double Calendar<D>::fastestCell(const Strips& strips, const Cel
 }
 
 template <int D>
-void Calendar<D>::measure(
-        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction)
+void Calendar<D>::measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction)
 {
 	partial_.assign(strips.count(), std::numeric_limits<double>::infinity());
 	strips.gather([&](int s, int first, int last) { partial_[s] = leastInertia(first, last); });
@@ -110,7 +108,7 @@ template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, d
 		if (!(state.speed > tolerance)) return;
 		state.moving = 1;
 		state.quiet = state.quietCalendar = 0.0;
-		state.event  = { state.time, 0.0, time, 0.0, 0.0, 0.0 };
+		state.event                       = { state.time, 0.0, time, 0.0, 0.0, 0.0 };
 		for (int a = 0; a < D; ++a)
 			std::copy_n(displacement_[a], points, before_[a]);
 		return;
@@ -135,7 +133,7 @@ template <int D> MotionEvent Calendar<D>::present(const CalendarState& state, do
 
 template <int D> void Calendar<D>::measureEvent(MotionEvent& event, int points) const
 {
-	const double least = settings_->eventDisplacement * settings_->eventDisplacement;
+	const double least   = settings_->eventDisplacement * settings_->eventDisplacement;
 	double       largest = 0.0;
 	for (int p = 0; p < points; ++p) {
 		double square = 0.0;

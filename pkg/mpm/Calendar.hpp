@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <array>
-#include <vector>
 #include <limits>
+#include <vector>
 
 namespace talik {
 
@@ -30,10 +30,10 @@ struct CalendarState {
 	double time  = 0.0; ///< of slow processes and boundary tables [s]
 	double scale = 1.0; ///< calendar time that passes per time of motion in this or the last step [-]
 	/// Speed of the fastest ground at the end of the last step [m/s], and how much calendar time one step may take for the sake of heat [s].
-	double      speed  = 0.0, reach = std::numeric_limits<double>::infinity();
-	long        moving = 0;   ///< an event goes on
-	double      quiet  = 0.0, quietCalendar = 0.0; ///< how long the ground has been slow in it [s of motion, of calendar time]
-	MotionEvent event;        ///< the one that goes on
+	double      speed = 0.0, reach = std::numeric_limits<double>::infinity();
+	long        moving = 0;                       ///< an event goes on
+	double      quiet = 0.0, quietCalendar = 0.0; ///< how long the ground has been slow in it [s of motion, of calendar time]
+	MotionEvent event;                            ///< the one that goes on
 };
 
 template <int D> class HeatTransfer;
@@ -69,11 +69,11 @@ private:
 	double                          fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
 	void                            measureEvent(MotionEvent& event, int points) const;
 
-	const HeatSettings*   settings_;
-	PointFields::Handle   handle_;
+	const HeatSettings*    settings_;
+	PointFields::Handle    handle_;
 	std::array<double*, D> before_ {}, displacement_ {}, velocity_ {};
-	const double *        mass_ = nullptr, *volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
-	std::vector<double> partial_; ///< by strip
+	const double *         mass_ = nullptr, *volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
+	std::vector<double>    partial_; ///< by strip
 	/// By cell: momentum [kg m/s] and mass [kg] of its points.
 	std::vector<std::array<double, D + 1>> cellMotion_;
 };

@@ -14,7 +14,25 @@ namespace talik {
 /// proportion. What one vector instruction does for two effects is counted for the first.
 class CostMeter {
 public:
-	enum Entry { sorting, motion, transfer, front, bodies, cells, heat, freezing, water, flows, surface, boundaries, record, ledger, calendar, limits, entries };
+	enum Entry {
+		sorting,
+		motion,
+		transfer,
+		front,
+		bodies,
+		cells,
+		heat,
+		freezing,
+		water,
+		flows,
+		surface,
+		boundaries,
+		record,
+		ledger,
+		calendar,
+		limits,
+		entries
+	};
 
 	using Moment = std::chrono::steady_clock::time_point;
 	static Moment now() { return std::chrono::steady_clock::now(); }
@@ -24,8 +42,7 @@ public:
 	public:
 		explicit Sample(std::array<double, entries>& sums)
 		        : sums_(sums)
-		{
-		}
+		{}
 		/// Before work that is always stamped.
 		void begin()
 		{
@@ -82,12 +99,16 @@ public:
 			seconds_[e] += pass * sums[e] / all;
 	}
 
-	double seconds(Entry e) const { return seconds_[e]; }
-	double secondsOfSkeleton(int k) const { return skeletons_[k]; }
+	double             seconds(Entry e) const { return seconds_[e]; }
+	double             secondsOfSkeleton(int k) const { return skeletons_[k]; }
 	static const char* nameOf(Entry e)
 	{
-		static constexpr const char* names[entries] = { "sorting", "motion", "transfer", "thaw front", "bodies", "cell averages", "heat", "freezing", "water", "conduction and pore pressure",
-			                                        "free surface", "boundaries", "deformation record", "energy ledger", "calendar", "time step limits" };
+		static constexpr const char* names[entries] = {
+			"sorting",         "motion",     "transfer",           "thaw front",    "bodies",
+			"cell averages",   "heat",       "freezing",           "water",         "conduction and pore pressure",
+			"free surface",    "boundaries", "deformation record", "energy ledger", "calendar",
+			"time step limits"
+		};
 		return names[e];
 	}
 

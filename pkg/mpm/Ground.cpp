@@ -6,8 +6,7 @@ namespace talik {
 template <int D>
 Ground<D>::Ground()
         : parts_(std::make_unique<Parts>())
-{
-}
+{}
 
 template <int D>
 Ground<D>::Ground(const GroundSettings<D>& settings)
@@ -16,8 +15,8 @@ Ground<D>::Ground(const GroundSettings<D>& settings)
 	parts_->settings = settings;
 }
 
-template <int D> Ground<D>::~Ground()                           = default;
-template <int D> Ground<D>::Ground(Ground&&) noexcept            = default;
+template <int D> Ground<D>::~Ground()                               = default;
+template <int D> Ground<D>::Ground(Ground&&) noexcept               = default;
 template <int D> Ground<D>& Ground<D>::operator=(Ground&&) noexcept = default;
 
 template <int D> GroundSettings<D>&       Ground<D>::settings() { return parts_->settings; }
@@ -42,8 +41,11 @@ template <int D> long   Ground<D>::steps() const { return parts_->clock.steps; }
 template <int D> double Ground<D>::dt() const { return parts_->clock.dt; }
 
 template <int D> const CalendarState& Ground<D>::calendar() const { return parts_->clock.calendar; }
-template <int D> double Ground<D>::seepageScale() const { return parts_->water ? parts_->water->scale : 1.0; }
-template <int D> double Ground<D>::largestConductivity() const { return parts_->water ? parts_->water->largestConductivity : std::numeric_limits<double>::infinity(); }
+template <int D> double               Ground<D>::seepageScale() const { return parts_->water ? parts_->water->scale : 1.0; }
+template <int D> double               Ground<D>::largestConductivity() const
+{
+	return parts_->water ? parts_->water->largestConductivity : std::numeric_limits<double>::infinity();
+}
 
 template <int D> void Ground<D>::setCalendar(double time)
 {
@@ -169,7 +171,7 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 
 template <int D> void Ground<D>::stateRestored()
 {
-	Parts& g = *parts_;
+	Parts& g         = *parts_;
 	g.contentSettled = false;
 	g.points->idsRestored();
 	g.afterReordering();

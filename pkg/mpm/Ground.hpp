@@ -43,9 +43,9 @@ public:
 	/// Advances by dt [s] > 0: all calls below in turn.
 	void step(double dt);
 	void beginStep(double dt);      ///< sets the length of the step, sorts points if needed
-	void p2g();               ///< mass, momentum, internal force, enthalpy (step 1)
+	void p2g();                     ///< mass, momentum, internal force, enthalpy (step 1)
 	void solveNodes();              ///< heat flows, temperature; nodal forces, node-implicit drag, seepage fluxes; boundaries (step 4)
-	void g2p();             ///< velocity, displacement, position, received heat and water (step 5)
+	void g2p();                     ///< velocity, displacement, position, received heat and water (step 5)
 	void updateStrainAndPressure(); ///< strain, volume, porosity, temperature, ice saturation, pore pressure (step 2 of the next cycle)
 	void updateEffectiveStress();   ///< asks the skeleton models (step 3 of the next cycle); ends the step
 
@@ -69,15 +69,15 @@ public:
 	long   steps() const; ///< done so far
 	/// Calendar time, scale of the last step, what the next one follows from; an event if one goes on.
 	const CalendarState& calendar() const;
-	double seepageScale() const; ///< f_H in the last step [-]; 1 without water
-	double largestConductivity() const; ///< up to which seepage is hastened [m/s], see PoreWater; infinite without water
+	double               seepageScale() const;        ///< f_H in the last step [-]; 1 without water
+	double               largestConductivity() const; ///< up to which seepage is hastened [m/s], see PoreWater; infinite without water
 	/// Between two steps: the calendar says this time [s] from now on, and events are counted anew.
 	void setCalendar(double time);
 	/// Events that ended so far, and the one that goes on as the last if there is one. Empty unless the scale follows the motion.
-	std::vector<MotionEvent> events() const;
+	std::vector<MotionEvent>        events() const;
 	const std::vector<MotionEvent>& endedEvents() const;
-	void setEndedEvents(const std::vector<MotionEvent>& events); ///< for a run that goes on
-	double dt() const;    ///< of the present or last step [s]
+	void                            setEndedEvents(const std::vector<MotionEvent>& events); ///< for a run that goes on
+	double                          dt() const;                                             ///< of the present or last step [s]
 
 	const Grid<D>&           grid() const;
 	MaterialPoints<D>&       points();

@@ -18,9 +18,9 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("stableTimeStep: the ground is not initialised");
-	const GroundSettings<D>& s = g.settings;
-	const double             h = g.grid.spacing();
-	const int                n = g.points->count();
+	const GroundSettings<D>& s      = g.settings;
+	const double             h      = g.grid.spacing();
+	const int                n      = g.points->count();
 	const double*            volume = g.points->volume();
 
 	g.cost.start();
@@ -52,15 +52,18 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 			double       c       = std::sqrt(modulus * volume[p] / g.motion->mass[p]);
 			double       v       = speed(g.motion->velocity, p);
 			if (g.water) {
-				const double  porosity = g.content->porosity[p];
-				const double  sl       = g.content->iceSaturation ? 1.0 - g.content->iceSaturation[p] : 1.0;
-				const double  t        = g.heat ? g.heat->temperature[p] : s.mixture.referenceTemperature;
-				const PressureCoefficients k = s.water->state.coefficients(s.mixture, { porosity, sl, 0.0, t });
-				c = largestWaveSpeed(s.mixture, VolumeFractions::of(porosity, sl), k, modulus);
-				v = std::max(v, speed(g.water->velocity, p));
+				const double               porosity = g.content->porosity[p];
+				const double               sl       = g.content->iceSaturation ? 1.0 - g.content->iceSaturation[p] : 1.0;
+				const double               t        = g.heat ? g.heat->temperature[p] : s.mixture.referenceTemperature;
+				const PressureCoefficients k        = s.water->state.coefficients(s.mixture, { porosity, sl, 0.0, t });
+				c                                   = largestWaveSpeed(s.mixture, VolumeFractions::of(porosity, sl), k, modulus);
+				v                                   = std::max(v, speed(g.water->velocity, p));
 			}
 			if (v > fastestGround)
-				throw std::runtime_error(g.whereabouts(p) + " or its water moves at " + std::to_string(v) + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
+				throw std::runtime_error(
+				        g.whereabouts(p) + " or its water moves at " + std::to_string(v)
+				        + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and "
+				          "seepage");
 			return reach / (c + v);
 		});
 		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
@@ -167,9 +170,9 @@ template <int D> void Ground<D>::Parts::boundPositions(int strip, int first, int
 /// rows that are cleared in every step.
 template <int D> void Ground<D>::Parts::checkPositions()
 {
-	const Strips& strips  = points->strips();
-	const int     stride  = grid.cellStride(strips.axis);
-	const double  origin  = grid.lower()[strips.axis], h = grid.spacing();
+	const Strips& strips = points->strips();
+	const int     stride = grid.cellStride(strips.axis);
+	const double  origin = grid.lower()[strips.axis], h = grid.spacing();
 	const double  cleared = clock.range.firstCell / stride, clearedEnd = clock.range.lastCell / stride;
 	for (int s = 0; s < strips.count(); ++s) {
 		if (strips.first[s] == strips.first[s + 1]) continue;
@@ -225,9 +228,10 @@ template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
 		names += (k ? ", " : "") + std::to_string(points->id(leaving[k]));
 	accounts.restore(*this);
 	throw std::runtime_error(
-	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(leaving.size())
-	        + (leaving.size() == 1 ? " point concerned: " : " points concerned: ") + names + (leaving.size() > 5 ? ", ..." : "")
-	        + "); the ground is as it was before this step: " + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
+	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " ("
+	        + std::to_string(leaving.size()) + (leaving.size() == 1 ? " point concerned: " : " points concerned: ") + names
+	        + (leaving.size() > 5 ? ", ..." : "") + "); the ground is as it was before this step: "
+	        + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
 }
 
 template <int D> void Ground<D>::Parts::Accounts::take(const Parts& g)
@@ -252,13 +256,13 @@ template <int D> void Ground<D>::Parts::Accounts::restore(Parts& g) const
 
 template StableTimeStep Ground<2>::stableTimeStep() const;
 template StableTimeStep Ground<3>::stableTimeStep() const;
-template void Ground<2>::Parts::boundPositions(int, int, int);
-template void Ground<3>::Parts::boundPositions(int, int, int);
-template void Ground<2>::Parts::checkPositions();
-template void Ground<3>::Parts::checkPositions();
-template void Ground<2>::Parts::requirePathsInside();
-template void Ground<3>::Parts::requirePathsInside();
-template void Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);
-template void Ground<3>::Parts::Accounts::take(const Ground<3>::Parts&);
+template void           Ground<2>::Parts::boundPositions(int, int, int);
+template void           Ground<3>::Parts::boundPositions(int, int, int);
+template void           Ground<2>::Parts::checkPositions();
+template void           Ground<3>::Parts::checkPositions();
+template void           Ground<2>::Parts::requirePathsInside();
+template void           Ground<3>::Parts::requirePathsInside();
+template void           Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);
+template void           Ground<3>::Parts::Accounts::take(const Ground<3>::Parts&);
 
 } // namespace talik

@@ -114,18 +114,18 @@ template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)
 }
 
 template SkeletonBatch<2> Ground<2>::Parts::batch(int) const;
-template std::string Ground<2>::Parts::whereabouts(int) const;
-template void Ground<2>::Parts::sort();
-template void Ground<2>::Parts::afterReordering();
-template void Ground<2>::Parts::clearNodes();
-template void Ground<2>::Parts::locateInCells();
-template void Ground<2>::Parts::useMeanStress(int, int);
+template std::string      Ground<2>::Parts::whereabouts(int) const;
+template void             Ground<2>::Parts::sort();
+template void             Ground<2>::Parts::afterReordering();
+template void             Ground<2>::Parts::clearNodes();
+template void             Ground<2>::Parts::locateInCells();
+template void             Ground<2>::Parts::useMeanStress(int, int);
 template SkeletonBatch<3> Ground<3>::Parts::batch(int) const;
-template std::string Ground<3>::Parts::whereabouts(int) const;
-template void Ground<3>::Parts::sort();
-template void Ground<3>::Parts::afterReordering();
-template void Ground<3>::Parts::clearNodes();
-template void Ground<3>::Parts::locateInCells();
-template void Ground<3>::Parts::useMeanStress(int, int);
+template std::string      Ground<3>::Parts::whereabouts(int) const;
+template void             Ground<3>::Parts::sort();
+template void             Ground<3>::Parts::afterReordering();
+template void             Ground<3>::Parts::clearNodes();
+template void             Ground<3>::Parts::locateInCells();
+template void             Ground<3>::Parts::useMeanStress(int, int);
 
 } // namespace talik

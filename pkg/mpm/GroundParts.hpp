@@ -3,13 +3,8 @@
 
 // What a ground consists of; shared by the files that implement Ground.
 
-#include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/Calendar.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/CostMeter.hpp>
-#include <pkg/mpm/points/DeformationRecord.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
@@ -17,21 +12,26 @@
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/points/DeformationRecord.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
-#include <stdexcept>
 #include <memory>
+#include <stdexcept>
 
 namespace talik {
 
 /// Takes the place of an effect in code that is built without it: it is false at compile time, so that the compiler removes all that asks for it.
 template <class T> struct AbsentEffect {
-	AbsentEffect& operator=(std::unique_ptr<T>) { return *this; }
+	AbsentEffect&      operator=(std::unique_ptr<T>) { return *this; }
 	constexpr explicit operator bool() const { return false; }
-	constexpr T* get() const { return nullptr; }
-	constexpr T* operator->() const { return nullptr; }
-	constexpr T& operator*() const { return *get(); }
+	constexpr T*       get() const { return nullptr; }
+	constexpr T*       operator->() const { return nullptr; }
+	constexpr T&       operator*() const { return *get(); }
 };
 
 /// An effect that a scene may have; empty if it has not. With TALIK_DRY_GROUND the ground is built with motion alone:
@@ -44,14 +44,14 @@ template <class T> using EffectPart = std::unique_ptr<T>;
 
 /// Numbers that change from step to step, kept together so that a checkpoint holds them all.
 template <int D> struct Clock {
-	double             time        = 0.0;
-	double             dt          = 0.0;
+	double             time = 0.0;
+	double             dt   = 0.0;
 	CalendarState      calendar;
-	long               steps       = 0;
-	long               lastSort    = 0;
-	long               sortWanted  = 0;
-	long               halfDone    = 0; ///< points have moved and the step has not ended
-	double             initialMass = 0.0;
+	long               steps        = 0;
+	long               lastSort     = 0;
+	long               sortWanted   = 0;
+	long               halfDone     = 0; ///< points have moved and the step has not ended
+	double             initialMass  = 0.0;
 	double             skeletonWork = 0.0, porePressureWork = 0.0;
 	MomentumAccount<D> account;
 	ActiveRange        range;
@@ -97,26 +97,26 @@ template <int D> struct Ground<D>::Parts {
 		Vec<D> low, high;
 		bool   numbers; ///< false: a position is not finite
 	};
-	std::vector<PositionBounds>   bounds;
-	std::vector<int>              bad; ///< per strip: place of the first point that cannot go on, or -1
-	mutable std::vector<double>   scratch;
-	mutable CostMeter             cost;
-	bool                          heatRests      = false; ///< in this step
-	bool                          waterRests     = false; ///< in this step no water moved through the skeleton
-	bool                          contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
+	std::vector<PositionBounds> bounds;
+	std::vector<int>            bad; ///< per strip: place of the first point that cannot go on, or -1
+	mutable std::vector<double> scratch;
+	mutable CostMeter           cost;
+	bool                        heatRests      = false; ///< in this step
+	bool                        waterRests     = false; ///< in this step no water moved through the skeleton
+	bool                        contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
-	void declareFields();
-	void placePoints();
-	void fillPoint(int place, const PointInput<D>& in, double poreFill);
-	void checkFreeSurface();
-	void listSkeletons();
+	void   declareFields();
+	void   placePoints();
+	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
+	void   checkFreeSurface();
+	void   listSkeletons();
 	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	/// True if a boundary acts where the ground faces bodies.
-	bool   facesBodies() const;
-	bool   hasContent() const { return settings.heat || settings.water; }
-	bool   hasFront() const;
-	bool   averaging() const { return motion && motion->settings->bBar; }
+	bool                facesBodies() const;
+	bool                hasContent() const { return settings.heat || settings.water; }
+	bool                hasFront() const;
+	bool                averaging() const { return motion && motion->settings->bBar; }
 	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------
@@ -176,42 +176,42 @@ template <int D> struct Ground<D>::Parts {
 	/// Calendar time at the end of the step.
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
 	void   useScale();
-	bool allRests() const { return heatRests && !motion; }
-	void findFrontStiffness();
-	void collectSurfaces();
-	void findFlows();
-	void updateTemperature();
-	void solveMomentum();
-	void seep();
+	bool   allRests() const { return heatRests && !motion; }
+	void   findFrontStiffness();
+	void   collectSurfaces();
+	void   findFlows();
+	void   updateTemperature();
+	void   solveMomentum();
+	void   seep();
 	double longestPath();
 	bool   mayLeaveGrid(int place, double reach) const;
 	bool   leavesGrid(int place, WeightBlock<D>& w) const;
 	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
-	void requirePathsInside();
-	[[noreturn]] void refuseToLeave(bool stable);
-	void boundPositions(int strip, int first, int last);
-	void checkPositions();
-	void findOutside(int strip);
-	void refuseBadPoints();
-	void refuseImpossibleStates();
-	bool pays(CostMeter::Entry entry) const;
-	void averageStrain(int first, int last);
-	TALIK_PROCESSOR_VERSIONS void replaceTraces(int first, int last);
-	TALIK_PROCESSOR_VERSIONS void stretchVolumes(int first, int last);
+	void                            requirePathsInside();
+	[[noreturn]] void               refuseToLeave(bool stable);
+	void                            boundPositions(int strip, int first, int last);
+	void                            checkPositions();
+	void                            findOutside(int strip);
+	void                            refuseBadPoints();
+	void                            refuseImpossibleStates();
+	bool                            pays(CostMeter::Entry entry) const;
+	void                            averageStrain(int first, int last);
+	TALIK_PROCESSOR_VERSIONS void   replaceTraces(int first, int last);
+	TALIK_PROCESSOR_VERSIONS void   stretchVolumes(int first, int last);
 	TALIK_PROCESSOR_VERSIONS double skeletonWork(int first, int last, bool replace) const;
 	TALIK_PROCESSOR_VERSIONS double pressureWork(int first, int last, bool replace) const;
-	void keepStrainWork(bool atStart);
+	void                            keepStrainWork(bool atStart);
 	/// Pore pressure is known per cell at both ends of a step.
 	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
 	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.
-	double startShare() const { return cellPressure() ? 0.5 : 1.0; }
+	double      startShare() const { return cellPressure() ? 0.5 : 1.0; }
 	std::string whereabouts(int place) const;
 	void        sort();
 
-	SkeletonBatch<D> batch(int skeleton) const;
-	double           largestModulus() const;
-	double           liquidDensity() const { return settings.mixture.liquid.density; }
-	CostMeter::Entry base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
+	SkeletonBatch<D>     batch(int skeleton) const;
+	double               largestModulus() const;
+	double               liquidDensity() const { return settings.mixture.liquid.density; }
+	CostMeter::Entry     base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
 };
 

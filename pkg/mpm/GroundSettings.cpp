@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <algorithm>
 #include <stdexcept>
 
 namespace talik {
@@ -36,35 +35,32 @@ template <int D> void checkCalendar(const GroundSettings<D>& s)
 {
 	const HeatSettings& heat = *s.heat;
 	if (!s.motion)
-		throw std::invalid_argument("followsMotion = true without motion: rigid ground never moves, its calendar has one scale; leave followsMotion out");
+		throw std::invalid_argument(
+		        "followsMotion = true without motion: rigid ground never moves, its calendar has one scale; leave followsMotion out");
 	std::ostringstream fast;
 	fast << heat.thermalTimeScale;
 	requireSetting(
-	        heat.movingTimeScale > 0.0 && heat.movingTimeScale <= heat.thermalTimeScale,
-	        "movingTimeScale",
-	        heat.movingTimeScale,
+	        heat.movingTimeScale > 0.0 && heat.movingTimeScale <= heat.thermalTimeScale, "movingTimeScale", heat.movingTimeScale,
 	        "must be positive and no more than thermalTimeScale = " + fast.str());
 	requireSetting(
-	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance, "must lie between 1e-6 and 1 m/s, e.g. 0.01");
+	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance,
+	        "must lie between 1e-6 and 1 m/s, e.g. 0.01");
 	requireSetting(heat.eventSpeed >= 0.0 && std::isfinite(heat.eventSpeed), "eventSpeed", heat.eventSpeed, "must not be negative, in m/s, e.g. 1e-5");
 	requireSetting(
-	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "eventDisplacement", heat.eventDisplacement, "must be positive, in m, e.g. 0.02");
+	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "eventDisplacement", heat.eventDisplacement,
+	        "must be positive, in m, e.g. 0.02");
 }
 
 template <int D> void checkSettings(const GroundSettings<D>& s)
 {
 	s.mixture.validate();
 	if (!s.motion && !s.heat) throw std::invalid_argument("no effect: the scene has neither motion nor heat; give it at least one");
-	if (s.freezing && !s.heat)
-		throw std::invalid_argument("freezing without heat: ice forms when heat leaves; add heat or leave freezing out");
-	if (s.water && !s.motion)
-		throw std::invalid_argument("water without motion: seepage needs the momentum balance; add motion or leave water out");
-	if (s.bodies && !s.motion)
-		throw std::invalid_argument("bodies without motion: ground that is pushed has to move; add motion or leave bodies out");
+	if (s.freezing && !s.heat) throw std::invalid_argument("freezing without heat: ice forms when heat leaves; add heat or leave freezing out");
+	if (s.water && !s.motion) throw std::invalid_argument("water without motion: seepage needs the momentum balance; add motion or leave water out");
+	if (s.bodies && !s.motion) throw std::invalid_argument("bodies without motion: ground that is pushed has to move; add motion or leave bodies out");
 	if (s.bodies) s.bodies->validate();
 	if (s.thawFront) s.thawFront->validate();
-	requireSetting(
-	        std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
+	requireSetting(std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
 	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
@@ -72,14 +68,12 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.motion) {
 		for (int a = 0; a < D; ++a)
 			requireSetting(std::isfinite(s.motion->gravity[a]), "gravity", s.motion->gravity[a], "must be finite, in m/s^2");
-		requireSetting(
-		        !(s.motion->picTime < 0.0), "picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
-		requireSetting(
-		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
+		requireSetting(!(s.motion->picTime < 0.0), "picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
+		requireSetting(s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
 		if (s.motion->transfer == VelocityTransfer::apic && s.shapeFunction == "linear")
-			throw std::invalid_argument(
-			        "transfer = 'apic' with shapeFunction = 'linear': a point on a node has no second moment there; use quadraticBSpline or gimp, or "
-			        "transfer = 'tpic'");
+			throw std::invalid_argument("transfer = 'apic' with shapeFunction = 'linear': a point on a node has no second moment there; use "
+			                            "quadraticBSpline or gimp, or "
+			                            "transfer = 'tpic'");
 		if (s.skeletons.empty()) throw std::invalid_argument("skeletons = []: a scene with motion needs at least one skeleton model");
 		for (const auto& skeleton : s.skeletons) {
 			if (!skeleton) throw std::invalid_argument("skeletons: an entry is empty; give a skeleton model");
@@ -88,9 +82,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	}
 	if (s.heat) {
 		requireSetting(
-		        std::isfinite(s.heat->thermalTimeScale) && s.heat->thermalTimeScale > 0.0,
-		        "thermalTimeScale",
-		        s.heat->thermalTimeScale,
+		        std::isfinite(s.heat->thermalTimeScale) && s.heat->thermalTimeScale > 0.0, "thermalTimeScale", s.heat->thermalTimeScale,
 		        "must be positive (1: real time)");
 		if (s.heat->followsMotion) checkCalendar(s);
 		requireSetting(!(s.heat->smoothingTime <= 0.0), "smoothingTime", s.heat->smoothingTime, "must be positive, in s; infinity: none, NaN: chosen");
@@ -102,14 +94,15 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.water) {
 		s.water->state.validate();
 		s.water->permeability.validate();
-		requireSetting(!(s.water->largestConductivity <= 0.0), "largestConductivity", s.water->largestConductivity, "must be positive, in m/s; leave it out to have it chosen");
+		requireSetting(
+		        !(s.water->largestConductivity <= 0.0), "largestConductivity", s.water->largestConductivity,
+		        "must be positive, in m/s; leave it out to have it chosen");
 		requireSetting(
 		        s.water->permeability.hydraulicTimeScale == 1.0, "permeability.hydraulicTimeScale", s.water->permeability.hydraulicTimeScale,
 		        "must be 1 in a ground; set WaterSettings::hydraulicTimeScale");
 		requireSetting(
 		        std::isnan(s.water->hydraulicTimeScale) || (s.water->hydraulicTimeScale >= 1e-12 && s.water->hydraulicTimeScale <= 1e12),
-		        "hydraulicTimeScale",
-		        s.water->hydraulicTimeScale,
+		        "hydraulicTimeScale", s.water->hydraulicTimeScale,
 		        "must lie between 1e-12 and 1e12 (1: no scaling); leave it out for the scale of the calendar");
 		requireSetting(
 		        !(s.water->picTime < 0.0), "water.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
@@ -129,18 +122,21 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        + "; add it or leave this boundary out");
 		if (b->region().kind == Region<D>::Kind::bodies && !settings.bodies)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe() + ": the ground meets no bodies; add bodies or leave this boundary out");
+			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
+			        + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
 		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name() + ".temperature is set but the scene has no heat; leave it out or add heat");
+			        "boundaries[" + std::to_string(i) + "] = " + b->name()
+			        + ".temperature is set but the scene has no heat; leave it out or add heat");
 		for (std::size_t j = 0; j < i; ++j) {
 			const auto& other = settings.boundaries[j];
 			// a surface has either its pressure or its flux prescribed
 			const bool pressureAndFlux = (b->drains() && other->feeds()) || (b->feeds() && other->drains());
 			// water crosses a side or it does not
-			const bool openAndClosed = (b->drains() && other->name() == "ImpermeableBoundary") || (other->drains() && b->name() == "ImpermeableBoundary");
-			const bool mayMeet       = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
+			const bool openAndClosed = (b->drains() && other->name() == "ImpermeableBoundary")
+			        || (other->drains() && b->name() == "ImpermeableBoundary");
+			const bool mayMeet = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
 			if (mayMeet && !pressureAndFlux && !openAndClosed) continue;
 			const Region<D>&r = b->region(), &q = other->region();
@@ -154,14 +150,13 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			}
 			if (overlap)
 				throw std::invalid_argument(
-				        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + r.describe() + " overlaps boundaries[" + std::to_string(j)
-				        + "] = " + other->name() + " on " + q.describe() + "; limit one of them to a box or remove it");
+				        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + r.describe() + " overlaps boundaries["
+				        + std::to_string(j) + "] = " + other->name() + " on " + q.describe() + "; limit one of them to a box or remove it");
 		}
 	}
 }
 
-template <int D>
-void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const std::vector<PointInput<D>>& inputs)
+template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const std::vector<PointInput<D>>& inputs)
 {
 	if (inputs.empty()) throw std::invalid_argument("points = 0: the scene has no material points; add some before the start");
 	const auto name = [](std::size_t id, const char* attribute) { return "point " + std::to_string(id) + "." + attribute; };
@@ -169,30 +164,24 @@ void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const s
 		const PointInput<D>& in = inputs[id];
 		for (int a = 0; a < D; ++a) {
 			requireSetting(
-			        in.position[a] >= grid.lower()[a] && in.position[a] <= grid.upper()[a],
-			        name(id, "position") + "[" + std::to_string(a) + "]",
-			        in.position[a],
-			        "outside the grid's box; move the point or enlarge the box");
+			        in.position[a] >= grid.lower()[a] && in.position[a] <= grid.upper()[a], name(id, "position") + "[" + std::to_string(a) + "]",
+			        in.position[a], "outside the grid's box; move the point or enlarge the box");
 			requireSetting(std::isfinite(in.velocity[a]), name(id, "velocity"), in.velocity[a], "must be finite, in m/s");
 		}
 		requireSetting(std::isfinite(in.volume) && in.volume > 0.0, name(id, "volume"), in.volume, "must be positive, in m^3 (m^2 in 2-D)");
 		requireSetting(in.porosity > 1e-3 && in.porosity < 1.0, name(id, "porosity"), in.porosity, "must lie in (0.001, 1)");
+		requireSetting(std::isnan(in.poreFill) || (in.poreFill >= 0.0 && in.poreFill <= 1.0), name(id, "poreFill"), in.poreFill, "must lie in [0, 1]");
 		requireSetting(
-		        std::isnan(in.poreFill) || (in.poreFill >= 0.0 && in.poreFill <= 1.0), name(id, "poreFill"), in.poreFill, "must lie in [0, 1]");
-		requireSetting(
-		        !settings.water || std::isnan(in.poreFill) || in.poreFill == 1.0,
-		        name(id, "poreFill"),
-		        in.poreFill,
+		        !settings.water || std::isnan(in.poreFill) || in.poreFill == 1.0, name(id, "poreFill"), in.poreFill,
 		        "must be 1 in a scene with water: the ground is saturated");
 		if (settings.heat)
 			requireSetting(
-			        in.temperature > -100.0 && in.temperature < 100.0, name(id, "temperature"), in.temperature, "must lie between -100 and 100 degC");
+			        in.temperature > -100.0 && in.temperature < 100.0, name(id, "temperature"), in.temperature,
+			        "must lie between -100 and 100 degC");
 		if (settings.water) requireSetting(std::isfinite(in.pressure), name(id, "pressure"), in.pressure, "must be finite, in Pa");
 		if (settings.motion) {
 			requireSetting(
-			        in.skeleton >= 0 && in.skeleton < static_cast<int>(settings.skeletons.size()),
-			        name(id, "skeleton"),
-			        in.skeleton,
+			        in.skeleton >= 0 && in.skeleton < static_cast<int>(settings.skeletons.size()), name(id, "skeleton"), in.skeleton,
 			        "must be an index into the list of skeletons, 0 to " + std::to_string(settings.skeletons.size() - 1));
 			for (double s : in.stress)
 				requireSetting(std::isfinite(s), name(id, "stress"), s, "must be finite, in Pa");

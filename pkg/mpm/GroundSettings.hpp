@@ -2,8 +2,8 @@
 #pragma once
 
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
+#include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
@@ -41,7 +41,7 @@ double gravityTime(double spacing, double gravity);
 
 /// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
 template <int D> struct MotionSettings {
-	Vec<D> gravity {};           ///< body force per mass b [m/s^2]
+	Vec<D>           gravity {};                        ///< body force per mass b [m/s^2]
 	VelocityTransfer transfer = VelocityTransfer::flip; ///< of the solid velocity; that of water is always a mix of FLIP and PIC
 	/// Time in which the difference between a point's own velocity and that of the grid dies out [s], >= 0: 0 = PIC (with apic and
 	/// tpic: as published), infinity = FLIP. NaN (default): sqrt(h/g) with flip, 0 with apic and tpic.
@@ -51,33 +51,34 @@ template <int D> struct MotionSettings {
 		if (!std::isnan(picTime)) return picTime;
 		return transfer == VelocityTransfer::flip ? gravityTime(spacing, lengthOf<D>(gravity)) : 0.0;
 	}
-	double localDamping = 0.0;   ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
-	bool   bBar = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
+	double localDamping = 0.0;  ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
+	bool   bBar         = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 };
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
 	/// f_T, calendar time that passes per time of motion [-], > 0: multiplies conduction, Robin coefficients, heat fluxes and sources,
 	/// and what seeps unless water has a scale of its own. Boundary tables are read at calendar time.
-	double        thermalTimeScale = 1.0;
-	bool          followsMotion    = false; ///< f_T holds while the ground rests; the faster it moves the nearer to movingTimeScale. Needs motion
-	double        movingTimeScale  = 1.0;   ///< f_m, scale while the ground moves [-], > 0, at most f_T
-	double        eventSpeed       = 1e-5;  ///< of the fastest ground, per calendar time, from which on motion is an event [m/s], >= 0
-	double        motionTolerance  = 0.01;  ///< v_0, speed of the fastest ground at which the scale lies half way [m/s], 1e-6 to 1
-	double        eventDisplacement = 0.02; ///< what a point must be displaced by to count as moved in an event [m], > 0
+	double thermalTimeScale  = 1.0;
+	bool   followsMotion     = false; ///< f_T holds while the ground rests; the faster it moves the nearer to movingTimeScale. Needs motion
+	double movingTimeScale   = 1.0;   ///< f_m, scale while the ground moves [-], > 0, at most f_T
+	double eventSpeed        = 1e-5;  ///< of the fastest ground, per calendar time, from which on motion is an event [m/s], >= 0
+	double motionTolerance   = 0.01;  ///< v_0, speed of the fastest ground at which the scale lies half way [m/s], 1e-6 to 1
+	double eventDisplacement = 0.02;  ///< what a point must be displaced by to count as moved in an event [m], > 0
 	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s of calendar time]; what the grid
 	/// resolves is touched in fourth order of h only. NaN (default): one diffusion time of a cell, h^2 C/kappa; infinity: none.
-	double        smoothingTime    = std::numeric_limits<double>::quiet_NaN();
-	double        source           = 0.0; ///< Q, heat produced per volume [W/m^3]
-	EnthalpyForm  enthalpyForm     = EnthalpyForm::stateFunction;
-	LatentDensity latentDensity    = LatentDensity::ice;
+	double        smoothingTime = std::numeric_limits<double>::quiet_NaN();
+	double        source        = 0.0; ///< Q, heat produced per volume [W/m^3]
+	EnthalpyForm  enthalpyForm  = EnthalpyForm::stateFunction;
+	LatentDensity latentDensity = LatentDensity::ice;
 };
 
 /// The effect of pore water: a second velocity, pressure, seepage.
 struct WaterSettings {
-	PoreWaterState state;               ///< bulk moduli, cavitation pressure, densityChange
-	Permeability   permeability;        ///< hydraulic conductivity
-	double         picTime = std::numeric_limits<double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g); no more than 12.5 ms where seepage is hastened
+	PoreWaterState state;        ///< bulk moduli, cavitation pressure, densityChange
+	Permeability   permeability; ///< hydraulic conductivity
+	double         picTime = std::numeric_limits<
+                double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g); no more than 12.5 ms where seepage is hastened
 	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar.
 	double hydraulicTimeScale = std::numeric_limits<double>::quiet_NaN();
 	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see
@@ -98,9 +99,10 @@ struct ThawFrontSettings {
 
 /// The effect of rigid bodies that push the ground and are pushed by it.
 struct RigidContactSettings {
-	double stiffness  = std::numeric_limits<double>::quiet_NaN(); ///< k, pressure over penetration [Pa/m]; NaN: oedometer modulus of the stiffest point over h
-	double shearRatio = 0.5; ///< tangential over normal stiffness [-], in (0, 1]
-	double damping    = 0.1; ///< of the contact, over critical for a point [-], in [0, 1)
+	double stiffness
+	        = std::numeric_limits<double>::quiet_NaN(); ///< k, pressure over penetration [Pa/m]; NaN: oedometer modulus of the stiffest point over h
+	double shearRatio = 0.5;                            ///< tangential over normal stiffness [-], in (0, 1]
+	double damping    = 0.1;                            ///< of the contact, over critical for a point [-], in [0, 1)
 
 	/// Throws std::invalid_argument naming attribute, value and remedy.
 	void validate() const;
@@ -108,21 +110,22 @@ struct RigidContactSettings {
 
 /// Everything about a scene that is fixed before it starts. Absent optionals are absent effects: no field, no loop, no limit.
 template <int D> struct GroundSettings {
-	Vec<D> lower {};      ///< corner of the grid's box [m]
-	Vec<D> upper {};      ///< opposite corner [m], whole number of spacings away
-	double gridSpacing = 0.0; ///< h [m], > 0
+	Vec<D>      lower {};                           ///< corner of the grid's box [m]
+	Vec<D>      upper {};                           ///< opposite corner [m], whole number of spacings away
+	double      gridSpacing   = 0.0;                ///< h [m], > 0
 	std::string shapeFunction = "quadraticBSpline"; ///< see shapeFunctionNames()
 
 	MixtureProperties mixture;
 
-	std::optional<MotionSettings<D>> motion;
-	std::optional<HeatSettings>      heat;
-	FreezingCurvePtr                 freezing; ///< needs heat
-	std::optional<WaterSettings>     water;    ///< needs motion
-	std::optional<RigidContactSettings> bodies; ///< needs motion
-	std::optional<ThawFrontSettings> thawFront = ThawFrontSettings {}; ///< at work where the scene has motion, freezing and a skeleton that can fail; empty: one velocity for all
-	bool                             energyLedger = false; ///< keep account of work and dissipation, see Balance
-	bool                             deformationRecord = false; ///< points remember their deformation gradient; needs motion
+	std::optional<MotionSettings<D>>    motion;
+	std::optional<HeatSettings>         heat;
+	FreezingCurvePtr                    freezing; ///< needs heat
+	std::optional<WaterSettings>        water;    ///< needs motion
+	std::optional<RigidContactSettings> bodies;   ///< needs motion
+	std::optional<ThawFrontSettings>    thawFront
+	        = ThawFrontSettings {}; ///< at work where the scene has motion, freezing and a skeleton that can fail; empty: one velocity for all
+	bool energyLedger      = false; ///< keep account of work and dissipation, see Balance
+	bool deformationRecord = false; ///< points remember their deformation gradient; needs motion
 
 	/// Fraction of the pores that holds water, in [0, 1]; NaN (default): 1 with heat or water, 0 in a dry scene. With water it must be 1.
 	double poreFill = std::numeric_limits<double>::quiet_NaN();
@@ -137,22 +140,22 @@ template <int D> struct GroundSettings {
 	/// work. Results do not depend on it.
 	int parallelFrom = 4000;
 
-	double courantNumber = 0.4;   ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
-	double heatFraction = 0.9;   ///< C_T: time step over the explicit heat limit, in (0, 1]
+	double courantNumber  = 0.4; ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
+	double heatFraction   = 0.9; ///< C_T: time step over the explicit heat limit, in (0, 1]
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
 };
 
 /// One material point as it is put into a scene.
 template <int D> struct PointInput {
-	Vec<D> position {};        ///< [m]
-	double volume = 0.0;       ///< [m^D], > 0
-	double porosity = 0.4;     ///< n [-], in (0, 1)
-	double temperature = 0.0;  ///< [degC], used if heat is present
-	double pressure = 0.0;     ///< pore pressure [Pa], used if water is present
-	double poreFill = std::numeric_limits<double>::quiet_NaN(); ///< part of the pores that holds water or ice, in [0, 1]; NaN: GroundSettings::poreFill
-	int    skeleton = 0;       ///< index into GroundSettings::skeletons
-	Vec<D> velocity {};        ///< of solid and liquid [m/s]
-	std::array<double, stressSize<D>> stress {}; ///< effective stress [Pa], tension positive
+	Vec<D> position {};                                            ///< [m]
+	double volume      = 0.0;                                      ///< [m^D], > 0
+	double porosity    = 0.4;                                      ///< n [-], in (0, 1)
+	double temperature = 0.0;                                      ///< [degC], used if heat is present
+	double pressure    = 0.0;                                      ///< pore pressure [Pa], used if water is present
+	double poreFill    = std::numeric_limits<double>::quiet_NaN(); ///< part of the pores that holds water or ice, in [0, 1]; NaN: GroundSettings::poreFill
+	int    skeleton    = 0;                                        ///< index into GroundSettings::skeletons
+	Vec<D> velocity {};                                            ///< of solid and liquid [m/s]
+	std::array<double, stressSize<D>> stress {};                   ///< effective stress [Pa], tension positive
 };
 
 /// One of the limits of the explicit time step.
@@ -171,24 +174,24 @@ struct StableTimeStep {
 
 /// Sums over the ground and what crossed its boundary since the start. Per metre of thickness in 2-D.
 template <int D> struct Balance {
-	double time = 0.0;
+	double time      = 0.0;
 	double solidMass = 0.0, waterMass = 0.0, iceMass = 0.0; ///< [kg]; water includes ice
-	double waterOut = 0.0;   ///< left through drained boundaries [kg]
-	Vec<D> momentum {};      ///< of both phases [kg m/s]
-	Vec<D> impulse {};       ///< of gravity, loads, walls and damping since the start [N s]
-	double enthalpy = 0.0;   ///< [J]
-	double heatIn = 0.0;     ///< conducted in through boundaries and produced by sources [J]
-	double enthalpyOut = 0.0; ///< carried out by water [J]
+	double waterOut = 0.0;                                  ///< left through drained boundaries [kg]
+	Vec<D> momentum {};                                     ///< of both phases [kg m/s]
+	Vec<D> impulse {};                                      ///< of gravity, loads, walls and damping since the start [N s]
+	double enthalpy    = 0.0;                               ///< [J]
+	double heatIn      = 0.0;                               ///< conducted in through boundaries and produced by sources [J]
+	double enthalpyOut = 0.0;                               ///< carried out by water [J]
 
 	// Mechanical energies [J]; the works only with GroundSettings::energyLedger.
-	double kineticEnergy = 0.0;
-	double gravityEnergy = 0.0;   ///< relative to the origin of coordinates; water that leaves takes its own along
-	double skeletonWork = 0.0;    ///< done on the skeleton by effective stress
-	double porePressureWork = 0.0; ///< done by pore pressure on the pore content
-	double dragDissipation = 0.0;
+	double kineticEnergy      = 0.0;
+	double gravityEnergy      = 0.0; ///< relative to the origin of coordinates; water that leaves takes its own along
+	double skeletonWork       = 0.0; ///< done on the skeleton by effective stress
+	double porePressureWork   = 0.0; ///< done by pore pressure on the pore content
+	double dragDissipation    = 0.0;
 	double dampingDissipation = 0.0;
-	double loadWork = 0.0;        ///< done by surface loads
-	double slipWork = 0.0;        ///< of the force between frozen and thawed ground on their slip
+	double loadWork           = 0.0; ///< done by surface loads
+	double slipWork           = 0.0; ///< of the force between frozen and thawed ground on their slip
 };
 
 /// One array of the complete state.

@@ -21,8 +21,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
 			settings.skeletons[k]->declareFields(field, "skeleton" + std::to_string(k) + ".");
 
-	const bool usesSurface = std::any_of(
-	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesSurface(); });
+	const bool usesSurface = std::any_of(settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesSurface(); });
 	if (usesSurface) surface = std::make_unique<FreeSurface<D>>();
 	if (usesSurface || averaging()) cells = std::make_unique<CellMeans<D>>();
 	if (settings.heat && settings.heat->followsMotion) calendar = std::make_unique<Calendar<D>>(field, *settings.heat);
@@ -33,8 +32,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 
 template <int D> bool Ground<D>::Parts::facesBodies() const
 {
-	return std::any_of(
-	        settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->region().kind == Region<D>::Kind::bodies; });
+	return std::any_of(settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->region().kind == Region<D>::Kind::bodies; });
 }
 
 template <int D> bool Ground<D>::Parts::hasFront() const
@@ -54,9 +52,9 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 			motion->velocity[a][p] = in.velocity[a];
 		for (int c = 0; c < stressSize<D>; ++c)
 			motion->stress[c][p] = in.stress[c];
-		motion->initialVolume[p] = in.volume;
+		motion->initialVolume[p]   = in.volume;
 		const MixtureProperties& m = settings.mixture;
-		motion->mass[p] = in.volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
+		motion->mass[p]            = in.volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
 	}
 	if (water)
 		for (int a = 0; a < D; ++a)
@@ -119,10 +117,13 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		// a cavity may come later, with the body that makes it, and a body may come from outside
-		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies || !surface->patch(b).nodes.empty()) continue;
+		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies
+		    || !surface->patch(b).nodes.empty())
+			continue;
 		throw std::invalid_argument(
 		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
-		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall more than one point in height; hollows that no air from above reaches are cavities");
+		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall "
+		          "more than one point in height; hollows that no air from above reaches are cavities");
 	}
 }
 
@@ -159,7 +160,8 @@ template <int D> void Ground<D>::initialise()
 		if (g.water) g.water->chooseLargestConductivity();
 		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
 		for (int p = 0; p < g.points->count(); ++p)
-			g.clock.initialMass += g.motion->mass[p] + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
+			g.clock.initialMass += g.motion->mass[p]
+			        + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
 	}
 	g.useScale();
 	for (int p = 0; g.water && p < g.points->count(); ++p)
@@ -169,9 +171,9 @@ template <int D> void Ground<D>::initialise()
 	g.ready = true;
 }
 
-template int Ground<2>::addPoint(const PointInput<2>&);
+template int  Ground<2>::addPoint(const PointInput<2>&);
 template void Ground<2>::initialise();
-template int Ground<3>::addPoint(const PointInput<3>&);
+template int  Ground<3>::addPoint(const PointInput<3>&);
 template void Ground<3>::initialise();
 
 } // namespace talik

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/GroundParts.hpp>
 #include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,7 @@ template <int D> void Ground<D>::Parts::findFlows()
 {
 	const bool conducts = heat && !heatRests;
 	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, calendarEnd(), clock.dt);
-	else if (heat && water)
-		heat->rest(clock.range);
+	else if (heat && water) heat->rest(clock.range);
 	cost.lap(CostMeter::heat);
 	if (water) {
 		water->nodalPressure(clock.range);
@@ -103,12 +102,11 @@ template <int D> void Ground<D>::Parts::seep()
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.drains())
-			water->drain(
-			        surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr);
+			water->drain(surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr);
 		if (boundary.feeds())
 			water->feed(
-			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(),
-			        enthalpyModel(), heat ? &heat->mapped : nullptr);
+			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(), enthalpyModel(),
+			        heat ? &heat->mapped : nullptr);
 	}
 	if (settings.energyLedger) {
 		double work = 0.0;
@@ -135,9 +133,8 @@ template <int D> void Ground<D>::Parts::refuseBadPoints()
 		x[a] = points->position(a)[firstBad];
 	const bool number = std::isfinite(x[0] + x[1] + x[D - 1]);
 	throw std::runtime_error(
-	        whereabouts(firstBad) + (number ? " left the grid's box" : " is not a number: the run became unstable")
-	        + " (points concerned: " + names + ", ...); "
-	        + (number ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
+	        whereabouts(firstBad) + (number ? " left the grid's box" : " is not a number: the run became unstable") + " (points concerned: " + names
+	        + ", ...); " + (number ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
 }
 
 template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
@@ -148,8 +145,8 @@ template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
 
 template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
 {
-	const std::array<double*, D * D> g     = motion->gradient;
-	const CellMeans<D>&              means = *cells;
+	const std::array<double*, D* D> g     = motion->gradient;
+	const CellMeans<D>&             means = *cells;
 #pragma GCC ivdep
 	for (int p = first; p < last; ++p) {
 		double trace = g[0][p];
@@ -163,8 +160,8 @@ template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
 
 template <int D> void Ground<D>::Parts::stretchVolumes(int first, int last)
 {
-	const std::array<double*, D * D> g      = motion->gradient;
-	double* const                    volume = points->volume();
+	const std::array<double*, D* D> g      = motion->gradient;
+	double* const                   volume = points->volume();
 #pragma GCC ivdep
 	for (int p = first; p < last; ++p) {
 		if constexpr (D == 2) {
@@ -197,7 +194,7 @@ namespace {
 	template <class Value> [[gnu::always_inline]] inline double inOrder(int first, int last, Value&& value)
 	{
 		constexpr int piece = 32;
-		double        sum = 0.0, values[piece];
+		double        sum   = 0.0, values[piece];
 		for (int start = first; start < last; start += piece) {
 			const int n = std::min(piece, last - start);
 #pragma GCC ivdep
@@ -212,32 +209,34 @@ namespace {
 
 template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool replace) const
 {
-	const std::array<double*, D * D>         g      = motion->gradient;
+	const std::array<double*, D* D>          g      = motion->gradient;
 	const std::array<double*, stressSize<D>> stress = motion->stress;
 	const double* const                      volume = points->volume();
-	return inOrder(first, last, [&](int p) __attribute__((always_inline)) {
-		double trace = 0.0, density = 0.0;
-		for (int a = 0; a < D; ++a)
-			trace += g[a * D + a][p];
-		const double missing = replace ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
-		for (int i = 0; i < D; ++i)
-			for (int j = 0; j < D; ++j)
-				density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
-		return volume[p] * density;
-	});
+	return inOrder(
+	        first, last, [&](int p) __attribute__((always_inline)) {
+		        double trace = 0.0, density = 0.0;
+		        for (int a = 0; a < D; ++a)
+			        trace += g[a * D + a][p];
+		        const double missing = replace ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
+		        for (int i = 0; i < D; ++i)
+			        for (int j = 0; j < D; ++j)
+				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
+		        return volume[p] * density;
+	        });
 }
 
 template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool replace) const
 {
-	const std::array<double*, D * D> g        = motion->gradient;
-	const double* const              volume   = points->volume();
-	const double* const              pressure = water->pressure;
-	return inOrder(first, last, [&](int p) __attribute__((always_inline)) {
-		double trace = 0.0;
-		for (int a = 0; a < D; ++a)
-			trace += g[a * D + a][p];
-		return volume[p] * pressure[p] * (replace ? cells->mean(p) : trace);
-	});
+	const std::array<double*, D* D> g        = motion->gradient;
+	const double* const             volume   = points->volume();
+	const double* const             pressure = water->pressure;
+	return inOrder(
+	        first, last, [&](int p) __attribute__((always_inline)) {
+		        double trace = 0.0;
+		        for (int a = 0; a < D; ++a)
+			        trace += g[a * D + a][p];
+		        return volume[p] * pressure[p] * (replace ? cells->mean(p) : trace);
+	        });
 }
 
 /// Heat of ground with one temperature, in which nothing can change it, has nothing to do. That is decided anew in every step, from
@@ -253,8 +252,7 @@ template <int D> void Ground<D>::Parts::useScale()
 {
 	CalendarState& state = clock.calendar;
 	if (calendar) state.scale = calendar->scale(state, clock.dt);
-	else if (heat)
-		state.scale = settings.heat->thermalTimeScale;
+	else if (heat) state.scale = settings.heat->thermalTimeScale;
 	if (heat) heat->scale = state.scale;
 	if (water) water->scale = water->usedScale(state.scale);
 }
@@ -277,7 +275,8 @@ template <int D> void Ground<D>::beginStep(double dt)
 	if (!g.ready) throw std::logic_error("step: the ground is not initialised");
 	requireSetting(std::isfinite(dt) && dt > 0.0, "dt", dt, "must be a positive time in s; stableTimeStep() proposes one");
 	if (g.clock.halfDone)
-		throw std::runtime_error("the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
+		throw std::runtime_error(
+		        "the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
 	g.clock.dt = dt;
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
@@ -339,14 +338,13 @@ template <int D> void Ground<D>::p2g()
 		g.cost.lap(CostMeter::front);
 	}
 	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;
-	const double* const share   = conducts ? g.heat->carriedShare() : nullptr;
+	const double* const share = conducts ? g.heat->carriedShare() : nullptr;
 	g.scatterSampled([&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
 		if (g.motion) {
 			if (average)
 				for (int k = 0; k < w.count; ++k)
 					g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k);
-			else if (g.water)
-				g.useMeanStress(w.first, w.count);
+			else if (g.water) g.useMeanStress(w.first, w.count);
 			g.motion->map(g.grid, w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
 			sample.lap(CostMeter::motion);
 			if (g.affine) {
@@ -394,37 +392,37 @@ template <int D> void Ground<D>::g2p()
 	if (g.allRests()) return;
 	if (g.averaging()) g.cells->clearSums(g.clock.range);
 	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = D == 2 && conducts && g.water;
-	const auto gather  = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
-                double gained[blockSize];
-                if (g.water) {
-                        g.water->gather(
-                                g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
-                        sample.lap(CostMeter::water);
-                }
-                if (conducts) {
-                        g.heat->gather(g.grid, w, inRecordOfWater ? gained : nullptr);
-                        sample.lap(CostMeter::heat);
-                }
-                if (!g.motion) return;
-                g.motion->gather(g.grid, w, g.clock.dt);
-                sample.lap(CostMeter::motion);
-                if (g.affine) {
-                        g.affine->gather(g.grid, w, *g.motion);
-                        sample.lap(CostMeter::transfer);
-                }
-                if (g.front) {
-                        g.front->gather(g.grid, w, g.clock.dt, g.affine.get());
-                        sample.lap(CostMeter::front);
-                }
-                if (!average) return;
-                const double* volume = g.points->volume();
-                for (int p = w.first; p < w.first + w.count; ++p) {
-                        double trace = g.motion->gradient[0][p];
-                        for (int a = 1; a < D; ++a)
-                                trace += g.motion->gradient[a * D + a][p];
-                        g.cells->add(p, volume[p] * trace);
-                }
-                sample.lap(CostMeter::cells);
+	const auto gather = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
+		double gained[blockSize];
+		if (g.water) {
+			g.water->gather(
+			        g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
+			sample.lap(CostMeter::water);
+		}
+		if (conducts) {
+			g.heat->gather(g.grid, w, inRecordOfWater ? gained : nullptr);
+			sample.lap(CostMeter::heat);
+		}
+		if (!g.motion) return;
+		g.motion->gather(g.grid, w, g.clock.dt);
+		sample.lap(CostMeter::motion);
+		if (g.affine) {
+			g.affine->gather(g.grid, w, *g.motion);
+			sample.lap(CostMeter::transfer);
+		}
+		if (g.front) {
+			g.front->gather(g.grid, w, g.clock.dt, g.affine.get());
+			sample.lap(CostMeter::front);
+		}
+		if (!average) return;
+		const double* volume = g.points->volume();
+		for (int p = w.first; p < w.first + w.count; ++p) {
+			double trace = g.motion->gradient[0][p];
+			for (int a = 1; a < D; ++a)
+				trace += g.motion->gradient[a * D + a][p];
+			g.cells->add(p, volume[p] * trace);
+		}
+		sample.lap(CostMeter::cells);
 	};
 	if (!g.motion) {
 		g.scatterSampled(gather);
@@ -445,37 +443,37 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		g.keepStrainWork(true);
 		g.cost.lap(CostMeter::ledger);
 	}
-	const CellMeans<D>* cells  = g.water ? g.averagingCells() : nullptr;
+	const CellMeans<D>* cells = g.water ? g.averagingCells() : nullptr;
 	if (cells) {
-		if (g.content->iceMass) g.water->levelCells(g.grid, g.clock.range, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
+		if (g.content->iceMass)
+			g.water->levelCells(g.grid, g.clock.range, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
 		g.water->finishCells(g.clock.range);
 	}
-	const auto          update = [&](int strip, int first, int last) {
-                CostMeter::Sample sample = g.cost.sample(strip);
-                sample.begin();
-                if (cells) {
-                        g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
-                        sample.lap(CostMeter::water);
-                }
-                if (g.motion) {
-                        g.averageStrain(first, last);
-                        sample.lap(CostMeter::motion);
-                }
-                if (g.front) {
-                        g.front->addSlip(first, last);
-                        sample.lap(CostMeter::front);
-                }
-                if (g.record) {
-                        g.record->accumulate(first, last, g.motion->gradient);
-                        sample.lap(CostMeter::record);
-                }
-                if (!g.content) return;
-                const int failed = g.content->update(first, last, cells, sample);
-                if (failed < last) g.bad[strip] = failed;
+	const auto update = [&](int strip, int first, int last) {
+		CostMeter::Sample sample = g.cost.sample(strip);
+		sample.begin();
+		if (cells) {
+			g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
+			sample.lap(CostMeter::water);
+		}
+		if (g.motion) {
+			g.averageStrain(first, last);
+			sample.lap(CostMeter::motion);
+		}
+		if (g.front) {
+			g.front->addSlip(first, last);
+			sample.lap(CostMeter::front);
+		}
+		if (g.record) {
+			g.record->accumulate(first, last, g.motion->gradient);
+			sample.lap(CostMeter::record);
+		}
+		if (!g.content) return;
+		const int failed = g.content->update(first, last, cells, sample);
+		if (failed < last) g.bad[strip] = failed;
 	};
 	if (cells) g.points->strips().scatter(update);
-	else
-		g.points->strips().gather(update);
+	else g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
 		g.water->findCellPressure(g.clock.range);
@@ -492,13 +490,15 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 		if (failed < 0) continue;
 		const int p = failed;
 		std::fill(bad.begin(), bad.end(), -1);
-		throw std::runtime_error(whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p) + "; the step has ended half way: go on from a checkpoint with other settings");
+		throw std::runtime_error(
+		        whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p)
+		        + "; the step has ended half way: go on from a checkpoint with other settings");
 	}
 }
 
 template <int D> void Ground<D>::updateEffectiveStress()
 {
-	Parts& g = *parts_;
+	Parts&             g = *parts_;
 	std::exception_ptr stop;
 	if (g.motion)
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k) {
@@ -517,7 +517,8 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
 	if (g.calendar) {
-		g.calendar->measure(g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
+		g.calendar->measure(
+		        g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
 		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count());
 		g.cost.lap(CostMeter::calendar);
 	}
@@ -560,19 +561,19 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 
 template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
 template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
-template void Ground<2>::Parts::useScale();
-template void Ground<3>::Parts::useScale();
-template void Ground<2>::beginStep(double);
-template void Ground<2>::p2g();
-template void Ground<2>::solveNodes();
-template void Ground<2>::g2p();
-template void Ground<2>::updateStrainAndPressure();
-template void Ground<2>::updateEffectiveStress();
-template void Ground<3>::beginStep(double);
-template void Ground<3>::p2g();
-template void Ground<3>::solveNodes();
-template void Ground<3>::g2p();
-template void Ground<3>::updateStrainAndPressure();
-template void Ground<3>::updateEffectiveStress();
+template void                                        Ground<2>::Parts::useScale();
+template void                                        Ground<3>::Parts::useScale();
+template void                                        Ground<2>::beginStep(double);
+template void                                        Ground<2>::p2g();
+template void                                        Ground<2>::solveNodes();
+template void                                        Ground<2>::g2p();
+template void                                        Ground<2>::updateStrainAndPressure();
+template void                                        Ground<2>::updateEffectiveStress();
+template void                                        Ground<3>::beginStep(double);
+template void                                        Ground<3>::p2g();
+template void                                        Ground<3>::solveNodes();
+template void                                        Ground<3>::g2p();
+template void                                        Ground<3>::updateStrainAndPressure();
+template void                                        Ground<3>::updateEffectiveStress();
 
 } // namespace talik

@@ -47,7 +47,10 @@ namespace {
 	struct alignas(64) Share {
 		std::atomic<std::uint64_t> word { 0 };
 
-		static std::uint64_t pack(std::uint32_t loop, int next, int end) { return std::uint64_t(loop) << 32 | std::uint64_t(end) << 16 | std::uint64_t(next); }
+		static std::uint64_t pack(std::uint32_t loop, int next, int end)
+		{
+			return std::uint64_t(loop) << 32 | std::uint64_t(end) << 16 | std::uint64_t(next);
+		}
 	};
 
 	using Function = void (*)(void*, int, int);
@@ -113,7 +116,7 @@ namespace {
 		void run(int count, int threads, Function f, void* w)
 		{
 			SharingChoice::Loop& known = choice.of(f);
-			const auto   begin = Clock::now();
+			const auto           begin = Clock::now();
 			if (choice.alone(known, count)) {
 				for (int i = 0; i < count; ++i)
 					f(w, i, 0);
@@ -143,7 +146,8 @@ namespace {
 			parts.store(members, std::memory_order_relaxed);
 			const std::uint32_t now = loop.load(std::memory_order_relaxed) + 1;
 			for (int m = 0; m < members; ++m)
-				shares[m].word.store(Share::pack(now, int(long(count) * m / members), int(long(count) * (m + 1) / members)), std::memory_order_release);
+				shares[m].word.store(
+				        Share::pack(now, int(long(count) * m / members), int(long(count) * (m + 1) / members)), std::memory_order_release);
 			loop.store(now);
 			if (waiting.load() > 0) {
 				std::lock_guard<std::mutex> lock(mutex);
@@ -238,7 +242,7 @@ namespace {
 		std::exception_ptr      failure;
 		int                     members = 1, started = 0, ownPieces = 0;
 		double                  ownSeconds = 0;
-		SharingChoice                   choice;
+		SharingChoice           choice;
 	};
 
 	std::atomic<Team*> present { nullptr };

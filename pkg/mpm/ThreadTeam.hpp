@@ -33,7 +33,8 @@ public:
                         for (int i = group * together; i < std::min(count, (group + 1) * together); ++i)
                                 work(i, member);
 		};
-		share((count + together - 1) / together, wanted, [](void* w, int group, int member) { (*static_cast<decltype(several)*>(w))(group, member); }, &several);
+		share((count + together - 1) / together, wanted, [](void* w, int group, int member) { (*static_cast<decltype(several)*>(w))(group, member); },
+		      &several);
 	}
 
 	template <class Work> static void run(int count, Work&& work) { run(count, threads(), std::forward<Work>(work)); }

@@ -19,12 +19,12 @@ namespace {
 	constexpr int  numbersPerImpulse = 4;
 	constexpr int  facetGroup        = -2; // all facets are one surface: neighbours share edges
 	constexpr Real outOfPlane        = 1e-6;
-	constexpr Real courantNumber      = 0.3; // of the time that a wave needs through the smallest sphere
+	constexpr Real courantNumber     = 0.3; // of the time that a wave needs through the smallest sphere
 
 	void turnAxes(Shown& shown, Real angle)
 	{
 		const Real c = std::cos(angle), s = std::sin(angle);
-		shown.axes   = { { { c, s }, { -s, c } } };
+		shown.axes = { { { c, s }, { -s, c } } };
 	}
 
 	/// Angle about z; axes of a body that turned about z only lie in the plane.
@@ -42,7 +42,8 @@ namespace {
 	{
 		const Quaternionr& q = body.state->se3.orientation;
 		if (std::abs(q.x()) > outOfPlane || std::abs(q.y()) > outOfPlane)
-			return "its axis z does not point along z, but ground in plane strain meets sections across z: turn boxes about z only, blockedDOFs='zXY'";
+			return "its axis z does not point along z, but ground in plane strain meets sections across z: turn boxes about z only, "
+			       "blockedDOFs='zXY'";
 		shown.shape = &talik::rigidBox<2>();
 		shown.size  = { box.extents[0], box.extents[1] };
 		return "";
@@ -120,12 +121,12 @@ talik::RigidContactSettings BodyContact::build() const
 {
 	talik::requireSetting(std::isfinite(thickness) && thickness > 0, "BodyContact.thickness", thickness, "must be positive, in m");
 	talik::requireSetting(
-	        std::isnan(frictionAngle) || (frictionAngle >= 0 && frictionAngle < 90), "BodyContact.frictionAngle", frictionAngle, "must lie in [0, 90), in degrees");
+	        std::isnan(frictionAngle) || (frictionAngle >= 0 && frictionAngle < 90), "BodyContact.frictionAngle", frictionAngle,
+	        "must lie in [0, 90), in degrees");
 	talik::requireSetting(
-	        !(frictionAngle > 0 && frictionAngle < 1.58),
-	        "BodyContact.frictionAngle",
-	        frictionAngle,
-	        "is in degrees, as in MohrCoulombSkeleton (FrictMat has radians); give " + std::to_string(int(std::lround(frictionAngle * 180 / M_PI))) + " if radians were meant");
+	        !(frictionAngle > 0 && frictionAngle < 1.58), "BodyContact.frictionAngle", frictionAngle,
+	        "is in degrees, as in MohrCoulombSkeleton (FrictMat has radians); give " + std::to_string(int(std::lround(frictionAngle * 180 / M_PI)))
+	                + " if radians were meant");
 	talik::requireSetting(bodySteps >= 1, "BodyContact.bodySteps", bodySteps, "must be 1 or more");
 	const talik::RigidContactSettings settings { stiffness, shearRatio, damping };
 	talik::underScriptNames({ { "bodies.", "BodyContact." } }, [&] { settings.validate(); });
@@ -137,7 +138,8 @@ talik::RigidContactSettings BodyContact::build() const
 void BodyContact::refuse(const Body& body, const string& reason) const
 {
 	throw std::invalid_argument(
-	        "O.bodies[" + std::to_string(body.id) + "] (" + body.shape->getClassName() + ") cannot meet the ground: " + reason + "; BodyContact.mask may leave it out.");
+	        "O.bodies[" + std::to_string(body.id) + "] (" + body.shape->getClassName() + ") cannot meet the ground: " + reason
+	        + "; BodyContact.mask may leave it out.");
 }
 
 Real BodyContact::frictionOf(const Body& body) const
@@ -198,10 +200,12 @@ void BodyContact::checkEngines(const Scene& scene, const Engine& mpm)
 		const string name = engine->getClassName();
 		if (name == "ForceResetter" && !reached) reset = true;
 		if (name == "NewtonIntegrator" && !reached)
-			throw std::invalid_argument("MpmEngine.bodies: NewtonIntegrator stands before MpmEngine in O.engines, so that bodies never feel the ground; put MpmEngine before it.");
+			throw std::invalid_argument("MpmEngine.bodies: NewtonIntegrator stands before MpmEngine in O.engines, so that bodies never feel the "
+			                            "ground; put MpmEngine before it.");
 	}
 	if (reached && !reset)
-		throw std::invalid_argument("MpmEngine.bodies: no ForceResetter before MpmEngine in O.engines, so that forces on bodies would add up from step to step; put ForceResetter() first.");
+		throw std::invalid_argument("MpmEngine.bodies: no ForceResetter before MpmEngine in O.engines, so that forces on bodies would add up from step "
+		                            "to step; put ForceResetter() first.");
 	enginesChecked = true;
 }
 
@@ -209,9 +213,8 @@ void BodyContact::refuseOverlap(const Scene& scene, const talik::RigidContact<2>
 {
 	const auto overlap = contact.deepestOverlap();
 	if (overlap.body < 0) return;
-	refuse(
-	        *(*scene.bodies)[collected[overlap.body].id],
-	        "the ground's material points lie up to " + boost::lexical_cast<string>(overlap.depth) + " m inside it: move it or leave the ground out there");
+	refuse(*(*scene.bodies)[collected[overlap.body].id],
+	       "the ground's material points lie up to " + boost::lexical_cast<string>(overlap.depth) + " m inside it: move it or leave the ground out there");
 }
 
 void BodyContact::limitByContact(const Scene& scene, const talik::RigidContact<2>& contact)

@@ -33,30 +33,40 @@ public:
 	Real due(const Scene& scene) const;
 
 private:
-	void                 checkEngines(const Scene& scene, const Engine& mpm);
-	bool                 show(const Body& body, talik::RigidBody<2>& shown) const;
-	Real                 frictionOf(const Body& body) const;
-	void                 limitByContact(const Scene& scene, const talik::RigidContact<2>& contact);
-	[[noreturn]] void    refuse(const Body& body, const string& reason) const;
-	void                 refuseOverlap(const Scene& scene, const talik::RigidContact<2>& contact) const;
+	void              checkEngines(const Scene& scene, const Engine& mpm);
+	bool              show(const Body& body, talik::RigidBody<2>& shown) const;
+	Real              frictionOf(const Body& body) const;
+	void              limitByContact(const Scene& scene, const talik::RigidContact<2>& contact);
+	[[noreturn]] void refuse(const Body& body, const string& reason) const;
+	void              refuseOverlap(const Scene& scene, const talik::RigidContact<2>& contact) const;
 
-	vector<talik::RigidBody<2>> collected;
-	vector<Vector2r>            leverArms; ///< from the body's position to that of what is shown
-	vector<talik::RigidContact<2>::Grip> grips; ///< by body that moves: of all its contacts, at most
-	Real                        contactLimit   = 0;
-	bool                        enginesChecked = false;
-	size_t                      bodiesChecked  = 0;
+	vector<talik::RigidBody<2>>          collected;
+	vector<Vector2r>                     leverArms; ///< from the body's position to that of what is shown
+	vector<talik::RigidContact<2>::Grip> grips;     ///< by body that moves: of all its contacts, at most
+	Real                                 contactLimit   = 0;
+	bool                                 enginesChecked = false;
+	size_t                               bodiesChecked  = 0;
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(BodyContact,Serializable,"Effect: the ground pushes the bodies of the scene and is pushed by them, with friction. Spheres, boxes, facets, walls and clumps of them; in plane strain a sphere is a disc of its radius through the whole thickness, a box its section (its axis z stays z), a facet along z its edge, and walls or facets across z are not met. Put the engine behind ForceResetter and before NewtonIntegrator; the force on a body is O.forces.f(id). Sum of momentum over ground (per metre) times thickness and bodies is conserved to round-off. Water does not cross into bodies, nor heat unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. What touches a body in the first step bears the stress that the ground was given, later contacts begin without force. Example: mpm.bodies=BodyContact(); O.bodies.append(utils.box((2,3,0),(1,0.5,0.5))); O.engines=[ForceResetter(),mpm,NewtonIntegrator(gravity=(0,-9.81,0))].",
-		((Real,thickness,1,,"Thickness of the slice of ground that the bodies meet [m], > 0: forces on them are those per metre times it. A body keeps its mass: a sphere of radius R weighs as much as its disc if this is 4R/3, a box if it is the box's edge along z."))
-		((Real,frictionAngle,NaN,,"Angle of friction between ground and bodies [deg], 0 or from 1.58 to below 90 (as in MohrCoulombSkeleton, while FrictMat of YADE has radians); NaN: that of each body's material."))
-		((Real,stiffness,NaN,,"Pressure over penetration of a contact [Pa/m], > 0; NaN: oedometer modulus of the stiffest point at the start over the grid spacing, so that a body sinks in as far as one cell of that ground gives way. Stiffer contacts shorten the time step."))
+	YADE_CLASS_BASE_DOC_ATTRS(BodyContact,Serializable,"Effect: the ground pushes the bodies of the scene and is pushed by them, with friction. Spheres, boxes, "
+			"facets, walls and clumps of them; in plane strain a sphere is a disc of its radius through the whole thickness, a box its section (its axis z stays z), a "
+			"facet along z its edge, and walls or facets across z are not met. Put the engine behind ForceResetter and before NewtonIntegrator; the force on a body is "
+			"O.forces.f(id). Sum of momentum over ground (per metre) times thickness and bodies is conserved to round-off. Water does not cross into bodies, nor heat "
+			"unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. What touches a body in the first step "
+			"bears the stress that the ground was given, later contacts begin without force. Example: mpm.bodies=BodyContact(); "
+			"O.bodies.append(utils.box((2,3,0),(1,0.5,0.5))); O.engines=[ForceResetter(),mpm,NewtonIntegrator(gravity=(0,-9.81,0))].",
+		((Real,thickness,1,,"Thickness of the slice of ground that the bodies meet [m], > 0: forces on them are those per metre times it. A body keeps its mass: a "
+				"sphere of radius R weighs as much as its disc if this is 4R/3, a box if it is the box's edge along z."))
+		((Real,frictionAngle,NaN,,"Angle of friction between ground and bodies [deg], 0 or from 1.58 to below 90 (as in MohrCoulombSkeleton, while FrictMat of YADE "
+				"has radians); NaN: that of each body's material."))
+		((Real,stiffness,NaN,,"Pressure over penetration of a contact [Pa/m], > 0; NaN: oedometer modulus of the stiffest point at the start over the grid spacing, "
+				"so that a body sinks in as far as one cell of that ground gives way. Stiffer contacts shorten the time step."))
 		((Real,shearRatio,0.5,,"Tangential over normal stiffness of a contact [-], in (0,1]."))
 		((Real,damping,0.1,,"Viscous part of a contact over the critical one [-], in [0,1)."))
 		((int,mask,0,,"Bodies with (body.mask & mask) != 0 are met; 0: all."))
-		((int,bodySteps,100,,"Where O.dt is shorter than the ground's stable step, one step of the ground covers up to so many steps of the bodies, its force spread evenly over them; 1: the ground follows every step."))
+		((int,bodySteps,100,,"Where O.dt is shorter than the ground's stable step, one step of the ground covers up to so many steps of the bodies, its force "
+				"spread evenly over them; 1: the ground follows every step."))
 		((Real,ahead,0,Attr::hidden,"Time by which the ground is ahead of the scene [s]."))
 		((vector<Real>,pending,,Attr::hidden,"Impulses not yet delivered: id, x, y [N s] and about z [N m s], four numbers per body."))
 	);

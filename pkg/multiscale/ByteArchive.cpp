@@ -21,7 +21,11 @@ namespace {
 		return digits.str();
 	}
 
-	[[noreturn]] void refuseDamage() { throw std::runtime_error("the saved state is damaged, or of an earlier version of Talik (its checksum does not fit): load an earlier file, or continue it with the version that saved it"); }
+	[[noreturn]] void refuseDamage()
+	{
+		throw std::runtime_error("the saved state is damaged, or of an earlier version of Talik (its checksum does not fit): load an earlier file, or "
+		                         "continue it with the version that saved it");
+	}
 } // namespace
 
 std::string toBase64(const std::string& bytes)

@@ -15,8 +15,8 @@ public:
 		number(bytes);
 		bytes_.append(static_cast<const char*>(data), bytes);
 	}
-	void block(const std::string& text) { block(text.data(), text.size()); }
-	void number(std::uint64_t value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
+	void               block(const std::string& text) { block(text.data(), text.size()); }
+	void               number(std::uint64_t value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
 	const std::string& bytes() const { return bytes_; }
 
 private:
@@ -28,8 +28,7 @@ class ByteReader {
 public:
 	explicit ByteReader(const std::string& bytes)
 	        : bytes_(bytes)
-	{
-	}
+	{}
 	std::uint64_t number()
 	{
 		std::uint64_t value;

@@ -14,7 +14,8 @@ void Checkpoint::start()
 {
 	if (!(every >= 0)) throw std::invalid_argument("Checkpoint.every is " + boost::lexical_cast<string>(every) + ": give 0 or more seconds.");
 	if (scene->engines.empty() || scene->engines.front().get() != this)
-		throw std::invalid_argument("Checkpoint is not the first of O.engines: put it first, or use talik.checkpoint.keep(file); later engines find a step half done.");
+		throw std::invalid_argument(
+		        "Checkpoint is not the first of O.engines: put it first, or use talik.checkpoint.keep(file); later engines find a step half done.");
 	talik::requireWritable(file);
 	started = true;
 	last    = Clock::now();
@@ -45,7 +46,8 @@ void Checkpoint::tryToWrite()
 
 void Checkpoint::write(const string& file)
 {
-	if (Omega::instance().isRunning()) throw std::runtime_error("Checkpoint.write needs a paused simulation: call O.pause() first, or use talik.checkpoint.keep(file).");
+	if (Omega::instance().isRunning())
+		throw std::runtime_error("Checkpoint.write needs a paused simulation: call O.pause() first, or use talik.checkpoint.keep(file).");
 	talik::requireWritable(file);
 	talik::writeCheckpoint(file, Omega::instance().getScene());
 }

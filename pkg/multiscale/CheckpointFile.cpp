@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <lib/factory/ClassFactory.hpp>
-#include <pkg/multiscale/CheckpointFile.hpp>
 #include <pkg/multiscale/AtomicFile.hpp>
+#include <pkg/multiscale/CheckpointFile.hpp>
 
 #include <cerrno>
 #include <cstring>
@@ -66,9 +66,9 @@ namespace {
 			boost::archive::xml_oarchive archive(xml);
 			archive << boost::serialization::make_nvp("scene", scene);
 		}
-		const std::string text  = xml.str();
-		const std::size_t first = text.find("<miscParams");
-		const std::string names = tags(text.substr(first, text.find("</miscParams>") - first));
+		const std::string  text  = xml.str();
+		const std::size_t  first = text.find("<miscParams");
+		const std::string  names = tags(text.substr(first, text.find("</miscParams>") - first));
 		boost::crc_32_type digest;
 		digest.process_bytes(names.data(), names.size());
 		return hexadecimal(digest.checksum()).substr(8);
@@ -136,8 +136,8 @@ namespace {
 		}
 		if (h.format != currentFormat)
 			refuse(file,
-			       "has format " + std::to_string(h.format) + ", written " + h.written + "; this Talik reads format " + std::to_string(currentFormat)
-			               + ": resume it with the version that wrote it");
+			       "has format " + std::to_string(h.format) + ", written " + h.written + "; this Talik reads format "
+			               + std::to_string(currentFormat) + ": resume it with the version that wrote it");
 		if (key != "end") refuse(file, "is damaged in its first lines: take an earlier one");
 		return h;
 	}
@@ -159,7 +159,9 @@ namespace {
 	{
 		const std::uint64_t length = std::filesystem::file_size(file);
 		if (length < headerLength + h.bytes)
-			refuse(file, "is truncated, " + std::to_string(length) + " of " + std::to_string(headerLength + h.bytes) + " bytes are there: take an earlier one");
+			refuse(file,
+			       "is truncated, " + std::to_string(length) + " of " + std::to_string(headerLength + h.bytes)
+			               + " bytes are there: take an earlier one");
 		if (length > headerLength + h.bytes) refuse(file, "is longer than what was written: take an earlier one");
 		Checksum checksum;
 		overScene(stream, h.bytes, [&](const char* data, std::size_t count) { checksum.process_bytes(data, count); });
@@ -233,7 +235,8 @@ void requireWritable(const std::string& file)
 {
 	if (file.empty()) throw std::invalid_argument("Checkpoint.file is empty: give the name of a file, e.g. 'output/slope.checkpoint'.");
 	std::error_code error;
-	if (std::filesystem::is_directory(file, error)) throw std::invalid_argument("Checkpoint.file is '" + file + "', a folder: give the name of a file in it.");
+	if (std::filesystem::is_directory(file, error))
+		throw std::invalid_argument("Checkpoint.file is '" + file + "', a folder: give the name of a file in it.");
 	try {
 		const AtomicFile probe("checkpoint", file, headerLength);
 		if (probe.problem()) probe.fail(std::strerror(probe.problem()));
@@ -257,7 +260,8 @@ boost::shared_ptr<Scene> readCheckpoint(const std::string& file)
 	stream.seekg(headerLength);
 	const std::string changed = changedClasses(h, stream);
 	if (!changed.empty())
-		refuse(file, "was written " + h.written + " by a Talik in which " + changed + " had other attributes: resume it with that version, or start anew");
+		refuse(file,
+		       "was written " + h.written + " by a Talik in which " + changed + " had other attributes: resume it with that version, or start anew");
 	stream.clear();
 	stream.seekg(headerLength);
 	try {

@@ -4,8 +4,10 @@
 #include <pkg/multiscale/GroundBoundaries.hpp>
 
 namespace yade {
-YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)(SurfaceTemperature)(
-        BodyTemperature)(HeatFlux)(WaterFlux)(SurfaceLoad));
+// clang-format off
+YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)
+        (SurfaceTemperature)(BodyTemperature)(HeatFlux)(WaterFlux)(SurfaceLoad));
+// clang-format on
 
 talik::Region<2> GroundBoundary::where() const
 {
@@ -23,7 +25,8 @@ talik::Region<2> GroundBoundary::always() const
 {
 	if (!times.empty() || !values.empty())
 		throw std::invalid_argument(
-		        getClassName() + ".times has " + std::to_string(times.size()) + " numbers, .values " + std::to_string(values.size()) + ": nothing of this boundary changes in time; leave them out.");
+		        getClassName() + ".times has " + std::to_string(times.size()) + " numbers, .values " + std::to_string(values.size())
+		        + ": nothing of this boundary changes in time; leave them out.");
 	return where();
 }
 
@@ -47,14 +50,17 @@ GroundBoundary::Pointer InsulatedBoundary::build() const { return std::make_shar
 GroundBoundary::Pointer WallTemperature::build() const { return std::make_shared<talik::WallTemperature<2>>(where(), overTime(temperature)); }
 GroundBoundary::Pointer SurfaceTemperature::build() const
 {
-	talik::requireSetting(heatTransferCoefficient > 0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient, "must be positive, in W/(m^2 K); without exchange leave the boundary out");
+	talik::requireSetting(
+	        heatTransferCoefficient > 0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient,
+	        "must be positive, in W/(m^2 K); without exchange leave the boundary out");
 	return std::make_shared<talik::SurfaceTemperature<2>>(where(), overTime(temperature), heatTransferCoefficient);
 }
 GroundBoundary::Pointer BodyTemperature::build() const
 {
 	const GroundBoundary anywhere;
 	if (!region.empty() || lower != anywhere.lower || upper != anywhere.upper)
-		throw std::invalid_argument("BodyTemperature.region is '" + region + "', with lower and upper: it acts where its bodies are; leave region, lower and upper out.");
+		throw std::invalid_argument(
+		        "BodyTemperature.region is '" + region + "', with lower and upper: it acts where its bodies are; leave region, lower and upper out.");
 	return std::make_shared<talik::BodyTemperature<2>>(bodies, overTime(temperature), resistance);
 }
 void BodyTemperature::checkBodies(const vector<talik::RigidBody<2>>& met) const
@@ -62,7 +68,8 @@ void BodyTemperature::checkBodies(const vector<talik::RigidBody<2>>& met) const
 	for (const int id : bodies)
 		if (std::none_of(met.begin(), met.end(), [&](const auto& body) { return body.id == id || body.group == id; }))
 			throw std::invalid_argument(
-			        "BodyTemperature.bodies names " + std::to_string(id) + ", which is no body that the ground meets: give numbers of O.bodies that BodyContact.mask does not leave out.");
+			        "BodyTemperature.bodies names " + std::to_string(id)
+			        + ", which is no body that the ground meets: give numbers of O.bodies that BodyContact.mask does not leave out.");
 }
 GroundBoundary::Pointer HeatFlux::build() const { return std::make_shared<talik::HeatFlux<2>>(where(), overTime(flux)); }
 GroundBoundary::Pointer WaterFlux::build() const { return std::make_shared<talik::WaterFlux<2>>(where(), overTime(flux), temperature); }

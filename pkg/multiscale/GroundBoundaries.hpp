@@ -25,11 +25,17 @@ protected:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in MpmEngine.boundaries. Example: mpm.boundaries=[RollerBoundary(region='left'),FixedBoundary(region='bottom')].",
-		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface as far as air from above (or through a side without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc: inside the ellipse that fits lower..upper (a pipe)."))
-		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region [m]."))
-		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region [m]."))
-		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s] (days times talik.day), increasing; linear in between, constant outside. Empty: the value is constant."))
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in "
+			"MpmEngine.boundaries. Example: mpm.boundaries=[RollerBoundary(region='left'),FixedBoundary(region='bottom')].",
+		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface as far as air from above (or through a side "
+				"without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc: inside "
+				"the ellipse that fits lower..upper (a pipe)."))
+		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region "
+				"[m]."))
+		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region "
+				"[m]."))
+		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s] (days times talik.day), increasing; linear in between, constant "
+				"outside. Empty: the value is constant."))
 		((vector<Real>,values,,,"Values at these instants, in the unit [that of the attribute that they replace]."))
 		,talik::SequenceConverter<GroundBoundary>::registerOnce();
 	);
@@ -41,7 +47,9 @@ class RollerBoundary : public GroundBoundary {
 public:
 	virtual ~RollerBoundary() {};
 	Pointer build() const override;
-	YADE_CLASS_BASE_DOC(RollerBoundary, GroundBoundary, "Neither grains nor water move across this side; they may slide along it. Example: RollerBoundary(region='left').");
+	YADE_CLASS_BASE_DOC(
+	        RollerBoundary, GroundBoundary,
+	        "Neither grains nor water move across this side; they may slide along it. Example: RollerBoundary(region='left').");
 };
 REGISTER_SERIALIZABLE(RollerBoundary);
 
@@ -57,7 +65,9 @@ class ImpermeableBoundary : public GroundBoundary {
 public:
 	virtual ~ImpermeableBoundary() {};
 	Pointer build() const override;
-	YADE_CLASS_BASE_DOC(ImpermeableBoundary, GroundBoundary, "Water does not cross this side, whose grains are free to move. Example: ImpermeableBoundary(region='top').");
+	YADE_CLASS_BASE_DOC(
+	        ImpermeableBoundary, GroundBoundary,
+	        "Water does not cross this side, whose grains are free to move. Example: ImpermeableBoundary(region='top').");
 };
 REGISTER_SERIALIZABLE(ImpermeableBoundary);
 
@@ -66,7 +76,8 @@ public:
 	virtual ~DrainedBoundary() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example, a pond that fills to 2 m within a day: DrainedBoundary(region='left',times=[0,86400],values=[0,19620]).",
+	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example, a "
+			"pond that fills to 2 m within a day: DrainedBoundary(region='left',times=[0,86400],values=[0,19620]).",
 		((Real,pressure,0,,"Water pressure outside [Pa], compression positive; times and values may replace it."))
 		((bool,recharge,true,,"Water may also come in."))
 	);
@@ -78,7 +89,10 @@ class InsulatedBoundary : public GroundBoundary {
 public:
 	virtual ~InsulatedBoundary() {};
 	Pointer build() const override;
-	YADE_CLASS_BASE_DOC(InsulatedBoundary, GroundBoundary, "No heat crosses: what happens anyway where no thermal boundary acts; refused where another one heats the same side. Example: InsulatedBoundary(region='right').");
+	YADE_CLASS_BASE_DOC(
+	        InsulatedBoundary, GroundBoundary,
+	        "No heat crosses: what happens anyway where no thermal boundary acts; refused where another one heats the same side. Example: "
+	        "InsulatedBoundary(region='right').");
 };
 REGISTER_SERIALIZABLE(InsulatedBoundary);
 
@@ -87,7 +101,9 @@ public:
 	virtual ~WallTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, whose edge may lie anywhere between nodes: a pipe has region='disc',lower=(-.4,-2),upper=(.4,-1.2). Example: WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10).",
+	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, "
+			"whose edge may lie anywhere between nodes: a pipe has region='disc',lower=(-.4,-2),upper=(.4,-1.2). Example: "
+			"WallTemperature(region='bottom',lower=(2,-1),upper=(6,1),temperature=10).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 	);
 	// clang-format on
@@ -99,9 +115,11 @@ public:
 	virtual ~SurfaceTemperature() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,10*talik.day],values=[-5,10]).",
+	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. "
+			"A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,10*talik.day],values=[-5,10]).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
-		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, per calendar time; infinite: the surface itself has the temperature."))
+		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, per calendar time; infinite: the surface "
+				"itself has the temperature."))
 	);
 	// clang-format on
 };
@@ -113,10 +131,14 @@ public:
 	Pointer build() const override;
 	void    checkBodies(const vector<talik::RigidBody<2>>& met) const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(BodyTemperature,GroundBoundary,"Temperature of bodies of the scene (a pipe, a slab, a warm wall), which heats or cools the ground where it faces them now: within half a point's width of their surface, wherever they have moved. Heat per area (T_body - T_ground)/(resistance + that of the ground). Other bodies let no heat pass. Needs MpmEngine.bodies; region, lower and upper stay as they are. Example, body 0 as a pipe of 10 degC in 5 cm of insulation of 0.04 W/(m K): BodyTemperature(bodies=[0],temperature=10,resistance=0.05/0.04).",
+	YADE_CLASS_BASE_DOC_ATTRS(BodyTemperature,GroundBoundary,"Temperature of bodies of the scene (a pipe, a slab, a warm wall), which heats or cools the ground "
+			"where it faces them now: within half a point's width of their surface, wherever they have moved. Heat per area (T_body - T_ground)/(resistance + that of "
+			"the ground). Other bodies let no heat pass. Needs MpmEngine.bodies; region, lower and upper stay as they are. Example, body 0 as a pipe of 10 degC in 5 "
+			"cm of insulation of 0.04 W/(m K): BodyTemperature(bodies=[0],temperature=10,resistance=0.05/0.04).",
 		((vector<int>,bodies,,,"Numbers of the bodies (O.bodies), or of clumps, whose members then all have the temperature."))
 		((Real,temperature,0,,"Inside the bodies [degC], -100 to 100; times and values may replace it."))
-		((Real,resistance,0,,"Thermal resistance between inside and ground [m^2 K/W], >= 0, thickness over conductivity of a wall, per area of the body's surface; 0: the surface itself has the temperature."))
+		((Real,resistance,0,,"Thermal resistance between inside and ground [m^2 K/W], >= 0, thickness over conductivity of a wall, per area of the body's surface; "
+				"0: the surface itself has the temperature."))
 	);
 	// clang-format on
 };
@@ -139,8 +161,11 @@ public:
 	virtual ~WaterFlux() {};
 	Pointer build() const override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(WaterFlux,GroundBoundary,"Water fed into the ground per unit area of a side or of the surface (rain, a spring; negative: drawn out), whatever pressure that takes; refused where a DrainedBoundary prescribes the pressure. The balance keeps account of it as negative waterOut. Example, 20 mm of rain a day: WaterFlux(region='surface',flux=0.02/86400).",
-		((Real,flux,0,,"Volume of water per area and time into the ground [m/s], scaled like the conductivity (calendar time, see PoreWater.hydraulicTimeScale); times and values may replace it."))
+	YADE_CLASS_BASE_DOC_ATTRS(WaterFlux,GroundBoundary,"Water fed into the ground per unit area of a side or of the surface (rain, a spring; negative: drawn "
+			"out), whatever pressure that takes; refused where a DrainedBoundary prescribes the pressure. The balance keeps account of it as negative waterOut. "
+			"Example, 20 mm of rain a day: WaterFlux(region='surface',flux=0.02/86400).",
+		((Real,flux,0,,"Volume of water per area and time into the ground [m/s], scaled like the conductivity (calendar time, see PoreWater.hydraulicTimeScale); "
+				"times and values may replace it."))
 		((Real,temperature,NaN,,"Of the water that enters [degC], 0 to 100; NaN: that of the ground where it enters."))
 	);
 	// clang-format on

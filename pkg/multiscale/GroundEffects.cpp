@@ -10,13 +10,13 @@ YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater))
 talik::MixtureProperties GroundMaterial::build() const
 {
 	talik::MixtureProperties m;
-	m.solid            = { solidDensity, solidSpecificHeat, solidConductivity, solidExpansivity };
-	m.ice              = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
-	m.liquid           = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
-	m.latentHeat       = latentHeat;
-	const auto check   = [&] {
-                m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
-                m.validate();
+	m.solid          = { solidDensity, solidSpecificHeat, solidConductivity, solidExpansivity };
+	m.ice            = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
+	m.liquid         = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
+	m.latentHeat     = latentHeat;
+	const auto check = [&] {
+		m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
+		m.validate();
 	};
 	talik::underScriptNames(
 	        { { "solid.density", "GroundMaterial.solidDensity" },
@@ -42,23 +42,24 @@ talik::ThawFrontSettings ThawFront::build() const
 	talik::ThawFrontSettings f;
 	f.thawedBelow = thawedBelow;
 	f.frozenAbove = frozenAbove;
-	talik::underScriptNames({ { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
+	talik::underScriptNames(
+	        { { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
 	return f;
 }
 
 talik::HeatSettings HeatTransfer::build() const
 {
 	talik::HeatSettings heat;
-	heat.thermalTimeScale = thermalTimeScale;
+	heat.thermalTimeScale  = thermalTimeScale;
 	heat.followsMotion     = followsMotion;
 	heat.movingTimeScale   = movingTimeScale;
 	heat.motionTolerance   = motionTolerance;
 	heat.eventSpeed        = eventSpeed;
 	heat.eventDisplacement = eventDisplacement;
-	heat.source           = source;
-	heat.smoothingTime    = smoothingTime;
-	heat.enthalpyForm     = talik::enthalpyFormFromName(enthalpyForm);
-	heat.latentDensity    = talik::latentDensityFromName(latentDensity);
+	heat.source            = source;
+	heat.smoothingTime     = smoothingTime;
+	heat.enthalpyForm      = talik::enthalpyFormFromName(enthalpyForm);
+	heat.latentDensity     = talik::latentDensityFromName(latentDensity);
 	return heat;
 }
 
@@ -97,7 +98,7 @@ talik::FreezingCurvePtr FreezingCurve::build() const
                 const string parameter = parameterName(curve, attribute);
                 if (!hasParameter(curve, parameter))
                         throw std::invalid_argument(
-                                "FreezingCurve." + attribute + " = " + boost::lexical_cast<string>(value) + ": the curve " + curve + " has none; leave it out");
+			                    "FreezingCurve." + attribute + " = " + boost::lexical_cast<string>(value) + ": the curve " + curve + " has none; leave it out");
                 if (parameter != "frozenTemperature") given[parameter] = value;
                 else if (value > 0) given[parameter] = freezingTemperature - value;
                 else throw std::invalid_argument("FreezingCurve.width = " + boost::lexical_cast<string>(value) + ": must be positive, in K");
@@ -121,13 +122,12 @@ talik::FreezingCurvePtr FreezingCurve::build() const
 talik::WaterSettings PoreWater::build(Real residualSaturation) const
 {
 	talik::WaterSettings water;
-	water.state.liquidBulkModulus           = bulkModulus;
-	water.state.iceBulkModulus              = std::isnan(iceBulkModulus) ? 4 * bulkModulus : iceBulkModulus;
-	water.state.cavitationPressure          = cavitationPressure;
-	water.state.densityChange               = zetaActive;
+	water.state.liquidBulkModulus  = bulkModulus;
+	water.state.iceBulkModulus     = std::isnan(iceBulkModulus) ? 4 * bulkModulus : iceBulkModulus;
+	water.state.cavitationPressure = cavitationPressure;
+	water.state.densityChange      = zetaActive;
 	if (massCoefficient == "printed") water.state.massCoefficient = talik::MassCoefficient::printed;
-	else if (massCoefficient != "exact")
-		throw std::invalid_argument("PoreWater.massCoefficient is '" + massCoefficient + "': choose exact or printed.");
+	else if (massCoefficient != "exact") throw std::invalid_argument("PoreWater.massCoefficient is '" + massCoefficient + "': choose exact or printed.");
 	water.permeability.referenceConductivity = conductivity;
 	water.permeability.referencePorosity     = referencePorosity;
 	water.permeability.impedance             = impedance;
@@ -135,7 +135,7 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 	water.permeability.floor                 = relativeConductivityFloor;
 	water.hydraulicTimeScale                 = hydraulicTimeScale;
 	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
-	water.picTime                            = picTime;
+	water.picTime = picTime;
 	talik::requireSetting(!(picTime < 0), "PoreWater.picTime", picTime, "must not be negative, in s; inf: none dies out, nan: chosen");
 	talik::underScriptNames(
 	        { { "liquidBulkModulus", "PoreWater.bulkModulus" },

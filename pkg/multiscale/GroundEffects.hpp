@@ -11,7 +11,8 @@ public:
 	virtual ~GroundMaterial() {};
 	talik::MixtureProperties build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. Example: GroundMaterial(conductivityMean='geometric').",
+	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. "
+			"Example: GroundMaterial(conductivityMean='geometric').",
 		((Real,solidDensity,2650,,"Intrinsic density of the soil grains [kg/m^3], > 0."))
 		((Real,iceDensity,910,,"Intrinsic density of ice [kg/m^3], > 0."))
 		((Real,liquidDensity,1000,,"Intrinsic density of liquid water [kg/m^3], > 0."))
@@ -37,17 +38,28 @@ public:
 	virtual ~HeatTransfer() {};
 	talik::HeatSettings build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it there is no temperature. Example: MpmEngine(gridSpacing=0.5,heat=HeatTransfer(thermalTimeScale=8.64e5,followsMotion=True)).",
-		((Real,thermalTimeScale,1,,"f_T [-], > 0: calendar time that passes in each second of motion. Conduction, surface coefficients, heat fluxes and sources are multiplied by it, and seepage and rain unless PoreWater.hydraulicTimeScale says otherwise; tables of boundaries are read at calendar time. With followsMotion its largest value, at rest. May be changed while running."))
-		((bool,followsMotion,false,,"The scale of the calendar follows the motion: thermalTimeScale while the ground rests, movingTimeScale while it moves, in between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2) with the speed v of the fastest ground, the largest mean velocity of the points of a cell; where heat needs it the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. Needs motion."))
-		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: nature's. May be changed while running."))
-		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way. Until ground of acceleration a has left it, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
-		((Real,eventSpeed,1e-5,,"Speed of the fastest ground in calendar time, its speed over the scale of the calendar, from which on motion is an event [m/s], >= 0; it is also faster than motionTolerance then. Ground that follows its thaw creeps more slowly, at whatever scale it is computed; 1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996)."))
+	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it "
+			"there is no temperature. Example: MpmEngine(gridSpacing=0.5,heat=HeatTransfer(thermalTimeScale=8.64e5,followsMotion=True)).",
+		((Real,thermalTimeScale,1,,"f_T [-], > 0: calendar time that passes in each second of motion. Conduction, surface coefficients, heat fluxes and sources are "
+				"multiplied by it, and seepage and rain unless PoreWater.hydraulicTimeScale says otherwise; tables of boundaries are read at calendar time. With "
+				"followsMotion its largest value, at rest. May be changed while running."))
+		((bool,followsMotion,false,,"The scale of the calendar follows the motion: thermalTimeScale while the ground rests, movingTimeScale while it moves, in "
+				"between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2) with the speed v of the fastest ground, the largest mean velocity of the points of a cell; where "
+				"heat needs it the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. Needs motion."))
+		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: nature's. May be "
+				"changed while running."))
+		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way. Until ground of "
+				"acceleration a has left it, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
+		((Real,eventSpeed,1e-5,,"Speed of the fastest ground in calendar time, its speed over the scale of the calendar, from which on motion is an event [m/s], >= "
+				"0; it is also faster than motionTolerance then. Ground that follows its thaw creeps more slowly, at whatever scale it is computed; 1e-5 m/s is a metre a "
+				"day, a moderate landslide (Cruden and Varnes 1996)."))
 		((Real,eventDisplacement,0.02,,"What a point must be displaced by to count as moved in an event [m], > 0; events that move none so far are left out."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
-		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s of calendar time]; NaN: chosen from the grid, infinite: none."))
+		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s of calendar time]; "
+				"NaN: chosen from the grid, infinite: none."))
 		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
-		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more heat)."))
+		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more "
+				"heat)."))
 	);
 	// clang-format on
 };
@@ -59,7 +71,8 @@ public:
 	virtual ~FreezingCurve() {};
 	talik::FreezingCurvePtr build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs HeatTransfer. Example: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05).",
+	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs "
+			"HeatTransfer. Example: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05).",
 		((string,curve,"gauss",,"gauss, exponential, power, vanGenuchten, linear or sharp."))
 		((Real,freezingTemperature,0,,"T_f: at and above it all water is liquid [degC]."))
 		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1; without PoreWater also 0."))
@@ -77,9 +90,14 @@ public:
 	virtual ~ThawFront() {};
 	talik::ThawFrontSettings build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where ground that ice holds meets ground that it does not, each has a velocity of its own on the nodes, so that a thawed layer slides on its frozen base however thin it is. The friction between them is what the law or the samples of the thawed points carry. At work in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: held by ice) and slip [m]. MpmEngine.thawFront=None switches it off, for comparison: a layer thinner than about two cells then moves with its base. Example: MpmEngine(gridSpacing=0.5,thawFront=ThawFront(frozenAbove=0.1)).",
+	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where ground that ice holds meets ground that it does not, each has a velocity of its "
+			"own on the nodes, so that a thawed layer slides on its frozen base however thin it is. The friction between them is what the law or the samples of the "
+			"thawed points carry. At work in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: held by ice) and slip [m]. "
+			"MpmEngine.thawFront=None switches it off, for comparison: a layer thinner than about two cells then moves with its base. Example: "
+			"MpmEngine(gridSpacing=0.5,thawFront=ThawFront(frozenAbove=0.1)).",
 		((Real,thawedBelow,0.02,,"Ice saturation at and below which a point becomes thawed ground [-], 0 to below 1: the bonds of samples are gone there."))
-		((Real,frozenAbove,0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form there."))
+		((Real,frozenAbove,0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form "
+				"there."))
 	);
 	// clang-format on
 };
@@ -95,19 +113,26 @@ public:
 	void setFlip(Real);
 	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
-		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 1e-2 it is lowered, with a warning, to what lets pressure rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag "
+			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
+			"PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
+		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 1e-2 it is lowered, with a warning, "
+				"to what lets pressure rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
 		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
 		((Real,impedance,6,,"Omega of impedance [-], >= 0."))
 		((Real,relativeConductivityFloor,1e-6,,"Smallest relative conductivity [-], in (0,1]."))
-		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and what WaterFlux feeds in [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that thaw and consolidation keep their ratio; a number overrides it, 1 leaves seepage in seconds of motion. Water is not hastened beyond the conductivity at which pressure rests within a fraction of a second anyway, see MpmEngine.calendar['largestConductivity']."))
-		((Real,bulkModulus,2.2e7,,"Numerical bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; less lets larger steps and lowers Skempton's B, see MpmEngine.skemptonB."))
+		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and what WaterFlux feeds in [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
+				"thaw and consolidation keep their ratio; a number overrides it, 1 leaves seepage in seconds of motion. Water is not hastened beyond the conductivity at "
+				"which pressure rests within a fraction of a second anyway, see MpmEngine.calendar['largestConductivity']."))
+		((Real,bulkModulus,2.2e7,,"Numerical bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; less lets larger steps and lowers Skempton's B, see "
+				"MpmEngine.skemptonB."))
 		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times bulkModulus."))
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
 		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
-		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is hastened."))
+		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; "
+				"NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is hastened."))
 		,/*ctor*/ ,
 		/*py*/
 		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::setFlip,"Replaced by picTime.")

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/Errors.hpp>
-#include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/multiscale/AtomicFile.hpp>
+#include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
@@ -36,7 +36,8 @@ namespace {
 			return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
 		} catch (const py::error_already_set&) {
 			PyErr_Clear();
-			throw std::invalid_argument("MpmEngine." + name + " is " + string(py::extract<string>(py::str(values))) + ": give a number or an array of numbers.");
+			throw std::invalid_argument(
+			        "MpmEngine." + name + " is " + string(py::extract<string>(py::str(values))) + ": give a number or an array of numbers.");
 		}
 	}
 
@@ -52,23 +53,24 @@ namespace {
 		if (!uniform && size != long(points) * components)
 			throw std::invalid_argument(
 			        "MpmEngine.addPoints: " + name + " has " + std::to_string(size) + " numbers for " + std::to_string(points) + " points: give "
-			        + std::to_string(components) + " or " + std::to_string(long(points) * components) + (name == "stress" ? ", in the order of field('stress'): xx, yy, zz, xy." : "."));
+			        + std::to_string(components) + " or " + std::to_string(long(points) * components)
+			        + (name == "stress" ? ", in the order of field('stress'): xx, yy, zz, xy." : "."));
 		for (int p = 0; p < points; p++)
 			for (int c = 0; c < components; c++)
 				table[p * numbersPerPoint + first + c] = data[uniform ? c : p * components + c];
 	}
 
 	struct Column {
-		const char*   name;
-		int           first, components;
-		vector<Real>  byDefault;
+		const char*  name;
+		int          first, components;
+		vector<Real> byDefault;
 	};
 	const vector<Column>& optionalColumns()
 	{
 		static const vector<Column> columns {
-			{ "volume", 2, 1, { NaN } },  { "porosity", 3, 1, { 0.4 } }, { "temperature", 4, 1, { 0 } },  { "pressure", 5, 1, { 0 } },
-			{ "skeleton", 6, 1, { 0 } }, { "stress", 7, 4, { NaN, NaN, NaN, NaN } }, { "velocity", 11, 2, { 0, 0 } },
-			{ "poreFill", 13, 1, { NaN } },
+			{ "volume", 2, 1, { NaN } },     { "porosity", 3, 1, { 0.4 } },  { "temperature", 4, 1, { 0 } },
+			{ "pressure", 5, 1, { 0 } },     { "skeleton", 6, 1, { 0 } },    { "stress", 7, 4, { NaN, NaN, NaN, NaN } },
+			{ "velocity", 11, 2, { 0, 0 } }, { "poreFill", 13, 1, { NaN } },
 		};
 		return columns;
 	}
@@ -78,7 +80,9 @@ namespace {
 	{
 		for (std::size_t row = 0; row < table.size(); row += numbersPerPoint)
 			if (table[row + 6] != std::floor(table[row + 6]) || std::abs(table[row + 6]) > 1e9)
-				throw std::invalid_argument("MpmEngine.addPoints: skeleton is " + boost::lexical_cast<string>(table[row + 6]) + ": give the number of a law in skeletons, a whole number.");
+				throw std::invalid_argument(
+				        "MpmEngine.addPoints: skeleton is " + boost::lexical_cast<string>(table[row + 6])
+				        + ": give the number of a law in skeletons, a whole number.");
 	}
 
 	talik::PointInput<2> pointFrom(const Real* row)
@@ -102,8 +106,8 @@ namespace {
 namespace {
 	/// All engines that live, so that a change of a setting finds the grounds that were made with it.
 	struct Register {
-		std::recursive_mutex guard; // looking into an engine may let Python's collector end another one
-		std::set<MpmEngine*> engines;
+		std::recursive_mutex          guard; // looking into an engine may let Python's collector end another one
+		std::set<MpmEngine*>          engines;
 		template <class Visitor> void visit(Visitor&& look)
 		{
 			std::lock_guard<std::recursive_mutex> lock(guard);
@@ -128,7 +132,7 @@ namespace {
 		const py::extract<Serializable*> object(value);
 		return object.check() && object() == part.get();
 	}
-}
+} // namespace
 
 void MpmEngine::enrol()
 {
@@ -250,7 +254,8 @@ void MpmEngine::addPointsToGround(bool goesOn)
 	const auto laws = activeSkeletons();
 	for (int id = 0; id < pointCount(); id++) {
 		talik::PointInput<2> point = pointFrom(&pointInput[id * numbersPerPoint]);
-		if (!std::isnan(point.stress[0]) && !goesOn && motion && point.skeleton >= 0 && point.skeleton < int(laws.size()) && laws[point.skeleton]->beginsWithOwnStress())
+		if (!std::isnan(point.stress[0]) && !goesOn && motion && point.skeleton >= 0 && point.skeleton < int(laws.size())
+		    && laws[point.skeleton]->beginsWithOwnStress())
 			throw std::invalid_argument(
 			        "MpmEngine.addPoints: stress of point " + std::to_string(id) + " is given, but its " + laws[point.skeleton]->getClassName()
 			        + " begins with the stress of its sample: leave stress out, and bring the samples to it by talik.slope.settle or depthBands.");
@@ -274,18 +279,24 @@ vector<shared_ptr<SkeletonLaw>> MpmEngine::activeSkeletons() const
 void MpmEngine::checkPresence() const
 {
 	if (pointCount() == 0)
-		throw std::invalid_argument("MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
-	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
+		throw std::invalid_argument(
+		        "MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
+	if (!(gridSpacing > 0))
+		throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
 	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
 	if (freezing && water && freezing->residualSaturation < 0.01)
 		throw std::invalid_argument(
-		        "FreezingCurve.residualSaturation is " + std::to_string(freezing->residualSaturation) + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
-	if (bodies && !motion) throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
-	if (water && !motion) throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
+		        "FreezingCurve.residualSaturation is " + std::to_string(freezing->residualSaturation)
+		        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+	if (bodies && !motion)
+		throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
+	if (water && !motion)
+		throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
 	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
 	if (otherTransfer && !motion)
-		throw std::invalid_argument("MpmEngine.transfer is '" + transfer + "' but motion is False: rigid ground has no velocity to transfer; leave it out.");
+		throw std::invalid_argument(
+		        "MpmEngine.transfer is '" + transfer + "' but motion is False: rigid ground has no velocity to transfer; leave it out.");
 	if (motion && activeSkeletons().empty())
 		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
 	for (const auto& law : activeSkeletons())
@@ -325,7 +336,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 			low  = std::min(low, x - half);
 			high = std::max(high, x + half);
 		}
-		s.lower[axis] = std::isnan(lower[axis]) ? gridSpacing * std::floor(low / gridSpacing + 1e-6) : lower[axis];
+		s.lower[axis]    = std::isnan(lower[axis]) ? gridSpacing * std::floor(low / gridSpacing + 1e-6) : lower[axis];
 		const Real cells = (high - s.lower[axis]) / gridSpacing;
 		s.upper[axis]    = std::isnan(upper[axis]) ? s.lower[axis] + gridSpacing * std::ceil(cells - 1e-6) : upper[axis];
 	}
@@ -333,12 +344,12 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 	s.mixture       = material->build();
 	if (motion) {
 		talik::MotionSettings<2> m;
-		m.gravity       = { gravity[0], gravity[1] };
-		m.transfer      = talik::velocityTransferFromName(transfer);
-		m.picTime       = picTime;
-		m.localDamping  = damping;
-		m.bBar = bBar;
-		s.motion        = m;
+		m.gravity      = { gravity[0], gravity[1] };
+		m.transfer     = talik::velocityTransferFromName(transfer);
+		m.picTime      = picTime;
+		m.localDamping = damping;
+		m.bBar         = bBar;
+		s.motion       = m;
 	}
 	if (heat) s.heat = heat->build();
 	if (bodies) s.bodies = bodies->build();
@@ -360,7 +371,7 @@ talik::GroundSettings<2> MpmEngine::buildSettings() const
 			s.skeletons.push_back(law->build(pointCount()));
 			if (tolerance > 0) law->setTolerance(tolerance);
 		}
-	s.courantNumber   = courantNumber;
+	s.courantNumber  = courantNumber;
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
 	return s;
@@ -401,7 +412,7 @@ namespace {
 			points.push_back(pointFrom(&table[row]));
 		return points;
 	}
-}
+} // namespace
 
 py::list MpmEngine::doubts() const
 {
@@ -440,13 +451,14 @@ void MpmEngine::warnOfCalendar()
 	}
 	const double step = ground->stableTimeStep().step;
 	const auto&  c    = ground->calendar();
-	const double slow = std::min(heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
+	const double slow = std::min(
+	        heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
 	for (std::size_t i = 0; i < boundaries.size(); i++) {
 		const auto& b = *boundaries[i];
 		if (b.times.size() < 2 || !(b.times.back() > 0) || !(b.times.back() < slow)) continue;
 		std::ostringstream text;
-		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back() << " s of calendar time, within the first step of "
-		     << slow << " s; days are given as days * talik.day";
+		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back()
+		     << " s of calendar time, within the first step of " << slow << " s; days are given as days * talik.day";
 		if (heat && heat->thermalTimeScale != 1) text << ", and one second of motion is " << heat->thermalTimeScale << " s of the calendar";
 		text << ".";
 		say(text.str());
@@ -462,7 +474,8 @@ void MpmEngine::checkFixed() const
 	const auto  require = [](bool same, const char* name, const string& value) {
                 if (!same)
                         throw std::invalid_argument(
-                                "MpmEngine." + string(name) + " is now " + value + ", which the running ground cannot follow: set it back, or give the points to another engine.");
+			         "MpmEngine." + string(name) + " is now " + value
+			         + ", which the running ground cannot follow: set it back, or give the points to another engine.");
 	};
 	const auto effect = [&](bool had, bool has, const char* name) { require(had == has, name, has ? "there" : "None"); };
 	require(bool(s.motion) == motion, "motion", motion ? "True" : "False");
@@ -493,16 +506,19 @@ namespace {
 	[[noreturn]] void refuseFlip(const string& className)
 	{
 		raiseAttributeError(
-		        className + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give " + className
-		        + ".picTime=inf in place of flip=1.");
+		        className
+		        + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give "
+		        + className + ".picTime=inf in place of flip=1.");
 	}
 
 	const std::map<string, string>& renamedAttributes()
 	{
-		static const std::map<string, string> names { { "waveFraction", "courantNumber" }, { "cellAveraging", "bBar" }, { "believedError", "estimatedError" } };
+		static const std::map<string, string> names { { "waveFraction", "courantNumber" },
+			                                      { "cellAveraging", "bBar" },
+			                                      { "believedError", "estimatedError" } };
 		return names;
 	}
-}
+} // namespace
 
 void MpmEngine::refuseFormerName(const char* name)
 {
@@ -534,7 +550,7 @@ void MpmEngine::followAttributes()
 		s.motion->localDamping = damping;
 		s.motion->picTime      = picTime;
 	}
-	s.courantNumber   = courantNumber;
+	s.courantNumber  = courantNumber;
 	s.heatFraction   = heatFraction;
 	s.motionFraction = motionFraction;
 	s.resting        = resting;
@@ -549,10 +565,11 @@ void MpmEngine::followAttributes()
 void MpmEngine::followHeat()
 {
 	auto& inForce = *ground->settings().heat;
-	if (inForce.thermalTimeScale == heat->thermalTimeScale && inForce.movingTimeScale == heat->movingTimeScale && inForce.motionTolerance == heat->motionTolerance)
+	if (inForce.thermalTimeScale == heat->thermalTimeScale && inForce.movingTimeScale == heat->movingTimeScale
+	    && inForce.motionTolerance == heat->motionTolerance)
 		return;
-	auto changed             = ground->settings();
-	changed.heat             = heat->build();
+	auto changed                = ground->settings();
+	changed.heat                = heat->build();
 	changed.heat->followsMotion = inForce.followsMotion;
 	talik::checkSettings(changed);
 	inForce.thermalTimeScale = heat->thermalTimeScale;
@@ -565,7 +582,8 @@ void MpmEngine::followTolerance()
 {
 	if ((tolerance == 0) != (toleranceInForce == 0))
 		throw std::invalid_argument(
-		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is " + boost::lexical_cast<string>(tolerance)
+		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is "
+		        + boost::lexical_cast<string>(tolerance)
 		        + ": change it while running to other values above 0 only; to switch it on or off, begin anew.");
 	for (const auto& law : activeSkeletons())
 		law->setTolerance(tolerance);
@@ -589,7 +607,9 @@ int MpmEngine::findStableStep()
 	Real steps        = limitInterval;
 	if (freezing)
 		for (const auto& limit : stable.limits)
-			if (limit.name == "heat") steps = std::min(steps, 0.5 * limit.step / stableStep * (heat->followsMotion ? heat->movingTimeScale / heat->thermalTimeScale : 1));
+			if (limit.name == "heat")
+				steps = std::min(
+				        steps, 0.5 * limit.step / stableStep * (heat->followsMotion ? heat->movingTimeScale / heat->thermalTimeScale : 1));
 	return std::max(1, int(steps));
 }
 
@@ -617,7 +637,7 @@ namespace {
 			PyErr_Clear();
 		}
 	}
-}
+} // namespace
 
 /// A step that fails leaves the scene between two steps: it can be looked at, saved and, with other settings, continued.
 void MpmEngine::action()
@@ -696,10 +716,10 @@ void MpmEngine::advanceAlone(bool newLimit)
 	}
 	Real done = 0;
 	for (bool whole = false; !whole;) {
-		const Real left = scene->dt - done;
-		const int  kept = subSteps(left) > 1 ? findStableStep() : 1;
+		const Real left  = scene->dt - done;
+		const int  kept  = subSteps(left) > 1 ? findStableStep() : 1;
 		const int  count = subSteps(left), now = std::min(count, kept);
-		const Real dt    = left / count;
+		const Real dt = left / count;
 		for (int i = 0; i < now; i++) {
 			try {
 				advance(dt);
@@ -746,9 +766,9 @@ void MpmEngine::advanceAmongBodies()
 void MpmEngine::advance(double dt)
 {
 	ground->beginStep(dt);
-	ground->p2g();               // step 1: points to grid
+	ground->p2g();                     // step 1: points to grid
 	ground->solveNodes();              // step 4: nodal forces and heat flows, implicit drag, boundaries
-	ground->g2p();             // step 5: grid to points
+	ground->g2p();                     // step 5: grid to points
 	ground->updateStrainAndPressure(); // step 2: strain, pore pressure, saturations
 	ground->updateEffectiveStress();   // step 3: displacement gradient and ice saturation down, effective stress back
 }
@@ -843,14 +863,14 @@ namespace {
 	/// Rows of equal length as an array (n,) or (n, components).
 	np::ndarray arrayOf(const vector<vector<Real>>& rows)
 	{
-		const std::size_t parts  = rows.empty() ? 1 : rows.front().size();
-		np::ndarray       result = np::zeros(parts == 1 ? py::make_tuple(rows.size()) : py::make_tuple(rows.size(), parts), np::dtype::get_builtin<double>());
-		Real*             data   = reinterpret_cast<Real*>(result.get_data());
+		const std::size_t parts = rows.empty() ? 1 : rows.front().size();
+		np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(rows.size()) : py::make_tuple(rows.size(), parts), np::dtype::get_builtin<double>());
+		Real*       data   = reinterpret_cast<Real*>(result.get_data());
 		for (const auto& row : rows)
 			data = std::copy(row.begin(), row.end(), data);
 		return result;
 	}
-}
+} // namespace
 
 py::object MpmEngine::strains(const string& name)
 {
@@ -899,8 +919,8 @@ py::object MpmEngine::field(const string& name)
 	const int n     = g.points().count();
 	for (const auto& info : g.fields())
 		if (info.place == "points" && info.name == name) parts = info.components;
-	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
-	Real*       data   = reinterpret_cast<Real*>(result.get_data());
+	np::ndarray  result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
+	Real*        data   = reinterpret_cast<Real*>(result.get_data());
 	vector<Real> component(n);
 	for (int c = 0; c < parts; c++) {
 		g.copyById(name, c, component.data());
@@ -924,7 +944,8 @@ int MpmEngine::pick(Real x, Real y)
 		least   = square;
 		nearest = id;
 	}
-	if (nearest < 0) throw std::invalid_argument("MpmEngine.pick: (" + boost::lexical_cast<string>(x) + ", " + boost::lexical_cast<string>(y) + ") is no place.");
+	if (nearest < 0)
+		throw std::invalid_argument("MpmEngine.pick: (" + boost::lexical_cast<string>(x) + ", " + boost::lexical_cast<string>(y) + ") is no place.");
 	return nearest;
 }
 
@@ -968,13 +989,16 @@ vector<Real> MpmEngine::valueAt(const string& name, int id)
 
 namespace {
 	/// What a history holds unless the user chooses: soil and sample, without what only the method knows.
-	const vector<string> defaultFields { "position", "displacement", "velocity", "temperature", "iceSaturation", "pressure", "porosity", "stress", "strain",
-		                             "deviatoricStrain", "bondsIntact", "bondsBroken", "bondsMelted", "coordinationNumber", "samplePorosity", "fabric" };
-}
+	const vector<string> defaultFields { "position",      "displacement",       "velocity",       "temperature",
+		                             "iceSaturation", "pressure",           "porosity",       "stress",
+		                             "strain",        "deviatoricStrain",   "bondsIntact",    "bondsBroken",
+		                             "bondsMelted",   "coordinationNumber", "samplePorosity", "fabric" };
+} // namespace
 
 void MpmEngine::watch(py::object ids, Real interval, py::object names)
 {
-	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	if (!(interval >= 0))
+		throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
 	followInputs();
 	watchesDefault = py::len(names) == 0;
 	shared_ptr<PointWatch> wanted(new PointWatch);
@@ -984,12 +1008,14 @@ void MpmEngine::watch(py::object ids, Real interval, py::object names)
 	for (int k = 0; k < (points.get_nd() == 0 ? 1 : points.shape(0)); k++) {
 		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))
 			throw std::invalid_argument(
-			        "MpmEngine.watch: " + boost::lexical_cast<string>(data[k]) + " is no point: give ids from 0 to " + std::to_string(pointCount() - 1) + ".");
+			        "MpmEngine.watch: " + boost::lexical_cast<string>(data[k]) + " is no point: give ids from 0 to "
+			        + std::to_string(pointCount() - 1) + ".");
 		if (std::find(wanted->ids.begin(), wanted->ids.end(), int(data[k])) == wanted->ids.end()) wanted->ids.push_back(int(data[k]));
 	}
 	for (int k = 0; k < py::len(names); k++) {
 		const string name = py::extract<string>(names[k]);
-		if (ground && !py::list(fieldNames()).count(name)) throw std::invalid_argument("MpmEngine.watch: there is no field '" + name + "'; see fieldNames().");
+		if (ground && !py::list(fieldNames()).count(name))
+			throw std::invalid_argument("MpmEngine.watch: there is no field '" + name + "'; see fieldNames().");
 		wanted->fields.push_back(name);
 	}
 	watched = wanted->ids.empty() ? nullptr : wanted;
@@ -1005,7 +1031,9 @@ void MpmEngine::recordWatched()
 		if (watched->fields.empty()) watched->fields = defaultFields;
 		auto& names = watched->fields;
 		names.erase(
-		        std::remove_if(names.begin(), names.end(), [&](const string& name) { return std::find(existing.begin(), existing.end(), name) == existing.end(); }),
+		        std::remove_if(
+		                names.begin(), names.end(),
+		                [&](const string& name) { return std::find(existing.begin(), existing.end(), name) == existing.end(); }),
 		        names.end());
 	}
 	watched->record(ground->time(), [this](const string& name, int id) { return valueAt(name, id); });
@@ -1069,16 +1097,16 @@ double MpmEngine::groundTime() const { return ground ? ground->time() : 0; }
 
 py::dict MpmEngine::calendar()
 {
-	const auto& g = runningGround();
-	const auto& c = g.calendar();
+	const auto& g       = runningGround();
+	const auto& c       = g.calendar();
 	const bool  follows = heat && heat->followsMotion;
 	py::dict    d;
-	d["day"]           = c.time / secondsPerDay;
-	d["scale"]         = c.scale;
-	d["followsMotion"] = follows;
-	d["speed"]         = follows ? py::object(c.speed) : py::object();
-	d["moving"]        = follows ? py::object(c.moving != 0) : py::object();
-	d["seepageScale"]  = g.seepageScale();
+	d["day"]                 = c.time / secondsPerDay;
+	d["scale"]               = c.scale;
+	d["followsMotion"]       = follows;
+	d["speed"]               = follows ? py::object(c.speed) : py::object();
+	d["moving"]              = follows ? py::object(c.moving != 0) : py::object();
+	d["seepageScale"]        = g.seepageScale();
 	d["largestConductivity"] = water ? py::object(g.largestConductivity()) : py::object();
 	return d;
 }
@@ -1087,7 +1115,8 @@ py::list MpmEngine::events()
 {
 	const auto& g = runningGround();
 	if (!heat || !heat->followsMotion)
-		throw std::runtime_error("MpmEngine.events: events are recorded only where the scale of the calendar follows the motion; set HeatTransfer.followsMotion=True before the first step.");
+		throw std::runtime_error("MpmEngine.events: events are recorded only where the scale of the calendar follows the motion; set "
+		                         "HeatTransfer.followsMotion=True before the first step.");
 	py::list          list;
 	const auto        events = g.events();
 	const std::size_t ended  = g.endedEvents().size();
@@ -1107,7 +1136,8 @@ py::list MpmEngine::events()
 
 void MpmEngine::setDay(Real day)
 {
-	if (!std::isfinite(day)) throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
+	if (!std::isfinite(day))
+		throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
 	runningGround().setCalendar(day * secondsPerDay);
 	begun = true;
 }
@@ -1116,9 +1146,9 @@ double MpmEngine::skemptonB()
 {
 	auto& g = runningGround();
 	if (!water) throw std::runtime_error("MpmEngine.skemptonB: the scene has no water.");
-	const auto& s       = g.settings();
-	Real        modulus = std::numeric_limits<Real>::infinity();
-	int         softest = 0;
+	const auto&  s       = g.settings();
+	Real         modulus = std::numeric_limits<Real>::infinity();
+	int          softest = 0;
 	vector<Real> byPlace(g.points().count());
 	for (int k = 0; k < int(s.skeletons.size()); k++) {
 		const auto batch = g.skeletonBatch(k);
@@ -1143,7 +1173,8 @@ void MpmEngine::setTemperature(py::object values)
 	const Real* data = reinterpret_cast<const Real*>(array.get_data());
 	for (int id = 0; id < (same ? 1 : n); id++)
 		if (!(data[id] > -100 && data[id] < 100))
-			throw std::invalid_argument("MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
+			throw std::invalid_argument(
+			        "MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
 	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
 	begun = true;
 	vector<Real> pressure(n, 0);
@@ -1182,7 +1213,7 @@ namespace {
 		}
 		return checksum.checksum();
 	}
-}
+} // namespace
 
 void MpmEngine::preSave(MpmEngine&)
 {
@@ -1212,21 +1243,27 @@ void MpmEngine::postSave(MpmEngine&)
 void MpmEngine::restoreSavedState()
 {
 	if (saved.empty()) return;
-	begun = true;
+	begun                   = true;
 	const string      bytes = talik::fromBase64(saved);
 	talik::ByteReader reader(bytes);
-	if (reader.block() != archiveMagic) throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik: continue it with the version that saved it.");
+	if (reader.block() != archiveMagic)
+		throw std::runtime_error("MpmEngine: the saved state is not one of this version of Talik: continue it with the version that saved it.");
 	// the run goes on with the same time steps as if it had not been saved
 	reader.block(&stableStep, sizeof stableStep);
 	reader.block(&stepsUntilLimit, sizeof stepsUntilLimit);
-	if (reader.number() != digestOf(pointInput)) throw std::runtime_error("MpmEngine: the points in the file are not those of its saved state, it is damaged: load an earlier file.");
+	if (reader.number() != digestOf(pointInput))
+		throw std::runtime_error("MpmEngine: the points in the file are not those of its saved state, it is damaged: load an earlier file.");
 	for (const auto& array : ground->state()) {
 		const string name = reader.block();
-		if (name != array.name) throw std::runtime_error("MpmEngine: the saved state has the field '" + name + "' where this Talik has '" + array.name + "': continue it with the version that saved it.");
+		if (name != array.name)
+			throw std::runtime_error(
+			        "MpmEngine: the saved state has the field '" + name + "' where this Talik has '" + array.name
+			        + "': continue it with the version that saved it.");
 		reader.block(array.data, array.bytes);
 	}
 	const string events = reader.block();
-	if (events.size() % sizeof(talik::MotionEvent) != 0) throw std::runtime_error("MpmEngine: the saved events are damaged; go on from another checkpoint.");
+	if (events.size() % sizeof(talik::MotionEvent) != 0)
+		throw std::runtime_error("MpmEngine: the saved events are damaged; go on from another checkpoint.");
 	vector<talik::MotionEvent> ended(events.size() / sizeof(talik::MotionEvent));
 	std::copy_n(events.data(), events.size(), reinterpret_cast<char*>(ended.data()));
 	ground->setEndedEvents(ended);

@@ -18,7 +18,8 @@ talik::OpenSample& OpenRveSample::sample() const
 py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
 {
 	if (!(iceSaturation >= 0 && iceSaturation <= 1))
-		throw std::invalid_argument("OpenRveSample: iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
+		throw std::invalid_argument(
+		        "OpenRveSample: iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
 	talik::PackedUpdateOptions options;
 	options.maxInertialNumber = maxInertialNumber;
 	options.maxStrainPerStep  = maxStrainPerStep;

@@ -98,7 +98,8 @@ void OpenStore::prepare(const std::vector<PackedRequest<2>>& requests)
 	std::set<std::size_t> asked;
 	for (const auto& request : requests) {
 		at(request.sample);
-		if (!asked.insert(request.sample).second) throw std::invalid_argument("open samples: sample " + std::to_string(request.sample) + " is asked twice in one update");
+		if (!asked.insert(request.sample).second)
+			throw std::invalid_argument("open samples: sample " + std::to_string(request.sample) + " is asked twice in one update");
 	}
 	for (const std::size_t s : asked) {
 		Sample& sample = samples[s];
@@ -113,13 +114,14 @@ std::vector<PackedUpdateResult<2>> OpenStore::update(const std::vector<PackedReq
 	prepare(requests);
 	std::vector<PackedUpdateResult<2>> results(requests.size());
 	std::vector<std::exception_ptr>    failures(requests.size());
-	const int workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
+	const int                          workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
 #pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
 	for (long k = 0; k < long(requests.size()); k++) {
 		const auto&            request = requests[std::size_t(k)];
 		const StepGate::Helper helper;
 		try {
-			results[std::size_t(k)] = inPlane(samples[request.sample].running->apply(inSpace(request.displacementGradient), request.iceSaturation, options));
+			results[std::size_t(k)] = inPlane(
+			        samples[request.sample].running->apply(inSpace(request.displacementGradient), request.iceSaturation, options));
 		} catch (...) {
 			failures[std::size_t(k)] = std::current_exception();
 		}
@@ -187,7 +189,7 @@ void OpenStore::setScene(std::size_t number, const boost::shared_ptr<yade::Scene
 	auto                counts = sample.running->bondCounts();
 	if (now > before) counts[0] += now - before;
 	replacement->setBondCounts(counts);
-	sample.running        = std::move(replacement);
+	sample.running = std::move(replacement);
 	sample.beginning.reset();
 }
 

@@ -12,8 +12,8 @@ public:
 	/// Scenes as bytes (sceneToBytes). Throws std::invalid_argument naming the scene that cannot be a sample.
 	explicit OpenStore(const std::vector<std::string>& prototypes);
 
-	int                                prototypeCount() const override { return int(prototypes.size()); }
-	double                             prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
+	int    prototypeCount() const override { return int(prototypes.size()); }
+	double prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
 	double oedometricModulus(int prototype, double iceSaturation) const override { return prototypes.at(prototype)->stiffness.modulus(iceSaturation); }
 	const SampleStart&                 add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
 	void                               release(std::size_t sample) override { at(sample) = Sample { prototypes.front(), nullptr }; }

@@ -45,7 +45,7 @@ namespace {
 	{
 		PackedState<2> state;
 		PackedLists<2> lists;
-		const bool listed = sample.unpark(state, lists);
+		const bool     listed = sample.unpark(state, lists);
 		writer.block(state.toBytes());
 		writer.number(listed);
 		if (!listed) return;
@@ -102,7 +102,8 @@ PackedStore::Beginning PackedStore::frozen(int prototype, double iceSaturation, 
 	PackedSample<2> sample(*prototypes.at(prototype));
 	if (prototypes[prototype]->iceSaturation != iceSaturation) {
 		const auto result = sample.apply(Matrix::Zero(), iceSaturation, options);
-		if (result.blewUp) throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
+		if (result.blewUp)
+			throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
 	}
 	Beginning beginning;
 	beginning.sample        = std::make_shared<ParkedSample<2>>(sample.state());

@@ -60,7 +60,11 @@ namespace {
 					for (const int i : ids)
 						for (const int j : others->second)
 							if (i != j)
-								nearest[i] = std::min(nearest[i], std::hypot(points[i].position[0] - points[j].position[0], points[i].position[1] - points[j].position[1]));
+								nearest[i] = std::min(
+								        nearest[i],
+								        std::hypot(
+								                points[i].position[0] - points[j].position[0],
+								                points[i].position[1] - points[j].position[1]));
 				}
 		return nearest;
 	}
@@ -76,14 +80,20 @@ namespace {
 		}
 		const double usual = median(volumes), side = std::sqrt(usual), room = usual * double(boxesOf(points, side).size());
 		if (points.size() > 3 && sum > 1.8 * room)
-			doubts.add(true, "The volumes of the points add to ", sum, " m^2 in a room of some ", room, " m^2: was an outline filled twice, or volume (median ", usual, " m^2) given for more than one point?");
+			doubts.add(
+			        true, "The volumes of the points add to ", sum, " m^2 in a room of some ", room,
+			        " m^2: was an outline filled twice, or volume (median ", usual, " m^2) given for more than one point?");
 		if (points.size() < 4) return;
-		const auto  distances = nearestDistances(points, 0.75 * spacing);
+		const auto   distances = nearestDistances(points, 0.75 * spacing);
 		const double apart     = median(distances);
 		if (!(apart <= 1.2 * spacing))
-			doubts.add(true, "MpmEngine.gridSpacing is ", spacing, " m and most points have no other one within ", 1.2 * spacing, " m: the grid cannot carry ground whose points are farther apart than its nodes; give smaller points or a coarser grid.");
+			doubts.add(
+			        true, "MpmEngine.gridSpacing is ", spacing, " m and most points have no other one within ", 1.2 * spacing,
+			        " m: the grid cannot carry ground whose points are farther apart than its nodes; give smaller points or a coarser grid.");
 		else if (usual < 0.1 * apart * apart)
-			doubts.add(true, "The volume of the points is ", usual, " m^2 (median) where their distance of ", apart, " m makes ", apart * apart, " m^2: was volume meant to be that?");
+			doubts.add(
+			        true, "The volume of the points is ", usual, " m^2 (median) where their distance of ", apart, " m makes ", apart * apart,
+			        " m^2: was volume meant to be that?");
 	}
 
 	void doubtStates(Doubts& doubts, const MpmEngine& mpm, const Points& points)
@@ -101,9 +111,13 @@ namespace {
 			pressure = std::max(pressure, std::abs(point.pressure));
 		}
 		if (tensile > 0)
-			doubts.add(true, "addPoints: stress of ", tensile, " points is tensile, up to ", tension, " Pa: was compression meant? Compression is negative.");
-		if (mpm.motion && stress > 0 && stress < 500) doubts.add(false, "addPoints: stress is ", stress, " Pa at most: was ", stress * 1e3, " Pa (kPa) meant?");
-		if (mpm.water && pressure > 0 && pressure < 200) doubts.add(false, "addPoints: pressure is ", pressure, " Pa at most: was ", pressure * 1e3, " Pa (kPa) meant?");
+			doubts.add(
+			        true, "addPoints: stress of ", tensile, " points is tensile, up to ", tension,
+			        " Pa: was compression meant? Compression is negative.");
+		if (mpm.motion && stress > 0 && stress < 500)
+			doubts.add(false, "addPoints: stress is ", stress, " Pa at most: was ", stress * 1e3, " Pa (kPa) meant?");
+		if (mpm.water && pressure > 0 && pressure < 200)
+			doubts.add(false, "addPoints: pressure is ", pressure, " Pa at most: was ", pressure * 1e3, " Pa (kPa) meant?");
 	}
 
 	struct Range {
@@ -141,7 +155,8 @@ namespace {
 
 	void doubtAngle(Doubts& doubts, const char* name, double degrees)
 	{
-		if (degrees > 0 && degrees < 1.58) doubts.add(true, name, " is ", degrees, " degrees: was ", degrees * 180 / M_PI, " (the same number in radians) meant?");
+		if (degrees > 0 && degrees < 1.58)
+			doubts.add(true, name, " is ", degrees, " degrees: was ", degrees * 180 / M_PI, " (the same number in radians) meant?");
 	}
 
 	void doubtSkeletons(Doubts& doubts, const MpmEngine& mpm)
@@ -185,12 +200,16 @@ std::vector<Doubt> doubtsAbout(const MpmEngine& mpm, const Points& points)
 	Doubts doubts;
 	if (mpm.gridSpacing > 0 && !points.empty()) doubtPlaces(doubts, points, mpm.gridSpacing);
 	if (mpm.motion && mpm.gravity[1] > 0)
-		doubts.add(true, "MpmEngine.gravity is (", mpm.gravity[0], ", ", mpm.gravity[1], ") m/s^2, upwards: was (", mpm.gravity[0], ", ", -mpm.gravity[1], ") meant?");
+		doubts.add(
+		        true, "MpmEngine.gravity is (", mpm.gravity[0], ", ", mpm.gravity[1], ") m/s^2, upwards: was (", mpm.gravity[0], ", ", -mpm.gravity[1],
+		        ") meant?");
 	if (mpm.material) doubtMaterial(doubts, mpm);
 	doubtStates(doubts, mpm, points);
 	if (mpm.motion) doubtSkeletons(doubts, mpm);
 	if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))
-		doubts.add(false, "PoreWater.conductivity is ", mpm.water->conductivity, " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
+		doubts.add(
+		        false, "PoreWater.conductivity is ", mpm.water->conductivity,
+		        " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
 	doubtBoundaries(doubts, mpm);
 	return doubts.list;
 }

@@ -22,7 +22,7 @@ namespace {
 			std::copy(first + i * stride, first + i * stride + width, data + i * width);
 		return array;
 	}
-}
+} // namespace
 
 void PointWatch::record(Real time, const Look& look)
 {
@@ -42,7 +42,8 @@ void PointWatch::record(Real time, const Look& look)
 py::dict PointWatch::history(int id) const
 {
 	const auto place = std::find(ids.begin(), ids.end(), id) - ids.begin();
-	if (place == long(ids.size())) throw std::invalid_argument("MpmEngine.history: point " + std::to_string(id) + " is not watched; call watch() with its id.");
+	if (place == long(ids.size()))
+		throw std::invalid_argument("MpmEngine.history: point " + std::to_string(id) + " is not watched; call watch() with its id.");
 	const std::size_t width = std::accumulate(components.begin(), components.end(), std::size_t(0)), stride = width * ids.size();
 	py::dict          result;
 	result["time"]  = columns(times.data(), times.size(), 1, 1);

@@ -18,7 +18,8 @@ public:
 	::boost::python::dict history(int id) const;
 
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(PointWatch,Serializable,"What MpmEngine.watch() records of a few material points; see MpmEngine.history(). Example: mpm.watch([0],interval=0.01); mpm.history(0)['time'].",
+	YADE_CLASS_BASE_DOC_ATTRS(PointWatch,Serializable,"What MpmEngine.watch() records of a few material points; see MpmEngine.history(). Example: "
+			"mpm.watch([0],interval=0.01); mpm.history(0)['time'].",
 		((vector<int>,ids,,Attr::readonly,"Watched points."))
 		((Real,interval,0,Attr::readonly,"Time between two records [s]; 0: every step."))
 		((vector<string>,fields,,Attr::readonly,"Recorded fields."))

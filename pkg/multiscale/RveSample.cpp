@@ -27,7 +27,7 @@ void RveSample::setPacked(PackedState<2> s) { state = std::make_shared<PackedSta
 void RveSample::action()
 {
 	const talik::StepGate gate;
-	PackedSample<2> sample(packed());
+	PackedSample<2>       sample(packed());
 	sample.advance(InPlane(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
 	setPacked(sample.state());
 }
@@ -40,7 +40,8 @@ shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 	const Real overlap = PackedSample<2>(sample->packed()).statistics().maxOverlapRatio;
 	if (!(overlap < 1))
 		throw std::invalid_argument(
-		        "RveSample.fromScene: grains of the scene overlap by " + boost::lexical_cast<string>(overlap) + " of a radius, which no sample survives: move them apart, or let them come to rest first.");
+		        "RveSample.fromScene: grains of the scene overlap by " + boost::lexical_cast<string>(overlap)
+		        + " of a radius, which no sample survives: move them apart, or let them come to rest first.");
 	const auto frame = talik::copyScene(scene);
 	frame->interactions->clear(); // the state has them
 	sample->sceneBytes = talik::sceneToBytes(frame);
@@ -65,9 +66,10 @@ namespace {
 	void requireSaturation(const char* method, Real iceSaturation)
 	{
 		if (iceSaturation >= 0 && iceSaturation <= 1) return;
-		throw std::invalid_argument(string(method) + ": iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
+		throw std::invalid_argument(
+		        string(method) + ": iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
 	}
-}
+} // namespace
 
 py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
 {
@@ -105,7 +107,9 @@ bool RveSample::servo(Real stressX, Real stressY)
 {
 	for (const auto& [name, stress] : { std::make_pair("stressX", stressX), std::make_pair("stressY", stressY) })
 		if (!std::isfinite(stress) || !(stress < 0))
-			throw std::invalid_argument(string("RveSample.servo: ") + name + " is " + boost::lexical_cast<string>(stress) + " Pa: give a compression, that is a negative number.");
+			throw std::invalid_argument(
+			        string("RveSample.servo: ") + name + " is " + boost::lexical_cast<string>(stress)
+			        + " Pa: give a compression, that is a negative number.");
 	talik::PackedServoOptions<2> options;
 	options.principalStress = talik::PackedTypes<2>::Vector(stressX, stressY);
 	PackedSample<2> sample(packed());
@@ -150,7 +154,7 @@ namespace {
 				data[i * columns + c] = get(i, c);
 		return array;
 	}
-}
+} // namespace
 
 py::dict RveSample::arrays() const
 {
@@ -186,7 +190,8 @@ py::object RveSample::stateBytes() const
 
 void RveSample::setTimeStep(Real dt)
 {
-	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	if (!(dt > 0) || !std::isfinite(dt))
+		throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
 	PackedState<2> s = packed();
 	s.dt             = dt;
 	setPacked(std::move(s));
@@ -200,7 +205,10 @@ void RveSample::setThawStrain(Real strain)
 		throw std::invalid_argument(
 		        "RveSample.thawStrain is " + boost::lexical_cast<string>(strain) + ": it must lie between 0 and the porosity of the sample, "
 		        + boost::lexical_cast<string>(porosity) + ", which is all of eq. (8).");
-	if (s.iceSaturation > 0) throw std::invalid_argument("RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation) + "): set it before the sample freezes.");
+	if (s.iceSaturation > 0)
+		throw std::invalid_argument(
+		        "RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation)
+		        + "): set it before the sample freezes.");
 	s.thawStrain.thawStrain = strain;
 	setPacked(std::move(s));
 }
@@ -218,7 +226,7 @@ void RveSample::setThawedStrength(Real strength)
 
 Matrix3r RveSample::deformation() const
 {
-	Matrix3r m               = Matrix3r::Identity();
+	Matrix3r m              = Matrix3r::Identity();
 	m.topLeftCorner<2, 2>() = packed().trsf;
 	return m;
 }

@@ -2,8 +2,8 @@
 #pragma once
 #include <core/GlobalEngine.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
-#include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
 
 namespace yade {
 
@@ -20,30 +20,30 @@ public:
 	/// Takes over what was done to an opened scene.
 	void repack(const shared_ptr<Scene>&);
 
-	::boost::python::dict  apply(const Matrix3r& displacementGradient, Real iceSaturation);
-	void                   advance(const Matrix3r& velGrad, long steps);
-	void                   freeze(Real iceSaturation);
-	bool                   servo(Real stressX, Real stressY);
-	::boost::python::tuple stress() const;
-	::boost::python::dict  statistics() const;
-	::boost::python::dict  arrays() const;
-	shared_ptr<RveSample>  copy() const;
-	Real                   iceSaturation() const { return packed().iceSaturation; }
-	Real                   timeStep() const { return packed().dt; }
-	void                   setTimeStep(Real);
-	Real                   thawStrain() const { return packed().thawStrain.thawStrain; }
-	void                   setThawStrain(Real);
-	Real                   thawedStrength() const { return packed().ice.thawedStrength; }
-	void                   setThawedStrength(Real);
-	Matrix3r               deformation() const;
+	::boost::python::dict   apply(const Matrix3r& displacementGradient, Real iceSaturation);
+	void                    advance(const Matrix3r& velGrad, long steps);
+	void                    freeze(Real iceSaturation);
+	bool                    servo(Real stressX, Real stressY);
+	::boost::python::tuple  stress() const;
+	::boost::python::dict   statistics() const;
+	::boost::python::dict   arrays() const;
+	shared_ptr<RveSample>   copy() const;
+	Real                    iceSaturation() const { return packed().iceSaturation; }
+	Real                    timeStep() const { return packed().dt; }
+	void                    setTimeStep(Real);
+	Real                    thawStrain() const { return packed().thawStrain.thawStrain; }
+	void                    setThawStrain(Real);
+	Real                    thawedStrength() const { return packed().ice.thawedStrength; }
+	void                    setThawedStrength(Real);
+	Matrix3r                deformation() const;
 	::boost::python::object stateBytes() const;
-	string                 path() const { return talik::PackedSample<2>(packed()).path(); }
-	static void            usePortablePath(bool portable) { talik::PackedSample<2>::forcePortable(portable); }
+	string                  path() const { return talik::PackedSample<2>(packed()).path(); }
+	static void             usePortablePath(bool portable) { talik::PackedSample<2>::forcePortable(portable); }
 
 	const talik::PackedState<2>& packed() const;
 	/// Another one whenever the state has changed; empty sample: null.
 	std::shared_ptr<const talik::PackedState<2>> stateNow() const { return state; }
-	void                         setPacked(talik::PackedState<2>);
+	void                                         setPacked(talik::PackedState<2>);
 	/// The YADE scene that this sample opens into, without its present state; empty if it never had one.
 	const string& templateScene() const { return sceneBytes; }
 	void          setTemplateScene(const string& bytes) { sceneBytes = bytes; }
@@ -57,7 +57,9 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs with optional ice bonds: the form that stands behind the material points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE scene back. Stress in Pa, tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs with optional ice bonds: the form that stands behind the material "
+			"points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE scene back. Stress in Pa, "
+			"tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
 		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
@@ -65,24 +67,38 @@ public:
 		((string,savedScene,"",Attr::hidden,"Scene that the sample opens into, in an archive."))
 		,/*ctor*/ talik::SequenceConverter<RveSample>::registerOnce(); ,
 		/*py*/
-		.def("fromScene",&RveSample::fromScene,(::boost::python::arg("scene")),"Packed form of a YADE scene (O._sceneObj). ValueError tells why a scene cannot be packed.").staticmethod("fromScene")
+		.def("fromScene",&RveSample::fromScene,(::boost::python::arg("scene")),"Packed form of a YADE scene (O._sceneObj). ValueError tells why a scene cannot be "
+				"packed.").staticmethod("fromScene")
 		.def("open",&RveSample::open,"A new ordinary YADE scene in the sample's state: bodies, interactions, bonds, engines. See talik.inspect.")
 		.def("repack",&RveSample::repack,(::boost::python::arg("scene")),"Take over the state of an opened scene.")
-		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) F_old (3x3, in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress (xx,yy,xy), steps, flipped, blewUp, reason.")
-		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, DEM time] (3x3, in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
-		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation, 0 to 1: bonds and ice springs form stress-free.")
-		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY")),"Bring the sample to principal stresses [Pa], both negative; True when they were reached.")
-		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, bondsMelted, coordinationNumber, porosity, fabric (xx,yy,xy), unbalancedForce, kineticEnergy.")
-		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays: position (n,2), radius (n,), contact (m,2) grain indices, cellDist (m,2), bond (m,) 0 frictional 1 intact 2 broken, shear (m,), hSize (2,2).")
+		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) "
+				"F_old (3x3, in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress (xx,yy,xy), steps, flipped, blewUp, "
+				"reason.")
+		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, "
+				"DEM time] (3x3, in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
+		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation, 0 to 1: bonds and ice springs form "
+				"stress-free.")
+		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY")),"Bring the sample to principal stresses [Pa], both "
+				"negative; True when they were reached.")
+		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, "
+				"bondsMelted, coordinationNumber, porosity, fabric (xx,yy,xy), unbalancedForce, kineticEnergy.")
+		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays: position (n,2), radius (n,), contact (m,2) grain indices, cellDist (m,2), bond (m,) 0 "
+				"frictional 1 intact 2 broken, shear (m,), hSize (2,2).")
 		.def("copy",&RveSample::copy,"An independent copy.")
 		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa], tension positive, of the last step.")
 		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
 		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
-		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao as mechanical shrinkage of grains prepared frozen, (r/r_0)^2 = 1-thawStrain*(1-S_i/S_frozen), S_frozen the largest ice saturation so far; not undone by refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A scene opened from it keeps the radii of that moment.")
-		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.calibrate.thawedStrength finds the one that gives a cohesion.")
+		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao "
+				"as mechanical shrinkage of grains prepared frozen, (r/r_0)^2 = 1-thawStrain*(1-S_i/S_frozen), S_frozen the largest ice saturation so far; not undone by "
+				"refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A "
+				"scene opened from it keeps the radii of that moment.")
+		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice "
+				"has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.calibrate.thawedStrength finds the one that gives a cohesion.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
-		.add_property("path",&RveSample::path,"What the steps of samples run on here: the vectors in use as the library Highway names them, such as AVX2, AVX3 (AVX-512) or NEON, or portable.")
-		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on (comparisons).").staticmethod("usePortablePath")
+		.add_property("path",&RveSample::path,"What the steps of samples run on here: the vectors in use as the library Highway names them, such as AVX2, AVX3 "
+				"(AVX-512) or NEON, or portable.")
+		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on "
+				"(comparisons).").staticmethod("usePortablePath")
 		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient [-].")
 	);
 	// clang-format on

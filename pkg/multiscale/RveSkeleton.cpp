@@ -33,7 +33,9 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 void RveSkeleton::checkScheduling() const
 {
 	const auto require = [](bool valid, const char* attribute, double value, const char* remedy) {
-		if (!valid) throw std::invalid_argument(string("RveSkeleton.") + attribute + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
+		if (!valid)
+			throw std::invalid_argument(
+			        string("RveSkeleton.") + attribute + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
 	};
 	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
 	require(threads >= 0, "threads", threads, "0 or more");
@@ -67,7 +69,8 @@ void RveSkeleton::checkSettings(int pointCount) const
 	if (seed < 0) throw std::invalid_argument("RveSkeleton.seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
 	if (!sampleOf.empty() && int(sampleOf.size()) != pointCount)
 		throw std::invalid_argument(
-		        "RveSkeleton.sampleOf has " + std::to_string(sampleOf.size()) + " numbers for " + std::to_string(pointCount) + " points: give one per point, or none.");
+		        "RveSkeleton.sampleOf has " + std::to_string(sampleOf.size()) + " numbers for " + std::to_string(pointCount)
+		        + " points: give one per point, or none.");
 }
 
 namespace {
@@ -91,7 +94,7 @@ namespace {
 			chance = mixed(chance ^ std::uint64_t(std::llround(coordinate / placeUnit)));
 		return int(chance % std::uint64_t(samples));
 	}
-}
+} // namespace
 
 py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
 {
@@ -153,7 +156,10 @@ void RveSkeleton::makeStore()
 		packedStore = std::make_shared<talik::PackedStore>(states);
 		return;
 	}
-	if (!reason.empty() && !told) std::cerr << "RveSkeleton: the samples run open, with YADE's own engines, and a call takes about 20 times as long (examples/own_sample.py measures it): " << reason << "." << std::endl;
+	if (!reason.empty() && !told)
+		std::cerr << "RveSkeleton: the samples run open, with YADE's own engines, and a call takes about 20 times as long (examples/own_sample.py "
+		             "measures it): "
+		          << reason << "." << std::endl;
 	told = true;
 	std::vector<string> bytes;
 	for (const auto& sample : samples)
@@ -177,7 +183,7 @@ SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
 	std::shared_ptr<talik::SampleStore> store;
 	if (packedStore) store = packedStore;
 	else store = openStore;
-	model = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? dealt(pointCount) : sampleOf, scheduling());
+	model           = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? dealt(pointCount) : sampleOf, scheduling());
 	model->onBlowUp = [this](int id) {
 		keepBlownUp(id);
 		return onBlowUp == "stop";
@@ -190,7 +196,7 @@ void RveSkeleton::keepBlownUp(int id) const
 	if (blowUpFolder.empty()) return;
 	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
 	try {
-		const string       bytes = talik::sceneToBytes(scene(id));
+		const string      bytes = talik::sceneToBytes(scene(id));
 		talik::AtomicFile beside("sample", file.string());
 		beside.sputn(bytes.data(), std::streamsize(bytes.size()));
 		beside.commit();
@@ -240,8 +246,12 @@ namespace {
 	{
 		using Pair = std::array<int, 4>;
 		std::map<Pair, bool> before; // bonded pairs, and whether they touch now
-		const auto pair = [](const talik::PackedContacts<2>& k, std::size_t c) { return Pair { k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] }; };
-		const auto bonded = [](const talik::PackedContacts<2>& k, std::size_t c) { return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED; };
+		const auto           pair = [](const talik::PackedContacts<2>& k, std::size_t c) {
+                        return Pair { k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] };
+		};
+		const auto bonded = [](const talik::PackedContacts<2>& k, std::size_t c) {
+			return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED;
+		};
 		for (std::size_t c = 0; c < former.contacts.size(); c++)
 			if (bonded(former.contacts, c)) before[pair(former.contacts, c)] = false;
 		for (std::size_t c = 0; c < state.contacts.size(); c++) {
@@ -254,7 +264,7 @@ namespace {
 		for (const auto& [contact, touches] : before)
 			(state.iceSaturation == 0 ? state.bondsMelted : touches ? state.bondsBrokenInShear : state.bondsBrokenInTension)++;
 	}
-}
+} // namespace
 
 void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 {
@@ -274,7 +284,9 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 
 vector<string> RveSkeleton::measures() const
 {
-	return { "bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric" };
+	return {
+		"bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric"
+	};
 }
 
 py::list RveSkeleton::pyMeasures() const
@@ -293,11 +305,11 @@ vector<Real> RveSkeleton::valueAt(const string& name, int id) const
 
 py::object RveSkeleton::values(const string& name) const
 {
-	const auto&                            s      = running();
-	const int                              points = s.points();
-	std::map<const void*, vector<double>>  known; // samples that share a state are measured once
-	vector<const vector<double>*>          rows(points, nullptr);
-	std::size_t                            parts = 1;
+	const auto&                           s      = running();
+	const int                             points = s.points();
+	std::map<const void*, vector<double>> known; // samples that share a state are measured once
+	vector<const vector<double>*>         rows(points, nullptr);
+	std::size_t                           parts = 1;
 	for (int id = 0; id < points; id++) {
 		if (!s.has(id)) continue;
 		auto& row = known[s.samples().identity(s.sampleNumber(id))];

@@ -14,18 +14,18 @@ namespace yade {
 class RveSkeleton : public SkeletonLaw {
 public:
 	virtual ~RveSkeleton() {};
-	Pointer build(int pointCount) override;
-	void    placePoints(const std::vector<talik::Vec<2>>&) override;
-	bool    sourcesChanged() const override;
-	bool    beginsWithOwnStress() const override { return true; }
-	bool    changedByHand() const override { return byHand; }
-	string  savedState() const override;
-	void    restoreState(const string&) override;
-	void    followAttributes() override;
-	bool    admitsPoints() const override { return !model; }
-	void    setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
+	Pointer             build(int pointCount) override;
+	void                placePoints(const std::vector<talik::Vec<2>>&) override;
+	bool                sourcesChanged() const override;
+	bool                beginsWithOwnStress() const override { return true; }
+	bool                changedByHand() const override { return byHand; }
+	string              savedState() const override;
+	void                restoreState(const string&) override;
+	void                followAttributes() override;
+	bool                admitsPoints() const override { return !model; }
+	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
 	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return running().errorSquares(batch); }
-	void    keepOnly(const talik::SkeletonBatch<2>& batch) override { running().keepOnly(batch); }
+	void                keepOnly(const talik::SkeletonBatch<2>& batch) override { running().keepOnly(batch); }
 
 	/// Numbers of the samples, 0 to samples-1, that points at these places [m] (n,2) take by chance.
 	static ::boost::python::list deal(const ::boost::python::object& position, int samples, int seed);
@@ -52,45 +52,63 @@ private:
 	void                    makeStore();
 	vector<int>             dealt(int pointCount) const;
 
-	std::shared_ptr<talik::SampleSkeleton> model;
-	std::shared_ptr<talik::PackedStore>    packedStore; ///< one of the two
-	std::shared_ptr<talik::OpenStore>      openStore;
-	vector<shared_ptr<RveSample>>          prototypes; ///< of packed samples
+	std::shared_ptr<talik::SampleSkeleton>                    model;
+	std::shared_ptr<talik::PackedStore>                       packedStore; ///< one of the two
+	std::shared_ptr<talik::OpenStore>                         openStore;
+	vector<shared_ptr<RveSample>>                             prototypes;  ///< of packed samples
 	std::vector<std::shared_ptr<const talik::PackedState<2>>> takenStates; ///< of `samples` when they were built from
-	std::vector<std::size_t>               takenScenes; ///< digests of `scenes` then
-	std::vector<talik::Vec<2>>             places; ///< of all points of the ground, by id
-	bool                                   byHand = false;
-	bool                                   told = false;
+	std::vector<std::size_t>                                  takenScenes; ///< digests of `scenes` then
+	std::vector<talik::Vec<2>>                                places;      ///< of all points of the ground, by id
+	bool                                                      byHand = false;
+	bool                                                      told   = false;
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSkeleton,SkeletonLaw,"A periodic sample of grains with ice bonds behind every material point: the displacement gradient and the ice saturation go down, effective stress comes back, history is kept. Samples that were never asked share one state. Example: RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=100))]).",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSkeleton,SkeletonLaw,"A periodic sample of grains with ice bonds behind every material point: the displacement gradient "
+			"and the ice saturation go down, effective stress comes back, history is kept. Samples that were never asked share one state. Example: "
+			"RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=100))]).",
 		((vector<shared_ptr<RveSample>>,samples,,,"Prepared samples, ice-free; the first step freezes them to the ice saturation of their points, free of stress."))
-		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that stock YADE runs."))
-		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot be packed all run open, which is said once; a call then takes about 20 times as long."))
-		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: they are dealt to the points by chance, see seed. See talik.slope.depthBands."))
-		((int,seed,1,,"Of the chance by which samples are dealt to points where sampleOf is empty, >= 0. A point takes the same one whatever the order of the points and the number of threads: its place and the seed decide."))
-		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the reference). Where MpmEngine.tolerance is set every point begins with it and is steered from there."))
-		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change. A third of MpmEngine.tolerance where that is set."))
+		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that "
+				"stock YADE runs."))
+		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot "
+				"be packed all run open, which is said once; a call then takes about 20 times as long."))
+		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: they are dealt to the points by chance, see seed. See "
+				"talik.slope.depthBands."))
+		((int,seed,1,,"Of the chance by which samples are dealt to points where sampleOf is empty, >= 0. A point takes the same one whatever the order of the "
+				"points and the number of threads: its place and the seed decide."))
+		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the "
+				"reference). Where MpmEngine.tolerance is set every point begins with it and is steered from there."))
+		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change. A third of MpmEngine.tolerance where that is "
+				"set."))
 		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
-		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]; 0: fixed tolerance. Not asked where MpmEngine.tolerance is set."))
+		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]; 0: "
+				"fixed tolerance. Not asked where MpmEngine.tolerance is set."))
 		((Real,maxInertialNumber,5e-3,,"I_max of the samples: 1e-3 careful, 5e-3 production [-]. Steered for every point where MpmEngine.tolerance is set."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
-		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be changed while running."))
-		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last stress from then on; see blownUp). May be changed while running."))
-		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for O.load; empty: none is written. It can be seen by scene(id) in any case."))
+		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
+				"changed while running."))
+		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "
+				"stress from then on; see blownUp). May be changed while running."))
+		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for "
+				"O.load; empty: none is written. It can be seen by scene(id) in any case."))
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
-		.def("deal",&RveSkeleton::deal,(::boost::python::arg("position"),::boost::python::arg("samples"),::boost::python::arg("seed")=1),"List: the number, 0 to samples-1, of the sample that a point at each position (n,2) [m] takes by chance.").staticmethod("deal")
-		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see scene.")
+		.def("deal",&RveSkeleton::deal,(::boost::python::arg("position"),::boost::python::arg("samples"),::boost::python::arg("seed")=1),"List: the number, 0 to "
+				"samples-1, of the sample that a point at each position (n,2) [m] takes by chance.").staticmethod("deal")
+		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see "
+				"scene.")
 		.def("scene",&RveSkeleton::scene,(::boost::python::arg("id")),"A copy of the sample behind a point as a YADE scene, in either form. See talik.inspect.")
-		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point; the next step asks it. Bonds lost or made by hand are counted. ValueError if it cannot be a sample: the point keeps the one it had.")
-		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point; the next step asks it.")
+		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point; the next step asks "
+				"it. Bonds lost or made by hand are counted. ValueError if it cannot be a sample: the point keeps the one it had.")
+		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point; the next "
+				"step asks it.")
 		.def("hasSample",&RveSkeleton::hasSample,(::boost::python::arg("id")),"True if a sample of this skeleton is behind the point.")
 		.def("measures",&RveSkeleton::pyMeasures,"Names that values() and MpmEngine.field() take.")
-		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, sampleIceSaturation, fabric (n,3) xx yy xy of mean n(x)n.")
+		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: "
+				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
+				"sampleIceSaturation, fabric (n,3) xx yy xy of mean n(x)n.")
 		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes.")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);

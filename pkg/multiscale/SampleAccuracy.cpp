@@ -6,13 +6,13 @@
 
 namespace talik {
 namespace {
-	constexpr double stressFloor        = 1e3; ///< added to a point's stress before errors are related to it [Pa]
-	constexpr double comparisonInterval = 16;  ///< calls of a point from one comparison of rates to the next
-	constexpr double firstInertialNumber = 2e-3;
+	constexpr double stressFloor           = 1e3; ///< added to a point's stress before errors are related to it [Pa]
+	constexpr double comparisonInterval    = 16;  ///< calls of a point from one comparison of rates to the next
+	constexpr double firstInertialNumber   = 2e-3;
 	constexpr double largestInertialNumber = 2e-2;
 	/// Smallest inertial number over the tolerance: slower, quasi-static stress is off by less than the tolerance at 10 to 200 kPa (measured: by
 	/// 10 to 50 times the inertial number), and what is left between two rates is the scatter of grains that find other places.
-	constexpr double slowestPerTolerance = 1. / 60;
+	constexpr double slowestPerTolerance     = 1. / 60;
 	constexpr double smallestStrainTolerance = 1e-6, largestStrainTolerance = 1e-3;
 	constexpr double strainShare = 0.3; ///< of the strain tolerance: calls below it were made for the ice and say little about strain
 
@@ -47,9 +47,9 @@ double SampleAccuracy::learn(const Answer& a, double strainTolerance)
 {
 	const double scale = a.stress + stressFloor, part = tolerance * std::sqrt(0.5) * scale;
 	if (comparesRates(a.place)) {
-		double& inertial             = at(inertialNumberField)[a.place];
+		double& inertial            = at(inertialNumberField)[a.place];
 		at(rateErrorField)[a.place] = a.rateError;
-		inertial                     = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
+		inertial = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
 	}
 	at(predictionErrorField)[a.place] = a.predictionError;
 	addPending(a.place, a.volume, a.stress, sum);

@@ -26,12 +26,12 @@ class SampleAccuracy {
 public:
 	/// One answer of a sample.
 	struct Answer {
-		int    place          = 0;
-		double volume         = 0; ///< of the point [m^2]
-		double stress         = 0; ///< Frobenius norm [Pa]
+		int    place           = 0;
+		double volume          = 0; ///< of the point [m^2]
+		double stress          = 0; ///< Frobenius norm [Pa]
 		double predictionError = 0; ///< [Pa]
-		double rateError      = 0; ///< [Pa], if rates were compared
-		double strain         = 0; ///< largest component of the accumulated displacement gradient [-]
+		double rateError       = 0; ///< [Pa], if rates were compared
+		double strain          = 0; ///< largest component of the accumulated displacement gradient [-]
 	};
 
 	void setTolerance(double t) { tolerance = t; }
@@ -55,8 +55,8 @@ private:
 	double* at(PointFields::Handle field) const { return fields->component(field); }
 	double  pendingSteps(int place) const { return double(step) - at(lastCallField)[place]; }
 
-	double              tolerance = 0;
-	PointFields*        fields    = nullptr;
+	double              tolerance           = 0;
+	PointFields*        fields              = nullptr;
 	PointFields::Handle inertialNumberField = -1, predictionErrorField = -1, rateErrorField = -1, lastCallField = -1, callsField = -1;
 	std::uint64_t       step = 0;
 	ErrorSquares        sum;

@@ -15,11 +15,12 @@ namespace {
 
 	const char archiveMagic[] = "talik samples 3";
 
-	constexpr double stressFloor      = 1e3;  ///< sigma_ref of the relative error [Pa]
-	constexpr double failingRatio     = 0.3;  ///< below it a point deforms plastically: no prediction, a tighter tolerance
+	constexpr double stressFloor      = 1e3; ///< sigma_ref of the relative error [Pa]
+	constexpr double failingRatio     = 0.3; ///< below it a point deforms plastically: no prediction, a tighter tolerance
 	constexpr double failingTightness = 0.25;
-	constexpr double saturationShare  = 1. / 3; ///< saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress
-	constexpr double toleranceRange   = 10.;  ///< the steered tolerance stays within this factor of the given one
+	constexpr double saturationShare  = 1.
+	        / 3; ///< saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress
+	constexpr double toleranceRange = 10.; ///< the steered tolerance stays within this factor of the given one
 
 	/// Out of plane the discs do not touch; the mean of the in-plane stresses stands there for display and invariants.
 	void storeStress(const SkeletonBatch<2>& batch, int place, const Matrix& s)
@@ -42,10 +43,11 @@ namespace {
 	/// Rows xx, yy, xy; columns e_xx, e_yy, e_xy (tensor strain).
 	std::array<double, 9> compact(const PackedTangent<2>& c)
 	{
-		const auto at = [&](int i, int j, int k, int l) { return c[((i * 2 + j) * 2 + k) * 2 + l]; };
+		const auto at  = [&](int i, int j, int k, int l) { return c[((i * 2 + j) * 2 + k) * 2 + l]; };
 		const auto sym = [&](int k, int l) { return 0.5 * (at(0, 1, k, l) + at(1, 0, k, l)); };
-		return { at(0, 0, 0, 0), at(0, 0, 1, 1), at(0, 0, 0, 1) + at(0, 0, 1, 0), at(1, 1, 0, 0), at(1, 1, 1, 1),
-			 at(1, 1, 0, 1) + at(1, 1, 1, 0), sym(0, 0), sym(1, 1), sym(0, 1) + sym(1, 0) };
+		return { at(0, 0, 0, 0), at(0, 0, 1, 1), at(0, 0, 0, 1) + at(0, 0, 1, 0),
+			 at(1, 1, 0, 0), at(1, 1, 1, 1), at(1, 1, 0, 1) + at(1, 1, 1, 0),
+			 sym(0, 0),      sym(1, 1),      sym(0, 1) + sym(1, 0) };
 	}
 
 	Matrix elasticChange(const std::array<double, 9>& c, const Matrix& h)
@@ -107,7 +109,8 @@ SampleSkeleton::SampleSkeleton(std::shared_ptr<SampleStore> samples, std::vector
         , prototypeOf(std::move(of))
         , schedule(s)
 {
-	if (store->prototypeCount() == 0) throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
+	if (store->prototypeCount() == 0)
+		throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
 	for (std::size_t id = 0; id < prototypeOf.size(); id++)
 		if (prototypeOf[id] >= store->prototypeCount())
 			throw std::invalid_argument(
@@ -153,7 +156,8 @@ void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
 		placeOf[batch.id[batch.place[k]]] = batch.place[k];
 	for (const auto& [id, place] : placeOf) {
 		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
-			throw std::invalid_argument("RveSkeleton.sampleOf has no number for point " + std::to_string(id) + ": give one number per point, or none at all.");
+			throw std::invalid_argument(
+			        "RveSkeleton.sampleOf has no number for point " + std::to_string(id) + ": give one number per point, or none at all.");
 		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
 		sampleOf[id]               = int(store->size());
 		const SampleStart& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);
@@ -194,15 +198,15 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 	flagScratch.assign(batch.count, 0);
 	constexpr int piece  = 256;
 	const auto    follow = [&](int k) {
-		const int place = batch.place[k];
-		if (!isolated.empty() && isolated.count(batch.id[place])) return;
-		Matrix step;
-		step << batch.gradient[0][place], batch.gradient[1][place], batch.gradient[2][place], batch.gradient[3][place];
-		const Matrix h = a.accumulated(place);
-		a.setAccumulated(place, h + step * (Matrix::Identity() + h));
-		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
-		if (isDue(a, place, iceSaturation)) flagScratch[k] = 1;
-		else predict(batch, place, a);
+                const int place = batch.place[k];
+                if (!isolated.empty() && isolated.count(batch.id[place])) return;
+                Matrix step;
+                step << batch.gradient[0][place], batch.gradient[1][place], batch.gradient[2][place], batch.gradient[3][place];
+                const Matrix h = a.accumulated(place);
+                a.setAccumulated(place, h + step * (Matrix::Identity() + h));
+                const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
+                if (isDue(a, place, iceSaturation)) flagScratch[k] = 1;
+                else predict(batch, place, a);
 	};
 	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
 		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); k++)
@@ -226,7 +230,8 @@ std::vector<PackedRequest<2>> SampleSkeleton::requests(const SkeletonBatch<2>& b
 {
 	std::vector<PackedRequest<2>> list;
 	for (const int place : due) {
-		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place), batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
+		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place),
+		                 batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
 		if (!accuracy) continue;
 		list.back().inertialNumber = accuracy->inertialNumber(place);
 		list.back().compareRates   = accuracy->comparesRates(place);
@@ -236,12 +241,12 @@ std::vector<PackedRequest<2>> SampleSkeleton::requests(const SkeletonBatch<2>& b
 
 void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a)
 {
-	const auto start     = std::chrono::steady_clock::now();
-	int        stoppedBy = -1;
-	const auto asked     = requests(batch, due, a);
-	PackedUpdateOptions options = schedule.update;
-	options.tangent             = schedule.prediction;
-	const auto results          = store->update(asked, options, schedule.threads);
+	const auto          start     = std::chrono::steady_clock::now();
+	int                 stoppedBy = -1;
+	const auto          asked     = requests(batch, due, a);
+	PackedUpdateOptions options   = schedule.update;
+	options.tangent               = schedule.prediction;
+	const auto results            = store->update(asked, options, schedule.threads);
 	for (std::size_t r = 0; r < due.size(); r++) {
 		const int place = due[r], id = batch.id[place];
 		count.steps += std::uint64_t(results[r].steps);
@@ -262,11 +267,11 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 			if (accuracy) steer(batch, place, error, results[r], a);
 			else if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
 				const double relative = error / (after.norm() + stressFloor);
-				const double factor = relative > 0 ? std::sqrt(schedule.stressTolerance / relative) : 2.;
-				const double tight  = a.ratio[place] < failingRatio ? failingTightness : 1.;
-				a.tolerance[place]  = std::min(
-                                        toleranceRange * schedule.strainTolerance * tight,
-                                        std::max(schedule.strainTolerance / toleranceRange, a.tolerance[place] * std::min(2., std::max(0.3, factor))));
+				const double factor   = relative > 0 ? std::sqrt(schedule.stressTolerance / relative) : 2.;
+				const double tight    = a.ratio[place] < failingRatio ? failingTightness : 1.;
+				a.tolerance[place]    = std::min(
+				           toleranceRange * schedule.strainTolerance * tight,
+				           std::max(schedule.strainTolerance / toleranceRange, a.tolerance[place] * std::min(2., std::max(0.3, factor))));
 			}
 		}
 		a.setLastStress(place, after);
@@ -279,7 +284,8 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 	if (stoppedBy >= 0)
 		throw StopAfterStep(
 		        "The sample of point " + std::to_string(stoppedBy) + " blew up: " + failures[stoppedBy]
-		        + ". The step was completed with its last stress; look at the sample (RveSkeleton.scene), use finer maxInertialNumber or maxStrainPerStep, or go on with onBlowUp='isolate'.");
+		        + ". The step was completed with its last stress; look at the sample (RveSkeleton.scene), use finer maxInertialNumber or "
+		          "maxStrainPerStep, or go on with onBlowUp='isolate'.");
 }
 
 void SampleSkeleton::steer(const SkeletonBatch<2>& batch, int place, double predictionError, const PackedUpdateResult<2>& result, const Arrays& a)
@@ -297,9 +303,11 @@ void SampleSkeleton::steer(const SkeletonBatch<2>& batch, int place, double pred
 void SampleSkeleton::setTolerance(double tolerance)
 {
 	if (!store->comparesRates())
-		throw std::invalid_argument("MpmEngine.tolerance needs packed samples, whose rates can be compared: set tolerance=0, or give samples that can be packed.");
+		throw std::invalid_argument(
+		        "MpmEngine.tolerance needs packed samples, whose rates can be compared: set tolerance=0, or give samples that can be packed.");
 	if (!schedule.prediction || schedule.strainTolerance <= 0)
-		throw std::invalid_argument("MpmEngine.tolerance steers RveSkeleton.strainTolerance of every point by the error of the prediction: leave strainTolerance above 0 and prediction=True.");
+		throw std::invalid_argument("MpmEngine.tolerance steers RveSkeleton.strainTolerance of every point by the error of the prediction: leave "
+		                            "strainTolerance above 0 and prediction=True.");
 	if (!accuracy) accuracy = std::make_unique<SampleAccuracy>();
 	accuracy->setTolerance(tolerance);
 	schedule.saturationTolerance = saturationShare * tolerance;
@@ -371,7 +379,9 @@ std::string SampleSkeleton::save() const
 void SampleSkeleton::restore(const std::string& bytes)
 {
 	ByteReader reader(bytes);
-	if (reader.block() != archiveMagic) throw std::runtime_error("RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
+	if (reader.block() != archiveMagic)
+		throw std::runtime_error(
+		        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
 	store->restore(reader);
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)

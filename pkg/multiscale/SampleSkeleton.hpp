@@ -15,9 +15,9 @@ struct SampleScheduling {
 	double              strainTolerance     = 2e-5; ///< largest accumulated component of the displacement gradient [-]; 0: ask in every step
 	double              saturationTolerance = 0.01; ///< largest accumulated change of ice saturation [-]; 0: ask in every step
 	bool                prediction          = true; ///< a tangent stands in between two calls; false: the last stress is held
-	double              stressTolerance     = 0.05; ///< relative error of the prediction that the strain tolerance of a point is steered to; 0: fixed tolerance
-	bool                stopOnBlowUp        = true; ///< the run stops when the step has ended; false: the point keeps its last stress from then on
-	int                 threads             = 0;    ///< 0: OpenMP's default
+	double              stressTolerance = 0.05; ///< relative error of the prediction that the strain tolerance of a point is steered to; 0: fixed tolerance
+	bool                stopOnBlowUp    = true; ///< the run stops when the step has ended; false: the point keeps its last stress from then on
+	int                 threads         = 0;    ///< 0: OpenMP's default
 	PackedUpdateOptions update;
 };
 
@@ -47,20 +47,20 @@ public:
 	/// Of the estimated error since the start, see setTolerance.
 	ErrorSquares errorSquares(const SkeletonBatch<2>&) const;
 
-	SampleScheduling&     scheduling() { return schedule; }
+	SampleScheduling& scheduling() { return schedule; }
 	/// Called with the point's id for every sample that blew up and is in its last good state again; says whether the run has to stop.
 	/// Without it stopOnBlowUp decides.
 	std::function<bool(int)> onBlowUp;
-	const SampleCounters& counters() const { return count; }
+	const SampleCounters&    counters() const { return count; }
 
-	bool        has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
+	bool has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
 	/// Number of a point's sample in the store. Throws std::invalid_argument for a point without one.
-	std::size_t sampleNumber(int id) const;
-	int         prototype(int id) const { return prototypeOf.at(id); }
-	int         points() const { return int(sampleOf.size()); }
+	std::size_t        sampleNumber(int id) const;
+	int                prototype(int id) const { return prototypeOf.at(id); }
+	int                points() const { return int(sampleOf.size()); }
 	const SampleStore& samples() const { return *store; }
 	/// The next update asks this point's sample, however small its increments: something was done to it from outside.
-	void askNext(int id) { changed.insert(id); }
+	void                              askNext(int id) { changed.insert(id); }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
 	/// Gives up the samples of points that are not in the batch.
@@ -71,26 +71,26 @@ public:
 
 private:
 	struct Arrays;
-	Arrays arrays() const;
-	bool   isDue(const Arrays&, int place, double iceSaturation) const;
-	void   ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
+	Arrays                        arrays() const;
+	bool                          isDue(const Arrays&, int place, double iceSaturation) const;
+	void                          ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
 	std::vector<PackedRequest<2>> requests(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&) const;
-	void   steer(const SkeletonBatch<2>&, int place, double predictionError, const PackedUpdateResult<2>&, const Arrays&);
-	void   flagChanged(const SkeletonBatch<2>&);
-	void   predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
+	void                          steer(const SkeletonBatch<2>&, int place, double predictionError, const PackedUpdateResult<2>&, const Arrays&);
+	void                          flagChanged(const SkeletonBatch<2>&);
+	void                          predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
 
-	std::shared_ptr<SampleStore> store;
-	std::vector<int>             prototypeOf, sampleOf;
-	SampleScheduling          schedule;
-	SampleCounters            count;
+	std::shared_ptr<SampleStore>    store;
+	std::vector<int>                prototypeOf, sampleOf;
+	SampleScheduling                schedule;
+	SampleCounters                  count;
 	std::unique_ptr<SampleAccuracy> accuracy; ///< only with a tolerance
-	PointFields*              fields = nullptr;
-	PointFields::Handle       gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
-	std::map<int, std::string> failures;
-	std::set<int>              changed;
-	std::set<int>              isolated; ///< ids of points that keep their last stress since their sample blew up
-	std::vector<int>                               dueScratch;
-	std::vector<char>                              flagScratch;
+	PointFields*                    fields        = nullptr;
+	PointFields::Handle             gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
+	std::map<int, std::string>      failures;
+	std::set<int>                   changed;
+	std::set<int>                   isolated; ///< ids of points that keep their last stress since their sample blew up
+	std::vector<int>                dueScratch;
+	std::vector<char>               flagScratch;
 };
 
 } // namespace talik

@@ -19,17 +19,17 @@ class SampleStore {
 public:
 	virtual ~SampleStore() = default;
 
-	virtual int    prototypeCount() const                                                 = 0;
-	virtual double prototypeIce(int prototype) const                                      = 0; ///< ice saturation it was prepared with [-]
-	virtual double oedometricModulus(int prototype, double iceSaturation) const           = 0; ///< upper bound [Pa]
+	virtual int    prototypeCount() const                                       = 0;
+	virtual double prototypeIce(int prototype) const                            = 0; ///< ice saturation it was prepared with [-]
+	virtual double oedometricModulus(int prototype, double iceSaturation) const = 0; ///< upper bound [Pa]
 
 	/// A new sample: a prototype frozen at rest, free of stress, to an ice saturation. Samples that begin alike share their beginning,
 	/// which stays valid until the next add(). Throws std::runtime_error if the prototype does not survive freezing.
 	virtual const SampleStart& add(int prototype, double iceSaturation, const PackedUpdateOptions&) = 0;
 	/// The sample of a point that has left: its memory goes, its number stays.
-	virtual void               release(std::size_t sample)                                          = 0;
-	virtual std::size_t        size() const                                                         = 0;
-	virtual void               clear()                                                              = 0;
+	virtual void        release(std::size_t sample) = 0;
+	virtual std::size_t size() const                = 0;
+	virtual void        clear()                     = 0;
 
 	/// Each request's sample, at most once per call, over `threads` threads (0: OpenMP's default) with results that do not depend on
 	/// their number. A sample that blows up keeps a good state.

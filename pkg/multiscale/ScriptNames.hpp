@@ -16,7 +16,8 @@ template <class Work> auto underScriptNames(std::initializer_list<std::pair<cons
 	} catch (const std::invalid_argument& error) {
 		const std::string text = error.what();
 		for (const auto& [inside, inScript] : names)
-			if (text.compare(0, std::string(inside).size(), inside) == 0) throw std::invalid_argument(inScript + text.substr(std::string(inside).size()));
+			if (text.compare(0, std::string(inside).size(), inside) == 0)
+				throw std::invalid_argument(inScript + text.substr(std::string(inside).size()));
 		throw;
 	}
 }

@@ -28,8 +28,8 @@ template <class T> struct SequenceConverter {
 
 	static void construct(PyObject* object, boost::python::converter::rvalue_from_python_stage1_data* data)
 	{
-		void* memory = reinterpret_cast<boost::python::converter::rvalue_from_python_storage<Sequence>*>(data)->storage.bytes;
-		auto* sequence = new (memory) Sequence;
+		void*                 memory   = reinterpret_cast<boost::python::converter::rvalue_from_python_storage<Sequence>*>(data)->storage.bytes;
+		auto*                 sequence = new (memory) Sequence;
 		boost::python::object items { boost::python::handle<>(boost::python::borrowed(object)) };
 		for (int i = 0; i < boost::python::len(items); i++)
 			sequence->push_back(boost::python::extract<Element>(items[i])());

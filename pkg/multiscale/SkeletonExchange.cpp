@@ -24,7 +24,7 @@ namespace {
 			for (std::size_t k = 0; k < before.size(); k++) {
 				if (array.name.rfind(prefixOf(k), 0) != 0) continue;
 				const auto found = std::find(after.begin(), after.end(), before[k]);
-				name = found == after.end() ? "" : prefixOf(found - after.begin()) + array.name.substr(prefixOf(k).size());
+				name             = found == after.end() ? "" : prefixOf(found - after.begin()) + array.name.substr(prefixOf(k).size());
 			}
 			if (!name.empty()) copies[name].assign(static_cast<const char*>(array.data), array.bytes);
 		}
@@ -36,20 +36,25 @@ namespace {
 		for (const auto& array : ground.state()) {
 			const auto copy = copies.find(array.name);
 			if (copy == copies.end()) continue; // of a skeleton that is new
-			if (copy->second.size() != array.bytes) throw std::runtime_error("MpmEngine.exchangeSkeletons: the state does not fit at " + array.name + ".");
+			if (copy->second.size() != array.bytes)
+				throw std::runtime_error("MpmEngine.exchangeSkeletons: the state does not fit at " + array.name + ".");
 			std::memcpy(array.data, copy->second.data(), array.bytes);
 		}
 	}
 
 	vector<int> asIndices(const py::object& values, int points, int laws)
 	{
-		const string  prefix = "MpmEngine.exchangeSkeletons: skeletonOf ";
-		if (py::len(values) != points) throw std::invalid_argument(prefix + "has " + std::to_string(py::len(values)) + " numbers for " + std::to_string(points) + " points: give one per point.");
+		const string prefix = "MpmEngine.exchangeSkeletons: skeletonOf ";
+		if (py::len(values) != points)
+			throw std::invalid_argument(
+			        prefix + "has " + std::to_string(py::len(values)) + " numbers for " + std::to_string(points) + " points: give one per point.");
 		vector<int> indices(points);
 		for (int id = 0; id < points; id++) {
 			indices[id] = py::extract<int>(values[id].attr("__int__")());
 			if (indices[id] < 0 || indices[id] >= laws)
-				throw std::invalid_argument(prefix + "[" + std::to_string(id) + "] is " + std::to_string(indices[id]) + ": give an index into skeletons, 0 to " + std::to_string(laws - 1) + ".");
+				throw std::invalid_argument(
+				        prefix + "[" + std::to_string(id) + "] is " + std::to_string(indices[id]) + ": give an index into skeletons, 0 to "
+				        + std::to_string(laws - 1) + ".");
 		}
 		return indices;
 	}
@@ -68,10 +73,13 @@ void MpmEngine::checkExchange(const Laws& laws, const vector<int>& skeletonOf) c
 	const Laws before = activeSkeletons();
 	for (int id = 0; id < pointCount(); id++) {
 		const auto& law = laws[skeletonOf[id]];
-		if (!law) throw std::invalid_argument("MpmEngine.exchangeSkeletons: skeletons[" + std::to_string(skeletonOf[id]) + "] is None: give skeleton laws only.");
+		if (!law)
+			throw std::invalid_argument(
+			        "MpmEngine.exchangeSkeletons: skeletons[" + std::to_string(skeletonOf[id]) + "] is None: give skeleton laws only.");
 		if (law != before[lawOf(id)] && !law->admitsPoints())
-			throw std::invalid_argument("MpmEngine.exchangeSkeletons: skeletons[" + std::to_string(skeletonOf[id]) + "] has samples behind other points already: give point "
-				+ std::to_string(id) + " a new " + law->getClassName() + ".");
+			throw std::invalid_argument(
+			        "MpmEngine.exchangeSkeletons: skeletons[" + std::to_string(skeletonOf[id])
+			        + "] has samples behind other points already: give point " + std::to_string(id) + " a new " + law->getClassName() + ".");
 	}
 }
 
@@ -85,7 +93,7 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 	const Laws before = activeSkeletons();
 	const auto state  = copyState(running, before, laws);
 	const auto former = std::make_tuple(skeleton, skeletons, pointInput);
-	begun = true;
+	begun             = true;
 	preSave(*this);
 	const string whole = std::move(saved);
 	saved.clear();
@@ -114,7 +122,7 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 	const auto steps = std::make_pair(stableStep, stepsUntilLimit);
 	ground.reset();
 	initialise();
-	begun = true;
+	begun                                 = true;
 	std::tie(stableStep, stepsUntilLimit) = steps;
 	overwriteState(*ground, state);
 	auto& points = ground->points();
@@ -126,8 +134,7 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 		if (isOld(skeletons[k])) {
 			skeletons[k]->restoreState(histories[k]);
 			skeletons[k]->keepOnly(batch);
-		} else
-			ground->settings().skeletons[k]->initialise(batch);
+		} else ground->settings().skeletons[k]->initialise(batch);
 	}
 }
 

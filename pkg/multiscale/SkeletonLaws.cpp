@@ -11,10 +11,7 @@ SkeletonLaw::Pointer SkeletonLaw::build(int)
 	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
 }
 
-::boost::python::object SkeletonLaw::values(const string& name) const
-{
-	throw std::invalid_argument(getClassName() + " has no measure '" + name + "'.");
-}
+::boost::python::object SkeletonLaw::values(const string& name) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
 
 vector<Real> SkeletonLaw::valueAt(const string& name, int) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
 

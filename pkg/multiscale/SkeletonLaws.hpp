@@ -16,7 +16,7 @@ public:
 	/// The model of one run; pointCount is the number of all points of the ground, whose ids count from 0.
 	virtual Pointer build(int pointCount);
 	/// Before build(): where the points were added, by id [m].
-	virtual void placePoints(const std::vector<talik::Vec<2>>&) { }
+	virtual void placePoints(const std::vector<talik::Vec<2>>&) {}
 	/// What build() took from other objects has changed since, so that it would build another model now.
 	virtual bool sourcesChanged() const { return false; }
 	/// The model was changed by hand since build().
@@ -25,17 +25,17 @@ public:
 	virtual bool beginsWithOwnStress() const { return false; }
 	/// What the model keeps beside the fields of the points, as bytes, and back.
 	virtual string savedState() const { return ""; }
-	virtual void   restoreState(const string&) { }
+	virtual void   restoreState(const string&) {}
 	/// Before every step: what may be changed while the ground runs comes into force.
-	virtual void followAttributes() { }
+	virtual void followAttributes() {}
 	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
 	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
 	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.
-	virtual bool   admitsPoints() const { return true; }
+	virtual bool admitsPoints() const { return true; }
 	/// After an exchange: forget the points that are not in the batch.
-	virtual void   keepOnly(const talik::SkeletonBatch<2>&) { }
+	virtual void keepOnly(const talik::SkeletonBatch<2>&) {}
 	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
-	virtual void                setTolerance(Real) { }
+	virtual void                setTolerance(Real) {}
 	virtual talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>&) const { return {}; }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
 	virtual vector<string> measures() const { return {}; }
@@ -43,7 +43,10 @@ public:
 	virtual ::boost::python::object values(const string& name) const;
 	/// One of them for one point; a single NaN for a point with another skeleton.
 	virtual vector<Real> valueAt(const string& name, int id) const;
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable, "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in MpmEngine.skeleton or MpmEngine.skeletons. Example: mpm.skeletons=[ElasticSkeleton(),MohrCoulombSkeleton()].", , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable,
+	                               "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in "
+	                               "MpmEngine.skeleton or MpmEngine.skeletons. Example: mpm.skeletons=[ElasticSkeleton(),MohrCoulombSkeleton()].",
+	                               , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
 };
 REGISTER_SERIALIZABLE(SkeletonLaw);
 
@@ -52,7 +55,8 @@ public:
 	virtual ~ElasticSkeleton() {};
 	Pointer build(int) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
+	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: "
+			"MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
 		((Real,young,10e6,,"Young's modulus E [Pa], > 0."))
 		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
 	);
@@ -65,7 +69,9 @@ public:
 	virtual ~MohrCoulombSkeleton() {};
 	Pointer build(int) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
+	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice "
+			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them "
+			"on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
 		((Real,young,10e6,,"Thawed Young's modulus [Pa], > 0."))
 		((Real,youngFrozen,100e6,,"Young's modulus at full ice saturation [Pa], >= young."))
 		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <Eigen/LU>
 #include <pkg/rve/packed/PackedSample.hpp>
 
 namespace talik {
@@ -14,7 +14,10 @@ template <class Sample> class SampleUpdate {
 	using Matrix = typename Sample::Matrix;
 
 public:
-	SampleUpdate(Sample& s, const PackedUpdateOptions& chosen) : sample(s), options(chosen) {}
+	SampleUpdate(Sample& s, const PackedUpdateOptions& chosen)
+	        : sample(s)
+	        , options(chosen)
+	{}
 
 	void perform(const Matrix& displacementGradient, double targetIceSaturation)
 	{

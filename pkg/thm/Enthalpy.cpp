@@ -29,7 +29,9 @@ EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurveP
 	const bool   asPrinted = latentDensity == LatentDensity::liquid;
 	const double excess    = asPrinted ? properties.liquid.density / properties.ice.density : 1.0;
 	const double latent    = properties.latentHeat * excess;
-	formula_ = { properties, form, latent, properties.ice.density * latent, curve_->freezingTemperature(), curve_->integral(properties.referenceTemperature) };
+	formula_               = {
+		              properties, form, latent, properties.ice.density * latent, curve_->freezingTemperature(), curve_->integral(properties.referenceTemperature)
+	};
 }
 
 void EnthalpyModel::setTolerance(double tolerance)

@@ -4,9 +4,9 @@
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
-#include <algorithm>
 
 namespace talik {
 
@@ -89,16 +89,13 @@ struct EnthalpyFormula {
 	{
 		const double iceCapacity    = properties.ice.density * properties.ice.specificHeat;
 		const double liquidCapacity = properties.liquid.density * properties.liquid.specificHeat;
-		const double water = form == EnthalpyForm::stateFunction ? soil.waterMass * properties.ice.specificHeat
-		                                                         : soil.poreVolume * std::min(iceCapacity, liquidCapacity);
+		const double water          = form == EnthalpyForm::stateFunction ? soil.waterMass * properties.ice.specificHeat
+		                                                                  : soil.poreVolume * std::min(iceCapacity, liquidCapacity);
 		return soil.solidMass * properties.solid.specificHeat + water;
 	}
 
 	/// What residuals of the enthalpy are measured against, m_s c_s 1 K + m_w L_f [J].
-	double residualScale(const SoilContent& soil) const
-	{
-		return soil.solidMass * properties.solid.specificHeat + soil.waterMass * latentHeat;
-	}
+	double residualScale(const SoilContent& soil) const { return soil.solidMass * properties.solid.specificHeat + soil.waterMass * latentHeat; }
 
 	/// Ice that S_l stands for, short of the water that never freezes.
 	struct Ice {
@@ -156,10 +153,8 @@ class EnthalpyModel {
 public:
 	/// Throws std::invalid_argument for bad properties. Without a curve the ground never freezes.
 	explicit EnthalpyModel(
-	        const MixtureProperties& properties    = {},
-	        FreezingCurvePtr         curve         = nullptr,
-	        EnthalpyForm             form          = EnthalpyForm::stateFunction,
-	        LatentDensity            latentDensity = LatentDensity::ice);
+	        const MixtureProperties& properties = {}, FreezingCurvePtr curve = nullptr, EnthalpyForm form = EnthalpyForm::stateFunction,
+	        LatentDensity latentDensity = LatentDensity::ice);
 
 	const MixtureProperties& properties() const { return formula_.properties; }
 	const FreezingCurve&     curve() const { return *curve_; }

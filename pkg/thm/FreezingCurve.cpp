@@ -16,8 +16,7 @@ namespace {
 		        : curve_(parameters)
 		        , name_(Curve::name())
 		        , parameters_(parameters)
-		{
-		}
+		{}
 		const std::string&     name() const override { return name_; }
 		const CurveParameters& parameters() const override { return parameters_; }
 		double                 freezingTemperature() const override { return curve_.freezingTemperature; }
@@ -56,18 +55,15 @@ namespace {
 
 	template <class Curve> std::pair<const std::string, Registration> entry()
 	{
-		return { Curve::name(), { &Curve::parameters, [](const CurveParameters& values) -> FreezingCurvePtr { return std::make_shared<CurveOf<Curve>>(values); } } };
+		return { Curve::name(),
+			 { &Curve::parameters, [](const CurveParameters& values) -> FreezingCurvePtr { return std::make_shared<CurveOf<Curve>>(values); } } };
 	}
 
 	const std::map<std::string, Registration>& registry()
 	{
 		static const std::map<std::string, Registration> table {
-			entry<VanGenuchtenCurve>(),
-			entry<GaussCurve>(),
-			entry<ExponentialCurve>(),
-			entry<PowerCurve>(),
-			entry<LinearCurve>(),
-			entry<SharpCurve>(),
+			entry<VanGenuchtenCurve>(), entry<GaussCurve>(),  entry<ExponentialCurve>(),
+			entry<PowerCurve>(),        entry<LinearCurve>(), entry<SharpCurve>(),
 		};
 		return table;
 	}
@@ -122,7 +118,8 @@ namespace {
 	{
 		const double value = given.at(name);
 		requireProperty(
-		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value, "must be positive, at least 1e-9, in K (for a jump choose the curve sharp)");
+		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value,
+		        "must be positive, at least 1e-9, in K (for a jump choose the curve sharp)");
 		return value;
 	}
 
@@ -146,14 +143,10 @@ CurveBase::CurveBase(const CurveParameters& given)
 	freezingTemperature = given.at("freezingTemperature");
 	residualSaturation  = given.at("residualSaturation");
 	requireProperty(
-	        freezingTemperature > -50.0 && freezingTemperature < 50.0,
-	        "freezingCurve.freezingTemperature",
-	        freezingTemperature,
+	        freezingTemperature > -50.0 && freezingTemperature < 50.0, "freezingCurve.freezingTemperature", freezingTemperature,
 	        "must be a temperature in degC between -50 and 50 (pure water: 0)");
 	requireProperty(
-	        residualSaturation >= 0.0 && residualSaturation < 1.0,
-	        "freezingCurve.residualSaturation",
-	        residualSaturation,
+	        residualSaturation >= 0.0 && residualSaturation < 1.0, "freezingCurve.residualSaturation", residualSaturation,
 	        "must lie in [0, 1); 0.01 or more keeps the liquid defined in frozen ground");
 }
 
@@ -170,8 +163,7 @@ std::vector<CurveParameter> GaussCurve::parameters()
 GaussCurve::GaussCurve(const CurveParameters& given)
         : CurveBase(given)
         , width(undercooling(given, name(), "width"))
-{
-}
+{}
 
 std::vector<CurveParameter> ExponentialCurve::parameters()
 {
@@ -180,8 +172,7 @@ std::vector<CurveParameter> ExponentialCurve::parameters()
 ExponentialCurve::ExponentialCurve(const CurveParameters& given)
         : CurveBase(given)
         , width(undercooling(given, name(), "width"))
-{
-}
+{}
 
 std::vector<CurveParameter> PowerCurve::parameters()
 {
@@ -204,9 +195,7 @@ LinearCurve::LinearCurve(const CurveParameters& given)
         , frozenTemperature(given.at("frozenTemperature"))
 {
 	requireProperty(
-	        frozenTemperature <= freezingTemperature - narrowest && frozenTemperature > -100.0,
-	        "freezingCurve.linear.frozenTemperature",
-	        frozenTemperature,
+	        frozenTemperature <= freezingTemperature - narrowest && frozenTemperature > -100.0, "freezingCurve.linear.frozenTemperature", frozenTemperature,
 	        "must lie below freezingTemperature, in degC (for a jump choose the curve sharp)");
 }
 
@@ -238,17 +227,16 @@ double VanGenuchtenCurve::integral(double temperature) const
 {
 	const double theta = freezingTemperature - temperature;
 	if (theta <= 0.0) return -theta;
-	const auto   above = std::upper_bound(knots_.begin(), knots_.end(), theta);
-	const auto   k     = static_cast<std::size_t>(above - knots_.begin()) - 1;
-	const auto   saturation = [this](double x) { return liquidSaturation(freezingTemperature - x); };
+	const auto above      = std::upper_bound(knots_.begin(), knots_.end(), theta);
+	const auto k          = static_cast<std::size_t>(above - knots_.begin()) - 1;
+	const auto saturation = [this](double x) { return liquidSaturation(freezingTemperature - x); };
 	return -(integrals_[k] + gaussIntegral(saturation, knots_[k], theta));
 }
 
 std::vector<CurveParameter> SharpCurve::parameters() { return baseParameters(); }
 SharpCurve::SharpCurve(const CurveParameters& given)
         : CurveBase(given)
-{
-}
+{}
 
 FreezingCurvePtr makeFreezingCurve(const std::string& name, const CurveParameters& parameters)
 {

@@ -140,7 +140,7 @@ struct LinearCurve : CurveBase {
 	{
 		const double theta = freezingTemperature - temperature;
 		if (theta <= 0.0) return -theta;
-		const double x = theta / span();
+		const double x                  = theta / span();
 		const double integralOfFraction = x < 1.0 ? theta * (1.0 - 0.5 * x) : 0.5 * span();
 		return -(residualSaturation * theta + (1.0 - residualSaturation) * integralOfFraction);
 	}
@@ -153,10 +153,10 @@ struct VanGenuchtenCurve : CurveBase {
 	static std::vector<CurveParameter> parameters();
 	explicit VanGenuchtenCurve(const CurveParameters& given);
 
-	double entryPressure;       ///< P_0 [Pa]
-	double lambda;              ///< [-], in (0,1)
-	double suctionCoefficient;  ///< rho_i L_f [Pa]
-	double freezingKelvin;      ///< T_f [K]
+	double                  entryPressure;      ///< P_0 [Pa]
+	double                  lambda;             ///< [-], in (0,1)
+	double                  suctionCoefficient; ///< rho_i L_f [Pa]
+	double                  freezingKelvin;     ///< T_f [K]
 	static constexpr double zeroCelsius = 273.15;
 
 	double suction(double temperature) const
@@ -208,8 +208,7 @@ struct UnfrozenCurve : CurveBase {
 	static std::vector<CurveParameter> parameters() { return {}; }
 	explicit UnfrozenCurve(const CurveParameters&)
 	        : CurveBase(CurveParameters {})
-	{
-	}
+	{}
 
 	double liquidSaturation(double) const { return 1.0; }
 	double derivative(double) const { return 0.0; }

@@ -18,7 +18,8 @@ namespace {
 		positive(phase.specificHeat, "specificHeat", "J/(kg K)");
 		positive(phase.conductivity, "conductivity", "W/(m K)");
 		requireProperty(
-		        std::abs(phase.expansivity) < 1e-2, name + ".expansivity", phase.expansivity, "must be a volumetric expansivity below 1e-2 in size, in 1/K");
+		        std::abs(phase.expansivity) < 1e-2, name + ".expansivity", phase.expansivity,
+		        "must be a volumetric expansivity below 1e-2 in size, in 1/K");
 	}
 
 } // namespace
@@ -63,8 +64,7 @@ double MixtureProperties::expansivity(double porosity, double liquidSaturation, 
 {
 	const VolumeFractions n    = VolumeFractions::of(porosity, liquidSaturation);
 	const double          zeta = densityDeficit(temperature);
-	return n.liquid * liquid.expansivity + (1.0 - zeta) * n.ice * ice.expansivity
-	        + n.solid * (1.0 - zeta * (1.0 - liquidSaturation)) * solid.expansivity;
+	return n.liquid * liquid.expansivity + (1.0 - zeta) * n.ice * ice.expansivity + n.solid * (1.0 - zeta * (1.0 - liquidSaturation)) * solid.expansivity;
 }
 
 void MixtureProperties::validate() const
@@ -73,12 +73,11 @@ void MixtureProperties::validate() const
 	validatePhase(ice, "ice");
 	validatePhase(liquid, "liquid");
 	requireProperty(ice.density <= liquid.density, "ice.density", ice.density, "must not exceed liquid.density");
-	requireProperty(ice.specificHeat <= liquid.specificHeat, "ice.specificHeat", ice.specificHeat, "must not exceed liquid.specificHeat, or H(T) is not monotone");
+	requireProperty(
+	        ice.specificHeat <= liquid.specificHeat, "ice.specificHeat", ice.specificHeat, "must not exceed liquid.specificHeat, or H(T) is not monotone");
 	requireProperty(std::isfinite(latentHeat) && latentHeat > 0.0, "latentHeat", latentHeat, "must be positive, in J/kg (water: 334e3)");
 	requireProperty(
-	        std::isfinite(referenceTemperature) && std::abs(referenceTemperature) < 100.0,
-	        "referenceTemperature",
-	        referenceTemperature,
+	        std::isfinite(referenceTemperature) && std::abs(referenceTemperature) < 100.0, "referenceTemperature", referenceTemperature,
 	        "must be a temperature in degC near the melting point (0)");
 }
 

@@ -10,8 +10,8 @@ namespace talik {
 enum class ConductivityMean { arithmetic, geometric, harmonic };
 
 /// Name of a mean as scripts write it; throws std::invalid_argument listing the valid names.
-ConductivityMean conductivityMeanFromName(const std::string& name);
-const char*      nameOf(ConductivityMean mean);
+ConductivityMean                conductivityMeanFromName(const std::string& name);
+const char*                     nameOf(ConductivityMean mean);
 const std::vector<std::string>& conductivityMeanNames();
 
 /// Intrinsic properties of one phase (soil grains, ice or liquid water) at the reference temperature.
@@ -35,12 +35,12 @@ struct VolumeFractions {
 /// Properties of saturated freezing ground: grains, ice and liquid water.
 /// Densities, specific heats and conductivities are those of Yu & Zhao, section 3; expansivities are handbook values.
 struct MixtureProperties {
-	Phase  solid { 2650.0, 800.0, 1.0, 2.4e-5 };
-	Phase  ice { 910.0, 2060.0, 2.2, 1.6e-4 };
-	Phase  liquid { 1000.0, 4200.0, 0.6, 2.1e-4 };
-	double latentHeat           = 334.0e3; ///< of fusion at the reference temperature [J/kg], > 0
-	double referenceTemperature = 0.0;     ///< T_0 of enthalpy and density [degC]
-	ConductivityMean conductivityMean = ConductivityMean::arithmetic;
+	Phase            solid { 2650.0, 800.0, 1.0, 2.4e-5 };
+	Phase            ice { 910.0, 2060.0, 2.2, 1.6e-4 };
+	Phase            liquid { 1000.0, 4200.0, 0.6, 2.1e-4 };
+	double           latentHeat           = 334.0e3; ///< of fusion at the reference temperature [J/kg], > 0
+	double           referenceTemperature = 0.0;     ///< T_0 of enthalpy and density [degC]
+	ConductivityMean conductivityMean     = ConductivityMean::arithmetic;
 
 	/// rho(T) = rho_0 (1 - beta (T - T_0)) [kg/m^3]
 	double densityAt(const Phase& phase, double temperature) const
@@ -58,8 +58,7 @@ struct MixtureProperties {
 	/// C_m = sum n_pi rho_pi c_pi, sensible heat capacity per volume [J/(m^3 K)]
 	double heatCapacity(const VolumeFractions& n) const
 	{
-		return n.solid * solid.density * solid.specificHeat + n.ice * ice.density * ice.specificHeat
-		        + n.liquid * liquid.density * liquid.specificHeat;
+		return n.solid * solid.density * solid.specificHeat + n.ice * ice.density * ice.specificHeat + n.liquid * liquid.density * liquid.specificHeat;
 	}
 
 	/// kappa_m by the chosen mean [W/(m K)]

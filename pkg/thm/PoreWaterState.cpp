@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/thm/Enthalpy.hpp>
-#include <pkg/thm/PoreWaterState.hpp>
 #include <pkg/thm/Mixture.hpp>
+#include <pkg/thm/PoreWaterState.hpp>
 
 #include <cmath>
 #include <stdexcept>
@@ -14,27 +14,23 @@ void PoreWaterState::validate() const
 	        std::isfinite(liquidBulkModulus) && liquidBulkModulus > 0.0, "liquidBulkModulus", liquidBulkModulus, "must be positive, in Pa (water: 2.2e9)");
 	requireProperty(iceBulkModulus > 0.0, "iceBulkModulus", iceBulkModulus, "must be positive, in Pa (ice: 8.8e9; infinity leaves ice storage out)");
 	requireProperty(
-	        std::isfinite(cavitationPressure) && cavitationPressure <= 0.0 && cavitationPressure > -0.1 * liquidBulkModulus,
-	        "cavitationPressure",
-	        cavitationPressure,
-	        "must be zero or negative and small against liquidBulkModulus, in Pa");
+	        std::isfinite(cavitationPressure) && cavitationPressure <= 0.0 && cavitationPressure > -0.1 * liquidBulkModulus, "cavitationPressure",
+	        cavitationPressure, "must be zero or negative and small against liquidBulkModulus, in Pa");
 }
 
 double PoreWaterState::waterMass(const MixtureProperties& m, double pressure, double liquidSaturation, double poreVolume, double temperature) const
 {
 	requireProperty(
-	        pressure >= cavitationPressure && pressure < 0.1 * liquidBulkModulus,
-	        "initial pore pressure",
-	        pressure,
+	        pressure >= cavitationPressure && pressure < 0.1 * liquidBulkModulus, "initial pore pressure", pressure,
 	        "must lie between cavitationPressure and a tenth of liquidBulkModulus, in Pa");
 	requireProperty(liquidSaturation >= 0.0 && liquidSaturation <= 1.0, "liquidSaturation", liquidSaturation, "must lie in [0, 1]");
 	requireProperty(std::isfinite(poreVolume) && poreVolume > 0.0, "poreVolume", poreVolume, "must be positive, in m^3");
 	// each phase takes its unstressed volume, less what the pressure compresses
-	const double liquidPerMass = (1.0 - pressure / liquidBulkModulus) / m.densityAt(m.liquid, temperature);
-	const double icePerMass    = (1.0 - pressure / iceBulkModulus) / poreIceDensity(m, temperature);
-	const double iceMass       = m.densityAt(m.ice, temperature) * (1.0 - liquidSaturation) * poreVolume;
-	const double mass          = iceMass + (poreVolume - iceMass * icePerMass) / liquidPerMass;
-	constexpr double fr        = EnthalpyModel::residualWaterFraction;
+	const double     liquidPerMass = (1.0 - pressure / liquidBulkModulus) / m.densityAt(m.liquid, temperature);
+	const double     icePerMass    = (1.0 - pressure / iceBulkModulus) / poreIceDensity(m, temperature);
+	const double     iceMass       = m.densityAt(m.ice, temperature) * (1.0 - liquidSaturation) * poreVolume;
+	const double     mass          = iceMass + (poreVolume - iceMass * icePerMass) / liquidPerMass;
+	constexpr double fr            = EnthalpyModel::residualWaterFraction;
 	if (iceMass <= (1.0 - fr) * mass) return mass;
 	return poreVolume / ((1.0 - fr) * icePerMass + fr * liquidPerMass);
 }
@@ -52,12 +48,9 @@ PressureCoefficients PoreWaterState::coefficients(const MixtureProperties& m, co
 	const double liquidVolume = state.porosity - iceVolume;
 	const double exact        = 1.0 - deficit * iceSaturation;
 	const double undrained    = massCoefficient == MassCoefficient::exact ? exact : 1.0 - deficit * n.ice;
-	const double expansivity
-	        = liquidVolume * m.liquid.expansivity + perLiquid * n.ice * m.ice.expansivity + n.solid * exact * m.solid.expansivity;
-	return { liquidVolume / liquidBulkModulus + iceVolume / iceBulkModulus,
-		 deficit * state.porosity * state.saturationDerivative - expansivity,
-		 undrained - liquidVolume,
-		 liquidVolume };
+	const double expansivity  = liquidVolume * m.liquid.expansivity + perLiquid * n.ice * m.ice.expansivity + n.solid * exact * m.solid.expansivity;
+	return { liquidVolume / liquidBulkModulus + iceVolume / iceBulkModulus, deficit * state.porosity * state.saturationDerivative - expansivity,
+		 undrained - liquidVolume, liquidVolume };
 }
 
 double skemptonB(const PressureCoefficients& c, double skeletonModulus) { return 1.0 / (1.0 + skeletonModulus * c.storage / c.undrained()); }

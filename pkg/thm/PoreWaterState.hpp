@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/thm/Mixture.hpp>
 #include <pkg/thm/Exponential.hpp>
+#include <pkg/thm/Mixture.hpp>
 
-#include <limits>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace talik {
@@ -117,15 +117,15 @@ const char*          nameOf(RelativeConductivity law);
 
 /// Eq. (5.1): hydraulic conductivity k = f_H k_ref KC(n)/KC(n_ref) max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2 (Kozeny-Carman).
 struct Permeability {
-	double referenceConductivity = 1e-4; ///< k_ref of thawed ground at referencePorosity [m/s], > 0 (Yu & Zhao: 1e-4)
-	double referencePorosity     = 0.4;  ///< n_ref [-], in (0,1)
-	RelativeConductivity law     = RelativeConductivity::impedance;
-	double impedance             = 6.0;  ///< Omega [-], >= 0, usually 4 to 10
-	double exponent              = 3.0;  ///< a of the power law [-], > 0, usually 3 to 9
-	double lambda                = 0.4;  ///< of van Genuchten-Mualem [-], in (0,1)
-	double residualSaturation    = 0.05; ///< S_r in S_e = (S_l - S_r)/(1 - S_r) [-], in [0,1)
-	double floor                 = 1e-6; ///< smallest k_r [-], in (0,1]; keeps the drag bounded
-	double hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], 1e-12 to 1e12
+	double               referenceConductivity = 1e-4; ///< k_ref of thawed ground at referencePorosity [m/s], > 0 (Yu & Zhao: 1e-4)
+	double               referencePorosity     = 0.4;  ///< n_ref [-], in (0,1)
+	RelativeConductivity law                   = RelativeConductivity::impedance;
+	double               impedance             = 6.0;  ///< Omega [-], >= 0, usually 4 to 10
+	double               exponent              = 3.0;  ///< a of the power law [-], > 0, usually 3 to 9
+	double               lambda                = 0.4;  ///< of van Genuchten-Mualem [-], in (0,1)
+	double               residualSaturation    = 0.05; ///< S_r in S_e = (S_l - S_r)/(1 - S_r) [-], in [0,1)
+	double               floor                 = 1e-6; ///< smallest k_r [-], in (0,1]; keeps the drag bounded
+	double               hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], 1e-12 to 1e12
 
 	/// Throws std::invalid_argument naming the attribute, its value and the valid range.
 	void validate() const;
@@ -181,10 +181,7 @@ struct Permeability {
 		return dragAt(liquidMass, porosity * liquidSaturation, conductivity(porosity, liquidSaturation));
 	}
 	/// The same from the liquid fraction n_l and the conductivity [m/s].
-	static double dragAt(double liquidMass, double liquidFraction, double conductivity)
-	{
-		return liquidMass * liquidFraction * gravity / conductivity;
-	}
+	static double dragAt(double liquidMass, double liquidFraction, double conductivity) { return liquidMass * liquidFraction * gravity / conductivity; }
 
 private:
 	static double kozenyCarman(double n) { return n * n * n / ((1.0 - n) * (1.0 - n)); }

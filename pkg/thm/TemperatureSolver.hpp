@@ -21,8 +21,7 @@ public:
 	        : formula_(formula)
 	        , curve_(curve)
 	        , tolerance_(tolerance)
-	{
-	}
+	{}
 
 	/// See EnthalpyModel::temperatures.
 	std::size_t solve(const EnthalpyBatch& b) const
@@ -90,16 +89,16 @@ private:
 			frozenEdge = formula_.at(soil, tf, curve_.residualSaturation, 0.0, -formula_.integralAtReference).enthalpy;
 			if (enthalpy >= frozenEdge) return changePhase(b, p, soil, (enthalpy - frozenEdge) / (thawedEdge - frozenEdge));
 		}
-		const int k     = u.count++;
-		u.place[k]      = p;
-		u.solidMass[k]  = soil.solidMass;
-		u.waterMass[k]  = soil.waterMass;
-		u.poreVolume[k] = soil.poreVolume;
-		u.enthalpy[k]   = enthalpy;
-		u.accepted[k]   = tolerance_ * formula_.residualScale(soil);
-		u.high[k]       = tf;
-		u.low[k]        = std::max(tf - (frozenEdge - enthalpy) / formula_.smallestCapacity(soil) - 1e-9, EnthalpyModel::lowestTemperature - 1.0);
-		const double t  = closedForm(soil, enthalpy, std::isfinite(guess) ? guess : tf);
+		const int k      = u.count++;
+		u.place[k]       = p;
+		u.solidMass[k]   = soil.solidMass;
+		u.waterMass[k]   = soil.waterMass;
+		u.poreVolume[k]  = soil.poreVolume;
+		u.enthalpy[k]    = enthalpy;
+		u.accepted[k]    = tolerance_ * formula_.residualScale(soil);
+		u.high[k]        = tf;
+		u.low[k]         = std::max(tf - (frozenEdge - enthalpy) / formula_.smallestCapacity(soil) - 1e-9, EnthalpyModel::lowestTemperature - 1.0);
+		const double t   = closedForm(soil, enthalpy, std::isfinite(guess) ? guess : tf);
 		u.temperature[k] = std::min(std::max(t, u.low[k]), u.high[k]);
 		if (Curve::sharp && u.temperature[k] >= tf) u.temperature[k] = std::nextafter(tf, u.low[k]);
 	}
@@ -107,7 +106,7 @@ private:
 	/// Phase change at T_f itself: the fraction thawed is the unknown.
 	void changePhase(const EnthalpyBatch& b, int p, const SoilContent& soil, double fractionThawed) const
 	{
-		const double tf = curve_.freezingTemperature, sr = curve_.residualSaturation;
+		const double                 tf = curve_.freezingTemperature, sr = curve_.residualSaturation;
 		const EnthalpyFormula::Value frozen   = formula_.at(soil, tf, sr, 0.0, 0.0);
 		const double                 capacity = frozen.heatCapacity + fractionThawed * (formula_.thawedCapacity(soil) - frozen.heatCapacity);
 		store(b, p, tf, sr + (1.0 - sr) * fractionThawed,
@@ -121,7 +120,7 @@ private:
 		else {
 			double low = -std::numeric_limits<double>::infinity(), high = curve_.freezingTemperature;
 			if constexpr (std::is_same_v<Curve, LinearCurve>) {
-				const bool belowInterval = enthalpy <= valueAt(soil, curve_.frozenTemperature).enthalpy;
+				const bool belowInterval     = enthalpy <= valueAt(soil, curve_.frozenTemperature).enthalpy;
 				(belowInterval ? high : low) = curve_.frozenTemperature;
 			}
 			// Between low and high H is its second-order expansion about one temperature inside; the expansion is exact.
@@ -144,8 +143,7 @@ private:
 	double integralTo(double t) const
 	{
 		if constexpr (Form == EnthalpyForm::stateFunction) return 0.0;
-		else
-			return curve_.integral(t) - formula_.integralAtReference;
+		else return curve_.integral(t) - formula_.integralAtReference;
 	}
 
 	/// Stores what is done and keeps the others, in their order.
@@ -159,7 +157,8 @@ private:
 				continue;
 			}
 			const bool valid = u.temperature[k] > EnthalpyModel::lowestTemperature && std::isfinite(u.reached[k]);
-			store(b, u.place[k], valid ? u.temperature[k] : nan, u.liquidSaturation[k], { u.reached[k], u.slope[k], u.iceMass[k], u.heatCapacity[k] });
+			store(b, u.place[k], valid ? u.temperature[k] : nan, u.liquidSaturation[k],
+			      { u.reached[k], u.slope[k], u.iceMass[k], u.heatCapacity[k] });
 		}
 		u.count = kept;
 	}
@@ -179,19 +178,18 @@ private:
 };
 
 template <class Curve, EnthalpyForm Form>
-void TemperatureSolver<Curve, Form>::assumeThawed(
-        const EnthalpyBatch& b, std::size_t first, int count, double (&guess)[most], int (&frozen)[most]) const
+void TemperatureSolver<Curve, Form>::assumeThawed(const EnthalpyBatch& b, std::size_t first, int count, double (&guess)[most], int (&frozen)[most]) const
 {
 	const EnthalpyFormula f  = formula_;
 	const double          tf = curve_.freezingTemperature, lowest = Curve::neverFreezes ? EnthalpyModel::lowestTemperature : tf;
-	const double* const   enthalpy = b.enthalpy + first;
-	const double* const   solidMass = b.solidMass + first;
-	const double* const   waterMass = b.waterMass + first;
-	const double* const   poreVolume = b.poreVolume + first;
-	double* const         temperature = b.temperature + first;
+	const double* const   enthalpy         = b.enthalpy + first;
+	const double* const   solidMass        = b.solidMass + first;
+	const double* const   waterMass        = b.waterMass + first;
+	const double* const   poreVolume       = b.poreVolume + first;
+	double* const         temperature      = b.temperature + first;
 	double* const         liquidSaturation = b.liquidSaturation + first;
-	double* const         iceMass = b.iceMass + first;
-	double* const         heatCapacity = b.heatCapacity + first;
+	double* const         iceMass          = b.iceMass + first;
+	double* const         heatCapacity     = b.heatCapacity + first;
 	double                capacities[most];
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
@@ -216,9 +214,9 @@ template <class Curve, EnthalpyForm Form> void TemperatureSolver<Curve, Form>::e
 	const int             n = u.count;
 #pragma GCC ivdep
 	for (int k = 0; k < n; ++k) {
-		const double t  = u.temperature[k];
-		const double sl = curve_.liquidSaturation(t);
-		const auto   at = f.template at<Form>(u.soil(k), t, sl, curve_.derivative(t), integralTo(t));
+		const double t        = u.temperature[k];
+		const double sl       = curve_.liquidSaturation(t);
+		const auto   at       = f.template at<Form>(u.soil(k), t, sl, curve_.derivative(t), integralTo(t));
 		u.liquidSaturation[k] = sl;
 		u.reached[k]          = at.enthalpy;
 		u.slope[k]            = at.slope;
@@ -239,10 +237,10 @@ template <class Curve, EnthalpyForm Form> void TemperatureSolver<Curve, Form>::i
 		const double newton  = t - residual / u.slope[k];
 		const double next    = newton > low && newton < high ? newton : 0.5 * (low + high);
 		const bool   reached = !(std::abs(residual) > u.accepted[k]) || high - low <= roundOff * std::max(1.0, std::abs(t));
-		u.low[k]         = low;
-		u.high[k]        = high;
-		u.temperature[k] = reached ? t : next;
-		u.done[k]        = reached ? 1 : 0;
+		u.low[k]             = low;
+		u.high[k]            = high;
+		u.temperature[k]     = reached ? t : next;
+		u.done[k]            = reached ? 1 : 0;
 	}
 }
 

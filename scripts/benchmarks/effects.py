@@ -115,7 +115,15 @@ def agreements(path):
 
 def main(target, agreementPath, *timesPaths):
 	times, rounds = read(timesPaths), [read([path]) for path in timesPaths]
-	measured = [*overMinimum(times, rounds), *switchedOff(pathlib.Path(target).parent), *agreements(agreementPath), *speedUps(times, rounds), *savings(times), *combinations(times), *effectShares(times)]
+	measured = [
+		*overMinimum(times, rounds),
+		*switchedOff(pathlib.Path(target).parent),
+		*agreements(agreementPath),
+		*speedUps(times, rounds),
+		*savings(times),
+		*combinations(times),
+		*effectShares(times),
+	]
 	notes = [
 		"ns per point and step: 40 000 points, quadratic B-splines, double precision, one thread (CPU time of it).",
 		"The minimum has the same transfer, law and floor and nothing else: no checks, no sorting, no energies, no strips for threads.",

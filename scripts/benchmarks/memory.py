@@ -16,7 +16,7 @@ import figures
 import talik
 import twins
 from figures import Figure
-from talik import geometry, slope
+from talik import geometry
 
 
 def resident(entry="VmRSS"):
@@ -45,7 +45,13 @@ def parked(kind, ceiling, number=1000):
 		group.apply(motion, 10)
 	each = (resident() - before) / number / 1e3
 	contacts = sample.statistics()["contacts"]
-	yield Figure(f"memory per parked sample, {kind}", each, "kB", ceiling=ceiling, terms={"counted by the pool [kB]": round(group.bytes / number / 1e3, 1), "contacts": contacts})
+	yield Figure(
+		f"memory per parked sample, {kind}",
+		each,
+		"kB",
+		ceiling=ceiling,
+		terms={"counted by the pool [kB]": round(group.bytes / number / 1e3, 1), "contacts": contacts},
+	)
 
 
 def slopeOfBondedSamples():

@@ -19,7 +19,9 @@ def main(title, buildFolder, target, *parts):
 		measured += some
 		notes += said
 	machine = figures.machine(figures.compilerOf(buildFolder))
-	Path(target).write_text(json.dumps(dict(title=title, machine=machine, figures=[asdict(f) | dict(reached=f.reached) for f in measured], notes=notes), indent="\t") + "\n")
+	Path(target).write_text(
+		json.dumps(dict(title=title, machine=machine, figures=[asdict(f) | dict(reached=f.reached) for f in measured], notes=notes), indent="\t") + "\n"
+	)
 	print(f"\n{title}")
 	print("; ".join(f"{name}: {value}" for name, value in machine.items()))
 	print("\n".join(figures.table(measured)))

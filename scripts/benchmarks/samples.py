@@ -10,7 +10,7 @@ import statistics
 import sys
 import time
 
-from yade import Matrix3, O, wrapper
+from yade import Matrix3, O
 
 import figures
 import talik
@@ -32,7 +32,9 @@ def pressures(twin):
 
 
 def ratioOfSteps(name, twin, stock, packed, more=None, **limits):
-	return Figure(f"{name}: stock/packed", medianRatio(stock, packed), "x", **limits, terms={**nanoseconds(stock=stock, packed=packed), **(more or {}), **pressures(twin)})
+	return Figure(
+		f"{name}: stock/packed", medianRatio(stock, packed), "x", **limits, terms={**nanoseconds(stock=stock, packed=packed), **(more or {}), **pressures(twin)}
+	)
 
 
 def frictionalSteps(sample):
@@ -98,10 +100,18 @@ def sampleCalls(sample, strain, floor):
 	packedCalls = lambda tangent: lambda: seconds(lambda: group.apply(pureShear(strain), call.steps, tangent)) / len(group)
 	group.apply(pureShear(strain), call.steps)
 	stock, packed, withTangent = interleaved(rounds, lambda: seconds(call), packedCalls(False), packedCalls(True))
-	microseconds = {f"{name} [us]": round(statistics.median(c) * 1e6, 1) for name, c in (("stock", stock), ("packed", packed), ("packed with tangent", withTangent))}
+	microseconds = {
+		f"{name} [us]": round(statistics.median(c) * 1e6, 1) for name, c in (("stock", stock), ("packed", packed), ("packed with tangent", withTangent))
+	}
 	waiting = round(1e6 * statistics.median(call.waiting() for _ in range(3)))
 	steps = {"steps of stock": call.steps, "steps of packed": group.apply(pureShear(strain), call.steps) // len(group)}
-	yield Figure(f"one FEMxDEM call, strain {strain:g}: stock/packed", medianRatio(stock, packed), "x", floor=floor, terms={**microseconds, "stock with its 40 ms wait [us]": waiting, **steps})
+	yield Figure(
+		f"one FEMxDEM call, strain {strain:g}: stock/packed",
+		medianRatio(stock, packed),
+		"x",
+		floor=floor,
+		terms={**microseconds, "stock with its 40 ms wait [us]": waiting, **steps},
+	)
 
 
 def twoThreads(sample, kind, number=240, steps=30):
@@ -126,7 +136,10 @@ def twoThreads(sample, kind, number=240, steps=30):
 	milliseconds = {f"{name} [ms]": round(1e3 * statistics.median(d), 2) for name, d in (("one", durationOne), ("two", durationTwo))}
 	undisturbed = f"{sum(aloneOne) + sum(aloneTwo)} of {2 * rounds}"
 	yield Figure(
-		f"efficiency of 2 threads, {number} samples, {kind}", medianRatio(durationOne, durationTwo) / 2, floor=0.95, terms={**milliseconds, "runs with the processors to themselves": undisturbed}
+		f"efficiency of 2 threads, {number} samples, {kind}",
+		medianRatio(durationOne, durationTwo) / 2,
+		floor=0.95,
+		terms={**milliseconds, "runs with the processors to themselves": undisturbed},
 	)
 
 

@@ -24,7 +24,12 @@ import figures
 
 def dry():
 	return wrapper.MpmEngine(
-		gridSpacing=0.02, lower=(0, 0), upper=(2, 2), gravity=(0, -9.81), damping=0.3, skeleton=wrapper.ElasticSkeleton(),
+		gridSpacing=0.02,
+		lower=(0, 0),
+		upper=(2, 2),
+		gravity=(0, -9.81),
+		damping=0.3,
+		skeleton=wrapper.ElasticSkeleton(),
 		boundaries=[wrapper.FixedBoundary(region="bottom")],
 	)
 

@@ -6,7 +6,7 @@ which are then available everywhere as YADE's own are. The scene is left alone.
 """
 import sys as _sys
 
-if 'yade.wrapper' not in _sys.modules:
+if "yade.wrapper" not in _sys.modules:
 	raise ImportError('talik is a plugin of YADE: import it in a script or console started by the command "yade".')
 
 from contextlib import contextmanager as _contextmanager
@@ -21,6 +21,7 @@ def _publishClasses():
 	"""YADE's own way: constructors of all classes are builtins. Returns the classes."""
 	import builtins
 	from yade import wrapper
+
 	names = _talik.registerClasses()
 	for name in names:
 		constructor = getattr(wrapper, name)
@@ -35,8 +36,9 @@ def _publishClasses():
 def _renewDispatchers():
 	"""Dispatch matrices made before the import have no room for the new classes; setting the functors again makes them anew."""
 	from yade import O
+
 	for engine in _flat(O.engines):
-		for name in ('geomDispatcher', 'physDispatcher', 'lawDispatcher', 'boundDispatcher'):
+		for name in ("geomDispatcher", "physDispatcher", "lawDispatcher", "boundDispatcher"):
 			dispatcher = getattr(engine, name, None)
 			if dispatcher is not None:
 				dispatcher.functors = dispatcher.functors
@@ -49,13 +51,14 @@ def _flat(engines):
 			yield from _flat(engine)
 		else:
 			yield engine
-			yield from _flat(getattr(engine, 'slaves', ()))
+			yield from _flat(getattr(engine, "slaves", ()))
 
 
 @_contextmanager
 def _paused():
 	"""A running simulation rests in between two steps and goes on afterwards."""
 	from yade import O
+
 	running = O.running
 	if running:
 		O.pause()
@@ -70,8 +73,8 @@ def _paused():
 
 def _renewView():
 	"""The 3-D view looks for drawing functors when it is made; let it look again."""
-	qt = _sys.modules.get('yade.qt')
-	if qt is not None and hasattr(qt, 'Renderer'):
+	qt = _sys.modules.get("yade.qt")
+	if qt is not None and hasattr(qt, "Renderer"):
 		_talik.renewRenderer(qt.Renderer())
 
 
@@ -83,6 +86,7 @@ with _paused():
 
 def _watchRunsAndSteps():
 	from yade import O
+
 	_console.makeRunsInterruptible(type(O))
 	_console.makeStepsKnown(type(O))
 	_console.makeFilesSafe(type(O))
@@ -99,6 +103,7 @@ def scratchScene():
 	...     O.bodies.append(sphere((0, 0, 0), 1))
 	"""
 	from yade import O
+
 	_console.awaitRest(O)
 	former = _talik.exchangeScene(_talik.emptyScene())
 	try:
@@ -108,26 +113,44 @@ def scratchScene():
 
 
 _submodules = (
-	'accuracy', 'bodies', 'calibrate', 'checkpoint', 'files', 'geometry', 'output', 'packing', 'plots', 'progress', 'realisation', 'refinement', 'rve', 'shearband', 'slope',
-	'slumppage', 'thawslump', 'weather',
+	"accuracy",
+	"bodies",
+	"calibrate",
+	"checkpoint",
+	"files",
+	"geometry",
+	"output",
+	"packing",
+	"plots",
+	"progress",
+	"realisation",
+	"refinement",
+	"rve",
+	"shearband",
+	"slope",
+	"slumppage",
+	"thawslump",
+	"weather",
 )
 
 
 def __getattr__(name):
 	"""Submodules are loaded when they are first used: the import itself stays in milliseconds."""
-	if name in ('refine', 'coarsen'):
+	if name in ("refine", "coarsen"):
 		from . import refinement
+
 		return getattr(refinement, name)
 	if name in _submodules:
 		import importlib
-		return importlib.import_module('talik.' + name)
+
+		return importlib.import_module("talik." + name)
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
 
 
 from .inspection import back, inspect, inspectPoint as _inspectPoint, backToGround as _backToGround
 
-_sys.modules['yade.wrapper'].MpmEngine.inspect = _inspectPoint
-_sys.modules['yade.wrapper'].MpmEngine.back = _backToGround
+_sys.modules["yade.wrapper"].MpmEngine.inspect = _inspectPoint
+_sys.modules["yade.wrapper"].MpmEngine.back = _backToGround
 
 
 def check(mpm):
@@ -145,4 +168,5 @@ def check(mpm):
 def resume(file):
 	"""Goes on with the run in a checkpoint: its scene becomes that of O, its MpmEngine is returned. See talik.checkpoint."""
 	from . import checkpoint
+
 	return checkpoint.resume(file)

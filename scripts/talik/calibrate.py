@@ -78,7 +78,7 @@ class BiaxialTest:
 		span = strain[k] - strain[0]
 		ratio = min(max(-(across[k] - across[0]) / span, 0.0), 0.8)
 		poisson = ratio / (1 + ratio)
-		return (deviator[k] - deviator[0]) / span * (1 - poisson ** 2), poisson
+		return (deviator[k] - deviator[0]) / span * (1 - poisson**2), poisson
 
 
 def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5):
@@ -130,7 +130,7 @@ def thawedCohesion(sample, strength, pressures=(5e3, 10e3, 20e3, 40e3)):
 		mean, shear = thawedTest(plain, pressure).peak
 		sine = shear / mean
 		mean, shear = thawedTest(bonded, pressure).peak
-		cohesions.append((shear - mean * sine) / math.sqrt(1 - sine ** 2))
+		cohesions.append((shear - mean * sine) / math.sqrt(1 - sine**2))
 	return float(np.mean(cohesions))
 
 
@@ -269,14 +269,20 @@ class Calibration:
 	def parameters(self):
 		"""Keyword arguments of MohrCoulombSkeleton."""
 		return dict(
-			poisson=self.poisson, frictionAngle=self.frictionAngle, iceSaturations=list(map(float, self.iceSaturation)), youngs=list(map(float, self.young)),
-			cohesions=list(map(float, self.cohesion)), tensileStrengths=list(map(float, self.tensileStrength)),
+			poisson=self.poisson,
+			frictionAngle=self.frictionAngle,
+			iceSaturations=list(map(float, self.iceSaturation)),
+			youngs=list(map(float, self.young)),
+			cohesions=list(map(float, self.cohesion)),
+			tensileStrengths=list(map(float, self.tensileStrength)),
 		)
 
 	def report(self):
 		"""The fit as text."""
 		lines = [f"{len(self.tests)} tests in {self.seconds:.0f} s; friction angle {self.frictionAngle:.1f} deg, Poisson's ratio {self.poisson:.2f}"]
-		lines.append(f"{'S_i [-]':>8} {'c [kPa]':>9} {'E [MPa]':>9} {'+-':>5} {'tension [kPa]':>14} {'residuals of t at the pressures':>34} {'after peak/peak':>16}")
+		lines.append(
+			f"{'S_i [-]':>8} {'c [kPa]':>9} {'E [MPa]':>9} {'+-':>5} {'tension [kPa]':>14} {'residuals of t at the pressures':>34} {'after peak/peak':>16}"
+		)
 		for k, saturation in enumerate(self.iceSaturation):
 			chosen = [i for i, test in enumerate(self.tests) if test.iceSaturation == saturation]
 			off = " ".join(f"{100 * self.residuals[i]:+6.1f} %" for i in chosen)
@@ -294,7 +300,9 @@ class Calibration:
 		colours = {saturation: f"C{k}" for k, saturation in enumerate(self.iceSaturation)}
 		for test in self.tests:
 			colour, first = colours[test.iceSaturation], test.pressure == min(t.pressure for t in self.tests)
-			curves.plot(100 * test.smooth(test.strain), 1e-3 * test.deviator, color=colour, linewidth=0.8, label=f"$S_i$ = {test.iceSaturation:g}" if first else None)
+			curves.plot(
+				100 * test.smooth(test.strain), 1e-3 * test.deviator, color=colour, linewidth=0.8, label=f"$S_i$ = {test.iceSaturation:g}" if first else None
+			)
 			peaks.plot(*(1e-3 * value for value in test.peak), "o", color=colour, markersize=4)
 		largest = max(test.peak[0] for test in self.tests)
 		mean, angle = np.array([0, largest]), math.radians(self.frictionAngle)
@@ -337,9 +345,16 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures) * len(samples), 2)
 	young = elastic[:, :, 0].mean(axis=1)
 	return Calibration(
-		tests=tests, iceSaturation=saturations, cohesion=cohesion, frictionAngle=math.degrees(math.asin(sine)), young=young,
-		youngScatter=np.abs(elastic[:, :, 0] / young[:, None] - 1).max(axis=1), poisson=float(np.clip(elastic[:, :, 1].mean(), 0.05, 0.45)),
-		tensileStrength=tension, residuals=residuals, seconds=seconds,
+		tests=tests,
+		iceSaturation=saturations,
+		cohesion=cohesion,
+		frictionAngle=math.degrees(math.asin(sine)),
+		young=young,
+		youngScatter=np.abs(elastic[:, :, 0] / young[:, None] - 1).max(axis=1),
+		poisson=float(np.clip(elastic[:, :, 1].mean(), 0.05, 0.45)),
+		tensileStrength=tension,
+		residuals=residuals,
+		seconds=seconds,
 	)
 
 
@@ -357,13 +372,15 @@ def _fitStrength(tests, saturations):
 	fitted = lsq_linear(matrix * scale, np.ones(len(tests)), bounds=(np.zeros(len(saturations) + 1), upper / scale)).x * scale
 	cohesive = np.abs(matrix[:, :-1]).sum(axis=0) > 0
 	sine = fitted[-1]
-	return np.where(cohesive, fitted[:-1], 0.0) / math.sqrt(1 - sine ** 2), float(sine), matrix @ fitted - 1
+	return np.where(cohesive, fitted[:-1], 0.0) / math.sqrt(1 - sine**2), float(sine), matrix @ fitted - 1
 
 
 def main():
 	parser = argparse.ArgumentParser(prog="scripts/calibrate", description="MohrCoulombSkeleton calibrated on a sample by biaxial tests.")
 	parser.add_argument("--grains", type=_numbers, default=None, help="in the sample; with --scatter a list, e.g. 60,100,200,400")
-	parser.add_argument("--scatter", action="store_true", help="print mean and scatter of friction angle, stiffness and frozen strength over realisations instead")
+	parser.add_argument(
+		"--scatter", action="store_true", help="print mean and scatter of friction angle, stiffness and frozen strength over realisations instead"
+	)
 	parser.add_argument("--realisations", type=int, default=8, help="of each number of grains, with --scatter")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()

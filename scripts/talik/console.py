@@ -226,7 +226,9 @@ def makeFilesSafe(omegaClass):
 		try:
 			stockLoad(self, file, quiet)
 		except RuntimeError as problem:
-			raise RuntimeError(f"'{file}' cannot be read ({problem}): it is damaged or cut off, or of another version of YADE or Talik; take an earlier file") from None
+			raise RuntimeError(
+				f"'{file}' cannot be read ({problem}): it is damaged or cut off, or of another version of YADE or Talik; take an earlier file"
+			) from None
 
 	save.__doc__, load.__doc__ = stockSave.__doc__, stockLoad.__doc__
 	omegaClass.save, omegaClass.load = save, load
@@ -247,8 +249,13 @@ def checkedLabels(omega, file):
 
 	for part in _labelled(omega.engines):
 		label = getattr(part, "label", "")
-		if label and (not label.isidentifier() or keyword.iskeyword(label) or hasattr(builtins, label) and not isinstance(getattr(builtins, label), wrapper.Serializable)):
-			raise ValueError(f"'{file}': the label of {type(part).__name__} is {label!r}, which is no name for it; YADE would run it as a program. Take scenes only from those whose programs you would run.")
+		if label and (
+			not label.isidentifier() or keyword.iskeyword(label) or hasattr(builtins, label) and not isinstance(getattr(builtins, label), wrapper.Serializable)
+		):
+			raise ValueError(
+				f"'{file}': the label of {type(part).__name__} is {label!r}, which is no name for it; YADE would run it as a "
+				"program. Take scenes only from those whose programs you would run."
+			)
 	omega.engines = omega.engines
 
 
@@ -330,8 +337,24 @@ def _seenByGrounds(part, names, stockSet):
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.
 _readWhileRunning = {
 	"MpmEngine": {
-		"gravity", "damping", "picTime", "courantNumber", "heatFraction", "motionFraction", "tolerance", "resting", "automaticTimeStep", "limitInterval", "inspected",
-		"stopAtDay", "label", "dead", "ompThreads", "timingDeltas", "execCount", "execTime",
+		"gravity",
+		"damping",
+		"picTime",
+		"courantNumber",
+		"heatFraction",
+		"motionFraction",
+		"tolerance",
+		"resting",
+		"automaticTimeStep",
+		"limitInterval",
+		"inspected",
+		"stopAtDay",
+		"label",
+		"dead",
+		"ompThreads",
+		"timingDeltas",
+		"execCount",
+		"execTime",
 	},
 	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},

@@ -112,7 +112,7 @@ def _latticeSide(gridSpacing, pointsPerCell):
 	if not (np.isscalar(gridSpacing) and 0 < gridSpacing < math.inf):
 		raise ValueError(f"gridSpacing is {gridSpacing!r}; it must be a length in m, greater than 0")
 	perSide = math.isqrt(pointsPerCell) if isinstance(pointsPerCell, int) and pointsPerCell > 0 else 0
-	if perSide == 0 or perSide ** 2 != pointsPerCell:
+	if perSide == 0 or perSide**2 != pointsPerCell:
 		raise ValueError(f"pointsPerCell is {pointsPerCell!r}; it must be a square number: 1, 4, 9 or 16")
 	return gridSpacing / perSide
 

@@ -89,9 +89,7 @@ def iceBondAvailable():
 
 	>>> talik.packing.iceBondAvailable()
 	True"""
-	return all(
-		hasattr(wrapper, name) for name in ("IceBondMat", "Ip2_IceBondMat_IceBondMat_IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond")
-	)
+	return all(hasattr(wrapper, name) for name in ("IceBondMat", "Ip2_IceBondMat_IceBondMat_IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond"))
 
 
 # --- running -------------------------------------------------------------------------------------------------------------
@@ -122,7 +120,7 @@ def porosity():
 
 	>>> with talik.inspect(packed.open()):
 	...     n = talik.packing.porosity()"""
-	discs = math.pi * sum(body.shape.radius ** 2 for body in O.bodies)
+	discs = math.pi * sum(body.shape.radius**2 for body in O.bodies)
 	return 1 - discs / abs(np.linalg.det(inPlaneCell()))
 
 
@@ -198,7 +196,7 @@ def fillCloud(grains, friction, seed):
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
 	>>> with talik.scratchScene():
 	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)"""
-	meanSquare = (grains.radiusMin ** 2 + grains.radiusMin * grains.radiusMax + grains.radiusMax ** 2) / 3
+	meanSquare = (grains.radiusMin**2 + grains.radiusMin * grains.radiusMax + grains.radiusMax**2) / 3
 	side = math.sqrt(grains.number * math.pi * meanSquare / cloudDensity)
 	O.periodic = True
 	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, grains.thickness)
@@ -241,8 +239,8 @@ def _cloud(grains, side, seed):
 
 def _disc(centre, radius, grains):
 	body = utils.sphere(centre, radius, material="grain")
-	body.state.mass = grains.density * math.pi * radius ** 2 * grains.thickness
-	body.state.inertia = 0.5 * body.state.mass * radius ** 2 * Vector3(1, 1, 1)
+	body.state.mass = grains.density * math.pi * radius**2 * grains.thickness
+	body.state.inertia = 0.5 * body.state.mass * radius**2 * Vector3(1, 1, 1)
 	body.state.blockedDOFs = "zXY"
 	return body
 

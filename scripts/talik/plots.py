@@ -73,7 +73,15 @@ def markPoints(axes, points):
 	>>> drawn = talik.plots.markPoints(axes, {"A": (0.5, 0.5)})"""
 	for letter, (x, y) in points.items():
 		axes.plot(x, y, "o", markersize=4, markerfacecolor="white", markeredgecolor="black")
-		axes.annotate(str(letter), (x, y), textcoords="offset points", xytext=(5, 4), fontsize=9, weight="bold", path_effects=[withStroke(linewidth=2, foreground="white")])
+		axes.annotate(
+			str(letter),
+			(x, y),
+			textcoords="offset points",
+			xytext=(5, 4),
+			fontsize=9,
+			weight="bold",
+			path_effects=[withStroke(linewidth=2, foreground="white")],
+		)
 	return axes
 
 
@@ -169,9 +177,10 @@ def calendarHistory(axes, history, events, label=None):
 	history  rows of day, time of motion [s], largest displacement [m]
 	events   of MpmEngine.events()
 
-	>>> talik.plots.calendarHistory(talik.plots.figure(5, 3).subplots(), [(0, 0, 0), (1, 0.1, 0.02)], [{"day": 0.5, "days": 0.01, "volume": 1.5, "largest": 0.02}])"""
+	>>> talik.plots.calendarHistory(talik.plots.figure(5, 3).subplots(), [(0, 0, 0), (1, 0.1, 0.02)], [{"day": 0.5, "days": 0.01, "volume": 1.5, "largest": 0.02}])
+	"""
 	history = np.asarray(history, dtype=float).reshape(-1, 3)
-	line, = axes.plot(history[:, 0], history[:, 2], linewidth=1.2, label=label)
+	(line,) = axes.plot(history[:, 0], history[:, 2], linewidth=1.2, label=label)
 	for event in events:
 		axes.axvspan(event["day"], event["day"] + event["days"], color=line.get_color(), alpha=0.25, linewidth=1)
 	apart, named = 0.04 * np.ptp(history[:, 0]), []
@@ -309,7 +318,7 @@ def stressPath(axes, stress, label=None, **style):
 	stress = stress[:, [0, 1, -1]]
 	mean = -0.5 * (stress[:, 0] + stress[:, 1]) / 1e3
 	shear = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2]) / 1e3
-	line, = axes.plot(mean, shear, label=label, **style)
+	(line,) = axes.plot(mean, shear, label=label, **style)
 	axes.plot(mean[:1], shear[:1], "o", markerfacecolor="white", markeredgecolor=line.get_color())
 	axes.set_xlabel("mean pressure $s'$ [kPa]")
 	axes.set_ylabel("shear stress $t$ [kPa]")
@@ -338,8 +347,16 @@ def _grains(axes, centre, radius):
 	diameter = 2 * np.asarray(radius, dtype=float)
 	axes.add_collection(
 		EllipseCollection(
-			diameter, diameter, np.zeros_like(diameter), units="xy", offsets=np.asarray(centre, dtype=float), offset_transform=axes.transData,
-			facecolors="0.93", edgecolors="0.75", linewidths=0.4, zorder=1,
+			diameter,
+			diameter,
+			np.zeros_like(diameter),
+			units="xy",
+			offsets=np.asarray(centre, dtype=float),
+			offset_transform=axes.transData,
+			facecolors="0.93",
+			edgecolors="0.75",
+			linewidths=0.4,
+			zorder=1,
 		)
 	)
 

@@ -38,7 +38,9 @@ class Progress:
 	>>> progress = talik.progress.Progress(endDay=150, calendar=lambda: mpm.calendar)
 	>>> O.engines = O.engines + [progress.runner()]"""
 
-	def __init__(self, endTime=None, endStep=None, endDay=None, calendar=None, interval=10.0, details=None, clock=None, step=None, stream=None, thermalTimeScale=None):
+	def __init__(
+		self, endTime=None, endStep=None, endDay=None, calendar=None, interval=10.0, details=None, clock=None, step=None, stream=None, thermalTimeScale=None
+	):
 		if thermalTimeScale is not None:
 			raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}: thaw days are read from the calendar now; give calendar=lambda: mpm.calendar instead")
 		goals = {"endTime": endTime, "endStep": endStep, "endDay": endDay}

@@ -86,7 +86,9 @@ class _Worker:
 		if refusals:
 			raise PackingError(f"realisation with seed {self.call['seed']}: {refusals[0]}")
 		if doneMark not in lines:
-			raise RuntimeError(f"the yade that prepared the realisation with seed {self.call['seed']} ended early: {' / '.join(lines[-3:]) or 'it said nothing'}")
+			raise RuntimeError(
+				f"the yade that prepared the realisation with seed {self.call['seed']} ended early: {' / '.join(lines[-3:]) or 'it said nothing'}"
+			)
 
 	def end(self):
 		self.process.terminate()

@@ -97,7 +97,8 @@ def prepare(
 	radius          (smallest, largest) [m], distributed uniformly
 	pressure        [Pa], > 0, compression positive
 	porosity        two-dimensional, met to 0.005 by the friction used during compaction (about 0.2 for 0.18)
-	thickness       t_z, out-of-plane size of cell and discs [m], larger than 2.1 times two largest radii and a smallest one, which YADE wants; stiffness and strength go with 1/t_z
+	thickness       t_z, out-of-plane size of cell and discs [m], larger than 2.1 times two largest radii and a
+					smallest one, which YADE wants; stiffness and strength go with 1/t_z
 	seed            of the random positions; the next seeds are tried where fabric or porosity miss their tolerance
 	young           contact modulus E_c0 without ice [Pa]
 	stiffnessRatio  k_s/k_n (YADE's "poisson")
@@ -105,10 +106,10 @@ def prepare(
 	density         of the grains [kg/m3]
 	damping         of YADE's NewtonIntegrator, saved with the sample
 	ice             True: materials and laws that can carry ice bonds (ice saturation 0); False: YADE's FrictMat.
-	                Default: True where Talik's classes are loaded
+					Default: True where Talik's classes are loaded
 	cache           True: the user's cache; a folder; False: make it anew
 	realisations    a number: that many samples of other random positions, a list, for RveSkeleton(samples=[…]); they are made by as many
-	                yades at a time as there are cores. The first one is the sample of `seed` alone
+					yades at a time as there are cores. The first one is the sample of `seed` alone
 	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9
 
 	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure.
@@ -134,12 +135,25 @@ def prepare(
 	_require("realisations", realisations, _isWhole(realisations) and realisations >= 1, "a whole number, at least 1")
 	folder = str(_cacheFolder(cache))
 	settings = dict(
-		grains=grains, radius=tuple(radius), pressure=pressure, porosity=porosity, thickness=thickness, young=young, stiffnessRatio=stiffnessRatio, friction=friction,
-		density=density, damping=damping, ice=material.ice, cache=folder, **iceBond,
+		grains=grains,
+		radius=tuple(radius),
+		pressure=pressure,
+		porosity=porosity,
+		thickness=thickness,
+		young=young,
+		stiffnessRatio=stiffnessRatio,
+		friction=friction,
+		density=density,
+		damping=damping,
+		ice=material.ice,
+		cache=folder,
+		**iceBond,
 	)
 	return realisation.prepareAll(
-		lambda call: _inCache(lambda make: made(call["seed"], folder, make)), lambda call: made(call["seed"], folder, compacted(call["seed"])),
-		[dict(settings, seed=start) for start in realisation.seedsOf(seed, realisations)], f"{realisations} realisations of {grains} grains",
+		lambda call: _inCache(lambda make: made(call["seed"], folder, make)),
+		lambda call: made(call["seed"], folder, compacted(call["seed"])),
+		[dict(settings, seed=start) for start in realisation.seedsOf(seed, realisations)],
+		f"{realisations} realisations of {grains} grains",
 	)
 
 
@@ -187,9 +201,7 @@ def openFile(path):
 	try:
 		scene = talik._talik.readScene(content, path.removesuffix(".gz").removesuffix(".bz2").endswith(".xml"))
 	except Exception as error:
-		raise ValueError(
-			f"'{path}' is not a YADE scene that can be read ({error}); it must be saved by O.save of this YADE, and be complete"
-		) from None
+		raise ValueError(f"'{path}' is not a YADE scene that can be read ({error}); it must be saved by O.save of this YADE, and be complete") from None
 	former = talik._talik.exchangeScene(scene)
 	try:
 		checkedLabels(O, path)

@@ -78,9 +78,18 @@ def measure(frame, outline, threshold=0.05, among=None):
 	points = np.unique(np.concatenate([pairs.ravel() for pairs, _ in borders]))
 	depth = np.array([slope.surfaceHeight(outline, x) - y for x, y in places])
 	return ShearBand(
-		points=points, threshold=threshold, inclination=abs(inclinations[len(levels) // 2]), inclinations=_between(inclinations),
-		descendsTowards="right" if axis[1] < 0 else "left", length=float(np.ptp(places @ axis)), width=float((gone - stayed) / gradient),
-		opening=opening, roughness=roughness, top=float(depth.min()), depth=float(depth.max()), brokenBonds=brokenShare(frame, points),
+		points=points,
+		threshold=threshold,
+		inclination=abs(inclinations[len(levels) // 2]),
+		inclinations=_between(inclinations),
+		descendsTowards="right" if axis[1] < 0 else "left",
+		length=float(np.ptp(places @ axis)),
+		width=float((gone - stayed) / gradient),
+		opening=opening,
+		roughness=roughness,
+		top=float(depth.min()),
+		depth=float(depth.max()),
+		brokenBonds=brokenShare(frame, points),
 	)
 
 
@@ -149,7 +158,9 @@ def watchedPoints(frame, outline, threshold=0.05):
 	band = measure(frame, outline, threshold)
 	inBand = np.isin(np.arange(len(solid)), band.points) if band else np.ones(len(solid), bool)
 	choices = {"A": (icy & inBand, frame["bondsBroken"]), "B": (~icy, frame["deviatoricStrain"])}
-	return {letter: _highest(rank, possible & solid if (possible & solid).any() else possible) for letter, (possible, rank) in choices.items() if possible.any()}
+	return {
+		letter: _highest(rank, possible & solid if (possible & solid).any() else possible) for letter, (possible, rank) in choices.items() if possible.any()
+	}
 
 
 def _highest(rank, possible):

@@ -75,7 +75,7 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 	position       (n,2) of the points [m]
 	polygon        outline of the ground, for the depth below its surface
 	sample         RveSample, frictional, that is brought to the stress in the middle of each band; a list: realisations of it, dealt to
-	               the points of every band by chance
+				   the points of every band by chance
 	density        of the ground [kg/m3]
 	bandThickness  [m]
 	lateralRatio   horizontal over vertical stress at rest [-]

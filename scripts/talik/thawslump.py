@@ -33,7 +33,18 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 seriesLength = 40  # states in the ParaView series
 checkpointName, memoryTag = "slope.checkpoint", "thawSlump"
 checkpointInterval = 60  # wall time [s]
-remembered = ("name", "presetName", "skeletonName", "thaws", "frameDays", "restKineticEnergy", "calibrationSeconds", "thawed", "reached", "history")  # attributes of a run
+remembered = (
+	"name",
+	"presetName",
+	"skeletonName",
+	"thaws",
+	"frameDays",
+	"restKineticEnergy",
+	"calibrationSeconds",
+	"thawed",
+	"reached",
+	"history",
+)  # attributes of a run
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames
 never = 1e12  # [s of calendar time]
 shownEvents = 12
@@ -105,7 +116,15 @@ calendars = ("follows-motion", "constant")
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {
-	"test": Preset(gridSpacing=0.5, grains=60, days=6.0, strainTolerance=5e-5, bandThickness=1.0, restTime=0.2, calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3))),
+	"test": Preset(
+		gridSpacing=0.5,
+		grains=60,
+		days=6.0,
+		strainTolerance=5e-5,
+		bandThickness=1.0,
+		restTime=0.2,
+		calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3)),
+	),
 	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0),
 	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
@@ -177,7 +196,9 @@ class ThawSlump:
 		try:
 			self._remember(memory)
 		except (KeyError, TypeError) as missing:
-			raise ValueError(f"{self.folder / checkpointName}: another version of Talik wrote this slump ({missing}); go on with that version, or start anew without --resume") from missing
+			raise ValueError(
+				f"{self.folder / checkpointName}: another version of Talik wrote this slump ({missing}); go on with that version, or start anew without --resume"
+			) from missing
 
 	def _frames(self):
 		return output.Frames(self.mpm, self.frameDays, clock=self.thawTime, days=True)
@@ -185,7 +206,7 @@ class ThawSlump:
 	def endAt(self, days):
 		"""The thaw ends on day `days` in place of the preset's: for a run to be gone on with. Frames taken stay."""
 		self.preset = replace(self.preset, days=days)
-		taken, untaken = self.frameDays[:len(self.frames.frames)], self.frameDays[len(self.frames.frames):]
+		taken, untaken = self.frameDays[: len(self.frames.frames)], self.frameDays[len(self.frames.frames) :]
 		self.frameDays = self.frames.times = taken + [day for day in untaken if day < days] + [days]
 
 	# ---- building
@@ -221,7 +242,9 @@ class ThawSlump:
 			skeleton=self.skeleton,
 			heat=wrapper.HeatTransfer(followsMotion=g.followsMotion, motionTolerance=g.motionTolerance),  # in nature's time until the slope rests
 			freezing=wrapper.FreezingCurve(curve="gauss", width=g.freezingWidth, residualSaturation=g.residualSaturation),
-			water=wrapper.PoreWater(conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive, hydraulicTimeScale=1),  # hastened seepage drains frozen pores beside a front until they cool
+			water=wrapper.PoreWater(
+				conductivity=g.conductivity, bulkModulus=g.bulkModulus, zetaActive=g.zetaActive, hydraulicTimeScale=1
+			),  # hastened seepage drains frozen pores beside a front until they cool
 		)
 		mpm.addPoints(position=positions, volume=volumes, porosity=g.porosity, temperature=g.temperature, **stress)
 		mpm.boundaries = [
@@ -456,13 +479,22 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--duration", type=_oldDuration, help=argparse.SUPPRESS)
 	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
-	parser.add_argument("--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)")
+	parser.add_argument(
+		"--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)"
+	)
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
-	parser.add_argument("--calendar", choices=calendars, help="ten days pass in each second only while the ground rests, or always (constant, as in the paper); default: follows-motion with the law alone, constant with samples, which take four times as long otherwise")
-	parser.add_argument("--thawed-cohesion", type=_cohesion, help="cohesion that stays when the ice has gone [Pa]; default: 2000 with the law alone, 0 with samples")
+	parser.add_argument(
+		"--calendar",
+		choices=calendars,
+		help="ten days pass in each second only while the ground rests, or always (constant, as in the paper); default: "
+		"follows-motion with the law alone, constant with samples, which take four times as long otherwise",
+	)
+	parser.add_argument(
+		"--thawed-cohesion", type=_cohesion, help="cohesion that stays when the ice has gone [Pa]; default: 2000 with the law alone, 0 with samples"
+	)
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
@@ -511,7 +543,9 @@ def runCase(name, boundaries, options, days=None):
 			slumppage.draw(folders[label], outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(name, boundaries, _presetOf(options, days), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(
+					name, boundaries, _presetOf(options, days), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"]
+				)
 				slump.presetName = options.preset
 				slump.run()
 		report(slumppage.summaryOf(folders[label]), folders[label])
@@ -523,7 +557,8 @@ def runCase(name, boundaries, options, days=None):
 
 
 def groundOf(options, setting):
-	"""Ground of a run. What slides converges with the calendar and a cohesion; samples are too slow for that as a default, and runs that are compared share one ground."""
+	"""Ground of a run. What slides converges with the calendar and a cohesion; samples are too slow for that as a
+	default, and runs that are compared share one ground."""
 	lawAlone = setting["skeleton"] == "MohrCoulomb" and options.compare is None
 	calendar = options.calendar or ("follows-motion" if lawAlone else "constant")
 	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if lawAlone else 0.0
@@ -533,7 +568,11 @@ def groundOf(options, setting):
 def _presetOf(options, days):
 	preset = presets[options.preset]
 	return replace(
-		preset, days=options.days or days or preset.days, grains=options.grains or preset.grains, realisations=options.realisations, seed=options.seed,
+		preset,
+		days=options.days or days or preset.days,
+		grains=options.grains or preset.grains,
+		realisations=options.realisations,
+		seed=options.seed,
 	)
 
 
@@ -543,9 +582,9 @@ def comparison(options):
 	strains = (0.0, options.thaw_strain if options.thaw_strain not in (0.0, fullThawStrain) else 0.03, fullThawStrain)
 	sideBySide = {f"thaw strain {value}": dict(thawStrain=value, skeleton="samples") for value in strains}
 	given = {"samples": dict(thawStrain=options.thaw_strain, skeleton="samples")}
-	return {
-		None: law if options.skeleton == "MohrCoulomb" else given, "thaw-strain": sideBySide, "skeleton": {**given, **law}, "both": {**sideBySide, **law}
-	}[options.compare]
+	return {None: law if options.skeleton == "MohrCoulomb" else given, "thaw-strain": sideBySide, "skeleton": {**given, **law}, "both": {**sideBySide, **law}}[
+		options.compare
+	]
 
 
 def bill(summary):
@@ -560,7 +599,9 @@ def eventLines(events):
 	"""What moved, in words: one line for each event, the largest first when there are many."""
 	shown = sorted(events, key=lambda event: -event["volume"])[:shownEvents]
 	for event in sorted(shown, key=lambda event: event["day"]):
-		yield f"day {event['day']:.1f}: {event['volume']:.2f} m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m{', and go on' if event['goesOn'] else ''}"
+		onward = ", and go on" if event["goesOn"] else ""
+		moved = f"{event['volume']:.2f} m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m"
+		yield f"day {event['day']:.1f}: {moved}{onward}"
 	if len(events) > shownEvents:
 		yield f"and {len(events) - shownEvents} smaller ones"
 
@@ -569,7 +610,10 @@ def report(summary, folder):
 	"""Prints what a run came to, in a few lines."""
 	print(f"{summary['points']} points, {summary['steps']} steps, {summary['sample calls']} sample calls in {summary['wallTime [s]']:.0f} s")
 	if summary.get("thawed.strength of bonds [Pa]"):
-		print(f"thawed cohesion {summary['thawed.cohesion measured [Pa]'] / 1e3:.2f} kPa, measured on the samples, by bonds of {summary['thawed.strength of bonds [Pa]'] / 1e3:.0f} kPa that outlast their ice")
+		print(
+			f"thawed cohesion {summary['thawed.cohesion measured [Pa]'] / 1e3:.2f} kPa, measured on the samples, by bonds of "
+			f"{summary['thawed.strength of bonds [Pa]'] / 1e3:.0f} kPa that outlast their ice"
+		)
 	print(f"{summary['day']:.1f} days in {summary['thaw time [s]']:.1f} s of motion; largest displacement {summary['largest displacement [m]']:.3f} m", end="")
 	if "bondsIntact" in summary:
 		print(f"; bonds intact {summary['bondsIntact']}, broken {summary['bondsBroken']}, melted {summary['bondsMelted']}", end="")

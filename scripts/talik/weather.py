@@ -16,7 +16,7 @@ def airTemperature(path, start=0.0, thermalTimeScale=None):
 	"""Times [s] and air temperatures [degC] of a CSV file, for the attributes times and values of a thermal boundary.
 
 	path   file with the columns time [s], increasing, and air temperature [degC]; further columns are passed over, as are
-	       empty lines, lines that begin with #, and one line of headings
+		   empty lines, lines that begin with #, and one line of headings
 	start  time of the series [s] at which the run begins
 
 	ValueError names file, line and fault.

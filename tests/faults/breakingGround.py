@@ -9,9 +9,16 @@ import talik
 
 def breakingGround(sample, spacing=0.5, **ofSkeleton):
 	mpm = wrapper.MpmEngine(
-		gridSpacing=spacing, lower=(-1, 0), upper=(2, 2), gravity=(0, -9.81), damping=0.1, energyLedger=True,
+		gridSpacing=spacing,
+		lower=(-1, 0),
+		upper=(2, 2),
+		gravity=(0, -9.81),
+		damping=0.1,
+		energyLedger=True,
 		skeleton=wrapper.RveSkeleton(**{"samples": [sample], "strainTolerance": 2e-5, **ofSkeleton}),
-		heat=wrapper.HeatTransfer(thermalTimeScale=1e6), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
 		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", times=[0, 5e3], values=[-1, 15])],
 	)
 	position, volume = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 1), (0, 1)], spacing)

@@ -12,7 +12,12 @@ import talik
 from talik import rve
 
 nan, inf = float("nan"), float("inf")
-remedy = re.compile(r"\b(give|move them|move it|turn|choose|must|has to|add|leave|remove|use|put|enlarge|make|lower|set|fill|load|reduce|runs it|did you mean|there (is|are)|call|needs|take|finite)\b", re.I)
+remedy = re.compile(
+	r"\b(give|move them|move it|turn|choose|must|has "
+	r"to|add|leave|remove|use|put|enlarge|make|lower|set|fill|load|reduce|runs it|did you mean|there "
+	r"(is|are)|call|needs|take|finite)\b",
+	re.I,
+)
 table = []
 
 
@@ -51,7 +56,9 @@ def spheres(*centres, periodic=True, size=0.1):
 		O.engines = [
 			wrapper.ForceResetter(),
 			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),
-			wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+			wrapper.InteractionLoop(
+				[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
+			),
 			wrapper.NewtonIntegrator(),
 		]
 		O.dt = 1e-6
@@ -163,9 +170,15 @@ wrong = {
 	"table backwards": (lambda s: side(wrapper.WallTemperature(region="left", times=[1, 0], values=[5, 6])), "WallTemperature.times", "0"),
 	"heat on ground without temperature": (lambda s: ground(boundaries=[wrapper.WallTemperature(region="left")]), "WallTemperature", "no heat"),
 	"two walls in one place": (
-		lambda s: ground(boundaries=[wrapper.FixedBoundary(region="left"), wrapper.RollerBoundary(region="left")]), "RollerBoundary", "boundaries[1]"),
+		lambda s: ground(boundaries=[wrapper.FixedBoundary(region="left"), wrapper.RollerBoundary(region="left")]),
+		"RollerBoundary",
+		"boundaries[1]",
+	),
 	"surface without ground": (
-		lambda s: side(wrapper.SurfaceTemperature(region="surface", lower=(0.2, 5), upper=(0.4, 6))), "SurfaceTemperature", "no ground there"),
+		lambda s: side(wrapper.SurfaceTemperature(region="surface", lower=(0.2, 5), upper=(0.4, 6))),
+		"SurfaceTemperature",
+		"no ground there",
+	),
 	"ice without heat": (lambda s: ground(freezing=wrapper.FreezingCurve()), "MpmEngine.freezing", "heat is None"),
 	"water in rigid ground": (lambda s: warm(water=wrapper.PoreWater()), "MpmEngine.water", "motion is False"),
 	"no skeleton": (lambda s: ground(skeleton=None), "MpmEngine.skeleton", "None"),
@@ -206,24 +219,44 @@ wrong = {
 	"two grains in one place": (lambda s: wrapper.RveSample.fromScene(spheres((0.02, 0.02, 0), (0.02, 0.02, 0))), "overlap", "2 of a radius"),
 	# bodies
 	"body inside the ground": (lambda s: meeting(utils.sphere((0.5, 1, 0), 0.2)), "O.bodies[0]", "m inside it"),
-	"body that the ground cannot meet": (lambda s: meeting(utils.box((0.5, 1.5, 0), (0.1, 0.1, 0.1), orientation=utils.Quaternion((1, 0, 0), 0.3))), "O.bodies[0]", "about z only"),
+	"body that the ground cannot meet": (
+		lambda s: meeting(utils.box((0.5, 1.5, 0), (0.1, 0.1, 0.1), orientation=utils.Quaternion((1, 0, 0), 0.3))),
+		"O.bodies[0]",
+		"about z only",
+	),
 	"slice without thickness": (lambda s: meeting(utils.sphere((0.5, 1.5, 0), 0.2), thickness=0), "BodyContact.thickness", "0"),
-	"thickness of a slice lost in mid-run": (lambda s: (meeting(utils.sphere((0.5, 1.5, 0), 0.2)), setattr(O.engines[1].bodies, "thickness", nan), O.step()), "BodyContact.thickness", "nan"),
+	"thickness of a slice lost in mid-run": (
+		lambda s: (meeting(utils.sphere((0.5, 1.5, 0), 0.2)), setattr(O.engines[1].bodies, "thickness", nan), O.step()),
+		"BodyContact.thickness",
+		"nan",
+	),
 	# too late, too large, in vain
 	"calendar of ground that cannot move": (lambda s: warm(heat=wrapper.HeatTransfer(followsMotion=True)), "followsMotion", "true"),
 	"calendar that runs backwards in motion": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, movingTimeScale=-1)), "movingTimeScale", "-1"),
 	"calendar faster in motion than at rest": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, movingTimeScale=2)), "movingTimeScale", "2"),
 	"tolerance of the calendar of nothing": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=0)), "motionTolerance", "0"),
-	"tolerance of the calendar faster than any slide": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=50)), "motionTolerance", "50"),
+	"tolerance of the calendar faster than any slide": (
+		lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, motionTolerance=50)),
+		"motionTolerance",
+		"50",
+	),
 	"events smaller than nothing": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, eventDisplacement=-1)), "eventDisplacement", "-1"),
 	"stop on no day": (lambda s: ground(stopAtDay=nan), "stopAtDay", "nan"),
 	"heat produced from mid-run on": (lambda s: running(lambda mpm: setattr(mpm.heat, "source", 5)), "HeatTransfer.source", "5"),
-	"air warmed in mid-run without a table": (lambda s: running(lambda mpm: setattr(mpm.boundaries[0], "temperature", 9)), "SurfaceTemperature.temperature", "9"),
+	"air warmed in mid-run without a table": (
+		lambda s: running(lambda mpm: setattr(mpm.boundaries[0], "temperature", 9)),
+		"SurfaceTemperature.temperature",
+		"9",
+	),
 	"effect exchanged in mid-run": (lambda s: running(lambda mpm: setattr(mpm, "heat", wrapper.HeatTransfer())), "MpmEngine.heat", "HeatTransfer"),
 	"whole number that is none of the machine's": (lambda s: wrapper.MpmEngine(limitInterval=10**30), "MpmEngine.limitInterval", "1" + 30 * "0"),
 	"freezing curve narrower than numbers": (lambda s: warm(freezing=wrapper.FreezingCurve(width=1e-300)), "FreezingCurve.width", "1e-300"),
 	"water slowed to nothing": (lambda s: ground(water=wrapper.PoreWater(hydraulicTimeScale=1e-300)), "PoreWater.hydraulicTimeScale", "1e-300"),
-	"times of a wall that does not change": (lambda s: ground(boundaries=[wrapper.FixedBoundary(region="left", times=[0, 1])]), "FixedBoundary.times", "2 numbers"),
+	"times of a wall that does not change": (
+		lambda s: ground(boundaries=[wrapper.FixedBoundary(region="left", times=[0, 1])]),
+		"FixedBoundary.times",
+		"2 numbers",
+	),
 	# geometry and files
 	"outline of two corners": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 1)], 0.1), "polygon", "2"),
 	"outline not a number": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (nan, 1)], 0.1), "polygon", "not finite"),

@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Python asks and changes while O runs in another thread. Each case is a yade of its own: what fails here ends the process."""
 
-import os
 import random
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import talik
-from yade import wrapper
 
 here = Path(__file__).parent
 
@@ -67,7 +64,10 @@ O.run(3, True)
 
 
 def test_watching_points_and_reading_their_histories_while_O_runs_does_not_end_yade(tmp_path, sampleFile):
-	output = lives(tmp_path, dry + """
+	output = lives(
+		tmp_path,
+		dry
+		+ """
 O.run()
 end, calls = time.monotonic() + 3, 0
 while time.monotonic() < end:
@@ -79,12 +79,17 @@ while time.monotonic() < end:
 O.pause()
 print("FIGURES", O.iter, "steps,", calls, "calls")
 assert O.iter > 100
-""", sampleFile)
+""",
+		sampleFile,
+	)
 	print(*figures(output))
 
 
 def test_watching_points_at_once_after_a_pause_does_not_end_yade(tmp_path, sampleFile):
-	output = lives(tmp_path, dry + """
+	output = lives(
+		tmp_path,
+		dry
+		+ """
 for k in range(150):
 	O.run()
 	time.sleep(0.002)
@@ -92,13 +97,17 @@ for k in range(150):
 	mpm.watch(range(k % 60 + 1))
 	mpm.history(0)
 print("FIGURES", O.iter, "steps, 150 pauses")
-""", sampleFile)
+""",
+		sampleFile,
+	)
 	print(*figures(output))
 
 
 @pytest.mark.parametrize("form", ["packed", "open"])
 def test_samples_replaced_while_O_runs_do_not_end_yade(form, tmp_path, sampleFile):
-	output = lives(tmp_path, f"""
+	output = lives(
+		tmp_path,
+		f"""
 mpm = breakingGround(sample, spacing={0.5 if form == 'packed' else 1.0}, form={form!r}, onBlowUp="isolate", blowUpFolder="")
 mpm.damping = 0.5
 O.run(3, True)
@@ -113,12 +122,17 @@ while time.monotonic() < end:
 	assert not mpm.failure, mpm.failure
 O.pause()
 print("FIGURES", O.iter, "steps,", calls, "calls")
-""", sampleFile)
+""",
+		sampleFile,
+	)
 	print(*figures(output))
 
 
 def test_a_checkpoint_or_a_look_at_once_after_a_pause_is_that_of_a_whole_step(tmp_path, sampleFile):
-	output = lives(tmp_path, dry + """
+	output = lives(
+		tmp_path,
+		dry
+		+ """
 O.engines = [mpm, wrapper.PyRunner(command="time.sleep(0.01)", iterPeriod=1)]
 for k in range(20):
 	O.run()
@@ -129,12 +143,17 @@ for k in range(20):
 	assert O.subStep == -1 and step == O.iter, (O.subStep, step, O.iter)
 	assert abs(mpm.time - O.time) < 1e-9 * O.time, (mpm.time, O.time)
 print("FIGURES", O.iter, "steps, 20 checkpoints")
-""", sampleFile)
+""",
+		sampleFile,
+	)
 	print(*figures(output))
 
 
 def test_two_threads_that_ask_do_not_keep_the_run_out_nor_it_them(tmp_path, sampleFile):
-	output = lives(tmp_path, dry + """
+	output = lives(
+		tmp_path,
+		dry
+		+ """
 begin = time.monotonic()
 O.run(2000, True)
 alone = time.monotonic() - begin
@@ -154,7 +173,9 @@ wall = time.monotonic() - begin
 stop.append(1)
 print("FIGURES", f"2000 steps in {alone:.2f} s alone, in {wall:.2f} s beside two threads that made {calls} calls")
 assert min(calls) > 200
-""", sampleFile)
+""",
+		sampleFile,
+	)
 	print(*figures(output))
 
 
@@ -224,7 +245,8 @@ while done < {steps} and time.monotonic() < deadline:
 			begin()
 over.append(1)
 time.sleep(0.5)
-print("FIGURES", done, "steps,", sum(asked.values()), "calls of", len(asked), "methods and attributes; steps that ended in an exception:", sum(refused.values()))
+calls = sum(asked.values())
+print("FIGURES", done, "steps,", calls, "calls of", len(asked), "methods and attributes; steps that ended in an exception:", sum(refused.values()))
 for sentence, times in refused.items():
 	print("REFUSED", times, sentence)
 print("PROBLEMS", problems)

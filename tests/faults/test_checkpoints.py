@@ -24,7 +24,11 @@ from breakingGround import breakingGround, largestDifference, run, stateOf
 
 def dryGround():
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 1.5), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(young=5e6),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 1.5),
+		gravity=(0, -9.81),
+		skeleton=wrapper.ElasticSkeleton(young=5e6),
 		boundaries=[wrapper.FixedBoundary(region="bottom")],
 	)
 	talik.geometry.fill(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)])
@@ -48,7 +52,9 @@ def test_packed_samples_in_mid_break_go_on_to_the_last_bit_with_another_number_o
 	mpm.skeleton.threads = 2
 	run(25)
 	difference = largestDifference(through, stateOf(mpm))
-	print(f"{mpm.pointCount} points, bonds broken {broken:.0f} at the checkpoint, {brokenThen:.0f} at the end; melted {np.nansum(mpm.field('bondsMelted')):.0f}")
+	print(
+		f"{mpm.pointCount} points, bonds broken {broken:.0f} at the checkpoint, {brokenThen:.0f} at the end; melted {np.nansum(mpm.field('bondsMelted')):.0f}"
+	)
 	print(f"largest difference over {len(through)} fields, balances and whole samples: {difference}")
 	assert 0 < broken < brokenThen
 	assert difference == 0
@@ -67,7 +73,9 @@ def test_ground_with_a_tolerance_goes_on_to_the_last_bit_with_another_number_of_
 	mpm.skeleton.threads = 2
 	run(25)
 	difference = largestDifference(through, stateOf(mpm))
-	print(f"largest difference over {len(through)} fields, balances and whole samples: {difference}; estimated error {estimated:.4f}, and {mpm.estimatedError:.4f}")
+	print(
+		f"largest difference over {len(through)} fields, balances and whole samples: {difference}; estimated error {estimated:.4f}, and {mpm.estimatedError:.4f}"
+	)
 	assert difference == 0 and mpm.estimatedError == estimated > 0
 
 
@@ -140,7 +148,7 @@ def test_a_saved_ground_does_not_hold_its_archive_in_memory():
 
 @pytest.fixture
 def checkpoint(tmp_path):
-	mpm = dryGround()
+	dryGround()
 	run(4)
 	file = tmp_path / "ground.checkpoint"
 	talik.checkpoint.write(file)
@@ -208,13 +216,16 @@ def test_another_version_is_read_where_it_can_be_and_named_where_it_cannot(check
 	assert talik.resume(other).time > 0
 
 
-@pytest.mark.parametrize("settings, what", [
-	(dict(file=""), "Checkpoint.file is empty"),
-	(dict(file="/proc/none/x"), "Checkpoint.file is '/proc/none/x'"),
-	(dict(file="/tmp"), "Checkpoint.file is '/tmp', a folder"),
-	(dict(file="talik.checkpoint", every=-1), "Checkpoint.every is -1"),
-	(dict(file="talik.checkpoint", every=float("nan")), "Checkpoint.every is nan"),
-])
+@pytest.mark.parametrize(
+	"settings, what",
+	[
+		(dict(file=""), "Checkpoint.file is empty"),
+		(dict(file="/proc/none/x"), "Checkpoint.file is '/proc/none/x'"),
+		(dict(file="/tmp"), "Checkpoint.file is '/tmp', a folder"),
+		(dict(file="talik.checkpoint", every=-1), "Checkpoint.every is -1"),
+		(dict(file="talik.checkpoint", every=float("nan")), "Checkpoint.every is nan"),
+	],
+)
 def test_what_a_checkpoint_cannot_do_is_said_before_the_run(settings, what):
 	mpm = dryGround()
 	O.engines = [wrapper.Checkpoint(**settings), mpm]
@@ -405,7 +416,14 @@ def test_whole_yades_with_two_threads_killed_at_twenty_random_moments_end_as_one
 
 	def start(name, threads, every):
 		script = tmp_path / f"{name}.py"
-		values = dict(folder=str(Path(__file__).parent), file=str(tmp_path / f"{name}.checkpoint"), steps=steps, sample=sample, every=every, result=str(tmp_path / f"{name}.npz"))
+		values = dict(
+			folder=str(Path(__file__).parent),
+			file=str(tmp_path / f"{name}.checkpoint"),
+			steps=steps,
+			sample=sample,
+			every=every,
+			result=str(tmp_path / f"{name}.npz"),
+		)
 		script.write_text(wholeYade.format(**values))
 		return subprocess.Popen(["yade", "-n", "-x", f"-j{threads}", str(script)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
 

@@ -63,7 +63,9 @@ def test_an_isolated_point_keeps_its_stress_and_the_others_are_not_harmed(tmp_pa
 	stress = mpm.field("stress")[poisoned]
 	run(30 - O.iter)
 	moved = np.linalg.norm(mpm.field("position") - healthy, axis=1)
-	print(f"after {O.iter} steps: point {poisoned} holds {stress.round(1)} Pa; the others are within {np.delete(moved, poisoned).max():.1e} m of a run without poison")
+	print(
+		f"after {O.iter} steps: point {poisoned} holds {stress.round(1)} Pa; the others are within {np.delete(moved, poisoned).max():.1e} m of a run without poison"
+	)
 	assert (mpm.field("stress")[poisoned] == stress).all()
 	assert list(mpm.skeleton.blownUp) == [poisoned] and np.isfinite(moved).all() and moved.max() < 0.05
 	assert mpm.skeleton.sample(poisoned).stateBytes == before
@@ -86,9 +88,15 @@ def test_an_isolated_point_stays_so_after_resuming(tmp_path, smallSample):
 def flying(**settings):
 	"""A wet block that warms while it flies towards the wall of its box, unsupported."""
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(2, 2), energyLedger=True, skeleton=wrapper.ElasticSkeleton(young=5e6),
-		heat=wrapper.HeatTransfer(thermalTimeScale=1e4, source=100), water=wrapper.PoreWater(),
-		boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=20)], **settings,
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(2, 2),
+		energyLedger=True,
+		skeleton=wrapper.ElasticSkeleton(young=5e6),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e4, source=100),
+		water=wrapper.PoreWater(),
+		boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=20)],
+		**settings,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0.5, 0.5, 1, 1), 0.25)
 	mpm.addPoints(position=position, volume=volume, temperature=1.0, velocity=(20, 0))
@@ -135,7 +143,11 @@ def test_the_error_of_a_background_run_is_not_lost_when_the_run_ends_before_it_i
 
 def test_points_that_rest_against_the_walls_of_the_box_do_not_leave_it():
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 1), gravity=(3, -10), skeleton=wrapper.ElasticSkeleton(young=1e6),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 1),
+		gravity=(3, -10),
+		skeleton=wrapper.ElasticSkeleton(young=1e6),
 		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")],
 	)
 	rng = np.random.default_rng(3)

@@ -2,13 +2,10 @@
 """Files that are damaged, exchanged, in a folder that cannot be written, on a full disk, or programs in disguise."""
 
 import builtins
-import gzip
-import json
 import os
 import random
 import resource
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -176,7 +173,9 @@ def test_damaged_states_of_a_saved_ground_are_refused_before_boost_or_hold_the_s
 			continue
 		same += 1
 		loaded = stateOf(O.engines[0])
-		assert all(np.array_equal(whole[name], loaded[name], equal_nan=True) for name in ("position", "stress", "enthalpy", "pressure")), f"seed {seed}, trial {trial}"
+		assert all(
+			np.array_equal(whole[name], loaded[name], equal_nan=True) for name in ("position", "stress", "enthalpy", "pressure")
+		), f"seed {seed}, trial {trial}"
 	print(f"{kind}, seed {seed}: {len(refused)} refused, {same} with the same numbers (damage to a name or a date in the packed file's head)")
 	assert len(refused) >= 97 and all(str(file) in sentence and "is damaged" in sentence for sentence in refused)
 
@@ -224,7 +223,9 @@ def test_files_written_beside_others_have_no_foreseeable_name_follow_no_link_and
 	frames = talik.output.Frames(mpm, times=[0])
 	frames.take()
 	writers = {
-		"x.checkpoint": talik.checkpoint.write, "x.npz": frames.save, "x.json": lambda file: talik.output.writeSummary(file, a=1),
+		"x.checkpoint": talik.checkpoint.write,
+		"x.npz": frames.save,
+		"x.json": lambda file: talik.output.writeSummary(file, a=1),
 		"x.txt": lambda file: talik.files.writeWhole(file, "text"),
 	}
 	for name, write in writers.items():
@@ -269,8 +270,11 @@ def test_a_full_disk_says_so_whatever_is_written(tmp_path, smallSample):
 	frames = talik.output.Frames(mpm, times=[0])
 	frames.take()
 	writers = {
-		"checkpoint": talik.checkpoint.write, "frames.npz": frames.save, "summary.json": lambda file: talik.output.writeSummary(file, text="x" * 9000),
-		"scene.yade": lambda file: O.save(str(file), quiet=True), "scene.yade.gz": lambda file: O.save(str(file), quiet=True),
+		"checkpoint": talik.checkpoint.write,
+		"frames.npz": frames.save,
+		"summary.json": lambda file: talik.output.writeSummary(file, text="x" * 9000),
+		"scene.yade": lambda file: O.save(str(file), quiet=True),
+		"scene.yade.gz": lambda file: O.save(str(file), quiet=True),
 	}
 	soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 	for name, write in writers.items():

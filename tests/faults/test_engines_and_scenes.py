@@ -15,7 +15,11 @@ import talik
 def column(young=1e7, lower=(0, 0), **settings):
 	x, y = lower
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(x, y), upper=(x + 1, y + 2), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(young=young),
+		gridSpacing=0.25,
+		lower=(x, y),
+		upper=(x + 1, y + 2),
+		gravity=(0, -9.81),
+		skeleton=wrapper.ElasticSkeleton(young=young),
 		**{"boundaries": [wrapper.FixedBoundary(region="bottom")], **settings},
 	)
 	talik.geometry.fill(mpm, [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)])
@@ -90,11 +94,16 @@ outOfRange = {
 	"no residual water": (lambda s: frozen(residualSaturation=0).initialise(), "FreezingCurve.residualSaturation is 0"),
 	"hardly any residual water": (lambda s: frozen(residualSaturation=0.005).initialise(), "FreezingCurve.residualSaturation is 0.005"),
 	"no exchange of heat": (
-		lambda s: column(heat=wrapper.HeatTransfer(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=1, heatTransferCoefficient=0)]).initialise(),
+		lambda s: column(
+			heat=wrapper.HeatTransfer(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=1, heatTransferCoefficient=0)]
+		).initialise(),
 		"heatTransferCoefficient = 0",
 	),
 	"an infinite time step of a sample": (lambda s: setattr(s, "dt", math.inf), "RveSample.dt is inf"),
-	"friction of bodies in radians": (lambda s: column(bodies=wrapper.BodyContact(frictionAngle=0.5)).initialise(), "BodyContact.frictionAngle = 0.5: is in degrees"),
+	"friction of bodies in radians": (
+		lambda s: column(bodies=wrapper.BodyContact(frictionAngle=0.5)).initialise(),
+		"BodyContact.frictionAngle = 0.5: is in degrees",
+	),
 }
 
 
@@ -132,7 +141,10 @@ def test_the_angle_of_friction_of_a_body_is_in_degrees():
 			forces.append(np.array(O.forces.f(0))[:2])
 		sideways, upwards = -np.sum(forces, axis=0)[0], np.sum(forces, axis=0)[1]
 		decelerations.append(sideways / upwards)
-	print(f"tangential over normal force {decelerations[0]:.3f} and {decelerations[1]:.3f}, tangents of 10 and 20 degrees {math.tan(math.radians(10)):.3f} and {math.tan(math.radians(20)):.3f}")
+	print(
+		f"tangential over normal force {decelerations[0]:.3f} and {decelerations[1]:.3f}, tangents of 10 and 20 degrees "
+		f"{math.tan(math.radians(10)):.3f} and {math.tan(math.radians(20)):.3f}"
+	)
 	assert decelerations == pytest.approx([math.tan(math.radians(10)), math.tan(math.radians(20))], rel=0.1)
 
 

@@ -13,9 +13,15 @@ import talik
 nan, inf = float("nan"), float("inf")
 senseless = [nan, inf, -inf, -1, 1e300, -1e300, 1e-300, 2.5, 10**30, "text", None, [], [nan], (nan, nan), object()]
 boundaries = {
-	"FixedBoundary": dict(region="bottom"), "RollerBoundary": dict(region="left"), "SurfaceTemperature": dict(region="surface", temperature=5),
-	"SurfaceLoad": dict(region="surface", pressure=10), "DrainedBoundary": dict(region="surface"), "WallTemperature": dict(region="bottom", temperature=-1),
-	"HeatFlux": dict(region="left", flux=1), "WaterFlux": dict(region="left"), "BodyTemperature": dict(bodies=[0], temperature=3),
+	"FixedBoundary": dict(region="bottom"),
+	"RollerBoundary": dict(region="left"),
+	"SurfaceTemperature": dict(region="surface", temperature=5),
+	"SurfaceLoad": dict(region="surface", pressure=10),
+	"DrainedBoundary": dict(region="surface"),
+	"WallTemperature": dict(region="bottom", temperature=-1),
+	"HeatFlux": dict(region="left", flux=1),
+	"WaterFlux": dict(region="left"),
+	"BodyTemperature": dict(bodies=[0], temperature=3),
 }
 
 
@@ -23,12 +29,24 @@ def everything(sample):
 	"""Ground with every effect, three skeletons and a body above it: what it holds, by name."""
 	O.reset()
 	held = dict(
-		material=wrapper.GroundMaterial(), heat=wrapper.HeatTransfer(thermalTimeScale=1e6), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(), bodies=wrapper.BodyContact(),
+		material=wrapper.GroundMaterial(),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
+		bodies=wrapper.BodyContact(),
 	)
 	skeletons = [wrapper.RveSkeleton(samples=[sample.copy()], strainTolerance=2e-5), wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()]
 	conditions = [getattr(wrapper, name)(**settings) for name, settings in boundaries.items()]
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(2, 3), gravity=(0, -9.81), damping=0.1, energyLedger=True, skeletons=skeletons, boundaries=conditions, **held,
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(2, 3),
+		gravity=(0, -9.81),
+		damping=0.1,
+		energyLedger=True,
+		skeletons=skeletons,
+		boundaries=conditions,
+		**held,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.5)
 	mpm.addPoints(position=position, volume=volume, temperature=-1.0, skeleton=[min(2, k // 4) for k in range(len(position))])
@@ -37,7 +55,18 @@ def everything(sample):
 	return {type(part).__name__: part for part in [mpm, *held.values(), *skeletons, *conditions]}
 
 
-names = ["MpmEngine", "GroundMaterial", "HeatTransfer", "FreezingCurve", "PoreWater", "BodyContact", "RveSkeleton", "ElasticSkeleton", "MohrCoulombSkeleton", *boundaries]
+names = [
+	"MpmEngine",
+	"GroundMaterial",
+	"HeatTransfer",
+	"FreezingCurve",
+	"PoreWater",
+	"BodyContact",
+	"RveSkeleton",
+	"ElasticSkeleton",
+	"MohrCoulombSkeleton",
+	*boundaries,
+]
 
 
 def answer(sample, name, attribute, value, stepsBefore):
@@ -70,6 +99,8 @@ def test_senseless_values_of_every_attribute_are_answered_by_a_sentence_or_do_no
 				continue
 			refused += 1
 			# another attribute is named where the two contradict each other, and the state where only that shows how large a number was
-			assert attribute in sentence or re.search(r"\w+ (=|is|has) |^material point \d+ at|has no setter|no ground there", sentence), f"{name}.{attribute} = {value!r}: {sentence}"
+			assert attribute in sentence or re.search(
+				r"\w+ (=|is|has) |^material point \d+ at|has no setter|no ground there", sentence
+			), f"{name}.{attribute} = {value!r}: {sentence}"
 	print(f"{name}, {stepsBefore} steps before: {len(attributes)} attributes, {refused} values refused, {taken} taken")
 	assert refused > 0

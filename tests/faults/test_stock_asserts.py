@@ -69,7 +69,12 @@ def test_a_body_without_state_is_named():
 def test_a_body_on_the_ground_without_state_is_named():
 	O.bodies.append(utils.sphere((0.5, 0.9, 0), 0.2))
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(2, 2), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), bodies=wrapper.BodyContact(),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(2, 2),
+		gravity=(0, -9.81),
+		skeleton=wrapper.ElasticSkeleton(),
+		bodies=wrapper.BodyContact(),
 		boundaries=[wrapper.FixedBoundary(region="bottom")],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 0.5))
@@ -164,7 +169,10 @@ def broken(change, sample):
 		(lambda: setattr(O.bodies[3], "material", None), r"O.bodies\[3\] has no material"),
 		(lambda: setattr(O.bodies[3], "shape", None), r"O.bodies\[3\] has lost its shape"),
 		(lambda: setattr(O.bodies[3].state, "pos", (float("nan"), 0, 0)), r"position of O.bodies\[3\] is not finite"),
-		(lambda: setattr(O, "engines", [loop([], []) if isinstance(e, wrapper.InteractionLoop) else e for e in O.engines]), "no Ip2 functor for contacts of IceBondMat"),
+		(
+			lambda: setattr(O, "engines", [loop([], []) if isinstance(e, wrapper.InteractionLoop) else e for e in O.engines]),
+			"no Ip2 functor for contacts of IceBondMat",
+		),
 		(lambda: setattr(O.bodies[3], "material", wrapper.FrictMat()), r"no Ip2 functor for contacts of O.bodies\[3\] \(FrictMat\)"),
 		(lambda: setattr(O.cell, "hSize", Matrix3(0.05, 0, 0, 0, 0.05, 0, 0, 0, 0.012)), "too short for spheres of radius"),
 	],
@@ -264,7 +272,9 @@ def test_ice_bonds_survive_disorder_that_stock_yade_survives(disorder, cell):
 
 def test_bodies_on_the_ground_may_be_erased_and_added_between_runs():
 	barrier = O.bodies.append(utils.box((0.5, -0.1, 0), (1, 0.1, 1), fixed=True))
-	mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(-1, -1), upper=(2, 2), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), bodies=wrapper.BodyContact())
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25, lower=(-1, -1), upper=(2, 2), gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), bodies=wrapper.BodyContact()
+	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 0.5))
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
 	O.run(20, True)

@@ -49,7 +49,9 @@ def test_the_package_names_the_yade_that_it_needs(package):
 	lower, upper = re.search(r"yade \(>= (\S+)\), yade \(<< (\S+)\)", depends).groups()
 	assert version.startswith(lower)
 	for allowed, accepted in ((version, True), (version + "+deb12u1", True), ("2024.1", False), ("2022.01a", False)):
-		fits = all(subprocess.run(["dpkg", "--compare-versions", allowed, relation, bound]).returncode == 0 for relation, bound in (("ge", lower), ("lt", upper)))
+		fits = all(
+			subprocess.run(["dpkg", "--compare-versions", allowed, relation, bound]).returncode == 0 for relation, bound in (("ge", lower), ("lt", upper))
+		)
 		assert fits == accepted, allowed
 
 

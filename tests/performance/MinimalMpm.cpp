@@ -23,8 +23,8 @@ Block::Block(const Scene& s, double left, double width, double height, int perDi
 		*array = next;
 		next += count + stagger;
 	}
-	nodes  = next;
-	solved = nodes + nodeCount * 6L;
+	nodes            = next;
+	solved           = nodes + nodeCount * 6L;
 	const int inCell = perDirection * perDirection;
 	for (long p = 0; p < count; ++p) {
 		const long cell = p / inCell, inside = p % inCell, cellsUp = ny / perDirection;
@@ -48,9 +48,9 @@ const Kernel& fastest()
 void returnStress(const Scene& scene, double (&s)[4])
 {
 	const talik::MohrCoulombState m { scene.lambda, scene.shear, scene.cohesion, scene.sinFriction, scene.cosFriction, 0.0, 0.0 };
-	const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]), radius = std::sqrt(half * half + s[3] * s[3]);
-	double       principal[3] = { centre + radius, centre - radius, s[2] };
-	int          order[3]     = { 0, 1, 2 };
+	const double                  centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]), radius = std::sqrt(half * half + s[3] * s[3]);
+	double                        principal[3] = { centre + radius, centre - radius, s[2] };
+	int                           order[3]     = { 0, 1, 2 };
 	for (int a : { 0, 1, 0 })
 		if (principal[order[a]] < principal[order[a + 1]]) std::swap(order[a], order[a + 1]);
 	double sorted[3] = { principal[order[0]], principal[order[1]], principal[order[2]] };

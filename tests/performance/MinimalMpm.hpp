@@ -18,12 +18,12 @@ struct Scene {
 
 /// Points as arrays, nodes as records. Node coordinates count from a layer of ghost nodes around the box.
 struct Block {
-	Scene   scene;
-	int     count;
-	double *x, *y, *vx, *vy, *mass, *volume, *xx, *yy, *zz, *xy;
-	double* nodes;  ///< [mass, momentum x, y, unused, force x, y]
-	double* solved; ///< [change x, y, velocity x, y]
-	int     nodeCount, stride;
+	Scene               scene;
+	int                 count;
+	double *            x, *y, *vx, *vy, *mass, *volume, *xx, *yy, *zz, *xy;
+	double*             nodes;  ///< [mass, momentum x, y, unused, force x, y]
+	double*             solved; ///< [change x, y, velocity x, y]
+	int                 nodeCount, stride;
 	std::vector<double> memory;
 
 	/// perDirection^2 points per cell fill the box [left, left + width] x [0, height] [m].

@@ -8,5 +8,5 @@
 
 namespace minimal {
 extern const Kernel avx2;
-const Kernel avx2 { "avx2", &step };
+const Kernel        avx2 { "avx2", &step };
 } // namespace minimal

@@ -8,5 +8,5 @@
 
 namespace minimal {
 extern const Kernel avx512;
-const Kernel avx512 { "avx512", &step };
+const Kernel        avx512 { "avx512", &step };
 } // namespace minimal

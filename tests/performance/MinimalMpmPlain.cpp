@@ -5,5 +5,5 @@
 
 namespace minimal {
 extern const Kernel plain;
-const Kernel plain { "plain", &step };
+const Kernel        plain { "plain", &step };
 } // namespace minimal

@@ -6,10 +6,10 @@
 #include <benchmark/benchmark.h>
 #include <omp.h>
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <algorithm>
 #include <array>
@@ -30,8 +30,8 @@ struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
 	bool record = false, ledger = false, surface = false;
 	bool oneVelocity = false; ///< no thaw front, where frozen and thawed ground meet
-	bool uniform = false; ///< one temperature everywhere: heat rests
-	bool lookups = false; ///< of the stable time step, as often as a run does
+	bool uniform     = false; ///< one temperature everywhere: heat rests
+	bool lookups     = false; ///< of the stable time step, as often as a run does
 };
 
 std::shared_ptr<SkeletonModel<2>> skeletonOf(const Effects& e)
@@ -43,15 +43,15 @@ std::shared_ptr<SkeletonModel<2>> skeletonOf(const Effects& e)
 GroundSettings<2> settingsOf(const Effects& e)
 {
 	GroundSettings<2> s;
-	s.upper        = { columns * spacing, rows * spacing };
-	s.gridSpacing  = spacing;
-	s.courantNumber = courantNumber;
+	s.upper          = { columns * spacing, rows * spacing };
+	s.gridSpacing    = spacing;
+	s.courantNumber  = courantNumber;
 	const auto floor = Region<2>::side("bottom");
 	if (e.motion) {
 		MotionSettings<2> m;
-		m.gravity       = { 0.0, -gravity };
-		m.bBar = e.averaging;
-		s.motion        = m;
+		m.gravity = { 0.0, -gravity };
+		m.bBar    = e.averaging;
+		s.motion  = m;
 		s.skeletons.push_back(skeletonOf(e));
 		s.boundaries.push_back(std::make_shared<FixedBoundary<2>>(floor));
 	}
@@ -100,8 +100,9 @@ std::unique_ptr<minimal::Block> minimalBlock(bool plastic)
 	const double                 angle = law.frictionAngle * M_PI / 180.0, density = (1.0 - porosity) * MixtureProperties {}.solid.density;
 	Effects                      dry;
 	dry.plastic = plastic;
-	const minimal::Scene scene { columns,      rows,          spacing,       groundWith(dry)->stableTimeStep().step, gravity, flipFraction,
-		                     moduli.lambda, moduli.shear, plastic,       law.cohesion,                           std::sin(angle), std::cos(angle) };
+	const minimal::Scene scene { columns, rows,         spacing,         groundWith(dry)->stableTimeStep().step,
+		                     gravity, flipFraction, moduli.lambda,   moduli.shear,
+		                     plastic, law.cohesion, std::sin(angle), std::cos(angle) };
 	return std::make_unique<minimal::Block>(scene, corner[0], size[0], size[1], perDirection, density);
 }
 
@@ -121,8 +122,8 @@ struct Settlement {
 Settlement settlementAfter(int steps, bool plastic)
 {
 	Effects dry;
-	dry.plastic      = plastic;
-	const auto block = minimalBlock(plastic);
+	dry.plastic       = plastic;
+	const auto block  = minimalBlock(plastic);
 	const auto ground = groundWith(dry);
 	for (int k = 0; k < steps; ++k) {
 		minimal::fastest().step(*block);
@@ -172,7 +173,12 @@ struct Phases {
 		double time;
 	};
 	std::array<Phase, 5> all { {
-		{ "to grid", [](Ground<2>& g, double step) { g.beginStep(step); g.p2g(); }, 0.0 },
+		{ "to grid",
+		  [](Ground<2>& g, double step) {
+		          g.beginStep(step);
+		          g.p2g();
+		  },
+		  0.0 },
 		{ "nodes", [](Ground<2>& g, double) { g.solveNodes(); }, 0.0 },
 		{ "to points", [](Ground<2>& g, double) { g.g2p(); }, 0.0 },
 		{ "strain, pressure", [](Ground<2>& g, double) { g.updateStrainAndPressure(); }, 0.0 },
@@ -228,7 +234,7 @@ std::vector<Combination> combinations()
 	};
 	using E = Effects;
 	Effects dry, rigid;
-	rigid.motion = false;
+	rigid.motion           = false;
 	const Effects averaged = with(dry, &E::averaging);
 	return {
 		{ "dry", dry, true },
@@ -268,12 +274,14 @@ const int registered = [] {
 	for (const bool plastic : { false, true }) {
 		const std::string law = plastic ? ", Mohr-Coulomb" : "";
 		for (const minimal::Kernel* kernel : knownKernels())
-			benchmark::RegisterBenchmark(("effects/minimum " + std::string(kernel->name) + law).c_str(), minimum, *kernel, plastic)->Iterations(timedSteps);
+			benchmark::RegisterBenchmark(("effects/minimum " + std::string(kernel->name) + law).c_str(), minimum, *kernel, plastic)
+			        ->Iterations(timedSteps);
 		benchmark::RegisterBenchmark(("agreement/same steps" + law).c_str(), agreement, plastic)->Iterations(1);
 	}
 	for (const Combination& c : combinations())
 		for (int threads = 1; threads <= (c.threaded ? 2 : 1); ++threads)
-			benchmark::RegisterBenchmark(("effects/" + std::string(c.name) + (threads > 1 ? "/2 threads" : "/1 thread")).c_str(), engine, c.effects, threads)
+			benchmark::RegisterBenchmark(
+			        ("effects/" + std::string(c.name) + (threads > 1 ? "/2 threads" : "/1 thread")).c_str(), engine, c.effects, threads)
 			        ->Iterations(timedSteps)
 			        ->UseRealTime();
 	return 0;

@@ -50,10 +50,10 @@ void run(benchmark::State& bench, State state, bool portable, double before)
 		bench.ResumeTiming();
 		sample.advance(shear(0.01), steps);
 	}
-	const auto statistics                = sample.statistics();
-	bench.counters["contacts"]           = double(statistics.contacts);
-	bench.counters["bondsIntact"]        = double(statistics.bondsIntact);
-	bench.counters["bondsBroken"]        = double(statistics.bondsBroken);
+	const auto statistics               = sample.statistics();
+	bench.counters["contacts"]          = double(statistics.contacts);
+	bench.counters["bondsIntact"]       = double(statistics.bondsIntact);
+	bench.counters["bondsBroken"]       = double(statistics.bondsBroken);
 	bench.counters["time/(grain step)"] = benchmark::Counter(
 	        double(steps * long(state.size())), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 	bench.SetLabel(sample.path());

@@ -27,8 +27,7 @@ class Dice {
 public:
 	explicit Dice(std::uint64_t seed)
 	        : generator_(seed)
-	{
-	}
+	{}
 
 	double uniform(double from, double to) { return from + (to - from) * static_cast<double>(generator_() >> 11) * 0x1p-53; }
 	double between(const char* name, double from, double to) { return noted(name, uniform(from, to)); }

@@ -26,8 +26,7 @@ void expectHeld(const std::string& name, const Figures& f, const Limits& limits)
 Map::Map(const std::string& name, const std::string& title, const std::string& xLabel, const std::string& yLabel, const std::string& valueLabel)
         : name_(name)
         , text_("# " + title + "\n# " + xLabel + "\n# " + yLabel + "\n# " + valueLabel + "\nx,y,value,held\n")
-{
-}
+{}
 
 Map::~Map()
 {

@@ -19,19 +19,19 @@ namespace {
 		Dice              dice;
 		RandomScene<D>&   scene;
 		GroundSettings<D> s;
-		double            softest = INFINITY; ///< smallest Young's modulus [Pa]
-		double            top = 0.0; ///< of the ground [m]
+		double            softest     = INFINITY; ///< smallest Young's modulus [Pa]
+		double            top         = 0.0;      ///< of the ground [m]
 		int               cellsFilled = 0;
 
-		void motion();
-		void skeletons();
-		void heat();
-		void freezing();
-		void water();
-		void walls();
-		void surface();
-		void fill();
-		void body();
+		void      motion();
+		void      skeletons();
+		void      heat();
+		void      freezing();
+		void      water();
+		void      walls();
+		void      surface();
+		void      fill();
+		void      body();
 		TimeTable weather(double from, double to);
 
 		static Vec<D> along(double x, double y)
@@ -45,12 +45,12 @@ namespace {
 	template <int D> void Draw<D>::motion()
 	{
 		s.motion.emplace();
-		s.shapeFunction       = dice.oneOf<std::string>("shape", { "quadraticBSpline", "quadraticBSpline", "gimp", "linear" });
-		const auto transfer   = dice.oneOf<std::string>("transfer", { "flip", "flip", "apic", "tpic" });
-		s.motion->transfer    = velocityTransferFromName(transfer == "apic" && s.shapeFunction == "linear" ? "tpic" : transfer);
-		s.motion->picTime       = dice.decades("picTime", 1e-6, 1e2);
-		s.motion->localDamping  = dice.chance("damped", 0.2) ? 0.7 : 0.0;
-		s.motion->bBar = !dice.chance("noCellMeans", 0.25);
+		s.shapeFunction        = dice.oneOf<std::string>("shape", { "quadraticBSpline", "quadraticBSpline", "gimp", "linear" });
+		const auto transfer    = dice.oneOf<std::string>("transfer", { "flip", "flip", "apic", "tpic" });
+		s.motion->transfer     = velocityTransferFromName(transfer == "apic" && s.shapeFunction == "linear" ? "tpic" : transfer);
+		s.motion->picTime      = dice.decades("picTime", 1e-6, 1e2);
+		s.motion->localDamping = dice.chance("damped", 0.2) ? 0.7 : 0.0;
+		s.motion->bBar         = !dice.chance("noCellMeans", 0.25);
 		if (dice.chance("gravity", 0.7)) s.motion->gravity = along(dice.uniform(-3.0, 3.0), -9.81);
 		s.courantNumber = dice.between("courantNumber", 0.1, 0.99);
 	}
@@ -108,26 +108,26 @@ namespace {
 	template <int D> void Draw<D>::water()
 	{
 		s.water.emplace();
-		auto& w                                = *s.water;
-		w.permeability.referenceConductivity   = dice.decades("k", 1e-16, 1e-2);
-		w.permeability.impedance               = dice.between("Omega", 0.0, 10.0);
-		w.state.liquidBulkModulus              = dice.decades("Kw", 1e7, 2.2e9);
-		w.state.iceBulkModulus                 = dice.chance("noIceStorage", 0.1) ? INFINITY : 4.0 * w.state.liquidBulkModulus;
-		w.state.cavitationPressure             = dice.chance("suction", 0.3) ? -dice.decades("pCav", 1e3, 1e5) : 0.0;
-		w.state.densityChange                  = !dice.chance("noDensityChange", 0.3);
-		w.picTime                              = dice.decades("picTimeOfLiquid", 1e-6, 1e2);
+		auto& w                              = *s.water;
+		w.permeability.referenceConductivity = dice.decades("k", 1e-16, 1e-2);
+		w.permeability.impedance             = dice.between("Omega", 0.0, 10.0);
+		w.state.liquidBulkModulus            = dice.decades("Kw", 1e7, 2.2e9);
+		w.state.iceBulkModulus               = dice.chance("noIceStorage", 0.1) ? INFINITY : 4.0 * w.state.liquidBulkModulus;
+		w.state.cavitationPressure           = dice.chance("suction", 0.3) ? -dice.decades("pCav", 1e3, 1e5) : 0.0;
+		w.state.densityChange                = !dice.chance("noDensityChange", 0.3);
+		w.picTime                            = dice.decades("picTimeOfLiquid", 1e-6, 1e2);
 	}
 
 	template <int D> void Draw<D>::walls()
 	{
-		for (const char* side : D == 2 ? std::vector<const char*> { "left", "right", "bottom" } : std::vector<const char*> { "left", "right", "bottom", "back", "front" }) {
+		for (const char* side : D == 2 ? std::vector<const char*> { "left", "right", "bottom" }
+		                               : std::vector<const char*> { "left", "right", "bottom", "back", "front" }) {
 			if (!dice.chance(side, 0.8)) {
 				scene.open = true;
 				continue;
 			}
 			if (dice.chance("fixed", 0.3)) s.boundaries.push_back(std::make_shared<FixedBoundary<D>>(Region<D>::side(side)));
-			else
-				s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(side)));
+			else s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(side)));
 		}
 	}
 
@@ -136,7 +136,7 @@ namespace {
 	{
 		if (!dice.chance("jumps", 0.5)) return TimeTable(dice.between("level", from, to));
 		std::vector<double> times, values;
-		double              time = 0.0;
+		double              time  = 0.0;
 		const double        pause = dice.decades("pause", 1e-4, 1.0) * (s.heat ? s.heat->thermalTimeScale : 1.0);
 		for (int k = 0; k < 40; ++k) {
 			times.push_back(time);
@@ -166,7 +166,8 @@ namespace {
 			s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::side("bottom"), table));
 		}
 		if (s.motion && dice.chance("traction", 0.5))
-			s.boundaries.push_back(std::make_shared<Traction<D>>(Region<D>::freeSurface(), TimeTable(softest * dice.decades("loadOverE", 1e-6, 1e-3))));
+			s.boundaries.push_back(
+			        std::make_shared<Traction<D>>(Region<D>::freeSurface(), TimeTable(softest * dice.decades("loadOverE", 1e-6, 1e-3))));
 		if (s.water && dice.chance("drained", 0.5)) {
 			s.boundaries.push_back(std::make_shared<DrainedBoundary<D>>(
 			        Region<D>::freeSurface(), TimeTable(dice.between("pOut", 0.0, 1e4)), dice.chance("recharge", 0.5)));
@@ -180,14 +181,15 @@ namespace {
 		const auto   cells   = [&](int axis) { return static_cast<int>(std::lround((s.upper[axis] - s.lower[axis]) / h)); };
 		const int    perCell = dice.count("perDirection", 1, D == 2 ? 3 : 2);
 		const int    rows = std::max(1, cells(1) - dice.count("emptyRows", 2, 4)), columns = std::max(1, cells(0) - (dice.chance("gap", 0.3) ? 2 : 0));
-		const double jitter = dice.chance("irregular", 0.3) ? dice.between("jitter", 0.0, 0.45) : 0.0;
-		const double size = h / perCell;
-		const double temperature = dice.between("T", -20.0, 20.0), gradient = dice.chance("twoTemperatures", 0.3) ? dice.between("dT", -20.0, 20.0) : 0.0;
-		const double pressure = dice.chance("pressure", 0.5) ? dice.decades("p", 1.0, 1e5) : 0.0;
-		const double speed = s.motion && dice.chance("moving", 0.3) ? dice.between("machNumber", 0.0, 0.02) * std::sqrt(softest / 2000.0) : 0.0;
-		scene.open            = scene.open || speed > 0.0; // loose ground that meets a wall splashes, and the box has no lid
-		const double porosity = dice.between("n", 0.1, 0.7);
-		int number = 0;
+		const double jitter      = dice.chance("irregular", 0.3) ? dice.between("jitter", 0.0, 0.45) : 0.0;
+		const double size        = h / perCell;
+		const double temperature = dice.between("T", -20.0, 20.0),
+		             gradient    = dice.chance("twoTemperatures", 0.3) ? dice.between("dT", -20.0, 20.0) : 0.0;
+		const double pressure    = dice.chance("pressure", 0.5) ? dice.decades("p", 1.0, 1e5) : 0.0;
+		const double speed       = s.motion && dice.chance("moving", 0.3) ? dice.between("machNumber", 0.0, 0.02) * std::sqrt(softest / 2000.0) : 0.0;
+		scene.open               = scene.open || speed > 0.0; // loose ground that meets a wall splashes, and the box has no lid
+		const double porosity    = dice.between("n", 0.1, 0.7);
+		int          number      = 0;
 		for (int k = 0; k < (D == 2 ? 1 : cells(D - 1) * perCell); ++k)
 			for (int j = 0; j < rows * perCell; ++j)
 				for (int i = 0; i < columns * perCell; ++i) {
@@ -212,17 +214,17 @@ namespace {
 	/// A ball or a box, driven or free, a little above the ground and coming down.
 	template <int D> void Draw<D>::body()
 	{
-		auto& contact    = scene.ground->settings().bodies.emplace();
-		contact.damping  = dice.between("contactDamping", 0.0, 0.9);
+		auto& contact      = scene.ground->settings().bodies.emplace();
+		contact.damping    = dice.between("contactDamping", 0.0, 0.9);
 		contact.shearRatio = dice.between("shearRatio", 0.1, 1.0);
 		if (dice.chance("contactStiffness", 0.3)) contact.stiffness = softest / s.gridSpacing * dice.decades("kOverE", 0.1, 10.0);
 		RigidBody<D>& b = scene.drawn;
-		b.id = b.group  = 0;
-		b.shape         = dice.chance("ball", 0.5) ? &rigidBall<D>() : &rigidBox<D>();
-		b.friction      = dice.between("friction", 0.0, 1.0);
+		b.id = b.group = 0;
+		b.shape        = dice.chance("ball", 0.5) ? &rigidBall<D>() : &rigidBox<D>();
+		b.friction     = dice.between("friction", 0.0, 1.0);
 		for (int a = 0; a < D; ++a) {
-			b.axes[a][a] = 1.0;
-			b.size[a]    = s.gridSpacing * dice.decades("half", 0.05, 3.0);
+			b.axes[a][a]  = 1.0;
+			b.size[a]     = s.gridSpacing * dice.decades("half", 0.05, 3.0);
 			b.position[a] = s.lower[a] + dice.between("at", 0.0, 1.0) * (s.upper[a] - s.lower[a]);
 		}
 		const double reach = b.shape->reach(b.size)[1];
@@ -243,7 +245,8 @@ template <int D> RandomScene<D>::RandomScene(std::uint64_t seed)
 	d.s.gridSpacing = d.dice.decades("h", 0.02, 1.0);
 	for (int a = 0; a < D; ++a) {
 		const char* name = a == 0 ? "nx" : a == 1 ? "ny" : "nz";
-		d.s.upper[a]     = d.s.gridSpacing * (D == 2 ? d.dice.count(name, a == 1 ? 3 : 1, a == 1 ? 12 : 8) : d.dice.count(name, a == 1 ? 3 : 1, a == 1 ? 7 : 3));
+		d.s.upper[a]     = d.s.gridSpacing
+		        * (D == 2 ? d.dice.count(name, a == 1 ? 3 : 1, a == 1 ? 12 : 8) : d.dice.count(name, a == 1 ? 3 : 1, a == 1 ? 7 : 3));
 	}
 	d.s.energyLedger = true;
 	const bool moves = d.dice.chance("motion", 0.85), wet = moves && d.dice.chance("water", 0.6), warm = !moves || d.dice.chance("heat", 0.7);

@@ -20,8 +20,8 @@ template <int D> struct RandomScene {
 	long                       steps = 0; ///< to run
 
 	double coldest = INFINITY, hottest = -INFINITY; ///< of all temperatures given [degC]; the ground must stay between them
-	bool   temperaturesBounded = true; ///< false: heat is produced
-	bool   open = false; ///< points may leave: a side of the box has no wall, or they were thrown against one
+	bool   temperaturesBounded = true;              ///< false: heat is produced
+	bool   open                = false;             ///< points may leave: a side of the box has no wall, or they were thrown against one
 	bool   energyAccounted     = true; ///< false: water that crosses the surface, or percolates on the spot, has energy which the ledger does not see
 
 	/// The same seed draws the same scene on any machine.

@@ -16,14 +16,14 @@ namespace talik::stability {
 
 /// The worst that a run has shown.
 struct Figures {
-	double energyCreated = 0.0; ///< largest mechanical energy that no work accounts for, over all that was turned over [-]
-	double kineticPeak   = 0.0; ///< [J]
-	double solidDrift = 0.0, waterDrift = 0.0, heatDrift = 0.0; ///< [-]; heat over the largest of content and exchange
-	double momentumDrift = 0.0; ///< momentum less logged impulse, over the largest of both [-]
-	double strain = 0.0; ///< largest change of a point's volume over its initial one [-]
-	double coldest = INFINITY, hottest = -INFINITY; ///< of points [degC]
-	bool   finite = true;
-	long   steps  = 0;
+	double      energyCreated = 0.0; ///< largest mechanical energy that no work accounts for, over all that was turned over [-]
+	double      kineticPeak   = 0.0; ///< [J]
+	double      solidDrift = 0.0, waterDrift = 0.0, heatDrift = 0.0; ///< [-]; heat over the largest of content and exchange
+	double      momentumDrift = 0.0;                                 ///< momentum less logged impulse, over the largest of both [-]
+	double      strain        = 0.0;                                 ///< largest change of a point's volume over its initial one [-]
+	double      coldest = INFINITY, hottest = -INFINITY;             ///< of points [degC]
+	bool        finite = true;
+	long        steps  = 0;
 	std::string stopped; ///< sentence of the error that ended the run; empty if none
 
 	double worstDrift() const { return std::max({ solidDrift, waterDrift, heatDrift, momentumDrift }); }
@@ -31,8 +31,8 @@ struct Figures {
 
 /// What meets the ground from outside.
 struct Outside {
-	std::function<void(double)> advance = [](double) {};          ///< by a time step [s], after the ground
-	std::function<double()>     energy  = [] { return 0.0; };     ///< mechanical, that the ground may take or give [J]
+	std::function<void(double)> advance     = [](double) {};           ///< by a time step [s], after the ground
+	std::function<double()>     energy      = [] { return 0.0; };      ///< mechanical, that the ground may take or give [J]
 	std::function<double()>     longestStep = [] { return INFINITY; }; ///< that it stands [s]
 };
 
@@ -93,9 +93,9 @@ private:
 	void keepEnergy(const Balance<D>& b)
 	{
 		const double brought = outsideStart_ - outside_.energy();
-		const double held = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy - brought;
-		const double spent = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork;
-		const double turned = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
+		const double held    = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy - brought;
+		const double spent   = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork;
+		const double turned  = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
 		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(brought);
 		turnedOver_          = std::max({ turnedOver_, turned, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });
 		figures_.kineticPeak = std::max(figures_.kineticPeak, b.kineticEnergy);
@@ -112,7 +112,7 @@ private:
 		keep(figures_.waterDrift, b.waterMass + b.waterOut - start_.waterMass, start_.waterMass);
 		heatScale_ = std::max({ heatScale_, std::abs(b.enthalpy), std::abs(start_.enthalpy), std::abs(b.heatIn), std::abs(b.enthalpyOut) });
 		keep(figures_.heatDrift, b.enthalpy + b.enthalpyOut - start_.enthalpy - b.heatIn, heatScale_);
-		const double mass = b.solidMass + b.waterMass;
+		const double mass   = b.solidMass + b.waterMass;
 		const double weight = mass * size(ground_.settings().motion ? ground_.settings().motion->gravity : Vec<D> {});
 		momentumScale_      = std::max({ momentumScale_, weight * b.time, mass * slowest, size(b.impulse), std::sqrt(2.0 * b.kineticEnergy * mass) });
 		Vec<D> missing;

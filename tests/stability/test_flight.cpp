@@ -21,7 +21,7 @@ TEST(Flight, AWetBlockWithAHotSurfaceFliesTwentyMetresInOnePiece)
 	s.motion.emplace();
 	s.heat.emplace();
 	s.heat->thermalTimeScale = 1e4;
-	s.water = softWater();
+	s.water                  = softWater();
 	s.skeletons.push_back(elasticOedometer(5e6));
 	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), 20.0);
 	Ground<2> ground(s);

@@ -42,7 +42,7 @@ GroundSettings<2> wetColumn(double height)
 	s.mixture = MixtureProperties();
 	s.motion.emplace();
 	s.heat.emplace();
-	s.freezing = makeFreezingCurve();
+	s.freezing     = makeFreezingCurve();
 	s.water        = softWater();
 	s.energyLedger = true;
 	standOnRollers(s);
@@ -58,9 +58,9 @@ TEST(Freezing, HeatClosesAndFrontsApproachTheSharpOneForCurvesDownToAMillionthOf
 	for (const double base : { 10.0, -10.0 }) {
 		const double initial = base > 0.0 ? -5.0 : 5.0;
 		const auto   iceOf   = [&](FreezingCurvePtr curve, Figures& figures) {
-                        Ground<2> ground = rigidColumn(std::move(curve), initial, base);
+                        Ground<2>    ground = rigidColumn(std::move(curve), initial, base);
                         const double before = ground.balance().iceMass;
-                        Watch<2>  watch(ground);
+                        Watch<2>     watch(ground);
                         watch.run(steps, 50);
                         figures = watch.figures();
                         return std::abs(ground.balance().iceMass - before);
@@ -93,7 +93,8 @@ TEST(Freezing, GroundFrozenToItsResidualWaterCarriesLoadAndWavesAndThawsFromTher
 		s.skeletons.push_back(stiff);
 		s.heat->thermalTimeScale = 1e6;
 		s.motion->picTime        = std::numeric_limits<double>::infinity();
-		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e6, 0.06 * 1e6, 10.0 * 1e6 }, { -20.0, -20.0, 10.0, 10.0 }));
+		addBoundary<SurfaceTemperature<2>>(
+		        s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e6, 0.06 * 1e6, 10.0 * 1e6 }, { -20.0, -20.0, 10.0, 10.0 }));
 		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), 2e4);
 		Ground<2> ground(s);
 		fillBox(ground, { 0.0, 0.0 }, { 0.1, 1.0 }, [](PointInput<2>& p) { p.temperature = -20.0; });
@@ -101,19 +102,19 @@ TEST(Freezing, GroundFrozenToItsResidualWaterCarriesLoadAndWavesAndThawsFromTher
 		const double      iceBefore = ground.balance().iceMass;
 		const std::string name = residual > 0.0 ? "frozen to S_l = 0.05, loaded, then thawed" : "frozen without residual water, loaded, then thawed";
 		// the mean settlement of an undamped column swings about that of the load at rest; ice and residual water share it
-		Watch<2> watch(ground);
-		double   lowest = 0.0;
-		const int top   = ground.points().count() - 1;
-		const double y0 = valuesOf(ground, "position", 1)[top];
+		Watch<2>     watch(ground);
+		double       lowest = 0.0;
+		const int    top    = ground.points().count() - 1;
+		const double y0     = valuesOf(ground, "position", 1)[top];
 		while (ground.time() < 0.05) {
 			ground.step(ground.stableTimeStep().step);
 			lowest = std::min(lowest, valuesOf(ground, "position", 1)[top] - y0);
 		}
 		watch.look();
-		const PoreWaterState&      w = ground.settings().water->state;
+		const PoreWaterState&      w  = ground.settings().water->state;
 		const double               sl = std::max(residual, 1e-3);
-		const PressureCoefficients k = w.coefficients(ground.settings().mixture, { 0.4, sl, 0.0, -20.0 });
-		const double               m = undrainedModulus(k, 1e8);
+		const PressureCoefficients k  = w.coefficients(ground.settings().mixture, { 0.4, sl, 0.0, -20.0 });
+		const double               m  = undrainedModulus(k, 1e8);
 		expectRelative(name + ": largest settlement over that of 2 q H/M_u", lowest, -2.0 * 2e4 * 0.95 / m, 0.15);
 		watch.run(6000, 100);
 		expectHeld(name, watch.figures());
@@ -125,10 +126,10 @@ TEST(Freezing, TwentyFreezeThawCyclesOfADrainedColumnLoseNoWaterAndNoHeatAndDoNo
 {
 	auto s = wetColumn(0.8);
 	s.skeletons.push_back(elasticOedometer(1e7));
-	s.heat->thermalTimeScale = 1e7;
+	s.heat->thermalTimeScale    = 1e7;
 	s.water->hydraulicTimeScale = 1.0;
-	s.motion->localDamping   = 0.2;
-	constexpr double    half = 0.12;
+	s.motion->localDamping      = 0.2;
+	constexpr double    half    = 0.12;
 	std::vector<double> times, values;
 	for (int k = 0; k < 42; ++k) {
 		times.insert(times.end(), { 1e7 * k * half, 1e7 * (k * half + 0.2 * half) });
@@ -186,13 +187,14 @@ TEST(Freezing, ASurfaceThatJumpsByEightyKelvinEveryTenStepsLeavesTheGroundBounde
 				times.insert(times.end(), { (10 * k + 0.5) * slow, (10 * k + 10.4) * slow });
 				values.insert(values.end(), 2, k % 2 ? 40.0 : -40.0);
 			}
-			with.boundaries.push_back(std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), measuring ? TimeTable(0.0) : TimeTable(times, values)));
+			with.boundaries.push_back(
+			        std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), measuring ? TimeTable(0.0) : TimeTable(times, values)));
 			Ground<2> ground(with);
 			fillBox(ground, { 0.0, 0.0 }, { 0.1, 0.6 }, [](PointInput<2>& p) { p.temperature = -1.0; });
 			ground.initialise();
 			dt = ground.stableTimeStep().step * (moves ? 0.8 : 1.0);
 			if (measuring) continue;
-			Watch<2>  watch(ground);
+			Watch<2> watch(ground);
 			try {
 				for (int k = 0; k < 4000; ++k) {
 					ground.step(dt);
@@ -201,7 +203,8 @@ TEST(Freezing, ASurfaceThatJumpsByEightyKelvinEveryTenStepsLeavesTheGroundBounde
 			} catch (const std::exception& error) {
 				ADD_FAILURE() << error.what();
 			}
-			const std::string name = moves ? "surface jumps by 80 K every ten steps, wet moving ground" : "surface jumps by 80 K every ten steps, rigid ground";
+			const std::string name = moves ? "surface jumps by 80 K every ten steps, wet moving ground"
+			                               : "surface jumps by 80 K every ten steps, rigid ground";
 			expectHeld(name, watch.figures());
 			const Figures& f = watch.figures();
 			expectSmall(name + ": temperature beyond 40 degC", std::max(0.0, std::max(-40.0 - f.coldest, f.hottest - 40.0)), 1.0);
@@ -226,11 +229,14 @@ TEST(Heat, AWallOfGivenTemperatureDrivesIrregularPointsNoFurtherThanTheSpanBetwe
 					addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), wall);
 					Ground<2>    ground(s);
 					std::mt19937 generator(seed);
-					fillBox(ground, { 0.0, 0.0 }, { 6.0, 1.0 * rows }, [&](PointInput<2>& p) {
-						p.temperature = initial;
-						for (double& x : p.position)
-							x += (static_cast<double>(generator()) * 0x1p-32 - 0.5) * 0.7 / perDirection;
-					}, perDirection);
+					fillBox(
+					        ground, { 0.0, 0.0 }, { 6.0, 1.0 * rows },
+					        [&](PointInput<2>& p) {
+						        p.temperature = initial;
+						        for (double& x : p.position)
+							        x += (static_cast<double>(generator()) * 0x1p-32 - 0.5) * 0.7 / perDirection;
+					        },
+					        perDirection);
 					ground.initialise();
 					Watch<2> watch(ground);
 					watch.run(600, 50, fraction);

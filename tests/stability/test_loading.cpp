@@ -19,9 +19,9 @@ TEST(Loading, WaterOfTrueStiffnessOnOnePointPerCellShowsNoCheckerboard)
 		s.upper       = { 0.6, 1.2 };
 		s.mixture     = withoutExpansion();
 		s.motion.emplace();
-		s.motion->gravity       = { 0.0, -9.81 };
-		s.motion->localDamping  = 0.5;
-		s.motion->bBar = means;
+		s.motion->gravity      = { 0.0, -9.81 };
+		s.motion->localDamping = 0.5;
+		s.motion->bBar         = means;
 		s.water.emplace();
 		s.skeletons.push_back(elasticOedometer(1e8));
 		s.energyLedger = true;
@@ -32,7 +32,7 @@ TEST(Loading, WaterOfTrueStiffnessOnOnePointPerCellShowsNoCheckerboard)
 		Watch<2> watch(ground);
 		watch.run(6000, 100);
 		// undrained, the pressure grows linearly with depth; alternation: distance of a row from the mean of its neighbours
-		const auto p = valuesOf(ground, "pressure");
+		const auto p           = valuesOf(ground, "pressure");
 		double     alternation = 0.0, across = 0.0;
 		for (int row = 1; row < 7; ++row)
 			for (int i = 0; i < 6; ++i) {
@@ -86,19 +86,20 @@ TEST(Loading, GravityAndSettingsSwitchedInMidRunWithoutDampingBringNoEnergyOfThe
 	ground.initialise();
 	const auto total = [&] {
 		const auto b = ground.balance();
-		return b.kineticEnergy + b.gravityEnergy + b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation + b.slipWork - b.loadWork;
+		return b.kineticEnergy + b.gravityEnergy + b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation + b.slipWork
+		        - b.loadWork;
 	};
 	double created = 0.0, turned = 0.0;
 	for (int part = 0; part < 24; ++part) {
 		auto& m = *ground.settings().motion;
 		// what the switch itself does to the energy is the work of whoever switches
-		m.gravity      = part % 3 == 0 ? Vec<2> { 0.0, -9.81 } : part % 3 == 1 ? Vec<2> {} : Vec<2> { 4.0, -9.81 };
-		m.localDamping = part % 4 == 2 ? 0.6 : 0.0;
+		m.gravity         = part % 3 == 0 ? Vec<2> { 0.0, -9.81 } : part % 3 == 1 ? Vec<2> {} : Vec<2> { 4.0, -9.81 };
+		m.localDamping    = part % 4 == 2 ? 0.6 : 0.0;
 		const double step = ground.stableTimeStep().step, infinity = std::numeric_limits<double>::infinity();
-		m.picTime         = part % 5 == 3 ? 10.0 * step : infinity;
+		m.picTime                        = part % 5 == 3 ? 10.0 * step : infinity;
 		ground.settings().resting        = part % 2;
 		ground.settings().water->picTime = part % 2 ? 1.5 * step : infinity;
-		const double before = total();
+		const double before              = total();
 		for (int k = 0; k < 150; ++k) {
 			ground.step(ground.stableTimeStep().step);
 			const auto b = ground.balance();

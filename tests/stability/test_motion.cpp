@@ -36,13 +36,13 @@ Ground<2> restingSlope()
 	s.motion.emplace();
 	s.motion->gravity      = { 0.0, -9.81 };
 	s.motion->localDamping = 0.7;
-	s.motion->bBar = false; // with means the last mode to come to rest takes 4000 steps by a factor of e
+	s.motion->bBar         = false; // with means the last mode to come to rest takes 4000 steps by a factor of e
 	s.skeletons.push_back(elasticOedometer(1e7));
 	s.energyLedger = true;
 	addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
-	Ground<2>     ground(s);
-	const double  d = 0.25;
+	Ground<2>    ground(s);
+	const double d = 0.25;
 	for (int j = 0; j < 8; ++j)
 		for (int i = 0; (i + 0.5) * d + (j + 0.5) * d < 3.0; ++i) {
 			PointInput<2> p;
@@ -59,8 +59,8 @@ Ground<2> restingSlope()
 void expectThatNothingMoves(const std::string& name, long steps)
 {
 	for (const double damping : { 0.7, 0.0 }) {
-		Ground<2> ground                        = restingSlope();
-		ground.settings().motion->localDamping  = damping;
+		Ground<2> ground                       = restingSlope();
+		ground.settings().motion->localDamping = damping;
 		const auto   x0 = valuesOf(ground, "position"), y0 = valuesOf(ground, "position", 1);
 		const double dt = ground.stableTimeStep().step;
 		for (long k = 0; k < steps; ++k)
@@ -92,8 +92,8 @@ TEST(Flight, WetGroundThatThawsUnderItsWeightFallsSeparatesAndMeetsTheFloorWitho
 	const double frozen = ground.balance().iceMass;
 	const auto   y0     = valuesOf(ground, "position", 1);
 	watch.run(300, 50);
-	double hanging = 0.0;
-	const auto y1 = valuesOf(ground, "position", 1);
+	double     hanging = 0.0;
+	const auto y1      = valuesOf(ground, "position", 1);
 	for (std::size_t p = 0; p < y0.size(); ++p)
 		hanging = std::max(hanging, y0[p] - y1[p]);
 	watch.run(9000, 50);
@@ -146,14 +146,17 @@ TEST(Motion, DampedWetGroundThatLeavesNodesBehindKeepsTheAccountOfItsMomentum)
 	s.motion.emplace();
 	s.motion->localDamping = 0.7;
 	s.motion->gravity      = { 0.0, -9.81 };
-	s.water = softWater();
+	s.water                = softWater();
 	s.skeletons.push_back(elasticOedometer(1e6));
 	s.energyLedger = true;
 	Ground<2> ground(s);
-	fillBox(ground, { 0.2, 2.5 }, { 0.6, 2.8 }, [](PointInput<2>& p) {
-		p.velocity = { 7.0, -4.0 };
-		p.pressure = 1e3;
-	}, 1);
+	fillBox(
+	        ground, { 0.2, 2.5 }, { 0.6, 2.8 },
+	        [](PointInput<2>& p) {
+		        p.velocity = { 7.0, -4.0 };
+		        p.pressure = 1e3;
+	        },
+	        1);
 	ground.initialise();
 	Watch<2> watch(ground);
 	watch.run(200, 10);
@@ -180,18 +183,18 @@ TEST(Motion, ALightPlateOnGroundWithDampedContactsIsStableAtTheLimitOfItsStep)
 		fillBox(ground, { 0.0, 0.0 }, { 1.0, 0.3 });
 		ground.initialise();
 		RigidBody<2> plate;
-		plate.id = plate.group = 0;
-		plate.shape            = &rigidBox<2>();
-		plate.size             = { 0.3, 0.05 };
-		plate.position         = { 0.5, 0.3501 };
-		plate.axes             = { { { 1.0, 0.0 }, { 0.0, 1.0 } } };
-		plate.velocity         = { 0.0, -0.1 };
+		plate.id = plate.group  = 0;
+		plate.shape             = &rigidBox<2>();
+		plate.size              = { 0.3, 0.05 };
+		plate.position          = { 0.5, 0.3501 };
+		plate.axes              = { { { 1.0, 0.0 }, { 0.0, 1.0 } } };
+		plate.velocity          = { 0.0, -0.1 };
 		ground.bodies()->bodies = { plate };
 		MetBody<2> body;
-		body.contact = ground.bodies();
-		body.mass    = 0.6 * 0.05 * 1600.0 * massOfTouchedGround;
+		body.contact         = ground.bodies();
+		body.mass            = 0.6 * 0.05 * 1600.0 * massOfTouchedGround;
 		const double springs = std::sqrt(body.mass / body.contact->gripOn(plate).spring);
-		Outside outside = body.outside();
+		Outside      outside = body.outside();
 		if (springsAlone) outside.longestStep = [springs] { return springs; };
 		Watch<2> watch(ground, outside);
 		watch.run(1500, 10);
@@ -230,7 +233,7 @@ TEST(Motion, OnePointFallsFreelyMeetsTheFloorAndStaysInTheBox)
 		p.volume   = 0.01;
 		ground.addPoint(p);
 		ground.initialise();
-		Watch<2> watch(ground);
+		Watch<2>          watch(ground);
 		const std::string name = wet ? "one wet point in one column of cells" : "one dry point in one column of cells";
 		marchTo<2>(ground, 0.3);
 		expectRelative(name + ": speed of its fall [m/s]", valuesOf(ground, "velocity", 1)[0], -9.81 * 0.3, 1e-9);
@@ -303,7 +306,9 @@ TEST(Motion, PointsThatWouldLeaveTheGridAreNamedAndTheGroundStaysAsItWas)
 	EXPECT_NE(sentence.find("enlarge the box"), std::string::npos);
 	EXPECT_EQ(ground.time(), time);
 	EXPECT_EQ(valuesOf(ground, "position", 1), before);
-	expectRelative("points that leave: height left when they are refused, over the path of a step", smallest(before) / (9.81 * time * ground.stableTimeStep().step), 0.5, 1.0);
+	expectRelative(
+	        "points that leave: height left when they are refused, over the path of a step",
+	        smallest(before) / (9.81 * time * ground.stableTimeStep().step), 0.5, 1.0);
 }
 
 TEST(Rest, ASlopeAtRestDoesNotMoveInTwentyThousandSteps) { expectThatNothingMoves("resting slope, 2e4 steps", 20000); }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Samples under random increments: strain rates, jumps of ice saturation, flips, archives, rest.
 #include "Dice.hpp"
-#include "Report.hpp"
 #include "packedReference.hpp"
+#include "Report.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ public:
 
 	const std::string& wrong() const { return wrong_; }
 	std::string        described() const { return dice_.text(); }
-	int                blownUp = 0;
+	int                blownUp       = 0;
 	double             gradientError = 0.0, ratioOverBound = 0.0; ///< largest
 
 private:
@@ -73,8 +73,8 @@ private:
 		s.dt *= dice_.decades("dt", 0.1, 1.0) * std::sqrt(s.ice.young(0.0) / s.ice.young(1.0));
 		s.ice.tensileStrength0 = s.ice.shearStrength0 = dice_.decades("C0", 1.0, 1e7);
 		s.ice.tensileStrengthI = s.ice.shearStrengthI = dice_.decades("C1", 1e3, 1e9);
-		s.ice.bondRange        = dice_.between("range", 0.0, 0.2);
-		s.ice.cohesionDisablesFriction = dice_.chance("cohesionDisablesFriction", 0.3);
+		s.ice.bondRange                               = dice_.between("range", 0.0, 0.2);
+		s.ice.cohesionDisablesFriction                = dice_.chance("cohesionDisablesFriction", 0.3);
 		if (dice_.chance("shrinks", 0.4)) s.thawStrain = { dice_.between("thawStrain", 0.0, 0.5), s.iceSaturation };
 		return s;
 	}
@@ -103,9 +103,9 @@ private:
 		options.stepsPerSaturation  = dice_.count("stepsPerSi", 0, 3);
 		options.flipSkew            = dice_.chance("neverFlip", 0.2) ? 0.0 : dice_.between("skew", 0.05, 0.6);
 		options.tangent             = dice_.chance("tangent", 0.2);
-		const State         before = pool_.state(0);
-		const double        ice    = drawIce(before.iceSaturation);
-		SamplePool<2>       twin;
+		const State   before        = pool_.state(0);
+		const double  ice           = drawIce(before.iceSaturation);
+		SamplePool<2> twin;
 		if (archived) twin.add(throughBytes());
 		const auto  result = ask(pool_, increment, ice, options);
 		const State after  = pool_.state(0);
@@ -159,8 +159,8 @@ private:
 	/// Left alone, grains gain no energy but what springs held: an arch that gives way sets free a part of it.
 	void rest()
 	{
-		const State  start  = pool_.state(0);
-		const double stored = start.stress.squaredNorm() / (2.0 * softest * start.ice.grainYoung) * start.volume();
+		const State         start  = pool_.state(0);
+		const double        stored = start.stress.squaredNorm() / (2.0 * softest * start.ice.grainYoung) * start.volume();
 		PackedUpdateOptions options;
 		options.relaxSteps = 1500;
 		double kinetic[3];
@@ -199,8 +199,9 @@ TEST(RandomSearch, EverySampleFollowsRandomIncrementsOrIsLeftAsItWasBeforeTheOne
 		++failed;
 		ADD_FAILURE() << "seed " << seed << ":" << sample.wrong() << "\n  sample:" << sample.described();
 	}
-	std::printf("seeds %llu to %llu: %d of %llu samples blew up and were left as they were\n", static_cast<unsigned long long>(first),
-	            static_cast<unsigned long long>(first + draws - 1), blownUp, static_cast<unsigned long long>(draws));
+	std::printf(
+	        "seeds %llu to %llu: %d of %llu samples blew up and were left as they were\n", static_cast<unsigned long long>(first),
+	        static_cast<unsigned long long>(first + draws - 1), blownUp, static_cast<unsigned long long>(draws));
 	const std::string name = "random increments of samples, " + std::to_string(draws) + " draws";
 	expectSmall(name + ": samples that failed", failed, 0.0);
 	expectSmall(name + ": deformation gradient less that given", gradient, 1e-9);

@@ -109,7 +109,8 @@ template <int D> void search(const std::string& name, std::uint64_t draws)
 		ADD_FAILURE() << "seed " << seed << ", step " << scene.ground->steps() << ":" << wrong << "\n  scene:" << scene.described;
 	}
 	std::printf(
-	        "seeds %llu to %llu: %d refused at the start, %d stopped with a sentence (at an open side of the box, or with linear shape functions), %d touched a body\n",
+	        "seeds %llu to %llu: %d refused at the start, %d stopped with a sentence (at an open side of the box, or with linear shape functions), %d "
+	        "touched a body\n",
 	        static_cast<unsigned long long>(first), static_cast<unsigned long long>(first + draws - 1), search.refused, search.left, search.pushed);
 	const std::string title = name + ", " + std::to_string(draws) + " draws";
 	expectSmall(title + ": draws that failed", search.failed, 0.0);
@@ -163,7 +164,9 @@ TEST(RandomSearch, WaterThatPercolatesThroughAFewRowsOfPointsSpendsNoMoreThanGra
 		return watch.figures().energyCreated;
 	};
 	for (const std::uint64_t seed : { 700343, 701952 })
-		expectSmall("water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", created(RandomScene<2>(seed)), 0.05);
+		expectSmall(
+		        "water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", created(RandomScene<2>(seed)),
+		        0.05);
 	expectSmall("water that percolates through a few rows, space, seed 21: energy from nowhere", created(RandomScene<3>(21)), 1e-3);
 }
 

@@ -16,8 +16,15 @@ from breakingGround import breakingGround, largestDifference, run, stateOf
 
 def elasticBlock(**settings):
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 1.5), gravity=(0, -9.81), energyLedger=True, skeleton=wrapper.ElasticSkeleton(young=5e6),
-		water=wrapper.PoreWater(bulkModulus=2.2e8), boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")], **settings,
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 1.5),
+		gravity=(0, -9.81),
+		energyLedger=True,
+		skeleton=wrapper.ElasticSkeleton(young=5e6),
+		water=wrapper.PoreWater(bulkModulus=2.2e8),
+		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
+		**settings,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.25)
 	mpm.addPoints(position=position, volume=volume)
@@ -43,7 +50,9 @@ def test_time_steps_beyond_the_limit_are_cut_into_stable_ones(times):
 	count = max(3, int(500 / times))
 	run(count)
 	created = createdEnergy(mpm, start)
-	print(f"O.dt = {times} x {limit:.3g} s, {count} steps: energy from nowhere {created:.2g} of what was turned over, limit 0.05; time {mpm.time / O.dt:.9f} steps")
+	print(
+		f"O.dt = {times} x {limit:.3g} s, {count} steps: energy from nowhere {created:.2g} of what was turned over, limit 0.05; time {mpm.time / O.dt:.9f} steps"
+	)
 	assert created < 0.05 and mpm.time == pytest.approx(count * O.dt, rel=1e-9)
 	assert np.isfinite(mpm.field("stress")).all()
 
@@ -79,10 +88,18 @@ def test_gravity_switched_in_mid_run_undamped_brings_no_energy_of_its_own():
 
 
 @pytest.mark.parametrize(
-	"change", (dict(water=None), dict(heat=wrapper.HeatTransfer()), dict(freezing=wrapper.FreezingCurve()), dict(motion=False), dict(gridSpacing=0.1), dict(boundaries=[]))
+	"change",
+	(
+		dict(water=None),
+		dict(heat=wrapper.HeatTransfer()),
+		dict(freezing=wrapper.FreezingCurve()),
+		dict(motion=False),
+		dict(gridSpacing=0.1),
+		dict(boundaries=[]),
+	),
 )
 def test_effects_switched_in_mid_run_are_refused_with_a_sentence_and_the_run_goes_on(change):
-	(name, value), = change.items()
+	((name, value),) = change.items()
 
 	def positions(changes):
 		O.reset()
@@ -110,7 +127,13 @@ def test_effects_switched_in_mid_run_are_refused_with_a_sentence_and_the_run_goe
 def test_no_setting_of_a_running_ground_is_changed_in_vain():
 	"""A setting of the ground and of all it holds is followed, or refused by name and kept; none is taken and ignored."""
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 1.5), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(), bodies=wrapper.BodyContact(),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 1.5),
+		heat=wrapper.HeatTransfer(),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
+		bodies=wrapper.BodyContact(),
 		skeletons=[wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()],
 		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", temperature=3)],
 	)
@@ -201,9 +224,16 @@ def test_samples_opened_shared_detached_and_packed_in_random_order_while_running
 
 def test_ground_on_samples_thaws_falls_and_meets_the_floor_in_balance(sample):
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(2, 2.5), gravity=(0, -9.81), energyLedger=True, transfer="apic",
-		skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=2e-4), heat=wrapper.HeatTransfer(thermalTimeScale=1e7),
-		freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(2, 2.5),
+		gravity=(0, -9.81),
+		energyLedger=True,
+		transfer="apic",
+		skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=2e-4),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e7),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
 		boundaries=[wrapper.FixedBoundary(region="left"), wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", temperature=10)],
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 1, 1, 2), 0.5)
@@ -226,10 +256,17 @@ def test_ground_on_samples_thaws_falls_and_meets_the_floor_in_balance(sample):
 
 def test_a_long_step_follows_its_limit_down_while_the_ground_freezes_and_stiffens():
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 1.5), gravity=(0, -9.81), energyLedger=True, automaticTimeStep=False,
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 1.5),
+		gravity=(0, -9.81),
+		energyLedger=True,
+		automaticTimeStep=False,
 		skeleton=wrapper.MohrCoulombSkeleton(young=2e6, youngFrozen=2e9, cohesion=1e6, cohesionFrozen=1e7),
-		heat=wrapper.HeatTransfer(thermalTimeScale=1e7), freezing=wrapper.FreezingCurve(),
-		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")] + [wrapper.SurfaceTemperature(region="surface", temperature=-20)],
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e7),
+		freezing=wrapper.FreezingCurve(),
+		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
+		+ [wrapper.SurfaceTemperature(region="surface", temperature=-20)],
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.25)
 	mpm.addPoints(position=position, volume=volume, temperature=0.5)
@@ -239,6 +276,9 @@ def test_a_long_step_follows_its_limit_down_while_the_ground_freezes_and_stiffen
 	O.dt = 600 * limit
 	run(2)
 	created = createdEnergy(mpm, start)
-	print(f"one O.step of {O.dt:.3g} s while the limit falls from {limit:.2g} to {mpm.stableTimeStep():.2g} s: energy from nowhere {created:.2g} of what was turned over, limit 0.05")
+	print(
+		f"one O.step of {O.dt:.3g} s while the limit falls from {limit:.2g} to {mpm.stableTimeStep():.2g} s: energy from "
+		f"nowhere {created:.2g} of what was turned over, limit 0.05"
+	)
 	assert mpm.stableTimeStep() < 0.2 * limit, "the ground was to stiffen"
 	assert np.isfinite(mpm.field("stress")).all() and created < 0.05 and mpm.time == pytest.approx(2 * O.dt, rel=1e-9)

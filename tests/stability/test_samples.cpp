@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Cases 5, 7 and 8 of a sample: long paths, ice that comes and goes, no stress, no contacts, strain rates of an explosion.
-#include "Report.hpp"
 #include "packedReference.hpp"
+#include "Report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ TEST(Sample, ShearsToTwentyThroughFlipsWithoutDriftOfVolumeAndWithStressThatStay
 		const Matrix    wanted = matrix(1.0, 20.0, 0.0, 1.0) * sample.state().trsf;
 		ASSERT_TRUE(follow(sample, matrix(0.0, 0.02, 0.0, 0.0), 1000, ice, 250));
 		const std::string name = std::string(ice > 0.0 ? "bonded" : "frictional") + " sample sheared to 20";
-		const Matrix      s = sample.stress();
+		const Matrix      s    = sample.stress();
 		EXPECT_TRUE(finite(sample.state()));
 		expectSmall(name + ": deformation gradient less that given", (sample.state().trsf - wanted).norm() / wanted.norm(), 1e-9);
 		expectSmall(name + ": change of volume", sample.state().volume() / volume - 1.0, 1e-9);
@@ -100,7 +100,9 @@ TEST(Sample, LosesAllItsIceInOneStepWithoutGainingEnergyOrLeavingABond)
 		kinetic = std::max(kinetic, sample.statistics().kineticEnergy);
 	}
 	const auto after = sample.statistics();
-	std::printf("%zu bonds before, %zu after; pressure %.0f -> %.0f Pa; kinetic energy at most %.3g J\n", bonds, after.bondsIntact, pressureOf(before), pressureOf(sample.stress()), kinetic);
+	std::printf(
+	        "%zu bonds before, %zu after; pressure %.0f -> %.0f Pa; kinetic energy at most %.3g J\n", bonds, after.bondsIntact, pressureOf(before),
+	        pressureOf(sample.stress()), kinetic);
 	EXPECT_TRUE(finite(sample.state()));
 	EXPECT_GT(bonds, 100u);
 	expectSmall("S_i from 1 to 0 at once: bonds left", static_cast<double>(after.bondsIntact), 0.0);
@@ -113,7 +115,7 @@ TEST(Sample, WithoutContactsHasNoStressAndItsGrainsComeToRest)
 	PackedSample<2> sample(packedReference::sample().state());
 	ASSERT_TRUE(follow(sample, matrix(0.02, 0.01, 0.0, 0.02), 20, 0.0, 20)); // fast, so that grains fly
 	PackedUpdateOptions rest;
-	rest.relaxSteps      = 1000;
+	rest.relaxSteps     = 1000;
 	const double flying = sample.statistics().kineticEnergy;
 	sample.apply(Matrix::Zero(), 0.0, rest);
 	const double later = sample.statistics().kineticEnergy;
@@ -147,12 +149,14 @@ TEST(Sample, StrainRatesFarAboveQuasiStaticAreEnduredOrContained)
 					continue;
 				}
 				PackedUpdateOptions rest;
-				rest.relaxSteps = 4000;
+				rest.relaxSteps   = 4000;
 				const double fast = sample.statistics().kineticEnergy;
 				sample.apply(Matrix::Zero(), ice, rest);
 				EXPECT_TRUE(finite(sample.state()));
 				char name[160];
-				std::snprintf(name, sizeof name, "strain %g in ten steps, S_i = %g, direction (%g %g %g): kinetic energy after rest over before", strain, ice, direction(0, 0), direction(0, 1), direction(1, 1));
+				std::snprintf(
+				        name, sizeof name, "strain %g in ten steps, S_i = %g, direction (%g %g %g): kinetic energy after rest over before",
+				        strain, ice, direction(0, 0), direction(0, 1), direction(1, 1));
 				expectSmall(name, sample.statistics().kineticEnergy / fast, 1e-2);
 			}
 }
@@ -171,7 +175,9 @@ TEST(Sample, TwentyCyclesOfFreezingUnderLoadWithHealingKeepItsLoadAndCompactByLe
 			ASSERT_FALSE(sample.apply(Matrix::Zero(), ice, options).blewUp);
 			// the load goes on acting on frozen and on thawed grains
 			ASSERT_TRUE(sample.servo(load));
-			if (ice > 0.0) { EXPECT_GT(sample.statistics().bondsIntact, 100u); }
+			if (ice > 0.0) {
+				EXPECT_GT(sample.statistics().bondsIntact, 100u);
+			}
 		}
 		strain.push_back(1.0 - sample.state().volume() / volume);
 	}
@@ -182,5 +188,7 @@ TEST(Sample, TwentyCyclesOfFreezingUnderLoadWithHealingKeepItsLoadAndCompactByLe
 	expectSmall(name + ": bonds left when thawed", static_cast<double>(sample.statistics().bondsIntact), 0.0);
 	expectSmall(name + ": compaction in all", strain[19], 5e-3);
 	// the ratchet: each thaw releases what the frozen network held and lets a few contacts slide; it must die out, not run on
-	expectSmall(name + ": compaction of the last ten over that of the first ten cycles and 1e-5", std::max(0.0, strain[19] - strain[9]) / (std::abs(strain[9]) + 1e-5), 1.5);
+	expectSmall(
+	        name + ": compaction of the last ten over that of the first ten cycles and 1e-5",
+	        std::max(0.0, strain[19] - strain[9]) / (std::abs(strain[9]) + 1e-5), 1.5);
 }

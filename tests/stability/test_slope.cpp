@@ -39,7 +39,7 @@ TEST(Slope, ThawsAndMovesWithEveryEffectOfTheGroundInBalance)
 	Watch<2>     watch(ground);
 	watch.run(1500, 50);
 	Limits open;
-	open.energy = INFINITY; // water takes energy along through the surface
+	open.energy            = INFINITY; // water takes energy along through the surface
 	const std::string name = "thawing slope in small";
 	expectHeld(name, watch.figures(), open);
 	expectAtLeast(name + ": ice melted [kg]", ice - ground.balance().iceMass, 1.0);

@@ -24,13 +24,13 @@ GroundSettings<2> loadedBox(double conductivity, double modulus, double courantN
 	s.upper       = { 0.4, 0.8 };
 	s.mixture     = withoutExpansion();
 	s.motion.emplace();
-	s.motion->gravity       = { 0.0, -9.81 };
-	s.motion->bBar = false; // cell means filter the shortest waves of water, and leave a margin that none should rely on
+	s.motion->gravity = { 0.0, -9.81 };
+	s.motion->bBar    = false; // cell means filter the shortest waves of water, and leave a margin that none should rely on
 	s.water.emplace();
 	s.water->permeability.referenceConductivity = conductivity;
 	s.skeletons.push_back(elasticOedometer(modulus));
 	s.courantNumber = courantNumber;
-	s.energyLedger = true;
+	s.energyLedger  = true;
 	standOnRollers(s);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
 	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), 1e4);
@@ -53,13 +53,14 @@ void fillIrregularly(Ground<2>& ground, const Vec<2>& upper, double temperature 
 TEST(TimeStep, LoadedWetGroundIsStableAtEveryConductivityUpToTheLimit)
 {
 	citing("energy balance");
-	Map    map("conductivity", "loaded wet ground, 400 steps", "hydraulic conductivity k [m/s]", "time step over its limit [-]", "kinetic energy over what load and weight can store [-]");
+	Map map("conductivity", "loaded wet ground, 400 steps", "hydraulic conductivity k [m/s]", "time step over its limit [-]",
+	        "kinetic energy over what load and weight can store [-]");
 	// as stiff as its water: the bound of the skeleton's waves is sharp, those of water are filtered on the way to the nodes
 	constexpr double modulus = 2e9;
 	// what load and weight, both sudden, store in the drained ground: (q + rho g H)^2 V/(2 M)
 	constexpr double storable = 2.0e4 * 2.0e4 * 0.4 * 0.5 / (2.0 * modulus);
-	double created = 0.0, kinetic = 0.0, drift = 0.0;
-	int    lost = 0, lostBeyond = 0;
+	double           created = 0.0, kinetic = 0.0, drift = 0.0;
+	int              lost = 0, lostBeyond = 0;
 	for (double k = 1e-16; k < 2e-2; k *= 100.0)
 		for (const double fraction : { 0.25, 0.5, 0.75, 0.99, 1.5, 2.0, 2.5, 3.0, 4.0 }) {
 			Ground<2> ground(loadedBox(k, modulus, 1.0));
@@ -130,25 +131,28 @@ TEST(TimeStep, WavesBetweenPointsThatTheGridSmoothesDoNotGrowAtTheLimit)
 		s.mixture     = withoutExpansion();
 		s.motion.emplace();
 		if (wet) s.water = softWater(8e8);
-		auto stiff           = elasticOedometer(wet ? 4e8 : 4e9);
-		stiff->poissonRatio  = wet ? 0.34 : 0.488;
-		s.skeletons          = { stiff, elasticOedometer(2e8) };
-		s.courantNumber       = 1.0;
-		s.energyLedger       = true;
+		auto stiff          = elasticOedometer(wet ? 4e8 : 4e9);
+		stiff->poissonRatio = wet ? 0.34 : 0.488;
+		s.skeletons         = { stiff, elasticOedometer(2e8) };
+		s.courantNumber     = 1.0;
+		s.energyLedger      = true;
 		Ground<2>    ground(s);
 		std::mt19937 generator(seed);
 		const auto   draw   = [&] { return static_cast<double>(generator()) * 0x1p-32 - 0.5; };
 		int          number = 0;
-		fillBox(ground, { 0.4, 0.6 }, { 1.6, wet ? 1.6 : 0.8 }, [&](PointInput<2>& p) {
-			p.velocity = { 1e-3 * draw(), 1e-3 * draw() };
-			if (!wet) p.position[0] += 0.1 * draw(), p.position[1] += 0.1 * draw();
-			p.skeleton = number++ % 2;
-		}, 1);
+		fillBox(
+		        ground, { 0.4, 0.6 }, { 1.6, wet ? 1.6 : 0.8 },
+		        [&](PointInput<2>& p) {
+			        p.velocity = { 1e-3 * draw(), 1e-3 * draw() };
+			        if (!wet) p.position[0] += 0.1 * draw(), p.position[1] += 0.1 * draw();
+			        p.skeleton = number++ % 2;
+		        },
+		        1);
 		ground.initialise();
 		ground.settings().motion->picTime = kept < 1.0 ? -ground.stableTimeStep().step / std::log(kept) : std::numeric_limits<double>::infinity();
 		return ground;
 	};
-	double created = 0.0;
+	double created    = 0.0;
 	int    lostBeyond = 0;
 	for (const bool wet : { false, true })
 		for (const double kept : { 0.0, 0.25, 1.0 })
@@ -159,8 +163,7 @@ TEST(TimeStep, WavesBetweenPointsThatTheGridSmoothesDoNotGrowAtTheLimit)
 					watch.run(400, 20, factor);
 					const Figures& f = watch.figures();
 					if (factor == 1.0) created = std::max(created, f.finite && f.stopped.empty() ? f.energyCreated : 1.0);
-					else
-						lostBeyond += f.energyCreated > 0.05;
+					else lostBeyond += f.energyCreated > 0.05;
 				}
 	expectSmall("free blocks of one point per cell in vibration, 48 ways, step at its limit: energy from nowhere", created, 0.05);
 	expectAtLeast("the same with 1.4 times the limit: runs lost of 48", lostBeyond, 1.0);
@@ -169,13 +172,14 @@ TEST(TimeStep, WavesBetweenPointsThatTheGridSmoothesDoNotGrowAtTheLimit)
 // Explicit phase change gives 4e8 Pa/K in undrained frozen ground: scaled time makes it a source of waves, which must stay bounded.
 TEST(TimeStep, ThawAndFrostAreStableAtEveryScaleOfThermalTimeAndStiffnessOfWater)
 {
-	Map    map("thermal_time", "ground that thaws from its surface, 600 steps", "thermal time scale f_T [-]", "bulk modulus of water K_w [Pa]", "largest pore pressure over K_w [-]");
+	Map    map("thermal_time", "ground that thaws from its surface, 600 steps", "thermal time scale f_T [-]", "bulk modulus of water K_w [Pa]",
+	           "largest pore pressure over K_w [-]");
 	double created = 0.0, drift = 0.0, heat = 0.0;
 	int    lost = 0;
 	for (double scale = 1.0; scale < 2e7; scale *= 10.0)
 		for (const double modulus : { 1e7, 1e8, 1e9, 2.2e9 })
 			for (const double surface : { 10.0, -10.0 }) {
-				auto s = loadedBox(1e-4, 2e7, 0.69);
+				auto s    = loadedBox(1e-4, 2e7, 0.69);
 				s.mixture = MixtureProperties();
 				s.heat.emplace();
 				s.heat->thermalTimeScale = scale;

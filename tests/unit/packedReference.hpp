@@ -79,7 +79,8 @@ inline Reference read(const std::string& file)
 	std::string line, word;
 	std::size_t count;
 	std::getline(in, line);
-	in >> word >> r.dt >> word >> r.damping >> word >> r.thickness >> word >> r.friction >> word >> r.stiffnessRatio >> word >> r.young >> word >> r.density;
+	in >> word >> r.dt >> word >> r.damping >> word >> r.thickness >> word >> r.friction >> word >> r.stiffnessRatio >> word >> r.young >> word
+	        >> r.density;
 	r.velGrad = readMatrix(in);
 	in >> word >> count;
 	r.radii.resize(count);

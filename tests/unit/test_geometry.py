@@ -32,7 +32,7 @@ def test_volumes_and_first_moments_of_the_points_are_those_of_the_outline(gridSp
 	print(f"h = {gridSpacing} m, {pointsPerCell} per cell: {len(volume)} points, area error {areaError:.1e}, moment error {momentError:.1e}")
 	assert areaError < 1e-12 and momentError < 1e-11
 	side = gridSpacing / np.sqrt(pointsPerCell)
-	assert volume.min() >= geometry.smallestPart * side ** 2 and volume.max() <= (1 + 2 * geometry.smallestPart) * side ** 2
+	assert volume.min() >= geometry.smallestPart * side**2 and volume.max() <= (1 + 2 * geometry.smallestPart) * side**2
 
 
 def test_the_papers_slope_has_about_2350_points():
@@ -86,7 +86,9 @@ def test_an_outline_that_is_none_is_refused_with_its_fault(polygon, message):
 		geometry.fillPolygon(polygon, 0.1, 4)
 
 
-@pytest.mark.parametrize("gridSpacing, pointsPerCell, name", [(0, 4, "gridSpacing"), (float("nan"), 4, "gridSpacing"), (0.1, 3, "pointsPerCell"), (0.1, 2.5, "pointsPerCell")])
+@pytest.mark.parametrize(
+	"gridSpacing, pointsPerCell, name", [(0, 4, "gridSpacing"), (float("nan"), 4, "gridSpacing"), (0.1, 3, "pointsPerCell"), (0.1, 2.5, "pointsPerCell")]
+)
 def test_spacing_and_points_per_cell_are_checked(gridSpacing, pointsPerCell, name):
 	with pytest.raises(ValueError, match=name):
 		geometry.fillPolygon(slope, gridSpacing, pointsPerCell)

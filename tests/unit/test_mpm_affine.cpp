@@ -92,7 +92,7 @@ template <int D> struct RandomPoints {
 /// sum_I (momentum of node).u_I against sum_p m (v.v' + C D : C') for random u that the points gather as v', C'.
 template <int D> double adjointError(const std::string& shape)
 {
-	RandomPoints<D>                  g(VelocityTransfer::apic, shape);
+	RandomPoints<D>                    g(VelocityTransfer::apic, shape);
 	std::array<std::vector<double>, D> moment;
 	for (int a = 0; a < D; ++a)
 		moment[a] = g.secondMoments(a);
@@ -100,7 +100,7 @@ template <int D> double adjointError(const std::string& shape)
 	double power = 0.0, size = 0.0;
 	for (int i = 0; i < g.grid.nodeCount(); ++i)
 		for (int a = 0; a < D; ++a) {
-			const double u          = g.uniform(-1.0, 1.0);
+			const double u            = g.uniform(-1.0, 1.0);
 			g.motion.solved[i][a]     = u;
 			g.motion.solved[i][D + a] = u;
 			power += g.motion.nodes[i][g.motion.momentumAt + a] * u;
@@ -191,7 +191,9 @@ TEST(MpmAffine, NodesReceiveMomentumAndAngularMomentumOfThePoints)
 			const double m = g.motion.mass[p], vx = g.motion.velocity[0][p], vy = g.motion.velocity[1][p];
 			momentum -= m * (vx + vy);
 			// x cross v of the point, and of the velocity within it
-			spin -= m * (g.points.position(0)[p] * vy - g.points.position(1)[p] * vx + g.affine.gradient[2][p] * dx[p] - g.affine.gradient[1][p] * dy[p]);
+			spin -= m
+			        * (g.points.position(0)[p] * vy - g.points.position(1)[p] * vx + g.affine.gradient[2][p] * dx[p]
+			           - g.affine.gradient[1][p] * dy[p]);
 			size += m * (std::abs(vx) + std::abs(vy));
 		}
 		std::printf("%s: momentum %.1e, angular momentum %.1e of their size, requirement 1e-13\n", shape, momentum / size, spin / size);

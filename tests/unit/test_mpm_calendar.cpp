@@ -3,8 +3,8 @@
 #include "groundState.hpp"
 
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <gtest/gtest.h>
@@ -93,9 +93,9 @@ Ground<2> slidingFace()
 	soil->cohesion           = 0.0;
 	soil->frictionAngle      = 20.0;
 	s.skeletons.push_back(soil);
-	s.boundaries = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")), std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
-		         std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface()),
-		         std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 1e4 }, { 1.0, -15.0 })) };
+	s.boundaries   = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")), std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
+		           std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface()),
+		           std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 1e4 }, { 1.0, -15.0 })) };
 	s.parallelFrom = 0;
 	Ground<2> ground(s);
 	for (int j = 0; j < 20; ++j)
@@ -129,8 +129,8 @@ TEST(MpmCalendar, ScaleIsTheLargestAtRestHalfOfItAtTheToleranceAndTheSmallestInM
 {
 	for (const double speed : { 0.0, 0.01, 0.1, 10.0 }) {
 		BlockScene c;
-		c.speed = speed;
-		c.slow  = 10.0;
+		c.speed          = speed;
+		c.slow           = 10.0;
 		Ground<2> ground = block(c);
 		ground.step(1e-5);
 		const double ratio = speed / c.tolerance, expected = c.slow + (c.fast - c.slow) / (1.0 + ratio * ratio);
@@ -148,20 +148,24 @@ TEST(MpmCalendar, WhereHeatNeedsItTheScaleIsLoweredAndNotTheTimeStep)
 	Ground<2>    ground = block(fast);
 	EXPECT_DOUBLE_EQ(ground.stableTimeStep().step, step);
 	ground.step(step);
-	std::printf("step %.3g s, %.3g s with a constant scale; calendar %.6g s in it, limit of conduction %.6g s\n", step, cut, ground.calendar().time, cut * 1e12);
+	std::printf(
+	        "step %.3g s, %.3g s with a constant scale; calendar %.6g s in it, limit of conduction %.6g s\n", step, cut, ground.calendar().time,
+	        cut * 1e12);
 	EXPECT_NEAR(ground.calendar().time / (cut * 1e12), 1.0, 1e-9);
 }
 
 TEST(MpmCalendar, ABlockThatFliesIsOneEventWithItsPathAndVolume)
 {
 	BlockScene c;
-	c.speed = 0.5;
+	c.speed          = 0.5;
 	Ground<2> ground = block(c);
 	march(ground, 1.0);
 	const auto events = ground.events();
 	ASSERT_EQ(events.size(), 1u);
 	const MotionEvent& e = events.front();
-	std::printf("event from %.3g s on for %.4f s, largest %.5f m, volume %.5f m2, %.3g s of calendar passed\n", e.start, e.duration, e.largest, e.volume, e.passed);
+	std::printf(
+	        "event from %.3g s on for %.4f s, largest %.5f m, volume %.5f m2, %.3g s of calendar passed\n", e.start, e.duration, e.largest, e.volume,
+	        e.passed);
 	EXPECT_NEAR(e.start + e.duration, 1.0, 1e-12);
 	EXPECT_NEAR(e.largest, 0.5 * e.duration, 1e-9);
 	EXPECT_NEAR(e.volume, 0.25, 1e-12);
@@ -173,12 +177,12 @@ TEST(MpmCalendar, ABlockThatFliesIsOneEventWithItsPathAndVolume)
 TEST(MpmCalendar, AnEventEndsWhenTheGroundHasBeenSlowForAWhileAndSmallOnesAreLeftOut)
 {
 	BlockScene c;
-	c.speed = 0.5;
+	c.speed             = 0.5;
 	Ground<2>    ground = block(c);
 	const double dt     = 1e-3;
 	for (int k = 0; k < 100; ++k)
 		ground.step(dt);
-	PointFields& fields = ground.points().fields();
+	PointFields& fields   = ground.points().fields();
 	const auto   setSpeed = [&](double v) { std::fill_n(fields.find("velocity", 0), ground.points().count(), v); };
 	setSpeed(0.001);
 	for (int k = 0; k < 250; ++k)
@@ -198,7 +202,7 @@ TEST(MpmCalendar, AnEventEndsWhenTheGroundHasBeenSlowForAWhileAndSmallOnesAreLef
 
 TEST(MpmCalendar, HeatAndItsTablesPassTheSameAtAnyScale)
 {
-	double worst = 0.0, warmest = 0.0;
+	double              worst = 0.0, warmest = 0.0;
 	std::vector<double> inNaturesTime;
 	for (const double scale : { 1.0, 1000.0 }) {
 		GroundSettings<2> s;
@@ -238,11 +242,11 @@ TEST(MpmCalendar, SeepageFollowsTheCalendarUpToWhatPressureAtRestNeedsAndAnOwnSc
 	BlockScene c;
 	c.follows = false, c.wet = true;
 	const auto scaleOf = [&](double fast, double conductivity, double own) {
-		c.fast = fast;
-		auto s = blockSettings(c);
+		c.fast                                      = fast;
+		auto s                                      = blockSettings(c);
 		s.water->permeability.referenceConductivity = conductivity;
 		s.water->hydraulicTimeScale                 = own;
-		Ground<2> ground = blockOf(s, 0.0);
+		Ground<2> ground                            = blockOf(s, 0.0);
 		ground.step(1e-6);
 		return std::pair<double, double>(ground.seepageScale(), ground.largestConductivity());
 	};
@@ -250,7 +254,7 @@ TEST(MpmCalendar, SeepageFollowsTheCalendarUpToWhatPressureAtRestNeedsAndAnOwnSc
 	std::printf("silt x %g, sand x %g, gravel x %g; up to %.3g m/s\n", silt, scaleOf(1e5, 1e-4, NAN).first, scaleOf(1e5, 1.0, NAN).first, limit);
 	EXPECT_DOUBLE_EQ(silt, 1e5);
 	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1e-4, NAN).first, limit / 1e-4);
-	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1e-2, NAN).first, 1.0); // what sand has by nature is left as it is
+	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1e-2, NAN).first, 1.0);                  // what sand has by nature is left as it is
 	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1.0, NAN).first, std::max(limit, 1e-2)); // gravel is not
 	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1.0, 1.0).first, std::max(limit, 1e-2));
 	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1e-9, 7.0).first, 7.0);
@@ -301,7 +305,7 @@ TEST(MpmCalendar, SameBitsForAnyNumberOfThreadsAndThroughACheckpointInTheMidstOf
 TEST(MpmCalendar, IsNotThereWhereTheScaleIsConstant)
 {
 	BlockScene c;
-	c.follows = false;
+	c.follows        = false;
 	Ground<2> ground = block(c);
 	for (const FieldInfo& field : ground.points().fields().list())
 		EXPECT_NE(field.owner, "calendar");
@@ -313,14 +317,14 @@ TEST(MpmCalendar, IsNotThereWhereTheScaleIsConstant)
 TEST(MpmCalendar, SettingsOutsideTheirRangeAreRefusedByNameAndValue)
 {
 	const std::pair<const char*, std::string> refusals[] = {
-		{ "movingTimeScale = 0", refusalOf([](auto& s) { s.heat->movingTimeScale = 0.0; }) },
-		{ "movingTimeScale = -1", refusalOf([](auto& s) { s.heat->movingTimeScale = -1.0; }) },
-		{ "movingTimeScale = 2000000", refusalOf([](auto& s) { s.heat->movingTimeScale = 2e6; }) },
-		{ "motionTolerance = 0", refusalOf([](auto& s) { s.heat->motionTolerance = 0.0; }) },
-		{ "motionTolerance = 2", refusalOf([](auto& s) { s.heat->motionTolerance = 2.0; }) },
-		{ "motionTolerance = nan", refusalOf([](auto& s) { s.heat->motionTolerance = NAN; }) },
-		{ "eventDisplacement = -1", refusalOf([](auto& s) { s.heat->eventDisplacement = -1.0; }) },
-		{ "thermalTimeScale = -5", refusalOf([](auto& s) { s.heat->thermalTimeScale = -5.0; }) },
+		{ "movingTimeScale = 0", refusalOf([](auto& s) { s.heat->movingTimeScale       = 0.0; }) },
+		{ "movingTimeScale = -1", refusalOf([](auto& s) { s.heat->movingTimeScale= -1.0; }) },
+		{ "movingTimeScale = 2000000", refusalOf([](auto& s) { s.heat->movingTimeScale= 2e6; }) },
+		{ "motionTolerance = 0", refusalOf([](auto& s) { s.heat->motionTolerance= 0.0; }) },
+		{ "motionTolerance = 2", refusalOf([](auto& s) { s.heat->motionTolerance= 2.0; }) },
+		{ "motionTolerance = nan", refusalOf([](auto& s) { s.heat->motionTolerance= NAN; }) },
+		{ "eventDisplacement = -1", refusalOf([](auto& s) { s.heat->eventDisplacement= -1.0; }) },
+		{ "thermalTimeScale = -5", refusalOf([](auto& s) { s.heat->thermalTimeScale= -5.0; }) },
 		{ "followsMotion = true without motion", refusalOf([](auto& s) { s.motion.reset(), s.skeletons.clear(); }) },
 	};
 	for (const auto& [expected, found] : refusals) {

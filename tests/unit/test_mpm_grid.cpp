@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/grid/Grid.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
-#include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
 
 #include <gtest/gtest.h>
 
@@ -31,21 +31,21 @@ struct ShapeErrors {
 /// Largest violations over random points and points on the walls.
 template <int D> ShapeErrors shapeErrors(const std::string& name)
 {
-	const Grid<D>                          grid  = testGrid<D>();
+	const Grid<D>                           grid  = testGrid<D>();
 	const std::unique_ptr<ShapeFunction<D>> shape = makeShapeFunction<D>(name);
-	std::mt19937                           random(7);
-	std::uniform_real_distribution<double> uniform(0.0, 1.0);
-	constexpr int                          count = blockSize;
-	constexpr double                       step  = 1e-6;
-	std::vector<double>                    x[D], ahead[D];
+	std::mt19937                            random(7);
+	std::uniform_real_distribution<double>  uniform(0.0, 1.0);
+	constexpr int                           count = blockSize;
+	constexpr double                        step  = 1e-6;
+	std::vector<double>                     x[D], ahead[D];
 	for (int a = 0; a < D; ++a)
 		for (int k = 0; k < count; ++k) {
 			double s = uniform(random);
 			if (k < 2) s = k; // on the walls
 			x[a].push_back(grid.lower()[a] + s * (grid.upper()[a] - grid.lower()[a]));
 		}
-	ShapeErrors     e;
-	WeightBlock<D>  w;
+	ShapeErrors                  e;
+	WeightBlock<D>               w;
 	std::array<const double*, D> p;
 	for (int a = 0; a < D; ++a)
 		p[a] = x[a].data();
@@ -57,7 +57,7 @@ template <int D> ShapeErrors shapeErrors(const std::string& name)
 			EXPECT_GE(node, 0);
 			EXPECT_LT(node, grid.nodeCount());
 			sum += s;
-			e.lowest = std::min(e.lowest, s);
+			e.lowest         = std::min(e.lowest, s);
 			const auto where = grid.nodeOf(node);
 			for (int a = 0; a < D; ++a) {
 				gradients[a] += g[a];
@@ -73,7 +73,7 @@ template <int D> ShapeErrors shapeErrors(const std::string& name)
 	// slopes against difference quotients of the values
 	for (int k = 2; k < count; ++k)
 		for (int a = 0; a < D; ++a) {
-			double before[supportNodes], after[supportNodes];
+			double         before[supportNodes], after[supportNodes];
 			WeightBlock<D> moved;
 			for (int side = -1; side <= 1; side += 2) {
 				std::vector<double> shifted = x[a];
@@ -98,8 +98,8 @@ TEST(MpmShapeFunctions, PartitionUnityReproducePositionAndHaveTrueSlopes)
 	for (const std::string& name : shapeFunctionNames()) {
 		const ShapeErrors plane = shapeErrors<2>(name), space = shapeErrors<3>(name);
 		std::printf(
-		        "%s: sum S - 1: %.1e %.1e, h sum grad S: %.1e %.1e, (sum S x_I - x)/h: %.1e %.1e, slope: %.1e %.1e (2-D, 3-D)\n",
-		        name.c_str(), plane.unity, space.unity, plane.gradientSum, space.gradientSum, plane.position, space.position, plane.slope, space.slope);
+		        "%s: sum S - 1: %.1e %.1e, h sum grad S: %.1e %.1e, (sum S x_I - x)/h: %.1e %.1e, slope: %.1e %.1e (2-D, 3-D)\n", name.c_str(),
+		        plane.unity, space.unity, plane.gradientSum, space.gradientSum, plane.position, space.position, plane.slope, space.slope);
 		for (const ShapeErrors& e : { plane, space }) {
 			EXPECT_LT(e.unity, 1e-14);
 			EXPECT_LT(e.gradientSum, 1e-13);
@@ -113,10 +113,10 @@ TEST(MpmShapeFunctions, PartitionUnityReproducePositionAndHaveTrueSlopes)
 TEST(MpmShapeFunctions, QuadraticSplineHasTheTabulatedValues)
 {
 	// N(0) = 3/4, N(1/2) = 1/2, N(1) = 1/8, N'(1/2) = -1/h
-	const Grid<2>      grid({ 0.0, 0.0 }, { 4.0, 4.0 }, 1.0);
-	const auto         shape = makeShapeFunction<2>("quadraticBSpline");
-	const double       x[]   = { 2.0, 2.5 };
-	WeightBlock<2>     w;
+	const Grid<2>  grid({ 0.0, 0.0 }, { 4.0, 4.0 }, 1.0);
+	const auto     shape = makeShapeFunction<2>("quadraticBSpline");
+	const double   x[]   = { 2.0, 2.5 };
+	WeightBlock<2> w;
 	shape->evaluate(grid, { x, x }, 0, 2, w);
 	EXPECT_DOUBLE_EQ(w.value[0][0][0], 0.125);
 	EXPECT_DOUBLE_EQ(w.value[0][1][0], 0.75);

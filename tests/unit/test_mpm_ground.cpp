@@ -3,8 +3,8 @@
 #include "groundState.hpp"
 
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <gtest/gtest.h>
@@ -77,9 +77,9 @@ template <int D> std::vector<double> valuesOf(const Ground<D>& ground, const std
 /// A thawing, draining, collapsing slope: every effect at once.
 Ground<2> busyScene(int parallelFrom = 4000, VelocityTransfer transfer = VelocityTransfer::flip)
 {
-	GroundSettings<2> s = sceneWith<2>({ true, true, true, true }, 0.1, 1.6);
-	s.upper             = { 2.4, 1.2 };
-	s.motion->gravity   = { 0.0, -9.81 };
+	GroundSettings<2> s      = sceneWith<2>({ true, true, true, true }, 0.1, 1.6);
+	s.upper                  = { 2.4, 1.2 };
+	s.motion->gravity        = { 0.0, -9.81 };
 	s.motion->localDamping   = 0.1;
 	s.motion->transfer       = transfer;
 	s.heat->thermalTimeScale = 1e5;
@@ -87,13 +87,13 @@ Ground<2> busyScene(int parallelFrom = 4000, VelocityTransfer transfer = Velocit
 	soil->youngModulus       = 2e6;
 	soil->youngModulusFrozen = 2e7;
 	s.skeletons.push_back(soil);
-	s.boundaries = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")),
-		             std::make_shared<RollerBoundary<2>>(Region<2>::side("right")),
-		             std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
-		             std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface()),
-		             std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.01 * 1e5 }, { -2.0, 10.0 })),
-		             std::make_shared<WallTemperature<2>>(Region<2>::side("bottom").within({ 0.5, 0.0 }, { 1.0, 0.0 }), 8.0),
-		             std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e5 }, { 0.0, 2e3 })) };
+	s.boundaries   = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")),
+		           std::make_shared<RollerBoundary<2>>(Region<2>::side("right")),
+		           std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
+		           std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface()),
+		           std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.01 * 1e5 }, { -2.0, 10.0 })),
+		           std::make_shared<WallTemperature<2>>(Region<2>::side("bottom").within({ 0.5, 0.0 }, { 1.0, 0.0 }), 8.0),
+		           std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, 0.05 * 1e5 }, { 0.0, 2e3 })) };
 	s.energyLedger = true;
 	s.parallelFrom = parallelFrom;
 	Ground<2> ground(s);
@@ -175,12 +175,12 @@ TEST(MpmGround, SaturatedFrozenBlockFallsFreelyInThreeDimensions)
 
 TEST(MpmGround, SealedSeepageInThreeDimensionsKeepsMassMomentumAndHeat)
 {
-	GroundSettings<3> s  = sceneWith<3>({ true, true, true, true }, 0.1, 1.0);
-	s.heat->thermalTimeScale = 1e5;
+	GroundSettings<3> s                         = sceneWith<3>({ true, true, true, true }, 0.1, 1.0);
+	s.heat->thermalTimeScale                    = 1e5;
 	s.water->permeability.referenceConductivity = 0.1;
 	s.water->hydraulicTimeScale                 = 1.0;
-	Ground<3>    ground(s);
-	std::mt19937 random(5);
+	Ground<3>                              ground(s);
+	std::mt19937                           random(5);
 	std::uniform_real_distribution<double> uniform(-1.0, 1.0);
 	fill<3>(ground, { 0.3, 0.3, 0.3 }, { 0.7, 0.7, 0.7 }, [&](PointInput<3>& p) {
 		p.temperature = 2.0 * uniform(random);
@@ -188,9 +188,9 @@ TEST(MpmGround, SealedSeepageInThreeDimensionsKeepsMassMomentumAndHeat)
 		p.velocity    = { 0.1 * uniform(random), 0.1 * uniform(random), 0.1 * uniform(random) };
 	});
 	ground.initialise();
-	const auto before = ground.balance();
-	const auto water  = valuesOf(ground, "waterMass");
-	const double dt   = 0.5 * ground.stableTimeStep().step;
+	const auto   before = ground.balance();
+	const auto   water  = valuesOf(ground, "waterMass");
+	const double dt     = 0.5 * ground.stableTimeStep().step;
 	for (int k = 0; k < 200; ++k)
 		ground.step(dt);
 	const auto after = ground.balance();
@@ -217,9 +217,9 @@ TEST(MpmGround, BalancesCloseWithAllBoundariesAtWork)
 	const auto before = ground.balance();
 	for (int k = 0; k < 400; ++k)
 		ground.step(ground.stableTimeStep().step);
-	const auto after = ground.balance();
-	const double water = (after.waterMass - before.waterMass + after.waterOut) / before.waterMass;
-	const double heat  = (after.enthalpy - before.enthalpy - after.heatIn + after.enthalpyOut) / std::abs(after.heatIn);
+	const auto   after    = ground.balance();
+	const double water    = (after.waterMass - before.waterMass + after.waterOut) / before.waterMass;
+	const double heat     = (after.enthalpy - before.enthalpy - after.heatIn + after.enthalpyOut) / std::abs(after.heatIn);
 	double       momentum = 0.0;
 	const double scale    = (before.solidMass + before.waterMass) * 9.81 * after.time;
 	for (int a = 0; a < 2; ++a)
@@ -245,7 +245,8 @@ TEST(MpmGround, AnyNumberOfThreadsGivesTheSameBits)
 			const auto state = ground.state();
 			if (reference.empty()) reference = copyOf(state);
 			const long different = differingBytes(reference, state);
-			std::printf("%s, %d threads: %ld bytes differ from one thread\n", transfer == VelocityTransfer::flip ? "flip" : "apic", threads, different);
+			std::printf(
+			        "%s, %d threads: %ld bytes differ from one thread\n", transfer == VelocityTransfer::flip ? "flip" : "apic", threads, different);
 			EXPECT_EQ(different, 0);
 		}
 	}
@@ -301,10 +302,10 @@ TEST(MpmGround, RestingHeatGivesTheSameBitsAsRunningHeatThroughAWakeUp)
 {
 	for (const bool moves : { false, true })
 		for (const bool freezes : { false, true }) {
-			const double step    = groundThatWakesUp(moves, freezes, true, 1.0, 2.0).stableTimeStep().step * 0.5;
-			Ground<2>    resting = groundThatWakesUp(moves, freezes, true, 20.5 * step, 60.0 * step);
-			Ground<2>    running = groundThatWakesUp(moves, freezes, false, 20.5 * step, 60.0 * step);
-			int          rested = 0;
+			const double step      = groundThatWakesUp(moves, freezes, true, 1.0, 2.0).stableTimeStep().step * 0.5;
+			Ground<2>    resting   = groundThatWakesUp(moves, freezes, true, 20.5 * step, 60.0 * step);
+			Ground<2>    running   = groundThatWakesUp(moves, freezes, false, 20.5 * step, 60.0 * step);
+			int          rested    = 0;
 			long         different = 0;
 			for (int k = 0; k < 60; ++k) {
 				resting.step(step);
@@ -313,7 +314,9 @@ TEST(MpmGround, RestingHeatGivesTheSameBitsAsRunningHeatThroughAWakeUp)
 				EXPECT_FALSE(running.heatRests());
 				different += differingBytes(copyOf(running.state()), resting.state());
 			}
-			std::printf("%s, %s: rested in %d of 60 steps, %ld bytes differ\n", moves ? "moving" : "rigid", freezes ? "freezing" : "not freezing", rested, different);
+			std::printf(
+			        "%s, %s: rested in %d of 60 steps, %ld bytes differ\n", moves ? "moving" : "rigid", freezes ? "freezing" : "not freezing",
+			        rested, different);
 			EXPECT_EQ(different, 0);
 			// strain changes the temperature of freezing ground, and thawed temperatures differ from the boundary by round-off
 			if (!moves && freezes) {
@@ -328,9 +331,10 @@ namespace {
 Ground<2> groundThatIsPressed(bool heats, bool resting, double from, double until)
 {
 	GroundSettings<2> s = sceneWith<2>({ true, heats, heats, true }, 0.1, 1.2);
-	s.resting    = resting;
-	s.boundaries = { std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")), std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface(), 0.0, false),
-		         std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, from, until }, { 0.0, 0.0, 1e4 })) };
+	s.resting           = resting;
+	s.boundaries        = { std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
+		                std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface(), 0.0, false),
+		                std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable({ 0.0, from, until }, { 0.0, 0.0, 1e4 })) };
 	Ground<2> ground(s);
 	fill<2>(ground, { 0.0, 0.0 }, { 1.2, 0.8 }, [](PointInput<2>& p) { p.temperature = 2.0; });
 	ground.initialise();
@@ -342,10 +346,10 @@ Ground<2> groundThatIsPressed(bool heats, bool resting, double from, double unti
 TEST(MpmGround, RestingWaterGivesTheSameBitsAsRunningWaterThroughALoad)
 {
 	for (const bool heats : { false, true }) {
-		const double step    = groundThatIsPressed(heats, true, 1.0, 2.0).stableTimeStep().step * 0.5;
-		Ground<2>    resting = groundThatIsPressed(heats, true, 20.5 * step, 60.0 * step);
-		Ground<2>    running = groundThatIsPressed(heats, false, 20.5 * step, 60.0 * step);
-		int          rested = 0;
+		const double step      = groundThatIsPressed(heats, true, 1.0, 2.0).stableTimeStep().step * 0.5;
+		Ground<2>    resting   = groundThatIsPressed(heats, true, 20.5 * step, 60.0 * step);
+		Ground<2>    running   = groundThatIsPressed(heats, false, 20.5 * step, 60.0 * step);
+		int          rested    = 0;
 		long         different = 0;
 		for (int k = 0; k < 60; ++k) {
 			resting.step(step);
@@ -449,7 +453,7 @@ TEST(MpmGround, BadScenesAreRefusedBySentencesThatNameTheFault)
 	EXPECT_NAMES(
 	        start([](auto& s) {
 		        s.boundaries = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")),
-			                     std::make_shared<FixedBoundary<2>>(Region<2>::side("left")) };
+			                 std::make_shared<FixedBoundary<2>>(Region<2>::side("left")) };
 	        }),
 	        "overlaps boundaries[0]");
 	EXPECT_NAMES(

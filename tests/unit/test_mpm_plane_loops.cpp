@@ -23,7 +23,7 @@ std::vector<double> resultsOf(const PlaneLoops& loops)
 	for (auto& field : fields)
 		for (double& v : field)
 			v = uniform(random);
-	const auto at = [&](int k) { return fields[k].data(); };
+	const auto          at = [&](int k) { return fields[k].data(); };
 	std::vector<double> x(count), y(count);
 	for (int k = 0; k < count; ++k) {
 		x[k] = 0.5 + 0.4 * uniform(random);
@@ -66,7 +66,15 @@ std::vector<double> resultsOf(const PlaneLoops& loops)
 			onGrid([&](double* g) {
 				loops.mapMotion(
 				        w,
-				        { at(0), at(1), replaced ? at(2) : nullptr, { at(3), at(4) }, { at(5), at(6), at(7), at(8) }, carried ? at(11) : nullptr, at(12), 0.4, g });
+				        { at(0),
+				          at(1),
+				          replaced ? at(2) : nullptr,
+				          { at(3), at(4) },
+				          { at(5), at(6), at(7), at(8) },
+				          carried ? at(11) : nullptr,
+				          at(12),
+				          0.4,
+				          g });
 			});
 	onGrid([&](double* g) { loops.mapEight(w, eight, g); });
 	onGrid([&](double* g) { loops.mapTwo(w, two, g); });
@@ -110,8 +118,8 @@ TEST(MpmPlaneLoops, VersionsThatRoundAlikeGiveTheSameBitsAndThoseThatRoundTwiceD
 			worst = std::max(worst, std::abs(results[i] - best[i]) / std::max(10.0, std::abs(best[i])));
 		}
 		std::printf(
-		        "%s rounds %s: %ld of %zu numbers differ from those of versions that round alike, by %.1e at most from %s, which runs here\n", version->name,
-		        version->roundsOnce ? "once" : "twice", different, results.size(), worst, chosen.name);
+		        "%s rounds %s: %ld of %zu numbers differ from those of versions that round alike, by %.1e at most from %s, which runs here\n",
+		        version->name, version->roundsOnce ? "once" : "twice", different, results.size(), worst, chosen.name);
 		EXPECT_EQ(different, 0);
 		EXPECT_LE(worst, 1e-14);
 	}

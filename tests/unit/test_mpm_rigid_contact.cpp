@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Rigid surfaces and their contact with the ground, in two and three dimensions.
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
-#include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
+#include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -65,12 +65,12 @@ template <int D> Ground<D> freeCube(int parallelFrom = 1 << 30)
 /// A heavy ball meets the cube aslant. Returns the largest difference of momentum gained and given, over the momentum given.
 template <int D> double momentumLost(Ground<D>& ground)
 {
-	Vec<D> at = filledWith<D>(1.0);
-	at[D - 1] = 1.3 + 0.31;
-	RigidBody<D> ball = bodyAt<D>(rigidBall<D>(), filledWith<D>(0.3), at);
-	ball.friction     = 0.5;
-	ball.velocity[0]  = 1.0;
-	ball.velocity[D - 1] = -2.0;
+	Vec<D> at               = filledWith<D>(1.0);
+	at[D - 1]               = 1.3 + 0.31;
+	RigidBody<D> ball       = bodyAt<D>(rigidBall<D>(), filledWith<D>(0.3), at);
+	ball.friction           = 0.5;
+	ball.velocity[0]        = 1.0;
+	ball.velocity[D - 1]    = -2.0;
 	ground.bodies()->bodies = { ball };
 	RigidBody<D>& body      = ground.bodies()->bodies[0];
 	double        worst     = 0.0;

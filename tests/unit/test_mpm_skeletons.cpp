@@ -17,11 +17,11 @@ constexpr double degree = 0.017453292519943295;
 
 /// One point driven by displacement gradients.
 template <int D> struct Element {
-	double                         gradient[D * D] = {};
-	double                         stress[stressSize<D>] = {};
-	double                         ice = 0.0, volume = 1.0;
-	int                            place = 0, id = 0;
-	void step(SkeletonModel<D>& model)
+	double gradient[D * D]       = {};
+	double stress[stressSize<D>] = {};
+	double ice = 0.0, volume = 1.0;
+	int    place = 0, id = 0;
+	void   step(SkeletonModel<D>& model)
 	{
 		SkeletonBatch<D> b;
 		b.count = 1;
@@ -41,10 +41,10 @@ MohrCoulombSkeleton<2> soil(double cohesion, double friction, double dilation = 
 {
 	MohrCoulombSkeleton<2> m;
 	m.youngModulus = m.youngModulusFrozen = 1e7;
-	m.cohesion        = cohesion;
-	m.cohesionFrozen  = 50.0 * cohesion;
-	m.frictionAngle   = friction;
-	m.dilationAngle   = dilation;
+	m.cohesion                            = cohesion;
+	m.cohesionFrozen                      = 50.0 * cohesion;
+	m.frictionAngle                       = friction;
+	m.dilationAngle                       = dilation;
 	m.tensileStrength = m.tensileStrengthFrozen = 1e9;
 	return m;
 }
@@ -60,17 +60,18 @@ double yieldOf(const double* s, double cohesion, double friction)
 
 TEST(MpmElasticSkeleton, RigidRotationTurnsTheStressExactly)
 {
-	const double    turn = 90.0 * degree / 50.0;
-	Element<2>      plane;
+	const double       turn = 90.0 * degree / 50.0;
+	Element<2>         plane;
 	ElasticSkeleton<2> elastic;
-	const double    start[4] = { -100e3, -40e3, -30e3, 15e3 };
+	const double       start[4] = { -100e3, -40e3, -30e3, 15e3 };
 	std::copy(start, start + 4, plane.stress);
 	plane.gradient[0] = plane.gradient[3] = std::cos(turn) - 1.0;
-	plane.gradient[1] = -std::sin(turn);
-	plane.gradient[2] = std::sin(turn);
+	plane.gradient[1]                     = -std::sin(turn);
+	plane.gradient[2]                     = std::sin(turn);
 	for (int k = 0; k < 50; ++k)
 		plane.step(elastic);
-	double worst = std::max({ std::abs(plane.stress[0] - start[1]), std::abs(plane.stress[1] - start[0]), std::abs(plane.stress[3] + start[3]), std::abs(plane.stress[2] - start[2]) });
+	double worst = std::max({ std::abs(plane.stress[0] - start[1]), std::abs(plane.stress[1] - start[0]), std::abs(plane.stress[3] + start[3]),
+	                          std::abs(plane.stress[2] - start[2]) });
 
 	Element<3>         space;
 	ElasticSkeleton<3> elastic3;
@@ -80,7 +81,7 @@ TEST(MpmElasticSkeleton, RigidRotationTurnsTheStressExactly)
 	const double angle = 120.0 * degree / 60.0, c = std::cos(angle), s = std::sin(angle), n = 1.0 / std::sqrt(3.0);
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) {
-			const double sign = j == (i + 1) % 3 ? -1.0 : 1.0;
+			const double sign         = j == (i + 1) % 3 ? -1.0 : 1.0;
 			space.gradient[i * 3 + j] = i == j ? c + (1.0 - c) / 3.0 - 1.0 : (1.0 - c) / 3.0 + sign * s * n;
 		}
 	for (int k = 0; k < 60; ++k)
@@ -122,7 +123,7 @@ TEST(MpmMohrCoulombSkeleton, ActivePressureFailsAtRankinesStress)
 		e.gradient[3] = (sigmaV - e.stress[1]) / 1.35e7;
 		e.step(m);
 	}
-	const double ka = (1.0 - std::sin(phi * degree)) / (1.0 + std::sin(phi * degree));
+	const double ka        = (1.0 - std::sin(phi * degree)) / (1.0 + std::sin(phi * degree));
 	const double reference = ka * e.stress[1] + 2.0 * c * std::sqrt(ka);
 	std::printf("active stress %.2f Pa, Rankine %.2f Pa (vertical %.2f)\n", e.stress[0], reference, e.stress[1]);
 	EXPECT_NEAR(e.stress[1] / sigmaV, 1.0, 5e-3) << "servo";
@@ -146,7 +147,7 @@ TEST(MpmMohrCoulombSkeleton, AnyTrialStateReturnsToTheSurfaceOnce)
 {
 	std::mt19937                           random(2);
 	std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-	double worst = -1e300, again = 0.0, order = 0.0, cut = -1e300;
+	double                                 worst = -1e300, again = 0.0, order = 0.0, cut = -1e300;
 	for (int k = 0; k < 20000; ++k) {
 		MohrCoulombState m;
 		m.lambda          = 5e6 * (1.2 + uniform(random));
@@ -163,15 +164,17 @@ TEST(MpmMohrCoulombSkeleton, AnyTrialStateReturnsToTheSurfaceOnce)
 		std::sort(s, s + 3, std::greater<double>());
 		returnToMohrCoulomb(m, s);
 		const double scale = 2e5;
-		worst = std::max(worst, ((s[0] - s[2]) + (s[0] + s[2]) * m.sinFriction - 2.0 * m.cohesion * m.cosFriction) / scale);
-		order = std::max({ order, (s[1] - s[0]) / scale, (s[2] - s[1]) / scale });
-		cut   = std::max(cut, (s[0] - m.tensileStrength) / scale);
-		double twice[3] = { s[0], s[1], s[2] };
+		worst              = std::max(worst, ((s[0] - s[2]) + (s[0] + s[2]) * m.sinFriction - 2.0 * m.cohesion * m.cosFriction) / scale);
+		order              = std::max({ order, (s[1] - s[0]) / scale, (s[2] - s[1]) / scale });
+		cut                = std::max(cut, (s[0] - m.tensileStrength) / scale);
+		double twice[3]    = { s[0], s[1], s[2] };
 		returnToMohrCoulomb(m, twice);
 		for (int i = 0; i < 3; ++i)
 			again = std::max(again, std::abs(twice[i] - s[i]) / scale);
 	}
-	std::printf("20000 random trials: yield function <= %.1e, order violated by %.1e, above cut-off %.1e, second return moves %.1e (of 2e5 Pa)\n", worst, order, cut, again);
+	std::printf(
+	        "20000 random trials: yield function <= %.1e, order violated by %.1e, above cut-off %.1e, second return moves %.1e (of 2e5 Pa)\n", worst, order,
+	        cut, again);
 	EXPECT_LT(worst, 1e-12);
 	EXPECT_LT(order, 1e-12);
 	EXPECT_LT(cut, 1e-15);
@@ -180,10 +183,10 @@ TEST(MpmMohrCoulombSkeleton, AnyTrialStateReturnsToTheSurfaceOnce)
 
 TEST(MpmMohrCoulombSkeleton, MeltingIceLowersStrengthAndStiffness)
 {
-	auto m                 = soil(1e3, 0.0);
-	m.youngModulusFrozen   = 1e8;
+	auto m               = soil(1e3, 0.0);
+	m.youngModulusFrozen = 1e8;
 	Element<2> e;
-	e.ice = 1.0;
+	e.ice       = 1.0;
 	e.stress[1] = -60e3;
 	e.step(m);
 	EXPECT_NEAR(e.stress[1], -60e3, 1e-9) << "frozen ground (c = 50 kPa) carries 60 kPa";
@@ -195,8 +198,8 @@ TEST(MpmMohrCoulombSkeleton, MeltingIceLowersStrengthAndStiffness)
 	e.step(m);
 	std::printf("thawed: %.3f kPa stress difference, twice the cohesion is 2 kPa\n", 1e-3 * std::abs(e.stress[0] - e.stress[1]));
 	EXPECT_NEAR(yieldOf(e.stress, 1e3, 0.0), 0.0, 1e-6);
-	double     modulus = 0.0;
-	e.ice              = 0.5;
+	double modulus = 0.0;
+	e.ice          = 0.5;
 	SkeletonBatch<2> b;
 	b.count         = 1;
 	b.place         = &e.place;
@@ -235,12 +238,15 @@ template <int D> struct FreezingElement : Element<D> {
 		}
 	}
 	/// Mean stress in the plane or in space that a strain of all directions gives [Pa per unit].
-	double modulus(double young) const { return young / ((1.0 + law.poissonRatio) * (1.0 - 2.0 * law.poissonRatio)) * (D == 2 ? 1.0 : 1.0 + law.poissonRatio); }
+	double modulus(double young) const
+	{
+		return young / ((1.0 + law.poissonRatio) * (1.0 - 2.0 * law.poissonRatio)) * (D == 2 ? 1.0 : 1.0 + law.poissonRatio);
+	}
 };
 
 template <int D> void expectIceBornAndGoneWithoutStress()
 {
-	const double strain = 1e-5;
+	const double       strain = 1e-5;
 	FreezingElement<D> loadedFrozen;
 	loadedFrozen.strain(0.0, 1.0);
 	loadedFrozen.strain(-strain, 1.0);
@@ -278,7 +284,8 @@ template <int D> void expectOpeningToClose()
 	EXPECT_NEAR(e.stress[1], 0.0, 1e-6) << "grains are still apart";
 	e.strain(-3e-4, 0.0, 10);
 	std::printf("%d-D: parted by %.1e frozen, thawed and pressed together: %.1f Pa where 1 %% of it closes the rest\n", D, strain, e.stress[1]);
-	EXPECT_NEAR(e.stress[1] / (-e.modulus(1e7) * (3e-4 - 0.01 * strain)), 1.0, D == 2 ? 0.02 : 1e-4) << "the memory is of volume; plane strain closes in two directions";
+	EXPECT_NEAR(e.stress[1] / (-e.modulus(1e7) * (3e-4 - 0.01 * strain)), 1.0, D == 2 ? 0.02 : 1e-4)
+	        << "the memory is of volume; plane strain closes in two directions";
 }
 
 } // namespace
@@ -308,7 +315,9 @@ TEST(MpmMohrCoulombSkeleton, TablesGiveStrengthAndStiffnessOverIceSaturation)
 	auto m  = soil(1e3, 0.0);
 	m.table = { { 0.1, 0.5, 0.9 }, { 1e7, 3e7, 4e7 }, { 2e3, 10e3, 50e3 }, { 0.0, 1e3, 9e3 } };
 	m.validate();
-	const double expected[][3] = { { 0.0, 1e7, 2e3 }, { 0.1, 1e7, 2e3 }, { 0.4, 2.5e7, 8e3 }, { 0.7, 3.5e7, 30e3 }, { 0.9, 4e7, 50e3 }, { 1.0, 4e7, 50e3 } };
+	const double expected[][3] = {
+		{ 0.0, 1e7, 2e3 }, { 0.1, 1e7, 2e3 }, { 0.4, 2.5e7, 8e3 }, { 0.7, 3.5e7, 30e3 }, { 0.9, 4e7, 50e3 }, { 1.0, 4e7, 50e3 }
+	};
 	for (const auto& [ice, young, cohesion] : expected) {
 		Element<2> e;
 		e.ice       = ice;

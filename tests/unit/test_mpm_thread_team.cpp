@@ -67,14 +67,14 @@ TEST(ThreadTeam, noTwoThreadsHaveOneMemberNumberAtATime)
 TEST(ThreadTeam, anExceptionOfAPieceComesUpWhenAllHaveEndedAndTheTeamGoesOn)
 {
 	std::atomic<int> done { 0 };
-	EXPECT_THROW(ThreadTeam::run(
-	                     100,
-	                     3,
-	                     [&](int i, int) {
-		                     done++;
-		                     if (i % 10 == 5) throw std::runtime_error("piece");
-	                     }),
-	             std::runtime_error);
+	EXPECT_THROW(
+	        ThreadTeam::run(
+	                100, 3,
+	                [&](int i, int) {
+		                done++;
+		                if (i % 10 == 5) throw std::runtime_error("piece");
+	                }),
+	        std::runtime_error);
 	EXPECT_EQ(done, 100);
 	done = 0;
 	ThreadTeam::run(100, 3, [&](int, int) { done++; });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Identities between what points give to nodes and what nodes give back, on random states.
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 
 #include <gtest/gtest.h>
 
@@ -161,10 +161,10 @@ template <int D> double stressPairError()
 /// means and a drained free surface at zero pressure.
 template <int D> double seepagePairError(bool averaged)
 {
-	RandomGround<D>      g;
-	const CellMeans<D>*  cells = averaged ? &g.cells : nullptr;
-	const double         rho   = 1000.0;
-	FreeSurface<D>       surface;
+	RandomGround<D>                                 g;
+	const CellMeans<D>*                             cells = averaged ? &g.cells : nullptr;
+	const double                                    rho   = 1000.0;
+	FreeSurface<D>                                  surface;
 	const std::vector<std::shared_ptr<Boundary<D>>> boundaries { std::make_shared<DrainedBoundary<D>>(Region<D>::freeSurface()) };
 	surface.bind(g.points, g.grid, nullptr);
 	surface.setBoundaries(boundaries, g.grid);
@@ -221,8 +221,8 @@ TEST(MpmTransfers, PorePressureDoesTheWorkOfTheWaterItMovesToRoundOff)
 	for (const bool averaged : { false, true }) {
 		const double plane = seepagePairError<2>(averaged), space = seepagePairError<3>(averaged);
 		std::printf(
-		        "sum p dm/rho + dt sum w.f over dt sum |w f|, %s: %.1e (2-D), %.1e (3-D), requirement 1e-13\n",
-		        averaged ? "cell means" : "points", plane, space);
+		        "sum p dm/rho + dt sum w.f over dt sum |w f|, %s: %.1e (2-D), %.1e (3-D), requirement 1e-13\n", averaged ? "cell means" : "points",
+		        plane, space);
 		EXPECT_LT(plane, 1e-13);
 		EXPECT_LT(space, 1e-13);
 	}
@@ -247,7 +247,8 @@ TEST(MpmTransfers, NodesReceiveAllMassAndMomentum)
 		pointMomentum += g.motion.mass[p] * g.motion.velocity[0][p] + g.liquid(p) * g.water.velocity[0][p];
 	}
 	std::printf(
-	        "mass %.1e, momentum %.1e, sum of internal forces %.1e (relative)\n", mass / pointMass - 1.0, (momentum - pointMomentum) / pointMass, force / forceSize);
+	        "mass %.1e, momentum %.1e, sum of internal forces %.1e (relative)\n", mass / pointMass - 1.0, (momentum - pointMomentum) / pointMass,
+	        force / forceSize);
 	EXPECT_NEAR(mass / pointMass, 1.0, 1e-13);
 	EXPECT_NEAR((momentum - pointMomentum) / pointMass, 0.0, 1e-13);
 	EXPECT_NEAR(force / forceSize, 0.0, 1e-13);

@@ -98,6 +98,8 @@ def test_frames_are_taken_once_at_each_time_and_survive_saving(tmp_path):
 
 
 def test_the_summary_is_plain_json_whatever_numpy_gives(tmp_path):
-	output.writeSummary(tmp_path / "run" / "summary.json", points=np.int64(3), wallTime=np.float64(1.5), nothing=float("nan"), stress=np.eye(2), nested={"a": (1, True)})
+	output.writeSummary(
+		tmp_path / "run" / "summary.json", points=np.int64(3), wallTime=np.float64(1.5), nothing=float("nan"), stress=np.eye(2), nested={"a": (1, True)}
+	)
 	found = json.loads((tmp_path / "run" / "summary.json").read_text())
 	assert found == dict(points=3, wallTime=1.5, nothing=None, stress=[[1, 0], [0, 1]], nested={"a": [1, True]})

@@ -63,7 +63,7 @@ TEST(PackedBond, thatAddsStrengthButNoStiffnessBreaksToo)
 		PackedSample<2>::forcePortable(portable);
 		State cemented        = packedPair::bonded(0, 0.5);
 		cemented.ice.iceYoung = 0;
-		const double slip     = 571.875 / (0.8 * 3e6), gap = 571.875 / 3e6;
+		const double slip = 571.875 / (0.8 * 3e6), gap = 571.875 / 3e6;
 		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, 0, slip * (1 - 1e-10))));
 		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, 0, slip * (1 + 1e-10))));
 		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, -gap * (1 - 1e-10), 0)));
@@ -94,14 +94,19 @@ TEST(PackedBond, meltsToFailureUnderConstantLoadAtTheClosedForm)
 {
 	struct {
 		double tension, shear, normal, iceSaturationAtBreak;
-	} const rows[] = { { 100, 0, 0, 0.1745394755255505 }, { 500, 0, 0, 0.46108482147953955 }, { 1000, 0, 0, 0.7286689399292775 },
-		               { 0, 500, 100, 0.4331237231281657 }, { 0, 500, 500, 0.307345873872187 } };
+	} const rows[] = { { 100, 0, 0, 0.1745394755255505 },
+		           { 500, 0, 0, 0.46108482147953955 },
+		           { 1000, 0, 0, 0.7286689399292775 },
+		           { 0, 500, 100, 0.4331237231281657 },
+		           { 0, 500, 500, 0.307345873872187 } };
 	for (const auto& row : rows) {
 		const double start = 0.9, k = stiffness(start), above = row.iceSaturationAtBreak * (1 + 1e-8), below = row.iceSaturationAtBreak * (1 - 1e-8);
 		const State  loaded = packedPair::step(packedPair::bonded(0, start), (row.normal - row.tension) / k, row.shear / (0.8 * k));
 		const State  before = loadedAt(loaded, above, row.normal - row.tension, row.shear);
 		const State  after  = loadedAt(before, below, row.normal - row.tension, row.shear);
-		std::printf("T = %4.0f V = %3.0f N = %3.0f N: intact just above S_i = %.9f, broken just below\n", row.tension, row.shear, row.normal, row.iceSaturationAtBreak);
+		std::printf(
+		        "T = %4.0f V = %3.0f N = %3.0f N: intact just above S_i = %.9f, broken just below\n", row.tension, row.shear, row.normal,
+		        row.iceSaturationAtBreak);
 		EXPECT_TRUE(packedPair::intact(before));
 		EXPECT_NEAR(packedPair::normalForce(before), row.normal - row.tension, 1e-8);
 		EXPECT_FALSE(packedPair::intact(after));
@@ -144,8 +149,9 @@ TEST(PackedBond, saturationTablesFollowThePublishedFormulas)
 	EXPECT_NEAR(equivalentRadiusRatio(0.18, 0, 1, 2), 1.104315261, 1e-9);
 	EXPECT_NEAR(equivalentRadiusRatio(0.18, 0, 1, 3), 1.068387297, 1e-9);
 	EXPECT_NEAR(equivalentRadiusRatio(0.4, -0.02, 0.5, 2), 1.147460965, 1e-9);
-	std::printf("phi(0.5) = %.15g (0.4375), E = %.9g Pa, C = %.9g Pa, r/r_0 at S_i = 1, n_0 = 0.18: %.9f (1.104315261)\n", m.phi(0.5), m.young(0.5),
-	            m.tensileStrength(0.5), equivalentRadiusRatio(0.18, 0, 1, 2));
+	std::printf(
+	        "phi(0.5) = %.15g (0.4375), E = %.9g Pa, C = %.9g Pa, r/r_0 at S_i = 1, n_0 = 0.18: %.9f (1.104315261)\n", m.phi(0.5), m.young(0.5),
+	        m.tensileStrength(0.5), equivalentRadiusRatio(0.18, 0, 1, 2));
 }
 
 namespace {
@@ -155,7 +161,7 @@ struct WrittenLaw {
 	IceBondModel m;
 	double       kg = 3e6, nu = 0.8, mu = 0.5, area = 25e-6, saturation = 0;
 	enum { none, bonded, broken } state = none;
-	bool   cut = false;
+	bool   cut                          = false;
 	double s = 0, sIce = 0, uIce = 0, uGrain = 0, force = 0;
 	int    tension = 0, shear = 0;
 
@@ -241,7 +247,8 @@ void walk(bool portable)
 		PackedSample<2> sample(packedPair::make(1e-5 * uniform(random), 0));
 		for (int segment = 0; segment < 60; ++segment) {
 			if (segment % 3 == 0) {
-				const double to = segment % 15 == 0 ? 0.5 * (1 + uniform(random)) : std::min(1., std::max(0., law.saturation + 0.1 * uniform(random)));
+				const double to = segment % 15 == 0 ? 0.5 * (1 + uniform(random))
+				                                    : std::min(1., std::max(0., law.saturation + 0.1 * uniform(random)));
 				law.change(to, packedPair::overlap(sample.state()));
 				sample.setIceSaturation(to);
 			}
@@ -253,7 +260,7 @@ void walk(bool portable)
 			sample.setState(s);
 			for (int k = 0; k < 5; ++k) {
 				law.evaluate(packedPair::overlap(sample.state()), slip);
-		
+
 				sample.advance(1);
 				const State  now   = sample.state();
 				const double force = -now.stress(0, 0) * now.volume() / (now.position[1] - now.position[0]).norm();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "packedReference.hpp"
-#include <Eigen/LU>
 #include <cstdio>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -26,7 +26,8 @@ std::string bytes(const PackedSample<2>& sample) { return sample.state().toBytes
 
 TEST(PackedSample, rootOfTheIncrementReproducesTheDeformationGradientTo1e12)
 {
-	for (const Matrix& increment : { matrix(1e-6, 3e-6, -2e-6, 1e-6), matrix(0.01, 0.02, -0.03, -0.01), matrix(-0.3, 0.9, -1.2, 0.4), matrix(-1, -1, 1, -1) })
+	for (const Matrix& increment :
+	     { matrix(1e-6, 3e-6, -2e-6, 1e-6), matrix(0.01, 0.02, -0.03, -0.01), matrix(-0.3, 0.9, -1.2, 0.4), matrix(-1, -1, 1, -1) })
 		for (const long steps : { 1l, 10l, 137l, 5000l }) {
 			const Matrix x = Matrix::Identity() + matrixRootIncrement<2>(increment, steps);
 			Matrix       f = Matrix::Identity();
@@ -57,14 +58,14 @@ TEST(PackedSample, updateReachesTheDeformationGradientTo1e12)
 TEST(PackedSample, substepCountFollowsTheInertialNumber)
 {
 	// eq. (13.1) for t_z = 0.1 m, r = 5 mm, P = 100 kPa, E = 0.6 GPa, I = 1e-3: 1.5e-5 strain per step at c = 0.3
-	State state         = packedReference::sample().state();
-	auto  grains        = std::make_shared<PackedGrains>(*state.grains);
+	State state  = packedReference::sample().state();
+	auto  grains = std::make_shared<PackedGrains>(*state.grains);
 	for (double& r : grains->radius)
 		r = 5e-3;
-	state.grains        = grains;
-	state.stress        = Matrix::Identity() * -1e5;
-	const double mass   = 2650 * M_PI * 25e-6 * 0.1;
-	state.dt            = 0.3 * std::sqrt(mass / (0.6e9 * 5e-3));
+	state.grains      = grains;
+	state.stress      = Matrix::Identity() * -1e5;
+	const double mass = 2650 * M_PI * 25e-6 * 0.1;
+	state.dt          = 0.3 * std::sqrt(mass / (0.6e9 * 5e-3));
 	PackedUpdateOptions options;
 	options.maxInertialNumber = 1e-3;
 	options.maxStrainPerStep  = 1;
@@ -88,7 +89,8 @@ TEST(PackedSample, stressTurnsWithTheSampleThroughNinetyDegrees)
 		options.flipSkew = 0;
 		sample.apply(turn - Matrix::Identity(), bonds ? 0.5 : 0., options);
 		const Matrix expected = turn * before * turn.transpose();
-		std::printf("%s: R sigma R^T off by %.1e after 90 degrees in 1000 steps\n", bonds ? "bonded" : "frictional", relative(sample.stress(), expected));
+		std::printf(
+		        "%s: R sigma R^T off by %.1e after 90 degrees in 1000 steps\n", bonds ? "bonded" : "frictional", relative(sample.stress(), expected));
 		EXPECT_LT(relative(sample.stress(), expected), 1e-3);
 	}
 }
@@ -140,8 +142,9 @@ TEST(PackedSample, shearsToTwentyThroughFlips)
 		int          farthest = 0;
 		for (const auto& c : s.contacts.cellDist)
 			farthest = std::max({ farthest, std::abs(int(c[0])), std::abs(int(c[1])) });
-		std::printf("gamma %g: %ld steps, %ld flips, trsf_xy %.12g, skew %.2f, largest cell distance %d\n", 0.02 * k, steps, flips, shear(0, 1),
-		            s.hSize(0, 1) / s.hSize(0, 0), farthest);
+		std::printf(
+		        "gamma %g: %ld steps, %ld flips, trsf_xy %.12g, skew %.2f, largest cell distance %d\n", 0.02 * k, steps, flips, shear(0, 1),
+		        s.hSize(0, 1) / s.hSize(0, 0), farthest);
 		EXPECT_NEAR(shear(0, 1), 0.02 * k, 1e-9);
 		EXPECT_LE(std::fabs(s.hSize(0, 1) / s.hSize(0, 0)), 0.53);
 		EXPECT_LE(farthest, 2);
@@ -157,10 +160,10 @@ TEST(PackedSample, withoutContactsTheStressIsExactlyZero)
 {
 	PackedSample<2>     sample(packedReference::sample().state());
 	PackedUpdateOptions options;
-	options.maxStrainPerStep = 1e-4;
+	options.maxStrainPerStep  = 1e-4;
 	options.maxInertialNumber = 1;
-	options.relaxSteps       = 200;
-	const auto result        = sample.apply(matrix(0.3, 0, 0, 0.3), 0, options);
+	options.relaxSteps        = 200;
+	const auto result         = sample.apply(matrix(0.3, 0, 0, 0.3), 0, options);
 	EXPECT_EQ(sample.statistics().contacts, 0u);
 	EXPECT_EQ(result.stress, Matrix(Matrix::Zero()));
 	EXPECT_FALSE(result.blewUp);
@@ -171,8 +174,8 @@ TEST(PackedSample, resultsDoNotDependOnSavesLoadsAndWhenListsWereBuilt)
 	for (const bool portable : { true, false })
 		for (const bool bonds : { false, true }) {
 			PackedSample<2>::forcePortable(portable);
-			const State  start   = bonds ? frozen(0.12) : packedReference::sample().state();
-			const Matrix velGrad = matrix(1.5, 2.5, -2, -1);
+			const State     start   = bonds ? frozen(0.12) : packedReference::sample().state();
+			const Matrix    velGrad = matrix(1.5, 2.5, -2, -1);
 			PackedSample<2> through(start), interrupted(start);
 			through.advance(velGrad, 1500);
 			std::mt19937 random(3);
@@ -205,8 +208,9 @@ TEST(PackedSample, bothPathsAgreeThroughBreakage)
 	portable.advance(velGrad, 600);
 	const State  a = fast.state(), b = portable.state();
 	const double difference = relative(fast.stress(), portable.stress());
-	std::printf("%s against %s, 600 steps, %lu and %lu bonds broken: stress differs by %.1e\n", fast.path(), portable.path(),
-	            (unsigned long)(a.bondsBrokenInTension + a.bondsBrokenInShear), (unsigned long)(b.bondsBrokenInTension + b.bondsBrokenInShear), difference);
+	std::printf(
+	        "%s against %s, 600 steps, %lu and %lu bonds broken: stress differs by %.1e\n", fast.path(), portable.path(),
+	        (unsigned long)(a.bondsBrokenInTension + a.bondsBrokenInShear), (unsigned long)(b.bondsBrokenInTension + b.bondsBrokenInShear), difference);
 	EXPECT_GT(a.bondsBrokenInTension + a.bondsBrokenInShear, 5u);
 	EXPECT_EQ(a.bondsBrokenInTension, b.bondsBrokenInTension);
 	EXPECT_EQ(a.bondsBrokenInShear, b.bondsBrokenInShear);
@@ -218,11 +222,12 @@ TEST(PackedSample, parkedFormIsSmall)
 	// the reference has 200 grains; the figures are for 400
 	const State plain = PackedSample<2>(packedReference::sample().state()).state(), bonded = frozen(0.5);
 	const auto  kilobytes = [](const State& s) {
-        const double fixed = sizeof(ParkedSample<2>);
-        return (fixed + (double(ParkedSample<2>(s).bytes()) - fixed) * 400 / double(s.size())) / 1000;
+                const double fixed = sizeof(ParkedSample<2>);
+                return (fixed + (double(ParkedSample<2>(s).bytes()) - fixed) * 400 / double(s.size())) / 1000;
 	};
-	std::printf("parked form of 400 discs: %.1f kB frictional (%zu contacts), %.1f kB bonded (%zu contacts)\n", kilobytes(plain), plain.contacts.size() * 2,
-	            kilobytes(bonded), bonded.contacts.size() * 2);
+	std::printf(
+	        "parked form of 400 discs: %.1f kB frictional (%zu contacts), %.1f kB bonded (%zu contacts)\n", kilobytes(plain), plain.contacts.size() * 2,
+	        kilobytes(bonded), bonded.contacts.size() * 2);
 	EXPECT_LT(kilobytes(plain), 30);
 	EXPECT_LT(kilobytes(bonded), 60);
 }
@@ -246,8 +251,8 @@ TEST(PackedSample, freezingCreatesNoForceAndMeltingReturnsToTheGrains)
 	EXPECT_EQ(sample.state().bondsMelted, bonds.bondsIntact);
 	// ice grown in a deformed sample, loaded and melted: what the ice carried is gone, the grains' share stays
 	sample.apply(none, 1, options);
-	const Matrix atRest  = sample.stress();
-	const auto   loaded  = sample.apply(matrix(0, 0, 0, -2e-5), 1, options);
+	const Matrix atRest = sample.stress();
+	const auto   loaded = sample.apply(matrix(0, 0, 0, -2e-5), 1, options);
 	sample.advance(2000);
 	const double frozenRise = atRest(1, 1) - sample.stress()(1, 1);
 	sample.apply(none, 0.01, options);
@@ -286,12 +291,14 @@ TEST(PackedSample, stretchedApartEveryBondBreaksAndNothingIsLeft)
 	PackedSample<2>     sample(weak);
 	const auto          formed = sample.state().bondsFormed;
 	PackedUpdateOptions options;
-	options.maxStrainPerStep = 2e-5;
+	options.maxStrainPerStep  = 2e-5;
 	options.maxInertialNumber = 1;
 	for (int k = 0; k < 15; ++k)
 		sample.apply(matrix(0.02, 0, 0, 0.02), 0.1, options);
 	const State s = sample.state();
-	std::printf("%lu bonds: %lu broken in tension, %lu in shear\n", (unsigned long)formed, (unsigned long)s.bondsBrokenInTension, (unsigned long)s.bondsBrokenInShear);
+	std::printf(
+	        "%lu bonds: %lu broken in tension, %lu in shear\n", (unsigned long)formed, (unsigned long)s.bondsBrokenInTension,
+	        (unsigned long)s.bondsBrokenInShear);
 	EXPECT_EQ(sample.statistics().bondsIntact + s.bondsBrokenInTension + s.bondsBrokenInShear, formed);
 	EXPECT_EQ(sample.statistics().bondsIntact, 0u);
 	EXPECT_LT(sample.stress().norm(), 2e4);
@@ -306,7 +313,9 @@ TEST(PackedSample, servoReachesADepthBand)
 	ASSERT_TRUE(sample.servo(options));
 	sample.advance(1000);
 	const Matrix s = sample.stress();
-	std::printf("servo to (-20, -40) kPa: %.3f %.3f kPa, shear %.3f kPa, unbalanced %.1e\n", s(0, 0) / 1e3, s(1, 1) / 1e3, s(0, 1) / 1e3, sample.statistics().unbalancedForce);
+	std::printf(
+	        "servo to (-20, -40) kPa: %.3f %.3f kPa, shear %.3f kPa, unbalanced %.1e\n", s(0, 0) / 1e3, s(1, 1) / 1e3, s(0, 1) / 1e3,
+	        sample.statistics().unbalancedForce);
 	EXPECT_NEAR(s(0, 0), -20e3, 80);
 	EXPECT_NEAR(s(1, 1), -40e3, 80);
 	EXPECT_NEAR(s(0, 1), 0, 80);
@@ -341,7 +350,9 @@ TEST(PackedSample, thawStrainTakesLoadOffTheGrainsAndIsNotUndone)
 	sample.apply(Matrix::Zero(), 0);
 	sample.advance(4000);
 	const double expected = std::sqrt(1 - 0.004);
-	std::printf("radius factor %.9f (%.9f), mean stress from %.0f to %.0f Pa\n", sample.state().radiusFactor, expected, state.stress.trace() / 2, sample.stress().trace() / 2);
+	std::printf(
+	        "radius factor %.9f (%.9f), mean stress from %.0f to %.0f Pa\n", sample.state().radiusFactor, expected, state.stress.trace() / 2,
+	        sample.stress().trace() / 2);
 	EXPECT_NEAR(sample.state().radiusFactor, expected, 1e-12);
 	EXPECT_GT(sample.stress().trace(), 0.7 * state.stress.trace());
 	sample.apply(Matrix::Zero(), 1);
@@ -379,14 +390,14 @@ TEST(PackedSample, blowUpIsContainedAndNamed)
 
 TEST(PackedSample, badStatesAreRefusedByName)
 {
-	const State good = packedReference::sample().state();
+	const State good      = packedReference::sample().state();
 	const auto  complaint = [](const State& state) {
-        try {
-            PackedSample<2> sample(state);
-        } catch (const std::invalid_argument& e) {
-            return std::string(e.what());
-        }
-        return std::string();
+                try {
+                        PackedSample<2> sample(state);
+                } catch (const std::invalid_argument& e) {
+                        return std::string(e.what());
+                }
+                return std::string();
 	};
 	State bad = good;
 	bad.dt    = -1;
@@ -394,10 +405,10 @@ TEST(PackedSample, badStatesAreRefusedByName)
 	bad = good;
 	bad.position.pop_back();
 	EXPECT_NE(complaint(bad).find("position"), std::string::npos);
-	bad            = good;
+	bad             = good;
 	bad.hSize(0, 0) = std::nan("");
 	EXPECT_NE(complaint(bad).find("hSize"), std::string::npos);
-	bad = good;
+	bad                    = good;
 	bad.contacts.second[0] = 60000;
 	EXPECT_NE(complaint(bad).find("contacts"), std::string::npos);
 	std::string cut = good.toBytes();
@@ -441,10 +452,10 @@ TEST(SamplePool, comparedRatesKeepTheFinerStateAndSayHowFarTheCoarserIsFromSlowM
 	options.maxStrainPerStep  = 1e-4;
 	options.minSteps          = 1;
 	PackedSample<2> coarse(start), fine(start), slow(start);
-	const auto      fast = coarse.apply(increment, 0, options);
-	auto            four = options;
-	four.steps           = 4 * substepCount<2>(start, increment, options);
-	const auto refined   = fine.apply(increment, 0, four);
+	const auto      fast  = coarse.apply(increment, 0, options);
+	auto            four  = options;
+	four.steps            = 4 * substepCount<2>(start, increment, options);
+	const auto    refined = fine.apply(increment, 0, four);
 	SamplePool<2> pool;
 	pool.add(start);
 	options.maxInertialNumber = 1; // the request's own counts
@@ -479,8 +490,8 @@ TEST(SamplePool, whatItRemembersBetweenUpdatesChangesNoBit)
 			ASSERT_TRUE(pool.state(0).toBytes() == alone.toBytes()) << "round " << round;
 		}
 		std::printf(
-		        "%s: 60 updates to gamma 1.2 in a pool and one by one from saved states: bit-equal, %lu bonds broken\n", bonds ? "bonded" : "frictional",
-		        (unsigned long)(alone.bondsBrokenInTension + alone.bondsBrokenInShear));
+		        "%s: 60 updates to gamma 1.2 in a pool and one by one from saved states: bit-equal, %lu bonds broken\n",
+		        bonds ? "bonded" : "frictional", (unsigned long)(alone.bondsBrokenInTension + alone.bondsBrokenInShear));
 	}
 }
 

@@ -131,9 +131,9 @@ TEST(PackedSpheres, followStockYade)
 	long            done          = 0;
 	for (int k = 0; k < 3; ++k) {
 		sample.advance(reference().velGrad, checkpoints[k] - done);
-		done              = checkpoints[k];
-		const State  s    = sample.state();
-		const Frame& f    = reference().frames[k + 1];
+		done                  = checkpoints[k];
+		const State  s        = sample.state();
+		const Frame& f        = reference().frames[k + 1];
 		double       position = 0, velocity = 0, spin = 0, largestVelocity = 0, largestSpin = 0;
 		for (std::size_t g = 0; g < s.size(); ++g)
 			for (int d = 0; d < 3; ++d) {

@@ -59,7 +59,11 @@ def test_squares_strained_with_the_ground_leave_no_gaps_where_it_sheared_and_shr
 	gradient = np.array([[0.9, 1.2], [-0.1, 0.8]])
 	position, volume = geometry.fillPolygon([(0, 0), (2, 0), (2, 2), (0, 2)], 0.5, 4)
 	drawn = plots.slopeField(
-		plots.figure(4, 3).subplots(), position @ gradient.T, np.zeros(len(position)), np.linalg.det(gradient) * volume, deformation=np.tile(gradient.ravel(), (len(position), 1))
+		plots.figure(4, 3).subplots(),
+		position @ gradient.T,
+		np.zeros(len(position)),
+		np.linalg.det(gradient) * volume,
+		deformation=np.tile(gradient.ravel(), (len(position), 1)),
 	)
 	corners = np.vstack([path.vertices[:4] for path in drawn.collections[0].get_paths()]) @ np.linalg.inv(gradient).T
 	places, shared = np.unique(np.rint(corners / 0.25), axis=0, return_counts=True)
@@ -168,7 +172,10 @@ def test_slope_field_colours_every_point_by_its_value_and_marks_the_watched_ones
 def test_sample_forces_draw_normal_forces_of_sample_arrays():
 	centre, radius, start, end, force, state = randomPacking()
 	sample = dict(centre=centre, radius=radius, start=start, end=end, normalForce=force, shearForce=0 * force, normal=end - start, state=state)
-	drawn = [plots.sampleForces(plots.figure(3, 3).subplots(), sample), plots.forceChains(plots.figure(3, 3).subplots(), start, end, force, state, centre, radius)]
+	drawn = [
+		plots.sampleForces(plots.figure(3, 3).subplots(), sample),
+		plots.forceChains(plots.figure(3, 3).subplots(), start, end, force, state, centre, radius),
+	]
 	widths = [[collection.get_linewidths() for collection in axes.collections] for axes in drawn]
 	for own, expected in zip(*widths):
 		np.testing.assert_array_equal(own, expected)

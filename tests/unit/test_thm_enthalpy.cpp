@@ -51,16 +51,19 @@ TEST(Enthalpy, ThawFromMinusFiveToPlusTenTakesTheEnergyOfTheMassBalance)
 		double           liquidSaturation, energy;
 	};
 	const double residual = 0.05 + 0.95 * std::exp(-100.0);
-	for (const Case& c : { Case { sharpWithoutResidual(), 1e-3 * 910.0 / (1000.0 * 0.999 + 910.0 * 1e-3), 0.0 }, Case { makeFreezingCurve(), residual, 1.5392254e8 } }) {
+	for (const Case& c :
+	     { Case { sharpWithoutResidual(), 1e-3 * 910.0 / (1000.0 * 0.999 + 910.0 * 1e-3), 0.0 }, Case { makeFreezingCurve(), residual, 1.5392254e8 } }) {
 		const EnthalpyModel model(withoutExpansion(), c.curve);
-		const SoilContent   soil = cubicMetre(c.liquidSaturation);
+		const SoilContent   soil   = cubicMetre(c.liquidSaturation);
 		const double        energy = model.enthalpy(soil, 10.0) - model.enthalpy(soil, -5.0);
 		const double        mi = model.stateAt(soil, -5.0).iceMass, ml = soil.waterMass - mi;
 		const double        byHand = (soil.solidMass * 800.0 + soil.waterMass * 4200.0) * 10.0 + mi * 334e3
 		        + 5.0 * (soil.solidMass * 800.0 + mi * 2060.0 + ml * 4200.0);
 		std::printf("%s: %.9e J/m^3, by hand %.9e, difference %.1e (tolerance 1e-9)\n", c.curve->name().c_str(), energy, byHand, energy / byHand - 1.0);
 		EXPECT_NEAR(energy / byHand, 1.0, 1e-9);
-		if (c.energy > 0.0) { EXPECT_NEAR(energy / c.energy, 1.0, 1e-9); }
+		if (c.energy > 0.0) {
+			EXPECT_NEAR(energy / c.energy, 1.0, 1e-9);
+		}
 	}
 }
 
@@ -71,14 +74,15 @@ TEST(Enthalpy, CapacityIntegralReproducesEquationFourWithEitherLatentDensity)
 		LatentDensity    density;
 		double           energy;
 	};
-	for (const Case& c : { Case { sharpWithoutResidual(), LatentDensity::ice, 161205200.0 },
-	                       Case { sharpWithoutResidual(), LatentDensity::liquid, 173229200.0 },
-	                       Case { makeFreezingCurve(), LatentDensity::ice, 155750498.1 },
-	                       Case { makeFreezingCurve(), LatentDensity::liquid, 167173298.1 } }) {
+	for (const Case& c :
+	     { Case { sharpWithoutResidual(), LatentDensity::ice, 161205200.0 }, Case { sharpWithoutResidual(), LatentDensity::liquid, 173229200.0 },
+	       Case { makeFreezingCurve(), LatentDensity::ice, 155750498.1 }, Case { makeFreezingCurve(), LatentDensity::liquid, 167173298.1 } }) {
 		const EnthalpyModel model(withoutExpansion(), c.curve, EnthalpyForm::capacityIntegral, c.density);
 		const SoilContent   soil   = cubicMetre(0.0);
 		const double        energy = model.enthalpy(soil, 10.0) - model.enthalpy(soil, -5.0);
-		std::printf("%s: %.7e J/m^3, quadrature %.7e, difference %.1e (tolerance 1e-9)\n", c.curve->name().c_str(), energy, c.energy, energy / c.energy - 1.0);
+		std::printf(
+		        "%s: %.7e J/m^3, quadrature %.7e, difference %.1e (tolerance 1e-9)\n", c.curve->name().c_str(), energy, c.energy,
+		        energy / c.energy - 1.0);
 		EXPECT_NEAR(energy / c.energy, 1.0, 1e-9);
 	}
 }
@@ -86,10 +90,11 @@ TEST(Enthalpy, CapacityIntegralReproducesEquationFourWithEitherLatentDensity)
 TEST(Enthalpy, PrintedLatentDensityCostsTheDensityRatioMore)
 {
 	const SoilContent   soil = cubicMetre(0.05);
-	const EnthalpyModel ice(withoutExpansion(), makeFreezingCurve()), liquid(withoutExpansion(), makeFreezingCurve(), EnthalpyForm::stateFunction, LatentDensity::liquid);
-	const auto          latent = [&](const EnthalpyModel& m) {
-                const double mi = m.stateAt(soil, -5.0).iceMass;
-                return m.enthalpy(soil, 0.0) - m.enthalpy(soil, -5.0) - 5.0 * (soil.solidMass * 800.0 + mi * 2060.0 + (soil.waterMass - mi) * 4200.0);
+	const EnthalpyModel ice(withoutExpansion(), makeFreezingCurve()),
+	        liquid(withoutExpansion(), makeFreezingCurve(), EnthalpyForm::stateFunction, LatentDensity::liquid);
+	const auto latent = [&](const EnthalpyModel& m) {
+		const double mi = m.stateAt(soil, -5.0).iceMass;
+		return m.enthalpy(soil, 0.0) - m.enthalpy(soil, -5.0) - 5.0 * (soil.solidMass * 800.0 + mi * 2060.0 + (soil.waterMass - mi) * 4200.0);
 	};
 	EXPECT_NEAR(latent(liquid) / latent(ice), 1000.0 / 910.0, 1e-12);
 }
@@ -158,7 +163,7 @@ TEST(Enthalpy, SomeWaterStaysLiquidHoweverCold)
 TEST(Enthalpy, BatchGivesTheSameBitsAsSingleCallsAndNamesTheFirstInvalidPoint)
 {
 	const EnthalpyModel model({}, makeFreezingCurve());
-	const SoilContent   soil = cubicMetre(0.05);
+	const SoilContent   soil  = cubicMetre(0.05);
 	const std::size_t   count = 5;
 	std::vector<double> h, ms(count, soil.solidMass), mw(count, soil.waterMass), v(count, soil.poreVolume), t(count, -0.5), sl(count), mi(count), c(count);
 	for (double temperature : { 3.0, -0.1, -0.4, -2.0, -20.0 })

@@ -18,13 +18,20 @@ struct Reference {
 	double      temperature, saturation, derivative;
 };
 constexpr Reference references[] = {
-	{ "vanGenuchten", -0.02, 0.9690635676, 2.44070427 },  { "vanGenuchten", -0.1, 0.7301459898, 2.650732035 },
-	{ "vanGenuchten", -0.5, 0.3112966383, 0.3929807152 }, { "vanGenuchten", -5.0, 0.06816284238, 0.009161723434 },
-	{ "gauss", -0.02, 0.9984812154, 0.1517569945 },       { "gauss", -0.25, 0.7898607439, 1.479721488 },
-	{ "gauss", -0.5, 0.3994854691, 1.397941876 },         { "gauss", -1.5, 0.05011723931, 0.001406871767 },
-	{ "exponential", -0.1, 0.8277942154, 1.555588431 },   { "exponential", -1.5, 0.09729771495, 0.0945954299 },
-	{ "power", -0.25, 0.361296, 1.245184 },               { "power", -5.0, 0.05012217078, 0.0001018089849 },
-	{ "linear", -0.25, 0.7625, 0.95 },                    { "linear", -1.5, 0.05, 0.0 },
+	{ "vanGenuchten", -0.02, 0.9690635676, 2.44070427 },
+	{ "vanGenuchten", -0.1, 0.7301459898, 2.650732035 },
+	{ "vanGenuchten", -0.5, 0.3112966383, 0.3929807152 },
+	{ "vanGenuchten", -5.0, 0.06816284238, 0.009161723434 },
+	{ "gauss", -0.02, 0.9984812154, 0.1517569945 },
+	{ "gauss", -0.25, 0.7898607439, 1.479721488 },
+	{ "gauss", -0.5, 0.3994854691, 1.397941876 },
+	{ "gauss", -1.5, 0.05011723931, 0.001406871767 },
+	{ "exponential", -0.1, 0.8277942154, 1.555588431 },
+	{ "exponential", -1.5, 0.09729771495, 0.0945954299 },
+	{ "power", -0.25, 0.361296, 1.245184 },
+	{ "power", -5.0, 0.05012217078, 0.0001018089849 },
+	{ "linear", -0.25, 0.7625, 0.95 },
+	{ "linear", -1.5, 0.05, 0.0 },
 };
 
 CurveParameters referenceParameters(const std::string& curve)
@@ -51,7 +58,8 @@ TEST(FreezingCurve, EveryCurveReproducesTabulatedSaturationAndSlope)
 	for (const Reference& r : references) {
 		const auto   curve = makeFreezingCurve(r.curve, referenceParameters(r.curve));
 		const double es    = std::abs(curve->liquidSaturation(r.temperature) / r.saturation - 1.0);
-		const double ed    = r.derivative == 0.0 ? std::abs(curve->derivative(r.temperature)) : std::abs(curve->derivative(r.temperature) / r.derivative - 1.0);
+		const double ed    = r.derivative == 0.0 ? std::abs(curve->derivative(r.temperature))
+		                                         : std::abs(curve->derivative(r.temperature) / r.derivative - 1.0);
 		EXPECT_LT(es, 1e-9) << r.curve << " at " << r.temperature; // the table has ten digits
 		EXPECT_LT(ed, 1e-9) << r.curve << " at " << r.temperature;
 		worst = std::max({ worst, es, ed });

@@ -59,11 +59,11 @@ TEST(Mixture, ImpossiblePropertiesAreRefused)
 	MixtureProperties m;
 	m.ice.density = 1100.0;
 	EXPECT_THROW(m.validate(), std::invalid_argument);
-	m             = {};
-	m.latentHeat  = std::nan("");
+	m            = {};
+	m.latentHeat = std::nan("");
 	EXPECT_THROW(m.validate(), std::invalid_argument);
-	m                      = {};
-	m.liquid.conductivity  = 0.0;
+	m                     = {};
+	m.liquid.conductivity = 0.0;
 	EXPECT_THROW(m.validate(), std::invalid_argument);
 }
 
@@ -76,8 +76,8 @@ TEST(Permeability, KozenyCarmanAndRelativeConductivityFollowTheirFormulas)
 	EXPECT_EQ(k.relative(0.0), 1e-6);
 	k.law = RelativeConductivity::power;
 	EXPECT_NEAR(k.relative(0.525), 0.125, 1e-15);
-	k.law              = RelativeConductivity::vanGenuchtenMualem;
-	const double se    = (0.6 - 0.05) / 0.95, bracket = 1.0 - std::pow(1.0 - std::pow(se, 2.5), 0.4);
+	k.law           = RelativeConductivity::vanGenuchtenMualem;
+	const double se = (0.6 - 0.05) / 0.95, bracket = 1.0 - std::pow(1.0 - std::pow(se, 2.5), 0.4);
 	EXPECT_NEAR(k.relative(0.6) / (std::sqrt(se) * bracket * bracket), 1.0, 1e-14);
 	EXPECT_EQ(k.relative(0.05), 1e-6);
 	EXPECT_EQ(k.relative(1.0), 1.0);

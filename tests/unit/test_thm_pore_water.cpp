@@ -24,8 +24,8 @@ PressureCoefficients coefficientsAt(const PoreWaterState& water, double iceSatur
 double pressureOf(const PoreWaterState& water, const FreezingCurve& curve, double volumeRatio, double temperature, double waterMass)
 {
 	const MixtureProperties m;
-	const double poreVolume = volumeRatio - (1.0 - porosity) * m.solid.density / m.densityAt(m.solid, temperature);
-	const double iceMass    = m.densityAt(m.ice, temperature) * (1.0 - curve.liquidSaturation(temperature)) * poreVolume;
+	const double            poreVolume = volumeRatio - (1.0 - porosity) * m.solid.density / m.densityAt(m.solid, temperature);
+	const double            iceMass    = m.densityAt(m.ice, temperature) * (1.0 - curve.liquidSaturation(temperature)) * poreVolume;
 	return water.pressure(m, waterMass - iceMass, iceMass, poreVolume, temperature).pressure;
 }
 
@@ -60,12 +60,9 @@ TEST(PoreWater, WaveSpeedsMatchTheEigenvaluesOfTheTwoVelocityProblem)
 		double largest, undrained;
 	};
 	const MixtureProperties m;
-	for (const Case& c : { Case { 1.0, 1e8, 2.2e9, true, 1862.332347, 1677.519106 },
-	                       Case { 1.0, 1e8, 2.2e7, true, 282.9561422, 279.0868095 },
-	                       Case { 0.5, 5e8, 2.2e9, true, 2222.883503, 2124.903052 },
-	                       Case { 0.05, 1e9, 2.2e9, true, 3088.935979, 3075.122313 },
-	                       Case { 0.05, 1e9, 2.2e9, false, 7246.203861, 7207.322349 },
-	                       Case { 0.001, 1e9, 2.2e9, false, 50623.15691, 50617.49085 } }) {
+	for (const Case& c : { Case { 1.0, 1e8, 2.2e9, true, 1862.332347, 1677.519106 }, Case { 1.0, 1e8, 2.2e7, true, 282.9561422, 279.0868095 },
+	                       Case { 0.5, 5e8, 2.2e9, true, 2222.883503, 2124.903052 }, Case { 0.05, 1e9, 2.2e9, true, 3088.935979, 3075.122313 },
+	                       Case { 0.05, 1e9, 2.2e9, false, 7246.203861, 7207.322349 }, Case { 0.001, 1e9, 2.2e9, false, 50623.15691, 50617.49085 } }) {
 		PoreWaterState water;
 		water.liquidBulkModulus = c.bulkModulus;
 		if (!c.iceStorage) water.iceBulkModulus = std::numeric_limits<double>::infinity();
@@ -98,7 +95,7 @@ TEST(PoreWater, CoefficientsAreTheDerivativesOfTheMassForm)
 			const double byStrain    = (p(1.0 + h, t) - p(1.0 - h, t)) / (2.0 * h);
 			const double byHeat      = (p(1.0, t + h) - p(1.0, t - h)) / (2.0 * h);
 			const double es = -k.undrained() / k.storage / byStrain - 1.0, et = (-k.temperature / k.storage - byHeat) / byHeat;
-			worst           = std::max({ worst, std::abs(es), std::abs(t > 0.0 || !densityChange ? 0.0 : et) });
+			worst = std::max({ worst, std::abs(es), std::abs(t > 0.0 || !densityChange ? 0.0 : et) });
 			EXPECT_NEAR(es, 0.0, 1e-5);
 			// thawed, the closed form leaves out beta^2 T, and without density change only such terms remain in frozen ground
 			EXPECT_NEAR(et, 0.0, t > 0.0 || !densityChange ? 2e-3 : 1e-5) << t << " " << densityChange;
@@ -162,9 +159,9 @@ TEST(PoreWater, FreezingInSealedPoresRaisesPressureByTheExpansionOverTheComplian
 	m.ice.expansivity = m.liquid.expansivity = 0.0;
 	const PoreWaterState water;
 	const double         v = 0.4, mw = 1000.0 * v, frozenShare = 0.01;
-	const double         mi = 910.0 * frozenShare * v;
-	const double         extra = mi / 910.0 - mi / 1000.0;
-	const double compliance = (mw - mi) / 1000.0 / 2.2e9 + mi / 910.0 / 8.8e9;
+	const double         mi         = 910.0 * frozenShare * v;
+	const double         extra      = mi / 910.0 - mi / 1000.0;
+	const double         compliance = (mw - mi) / 1000.0 / 2.2e9 + mi / 910.0 / 8.8e9;
 	EXPECT_NEAR(water.pressure(m, mw - mi, mi, v, -1.0).pressure / (extra / compliance), 1.0, 1e-10);
 	PoreWaterState without;
 	without.densityChange = false;

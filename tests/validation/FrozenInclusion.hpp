@@ -18,14 +18,14 @@ namespace talik::reference {
 
 struct FrozenInclusion {
 	double length = 3.0, height = 1.0, side = 1.0 / 3.0, centreX = 1.0; ///< [m]; centre at half the height
-	double cold = -5.0, warm = 5.0;                                    ///< [degC]
-	double headDifference = 0.03 * 3.0;                                ///< between left and right face [m]
+	double cold = -5.0, warm = 5.0;                                     ///< [degC]
+	double headDifference = 0.03 * 3.0;                                 ///< between left and right face [m]
 
 	double porosity = 0.37, permeability = 1.3e-10, viscosity = 1.793e-3, gravity = 9.81; ///< [-, m^2, Pa s, m/s^2]
-	double impedance = 50.0, smallestRelative = 1e-6; ///< k_r = max(1e-6, 10^(-50 n (1 - S_w)))
-	double residual = 0.05, width = 0.5;              ///< S_w = S_r + (1 - S_r) exp(-(T/W)^2), T < 0 [-, K]
+	double impedance = 50.0, smallestRelative = 1e-6;                                     ///< k_r = max(1e-6, 10^(-50 n (1 - S_w)))
+	double residual = 0.05, width = 0.5;                                                  ///< S_w = S_r + (1 - S_r) exp(-(T/W)^2), T < 0 [-, K]
 	double waterDensity = 1000.0, iceDensity = 920.0, solidDensity = 2650.0;
-	double waterHeat = 4182.0, iceHeat = 2060.0, solidHeat = 835.0;            ///< [J/(kg K)]
+	double waterHeat = 4182.0, iceHeat = 2060.0, solidHeat = 835.0;                  ///< [J/(kg K)]
 	double waterConductivity = 0.6, iceConductivity = 2.14, solidConductivity = 9.0; ///< [W/(m K)]
 	double latentHeat = 334e3; ///< of the mass of ice [J/kg]; water that melts takes the volume of its ice
 
@@ -56,7 +56,7 @@ struct FrozenInclusion {
 			const double residue = h - enthalpyPerVolume, newton = t - residue / slope;
 			if (std::abs(newton - t) < 1e-11) break;
 			(residue > 0.0 ? high : low) = t;
-			t = newton > low && newton < high ? newton : 0.5 * (low + high);
+			t                            = newton > low && newton < high ? newton : 0.5 * (low + high);
 		}
 		return t;
 	}
@@ -81,7 +81,7 @@ public:
 	{
 		for (int j = 0; j < ny_; ++j)
 			for (int i = 0; i < nx_; ++i) {
-				const double x = (i + 0.5) * h_;
+				const double x         = (i + 0.5) * h_;
 				temperature_[at(i, j)] = scene.frozenAtStart(x, (j + 0.5) * h_) ? scene.cold : scene.warm;
 				enthalpy_[at(i, j)]    = scene.enthalpy(temperature_[at(i, j)])[0];
 				head_[at(i, j)]        = scene.headDifference * (1.0 - x / scene.length);
@@ -117,8 +117,8 @@ public:
 	}
 
 private:
-	int    size() const { return nx_ * ny_; }
-	int    at(int i, int j) const { return j * nx_ + i; }
+	int           size() const { return nx_ * ny_; }
+	int           at(int i, int j) const { return j * nx_ + i; }
 	static double harmonic(double a, double b) { return 2.0 * a * b / (a + b); }
 
 	void advance(double dt)
@@ -135,8 +135,8 @@ private:
 					enthalpy_[at(nx_ - 1, j)] -= share * perVolume * flow * temperature_[at(nx_ - 1, j)];
 					continue;
 				}
-				const int    right = at(i, j);
-				const double left  = i > 0 ? temperature_[right - 1] : scene_.warm;
+				const int    right     = at(i, j);
+				const double left      = i > 0 ? temperature_[right - 1] : scene_.warm;
 				const double conducted = i > 0 ? harmonic(lambda[right - 1], lambda[right]) : 2.0 * lambda[right];
 				const double carried   = i > 0 ? 0.5 * (left + temperature_[right]) : left;
 				const double heat      = conducted * (left - temperature_[right]) / h_ + perVolume * flow * carried;
@@ -146,7 +146,7 @@ private:
 		for (int j = 1; j < ny_; ++j)
 			for (int i = 0; i < nx_; ++i) {
 				const int    above = at(i, j), below = above - nx_;
-				const double heat  = harmonic(lambda[below], lambda[above]) * (temperature_[below] - temperature_[above]) / h_
+				const double heat = harmonic(lambda[below], lambda[above]) * (temperature_[below] - temperature_[above]) / h_
 				        + perVolume * flowY_[j * nx_ + i] * 0.5 * (temperature_[below] + temperature_[above]);
 				enthalpy_[above] += share * heat;
 				enthalpy_[below] -= share * heat;
@@ -159,7 +159,7 @@ private:
 	/// div (k grad head) = 0 with the heads of the last step as first guess.
 	void solvePressure()
 	{
-		const double k0 = scene_.thawedConductivity();
+		const double        k0 = scene_.thawedConductivity();
 		std::vector<double> k(size()), diagonal(size(), 0.0), east(size(), 0.0), north(size(), 0.0), residual(size(), 0.0);
 		for (int c = 0; c < size(); ++c)
 			k[c] = scene_.relative(temperature_[c]);
@@ -168,7 +168,8 @@ private:
 				const int c = at(i, j);
 				if (i + 1 < nx_) east[c] = harmonic(k[c], k[c + 1]);
 				if (j + 1 < ny_) north[c] = harmonic(k[c], k[c + nx_]);
-				diagonal[c] += east[c] + north[c] + (i > 0 ? east[c - 1] : 2.0 * k[c]) + (j > 0 ? north[c - nx_] : 0.0) + (i + 1 == nx_ ? 2.0 * k[c] : 0.0);
+				diagonal[c] += east[c] + north[c] + (i > 0 ? east[c - 1] : 2.0 * k[c]) + (j > 0 ? north[c - nx_] : 0.0)
+				        + (i + 1 == nx_ ? 2.0 * k[c] : 0.0);
 				if (i == 0) residual[c] += 2.0 * k[c] * scene_.headDifference;
 			}
 		const auto product = [&](const std::vector<double>& v, std::vector<double>& out) {
@@ -210,8 +211,8 @@ private:
 		}
 		for (int j = 0; j < ny_; ++j)
 			for (int i = 0; i <= nx_; ++i) {
-				const int    c = at(std::min(i, nx_ - 1), j);
-				double&      q = flowX_[j * (nx_ + 1) + i];
+				const int c = at(std::min(i, nx_ - 1), j);
+				double&   q = flowX_[j * (nx_ + 1) + i];
 				if (i == 0) q = k0 * 2.0 * k[c] * (scene_.headDifference - head_[c]) / h_;
 				else if (i == nx_) q = k0 * 2.0 * k[c] * head_[c] / h_;
 				else q = k0 * east[c - 1] * (head_[c - 1] - head_[c]) / h_;

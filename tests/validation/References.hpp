@@ -17,7 +17,7 @@ template <class Function> double bisect(const Function& f, double low, double hi
 {
 	const bool rising = f(high) > 0.0;
 	for (int k = 0; k < 200 && high - low > 1e-16 * (std::abs(low) + std::abs(high)); ++k) {
-		const double middle = 0.5 * (low + high);
+		const double middle                        = 0.5 * (low + high);
 		((f(middle) > 0.0) == rising ? high : low) = middle;
 	}
 	return 0.5 * (low + high);
@@ -187,7 +187,7 @@ struct Lunardini {
 			return std::abs(mush) - std::abs(far);
 		};
 		// the residual changes sign once; start where the far front is still defined
-		double low = 1e-4 * std::sqrt(a), high = low;
+		double       low = 1e-4 * std::sqrt(a), high = low;
 		const double sign = residual(low) > 0 ? 1.0 : -1.0;
 		while (residual(high) * sign > 0.0)
 			high *= 1.05;
@@ -249,7 +249,7 @@ struct MorgensternNixon {
 	/// Mean of 1 - u/P over the thawed layer: settlement is this times X P/M.
 	double degree() const
 	{
-		const double r = ratio;
+		const double r       = ratio;
 		const double meanErf = std::erf(r) + (std::exp(-r * r) - 1.0) / (r * std::sqrt(pi));
 		return 1.0 - meanErf / (std::erf(r) + std::exp(-r * r) / (std::sqrt(pi) * r));
 	}

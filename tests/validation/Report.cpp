@@ -62,16 +62,8 @@ namespace {
 	{
 		char text[512];
 		std::snprintf(
-		        text,
-		        sizeof text,
-		        "%-80s | %13s | %13s | %10.2e | %8s | %s%s",
-		        what.c_str(),
-		        number(measured).c_str(),
-		        reference.c_str(),
-		        error,
-		        tolerance.c_str(),
-		        sources()[currentTest()].c_str(),
-		        passed ? "" : " FAILED");
+		        text, sizeof text, "%-80s | %13s | %13s | %10.2e | %8s | %s%s", what.c_str(), number(measured).c_str(), reference.c_str(), error,
+		        tolerance.c_str(), sources()[currentTest()].c_str(), passed ? "" : " FAILED");
 		std::printf("%s\n", text);
 		keepRow(what, measured, reference, error, tolerance, passed);
 		EXPECT_TRUE(passed) << text;
@@ -92,21 +84,14 @@ void expectRelative(const std::string& what, double measured, double reference, 
 	expectScaled(what, measured, reference, reference, tolerance);
 }
 
-void expectSmall(const std::string& what, double value, double bound)
-{
-	addRow(what, value, "0", value, number(bound, "%.1e"), std::abs(value) <= bound);
-}
+void expectSmall(const std::string& what, double value, double bound) { addRow(what, value, "0", value, number(bound, "%.1e"), std::abs(value) <= bound); }
 
-void expectAtLeast(const std::string& what, double value, double bound)
-{
-	addRow(what, value, ">= " + number(bound), value - bound, "0", value >= bound);
-}
+void expectAtLeast(const std::string& what, double value, double bound) { addRow(what, value, ">= " + number(bound), value - bound, "0", value >= bound); }
 
 Drawing::Drawing(const std::string& name, const std::string& title, const std::string& xLabel, const std::string& yLabel)
         : name_(name)
         , text_("# " + title + "\n# " + xLabel + "\n# " + yLabel + "\nseries,kind,x,y\n")
-{
-}
+{}
 
 Drawing::~Drawing()
 {

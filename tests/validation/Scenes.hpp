@@ -4,8 +4,8 @@
 // Scenes that several validation tests share: boxes of points, columns, marching to given instants, reading fields.
 
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <cmath>

@@ -11,24 +11,24 @@ namespace talik::validation {
 
 /// The front rises by `front` degrees to the grid, the layer slides downhill to the right; gravity acts at `slope` to its normal.
 struct Slab {
-	double thickness = 1.0;    ///< X over h, a multiple of 1/2
-	double above     = 0.0;    ///< front above a node over h, multiple of 1/4; along the grid only
-	double front     = 0.0;    ///< of the front to the grid [degrees]
-	double slope     = 45.0;   ///< of the front to the horizontal [degrees]
-	double friction  = 26.0;   ///< phi [degrees]
-	double dilation  = 0.0;    ///< psi [degrees]
-	double cohesion  = 0.0;    ///< of thawed ground [Pa]
-	double spacing   = 0.25;   ///< h [m]
-	double young = 20e6, youngFrozen = 100e6; ///< [Pa]
-	double length    = 40.0;   ///< of the layer over h
-	bool   wallToWall = false; ///< the layer fills the box, so that it has no ends to fall
-	bool   wet       = false;  ///< saturated, water free to flow parallel to the front
-	std::function<void(GroundSettings<2>&)> change; ///< of the settings
+	double                                  thickness = 1.0;                   ///< X over h, a multiple of 1/2
+	double                                  above     = 0.0;                   ///< front above a node over h, multiple of 1/4; along the grid only
+	double                                  front     = 0.0;                   ///< of the front to the grid [degrees]
+	double                                  slope     = 45.0;                  ///< of the front to the horizontal [degrees]
+	double                                  friction  = 26.0;                  ///< phi [degrees]
+	double                                  dilation  = 0.0;                   ///< psi [degrees]
+	double                                  cohesion  = 0.0;                   ///< of thawed ground [Pa]
+	double                                  spacing   = 0.25;                  ///< h [m]
+	double                                  young = 20e6, youngFrozen = 100e6; ///< [Pa]
+	double                                  length     = 40.0;                 ///< of the layer over h
+	bool                                    wallToWall = false;                ///< the layer fills the box, so that it has no ends to fall
+	bool                                    wet        = false;                ///< saturated, water free to flow parallel to the front
+	std::function<void(GroundSettings<2>&)> change;                            ///< of the settings
 
 	static constexpr double porosity = 0.4, gravity = 9.81;
-	static double radians(double degrees) { return degrees * 0.017453292519943295; }
-	double depth() const { return thickness * spacing; }
-	double sine() const { return std::sin(radians(friction)); }
+	static double           radians(double degrees) { return degrees * 0.017453292519943295; }
+	double                  depth() const { return thickness * spacing; }
+	double                  sine() const { return std::sin(radians(friction)); }
 	/// tau/sigma_n at which simple shear goes on: tan(phi) with psi = phi, sin(phi) without dilation (Davis 1968).
 	double ratio() const { return dilation == friction ? std::tan(radians(friction)) : sine(); }
 	double density() const { return (1.0 - porosity) * 2650.0 + porosity * 1000.0; }
@@ -59,7 +59,7 @@ public:
 	double displacementBetween(double lower, double upper) const
 	{
 		const auto x = valuesOf(*ground_, "displacement", 0), y = valuesOf(*ground_, "displacement", 1);
-		double     sum = 0.0;
+		double     sum   = 0.0;
 		int        count = 0;
 		for (const LayerPoint& p : layer_) {
 			if (std::abs(p.along) >= 3.0 * slab_.spacing || !(p.height > lower && p.height < upper)) continue;
@@ -90,10 +90,10 @@ private:
 
 	void build()
 	{
-		const double h = slab_.spacing, beta = Slab::radians(slab_.slope), tilt = beta - Slab::radians(slab_.front);
+		const double      h = slab_.spacing, beta = Slab::radians(slab_.slope), tilt = beta - Slab::radians(slab_.front);
 		GroundSettings<2> s;
-		s.gridSpacing = h;
-		s.mixture     = withoutExpansion();
+		s.gridSpacing       = h;
+		s.mixture           = withoutExpansion();
 		const double across = (slab_.length + 8.0) * down_[0] * h, rise = -(slab_.length + 8.0) * down_[1] * h;
 		const double cells = std::ceil(across / h + 2.0 * slab_.thickness * up_[0] + 4.0);
 		base_              = std::ceil(0.5 * rise / h + 4.0) * h;
@@ -106,18 +106,18 @@ private:
 		if (slab_.wet) {
 			s.water.emplace();
 			s.water->permeability.referenceConductivity = 1e-4;
-			s.water->state.liquidBulkModulus                = 2.2e7;
-			s.water->state.iceBulkModulus                   = 8.8e7;
+			s.water->state.liquidBulkModulus            = 2.2e7;
+			s.water->state.iceBulkModulus               = 8.8e7;
 		}
-		auto law                  = std::make_shared<MohrCoulombSkeleton<2>>();
-		law->youngModulus         = slab_.young;
-		law->youngModulusFrozen   = slab_.youngFrozen;
-		law->cohesion             = slab_.cohesion;
-		law->tensileStrength      = slab_.cohesion / std::tan(Slab::radians(slab_.friction)); // no cut-off below the cone
-		law->cohesionFrozen       = 50e6;
+		auto law                   = std::make_shared<MohrCoulombSkeleton<2>>();
+		law->youngModulus          = slab_.young;
+		law->youngModulusFrozen    = slab_.youngFrozen;
+		law->cohesion              = slab_.cohesion;
+		law->tensileStrength       = slab_.cohesion / std::tan(Slab::radians(slab_.friction)); // no cut-off below the cone
+		law->cohesionFrozen        = 50e6;
 		law->tensileStrengthFrozen = 50e6;
-		law->frictionAngle        = slab_.friction;
-		law->dilationAngle        = slab_.dilation;
+		law->frictionAngle         = slab_.friction;
+		law->dilationAngle         = slab_.dilation;
 		s.skeletons.push_back(law);
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side("right"));
@@ -159,7 +159,8 @@ private:
 		const double normal = weight * std::cos(beta) * slab_.effective() * depth;
 		// at rest, or at strength where rest asks for more
 		const auto carried = [&](double d) {
-			const double strength = slab_.cohesion * std::cos(Slab::radians(slab_.friction)) + slab_.sine() * weight * std::cos(beta) * slab_.effective() * d;
+			const double strength = slab_.cohesion * std::cos(Slab::radians(slab_.friction))
+			        + slab_.sine() * weight * std::cos(beta) * slab_.effective() * d;
 			return std::min(strength, weight * std::sin(beta) * d);
 		};
 		const double shear = height >= 0.0 ? carried(depth) : carried(slab_.depth()) - weight * std::sin(beta) * height;

@@ -79,12 +79,12 @@ private:
 
 std::shared_ptr<MohrCoulombSkeleton<2>> soil(double young, double cohesion, double friction)
 {
-	auto law               = std::make_shared<MohrCoulombSkeleton<2>>();
-	law->youngModulus      = law->youngModulusFrozen = young;
-	law->poissonRatio      = 0.3;
-	law->cohesion          = cohesion;
-	law->frictionAngle     = friction;
-	law->dilationAngle     = 0.0;
+	auto law          = std::make_shared<MohrCoulombSkeleton<2>>();
+	law->youngModulus = law->youngModulusFrozen = young;
+	law->poissonRatio                           = 0.3;
+	law->cohesion                               = cohesion;
+	law->frictionAngle                          = friction;
+	law->dilationAngle                          = 0.0;
 	return law;
 }
 
@@ -103,7 +103,8 @@ TEST(Bodies, APlaneLoadsAnOedometerEvenlyInEveryRow)
 		int              cells;
 	};
 	for (const Case& c : { Case { "quadraticBSpline", VelocityTransfer::flip, 8 }, Case { "quadraticBSpline", VelocityTransfer::flip, 16 },
-	                       Case { "quadraticBSpline", VelocityTransfer::apic, 8 }, Case { "gimp", VelocityTransfer::flip, 8 }, Case { "gimp", VelocityTransfer::flip, 16 } }) {
+	                       Case { "quadraticBSpline", VelocityTransfer::apic, 8 }, Case { "gimp", VelocityTransfer::flip, 8 },
+	                       Case { "gimp", VelocityTransfer::flip, 16 } }) {
 		const double      h = height / c.cells;
 		GroundSettings<2> s;
 		s.upper         = { 0.5, height + 2 * h };
@@ -140,7 +141,9 @@ TEST(Bodies, APlaneLoadsAnOedometerEvenlyInEveryRow)
 			if (drawn) drawing.computed(c.shape, (r + 0.5) * 0.5 * h, -1e-3 * rows.mean(r));
 		}
 		char label[96];
-		std::snprintf(label, sizeof label, "oedometer under a plane, %s, %s, %d cells: ", c.shape, velocityTransferNames()[static_cast<int>(c.transfer)].c_str(), c.cells);
+		std::snprintf(
+		        label, sizeof label, "oedometer under a plane, %s, %s, %d cells: ", c.shape,
+		        velocityTransferNames()[static_cast<int>(c.transfer)].c_str(), c.cells);
 		expectRelative(label + std::string("stress of the row with the least [Pa]"), least, expected, 0.02);
 		expectRelative(label + std::string("stress of the row with the most [Pa]"), most, expected, 0.02);
 	}
@@ -152,7 +155,9 @@ TEST(Bodies, AFootingOnCohesiveGroundBearsThePressureOfPrandtlEvenly)
 {
 	citing("Prandtl 1920");
 	constexpr double cohesion = 10e3, half = 1.0, bearing = 2.0 + reference::pi;
-	Drawing          drawing("footing", "Strip footing on cohesive ground, 16 cells under it", "distance from the middle over half the width [-]", "contact pressure over cohesion [-]");
+	Drawing          drawing(
+	                 "footing", "Strip footing on cohesive ground, 16 cells under it", "distance from the middle over half the width [-]",
+	                 "contact pressure over cohesion [-]");
 	for (const char* shape : { "quadraticBSpline", "gimp" })
 		for (const double friction : { 0.0, 0.7 }) {
 			if (friction > 0.0 && shape == std::string("gimp")) continue;
@@ -175,22 +180,25 @@ TEST(Bodies, AFootingOnCohesiveGroundBearsThePressureOfPrandtlEvenly)
 			Ground<2> ground(s);
 			fillBox(ground, { 0.0, 0.0 }, { 4.5, 2.5 });
 			ground.initialise();
-			RigidBody<2> footing = smoothPlane(0.0, 0);
-			footing.shape        = &rigidBox<2>();
-			footing.size         = { half, 0.5 };
-			footing.position     = { 0.0, 3.0 };
-			footing.friction     = friction;
+			RigidBody<2> footing    = smoothPlane(0.0, 0);
+			footing.shape           = &rigidBox<2>();
+			footing.size            = { half, 0.5 };
+			footing.position        = { 0.0, 3.0 };
+			footing.friction        = friction;
 			ground.bodies()->bodies = { footing };
 			// of the first cell below the surface: what is below the footing but above the fans
-			Bands        columns(ground, 4, [&](double x, double y) { return y > 2.5 - h ? 4.0 * x / half : -1.0; });
-			const double force = moveBody(ground, 1, -0.012 * half, 0.6, 0.3, [&] { columns.add(valuesOf(ground, "stress", 1)); });
-			const std::string label = std::string("footing, ") + shape + (friction > 0.0 ? ", rough: " : ", smooth: "), series = std::string(shape) + (friction > 0.0 ? ", rough" : ", smooth");
+			Bands             columns(ground, 4, [&](double x, double y) { return y > 2.5 - h ? 4.0 * x / half : -1.0; });
+			const double      force  = moveBody(ground, 1, -0.012 * half, 0.6, 0.3, [&] { columns.add(valuesOf(ground, "stress", 1)); });
+			const std::string label  = std::string("footing, ") + shape + (friction > 0.0 ? ", rough: " : ", smooth: "),
+			                  series = std::string(shape) + (friction > 0.0 ? ", rough" : ", smooth");
 			expectRelative(label + "bearing capacity over cohesion", force / (half * cohesion), bearing, 0.05);
 			drawing.reference(series, 0.0, 1.0, [](double) { return bearing; });
 			for (int q = 0; q < 4; ++q)
 				drawing.computed(series, 0.25 * q + 0.125, -columns.mean(q) / cohesion);
 			for (int q = 0; q < 3; ++q)
-				expectRelative(label + "contact pressure over cohesion, quarter " + std::to_string(q + 1) + " from the middle", -columns.mean(q) / cohesion, bearing, 0.10);
+				expectRelative(
+				        label + "contact pressure over cohesion, quarter " + std::to_string(q + 1) + " from the middle",
+				        -columns.mean(q) / cohesion, bearing, 0.10);
 		}
 }
 
@@ -225,15 +233,18 @@ TEST(Bodies, AWallThatYieldsOrPushesBearsThePressureOfRankineLayerByLayer)
 		ground.initialise();
 		ground.bodies()->bodies = { smoothPlane(2.0, 0) };
 		// by depth, of the two cells at the wall
-		Bands        depth(ground, layers, [&](double x, double y) { return x > 2.0 - 2 * h ? layers * (height - y) / height : -1.0; });
-		const double force = moveBody(ground, 0, active ? 0.01 : -0.03, 1.0, 0.5, [&] { depth.add(valuesOf(ground, "stress", 0)); });
+		Bands             depth(ground, layers, [&](double x, double y) { return x > 2.0 - 2 * h ? layers * (height - y) / height : -1.0; });
+		const double      force = moveBody(ground, 0, active ? 0.01 : -0.03, 1.0, 0.5, [&] { depth.add(valuesOf(ground, "stress", 0)); });
 		const std::string label = std::string("wall, ") + (active ? "active: " : "passive: "), series = active ? "active" : "passive";
 		expectRelative(label + "force over gamma H^2/2", force / (0.5 * weight * height * height), expected, 0.05);
 		drawing.reference(series, 0.0, height, [=](double) { return expected; });
 		for (int layer = 0; layer < layers; ++layer) {
 			const double ratio = -depth.mean(layer) / (weight * height * (layer + 0.5) / layers);
 			drawing.computed(series, height * (layer + 0.5) / layers, ratio);
-			if (layer > 0) expectRelative(label + "pressure over gamma z, quarter " + std::to_string(layer + 1) + " of the height from the top", ratio, expected, 0.10);
+			if (layer > 0)
+				expectRelative(
+				        label + "pressure over gamma z, quarter " + std::to_string(layer + 1) + " of the height from the top", ratio, expected,
+				        0.10);
 		}
 	}
 }
@@ -258,7 +269,7 @@ TEST(Bodies, AWallBesideAFixedFloorBearsGroundAtRestAndWater)
 			s.bodies.emplace();
 			if (wet) {
 				s.water.emplace();
-				s.water->state.liquidBulkModulus             = 2.2e7;
+				s.water->state.liquidBulkModulus            = 2.2e7;
 				s.water->permeability.referenceConductivity = 1e-4;
 			}
 			addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
@@ -271,13 +282,13 @@ TEST(Bodies, AWallBesideAFixedFloorBearsGroundAtRestAndWater)
 			const double effective = wet ? buoyant : (1.0 - porosity) * 2650.0 * g;
 			fillBox(ground, { 0.0, 0.0 }, { 6.0, height }, [&](PointInput<2>& p) {
 				const double depth = height - p.position[1], vertical = -effective * depth;
-				p.porosity         = porosity;
-				p.stress           = { rest * vertical, vertical, rest * vertical, 0.0 };
-				p.pressure         = wet ? water * depth : 0.0;
+				p.porosity = porosity;
+				p.stress   = { rest * vertical, vertical, rest * vertical, 0.0 };
+				p.pressure = wet ? water * depth : 0.0;
 			});
 			ground.initialise();
 			ground.bodies()->bodies = { smoothPlane(6.0, 0) };
-			const double force = moveBody(ground, 0, 0.0, 1.0, 0.3);
+			const double force      = moveBody(ground, 0, 0.0, 1.0, 0.3);
 			char         label[80];
 			std::snprintf(label, sizeof label, "wall beside a fixed floor, %s, %d cells: force [N/m]", wet ? "saturated" : "dry", cells);
 			expectRelative(label, force, 0.5 * height * height * (rest * effective + (wet ? water : 0.0)), 0.03);
@@ -288,9 +299,9 @@ TEST(Bodies, AWallBesideAFixedFloorBearsGroundAtRestAndWater)
 TEST(Bodies, AWallShadesTheGroundThatItTouchesFromTheAir)
 {
 	citing("the same between insulated sides");
-	constexpr double  height = 1.0, width = 1.5, air = -15.0, days = 10.0;
-	constexpr int     cells = 8;
-	const double      h = height / cells;
+	constexpr double    height = 1.0, width = 1.5, air = -15.0, days = 10.0;
+	constexpr int       cells = 8;
+	const double        h     = height / cells;
 	std::vector<double> temperature[2];
 	for (const bool body : { false, true }) {
 		GroundSettings<2> s;
@@ -390,22 +401,24 @@ TEST(Bodies, APlateOfGivenTemperatureSendsTheHeatOfItsResistanceAndTheGroundsInS
 	const double     h      = height / cells;
 	for (const char* shape : { "quadraticBSpline", "gimp" })
 		for (const double share : { 0.0, 1.0, 4.0 }) { // of the ground's own resistance
-			auto         s          = heatedSettings(h, { h, height + 2 * h }, 3e6);
-			const double kappa      = conductivityOf(s), own = height / kappa;
-			s.shapeFunction         = shape;
-			s.skeletons             = { elasticOedometer(1e7) };
+			auto         s     = heatedSettings(h, { h, height + 2 * h }, 3e6);
+			const double kappa = conductivityOf(s), own = height / kappa;
+			s.shapeFunction = shape;
+			s.skeletons     = { elasticOedometer(1e7) };
 			standOnRollers(s);
 			addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), cold);
 			addBoundary<BodyTemperature<2>>(s, std::vector<int> { 3 }, warm, share * own);
 			Ground<2> ground(s);
 			fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = cold; });
 			ground.initialise();
-			ground.bodies()->bodies = { smoothPlane(height, 1) };
+			ground.bodies()->bodies       = { smoothPlane(height, 1) };
 			ground.bodies()->bodies[0].id = ground.bodies()->bodies[0].group = 3;
 			marchTo(ground, 4.0);
 			char label[100];
 			std::snprintf(label, sizeof label, "plate of 10 degC, R = %.0f L/kappa, %s: heat flow through the layer [W/m2]", share, shape);
-			expectRelative(label, kappa * slopeOf(valuesOf(ground, "position", 1), valuesOf(ground, "temperature")), (warm - cold) / ((1.0 + share) * own), 0.02);
+			expectRelative(
+			        label, kappa * slopeOf(valuesOf(ground, "position", 1), valuesOf(ground, "temperature")), (warm - cold) / ((1.0 + share) * own),
+			        0.02);
 		}
 }
 
@@ -415,8 +428,8 @@ TEST(Bodies, APipeInTheGroundGivesTheHeatOfConcentricCylinders)
 	const double inner = 0.5, outer = 2.0;
 	for (const double h : { 0.125, 0.0625 })
 		for (const double share : { 0.0, 1.0 }) {
-			const double box = outer + 3 * h;
-			auto         s   = heatedSettings(h, { 2 * box, 2 * box }, 2e6);
+			const double box   = outer + 3 * h;
+			auto         s     = heatedSettings(h, { 2 * box, 2 * box }, 2e6);
 			const double kappa = conductivityOf(s), own = inner * std::log(outer / inner) / kappa; // per area of the pipe
 			addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), cold);
 			addBoundary<BodyTemperature<2>>(s, std::vector<int> { 0 }, warm, share * own);
@@ -445,8 +458,13 @@ TEST(Bodies, APipeInTheGroundGivesTheHeatOfConcentricCylinders)
 				values.push_back(t[k]);
 			}
 			char label[100];
-			std::snprintf(label, sizeof label, "pipe of 10 degC, %.0f cells across, R = %.0f of the ground's: heat per length [W/m]", 2 * inner / h, share);
-			expectRelative(label, -2.0 * reference::pi * kappa * slopeOf(logs, values), 2.0 * reference::pi * inner * (warm - cold) / ((1.0 + share) * own), h > 0.1 ? 0.08 : 0.04); // its area is counted by whole points
+			std::snprintf(
+			        label, sizeof label, "pipe of 10 degC, %.0f cells across, R = %.0f of the ground's: heat per length [W/m]", 2 * inner / h,
+			        share);
+			expectRelative(
+			        label, -2.0 * reference::pi * kappa * slopeOf(logs, values),
+			        2.0 * reference::pi * inner * (warm - cold) / ((1.0 + share) * own),
+			        h > 0.1 ? 0.08 : 0.04); // its area is counted by whole points
 		}
 }
 
@@ -468,7 +486,7 @@ TEST(Bodies, AWarmPlateThatIsMovedWarmsTheGroundWhereItIsAndOneThatIsLiftedNone)
 	const double heat  = ground.balance().heatIn;
 	bodies[0].position[0] += 1.0;
 	marchTo(ground, 0.06);
-	const auto then = valuesOf(ground, "temperature");
+	const auto then  = valuesOf(ground, "temperature");
 	double     worst = 0.0, warmed = 0.0;
 	for (int j = 0; j < 10; ++j)
 		for (int i = 6; i < 14; ++i) {
@@ -481,5 +499,6 @@ TEST(Bodies, AWarmPlateThatIsMovedWarmsTheGroundWhereItIsAndOneThatIsLiftedNone)
 	const double before = ground.balance().heatIn;
 	bodies[0].position[1] += 0.6 * h;
 	marchTo(ground, 0.09);
-	expectSmall("warm plate lifted off by more than half a point: heat that still enters, over that before", (ground.balance().heatIn - before) / before, 0.0);
+	expectSmall(
+	        "warm plate lifted off by more than half a point: heat that still enters, over that before", (ground.balance().heatIn - before) / before, 0.0);
 }

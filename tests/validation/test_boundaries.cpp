@@ -136,14 +136,14 @@ TEST(Boundaries, PrescribedFluxThroughASideNeedsTheGradientOfDarcy)
 TEST(Boundaries, WaterFedToSealedGroundIsExactlyTheWaterItGains)
 {
 	const double flux = 3e-6, duration = 0.05;
-	auto         s    = strip(10);
+	auto         s = strip(10);
 	s.heat.emplace();
 	addBoundary<WaterFlux<2>>(s, Region<2>::side("left"), flux, 20.0);
-	Ground<2> ground = started(s, s.gridSpacing, [](PointInput<2>& p) { p.temperature = 5.0; });
+	Ground<2>  ground = started(s, s.gridSpacing, [](PointInput<2>& p) { p.temperature = 5.0; });
 	const auto before = ground.balance();
 	marchTo(ground, duration);
 	const auto   after = ground.balance();
-	const double fed   = 1000.0 * flux * s.gridSpacing * duration, gained = after.waterMass - before.waterMass;
+	const double fed = 1000.0 * flux * s.gridSpacing * duration, gained = after.waterMass - before.waterMass;
 	const double specificHeat = s.mixture.liquid.specificHeat * 20.0 + s.mixture.latentHeat;
 	// the walls give way by 1e-8 of their length, elastically
 	expectRelative("water fed at 3 um/s [kg/m]", -after.waterOut, fed, 1e-7);
@@ -195,14 +195,15 @@ Soil thawed()
 double halfSpaceUnderAir(double x, double t, double a, double perConductivity)
 {
 	const double s = std::sqrt(a * t);
-	return std::erfc(x / (2.0 * s)) - std::exp(perConductivity * x + perConductivity * perConductivity * a * t) * std::erfc(x / (2.0 * s) + perConductivity * s);
+	return std::erfc(x / (2.0 * s))
+	        - std::exp(perConductivity * x + perConductivity * perConductivity * a * t) * std::erfc(x / (2.0 * s) + perConductivity * s);
 }
 
 /// Largest error over 15 K of the column's cells after a day of air at 10 degC over ground at -5 degC (no freezing here).
 double errorUnderAir(bool atWall, double coefficient, int cells, Drawing* drawing = nullptr)
 {
 	const double depth = 2.0, h = depth / cells;
-	auto         s     = columnSettings(h, depth + 2.0 * h);
+	auto         s = columnSettings(h, depth + 2.0 * h);
 	s.heat.emplace();
 	const auto region = atWall ? Region<2>::side("bottom") : Region<2>::freeSurface();
 	addBoundary<SurfaceTemperature<2>>(s, region, 10.0, coefficient);
@@ -257,8 +258,8 @@ double errorUnderFlux(int cells)
 	marchTo(ground, span);
 	expectRelative("heat flux 50 W/m^2: heat fed [J/m]", ground.balance().heatIn, 50.0 * span * h, 1e-12);
 	const double spread = 2.0 * std::sqrt(soil.diffusivity() * span), rise = 50.0 / soil.conductivity * spread / std::sqrt(reference::pi);
-	const auto   t      = cellMeans(ground, "temperature", 1);
-	double       worst  = 0.0;
+	const auto   t     = cellMeans(ground, "temperature", 1);
+	double       worst = 0.0;
 	for (int c = 0; c < cells; ++c) {
 		const double u     = (length - (c + 0.5) * h) / spread;
 		const double exact = rise * (std::exp(-u * u) - std::sqrt(reference::pi) * u * std::erfc(u));

@@ -25,7 +25,7 @@ struct SlopeCalendar {
 /// A face of 60 degrees, 2 m high, that thaws from its surface and has some cohesion left.
 SlopeCalendar thawingFace(const SlopeRun& run, double days)
 {
-	const double h = 0.125, height = 2.0, foot = 0.5, crest = 1.5;
+	const double      h = 0.125, height = 2.0, foot = 0.5, crest = 1.5;
 	GroundSettings<2> s;
 	s.gridSpacing   = h;
 	s.upper         = { 5.0, 3.0 };
@@ -47,7 +47,7 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
 	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable({ 0.0, 2.0 * day }, { -2.0, 10.0 }));
-	Ground<2> ground(s);
+	Ground<2>    ground(s);
 	const double size = 0.5 * h, top = foot + height, slope = std::tan(std::acos(-1.0) / 3.0);
 	for (double y = 0.5 * size; y < top; y += size)
 		for (double x = 0.5 * size; x < s.upper[0]; x += size) {
@@ -78,7 +78,8 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 	SlopeCalendar c {};
 	for (const MotionEvent& e : ground.events())
 		std::printf("   day %.3f: %.3f m2 for %.3f s, %.3f m, %.4f days passed\n", e.begin / day, e.volume, e.duration, e.largest, e.passed / day);
-	std::printf("   f_T %g, v_0 %g m/s: %.1f days in %.2f s of motion\n", run.largestScale, run.tolerance, ground.calendar().time / day, ground.time() - begin);
+	std::printf(
+	        "   f_T %g, v_0 %g m/s: %.1f days in %.2f s of motion\n", run.largestScale, run.tolerance, ground.calendar().time / day, ground.time() - begin);
 	const auto ux = valuesOf(ground, "displacement", 0), uy = valuesOf(ground, "displacement", 1);
 	for (std::size_t k = 0; k < ux.size(); ++k)
 		c.displaced = std::max(c.displaced, std::hypot(ux[k], uy[k]));

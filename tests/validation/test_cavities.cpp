@@ -54,8 +54,8 @@ TEST(Cavities, AirOutsideCoolsTheSurfaceAndNotTheGroundAroundAHollow)
 {
 	citing("Carslaw & Jaeger 1959, half space");
 	const double time = 2.0 * 86400.0, h = 0.125;
-	const auto   m    = withoutExpansion();
-	const auto   n    = VolumeFractions::of(0.4, 1.0);
+	const auto   m     = withoutExpansion();
+	const auto   n     = VolumeFractions::of(0.4, 1.0);
 	const double kappa = m.conductivity(n), capacity = m.heatCapacity(n), depth = std::sqrt(kappa * time / (reference::pi * capacity));
 	const double perArea = 2.0 * capacity * (ground0 + 15.0) * depth;
 	for (const bool inside : { false, true }) {
@@ -73,8 +73,7 @@ TEST(Cavities, AirOutsideCoolsTheSurfaceAndNotTheGroundAroundAHollow)
 		        inside ? coldestAtSurface - ground0 : coldestAtHollow - ground0, 0.0, ground0 + 15.0, 1e-3);
 		// heat reaches a fifth of the way: each face is one of a half space, corners of the hollow give a little more
 		if (!inside) expectRelative(std::string(name) + ": heat lost [J/m]", -ground.balance().heatIn, perArea * side, 0.05);
-		else
-			expectRelative(std::string(name) + ": heat lost [J/m]", -ground.balance().heatIn, perArea * (4.0 * hollowSize + 4.0 * 0.5 * depth), 0.15);
+		else expectRelative(std::string(name) + ": heat lost [J/m]", -ground.balance().heatIn, perArea * (4.0 * hollowSize + 4.0 * 0.5 * depth), 0.15);
 	}
 }
 
@@ -98,7 +97,10 @@ Pipe warmPipe(double h, double offset)
 		addBoundary<WallTemperature<2>>(s, Region<2>::side(wall), 0.0);
 	addBoundary<WallTemperature<2>>(s, Region<2>::disc({ -0.4 + offset, -0.4 + offset }, { 0.4 + offset, 0.4 + offset }), warm);
 	Ground<2> ground(s);
-	fillBox(ground, { -2.0, -2.0 }, { 2.0, 2.0 }, [](PointInput<2>& p) { p.porosity = 0.4; p.temperature = 1.0; });
+	fillBox(ground, { -2.0, -2.0 }, { 2.0, 2.0 }, [](PointInput<2>& p) {
+		p.porosity    = 0.4;
+		p.temperature = 1.0;
+	});
 	ground.initialise();
 	const auto   n         = VolumeFractions::of(0.4, 1.0);
 	const double diffusion = s.mixture.conductivity(n) / s.mixture.heatCapacity(n);

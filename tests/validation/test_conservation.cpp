@@ -55,11 +55,8 @@ Drift drift(Ground<2>& ground, int steps, double dt)
 		residual = std::max(residual, std::abs(after.momentum[a] - before.momentum[a] - (after.impulse[a] - before.impulse[a])));
 		size     = std::max(size, std::abs(after.impulse[a]));
 	}
-	return { after.solidMass / before.solidMass - 1.0,
-		 (after.waterMass + after.waterOut - before.waterMass) / before.waterMass,
-		 residual / size,
-		 (after.enthalpy + after.enthalpyOut - before.enthalpy - after.heatIn) / before.enthalpy,
-		 moved / before.waterMass };
+	return { after.solidMass / before.solidMass - 1.0, (after.waterMass + after.waterOut - before.waterMass) / before.waterMass, residual / size,
+		 (after.enthalpy + after.enthalpyOut - before.enthalpy - after.heatIn) / before.enthalpy, moved / before.waterMass };
 }
 
 void expectConserved(const std::string& name, const Drift& d, double seepedAtLeast)
@@ -75,9 +72,9 @@ void expectConserved(const std::string& name, const Drift& d, double seepedAtLea
 
 TEST(Conservation, FloatingBlockWithSeepageKeepsMassMomentumAndHeat)
 {
-	auto s  = freezingSoil(0.1);
-	s.lower = { 0.0, 0.0 };
-	s.upper = { 2.0, 1.6 };
+	auto s            = freezingSoil(0.1);
+	s.lower           = { 0.0, 0.0 };
+	s.upper           = { 2.0, 1.6 };
 	s.motion->gravity = { 0.0, 0.0 };
 	Ground<2> ground(s);
 	fillBox(ground, { 0.4, 0.4 }, { 1.6, 1.2 }, [](PointInput<2>& p) {
@@ -91,11 +88,11 @@ TEST(Conservation, FloatingBlockWithSeepageKeepsMassMomentumAndHeat)
 
 TEST(Conservation, SealedBoxUnderGravityKeepsMassMomentumAndHeat)
 {
-	auto s  = freezingSoil(0.1);
-	s.lower = { 0.0, 0.0 };
-	s.upper = { 1.0, 1.0 };
-	s.motion->gravity        = { 0.0, -9.81 };
-	s.heat->thermalTimeScale = 1e5;
+	auto s                      = freezingSoil(0.1);
+	s.lower                     = { 0.0, 0.0 };
+	s.upper                     = { 1.0, 1.0 };
+	s.motion->gravity           = { 0.0, -9.81 };
+	s.heat->thermalTimeScale    = 1e5;
 	s.water->hydraulicTimeScale = 1.0;
 	for (const char* side : { "left", "right", "bottom", "top" })
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
@@ -111,11 +108,11 @@ TEST(Conservation, SealedBoxUnderGravityKeepsMassMomentumAndHeat)
 
 TEST(Conservation, DrainedAndHeatedColumnAccountsForEverythingThatCrossesItsSurface)
 {
-	auto s  = freezingSoil(0.1);
-	s.lower = { 0.0, 0.0 };
-	s.upper = { 0.4, 1.4 };
-	s.motion->gravity        = { 0.0, -9.81 };
-	s.heat->thermalTimeScale = 1e5;
+	auto s                      = freezingSoil(0.1);
+	s.lower                     = { 0.0, 0.0 };
+	s.upper                     = { 0.4, 1.4 };
+	s.motion->gravity           = { 0.0, -9.81 };
+	s.heat->thermalTimeScale    = 1e5;
 	s.water->hydraulicTimeScale = 1.0;
 	standOnRollers(s);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
@@ -137,10 +134,10 @@ TEST(Conservation, DrainedAndHeatedColumnAccountsForEverythingThatCrossesItsSurf
 // A weak form that differentiates n_l p instead of p would push with 3.8e4 N/m^2 here (jump of n_l from 0.4 to 0.02)
 TEST(Conservation, UniformPorePressureAtAnIceFrontMovesNothing)
 {
-	auto s    = freezingSoil(0.05);
-	s.mixture = withoutExpansion();
-	s.lower   = { 0.0, 0.0 };
-	s.upper   = { 1.0, 0.1 };
+	auto s                   = freezingSoil(0.05);
+	s.mixture                = withoutExpansion();
+	s.lower                  = { 0.0, 0.0 };
+	s.upper                  = { 1.0, 0.1 };
 	s.heat->thermalTimeScale = 1e-9;
 	for (const char* side : { "left", "right", "bottom", "top" })
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
@@ -154,8 +151,11 @@ TEST(Conservation, UniformPorePressureAtAnIceFrontMovesNothing)
 	for (int k = 0; k < 1000; ++k)
 		ground.step(dt);
 	const double forceScale = 1e5 * 1000.0 * dt / (0.05 * 1000.0); // speed the wrong force would give: p t/(h rho)
-	expectSmall("uniform pressure at an ice front: solid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "velocity", 0)) / forceScale, 1e-12);
-	expectSmall("uniform pressure at an ice front: liquid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "liquidVelocity", 0)) / forceScale, 1e-12);
+	expectSmall(
+	        "uniform pressure at an ice front: solid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "velocity", 0)) / forceScale, 1e-12);
+	expectSmall(
+	        "uniform pressure at an ice front: liquid speed over p t/(h rho), 1000 steps", largestSize(valuesOf(ground, "liquidVelocity", 0)) / forceScale,
+	        1e-12);
 	auto       pressure = valuesOf(ground, "pressure");
 	const auto x = valuesOf(ground, "position", 0), ice = valuesOf(ground, "iceSaturation");
 	Drawing    drawing("ice_front", "Uniform pore pressure at an ice front after 1000 steps", "distance [m]", "p/p at the start, ice saturation [-]");
@@ -171,12 +171,12 @@ TEST(Conservation, UniformPorePressureAtAnIceFrontMovesNothing)
 
 TEST(Conservation, HydrostaticColumnStaysAtRest)
 {
-	auto s    = freezingSoil(0.1);
+	auto s     = freezingSoil(0.1);
 	s.freezing = nullptr;
 	s.heat.reset();
-	s.mixture = withoutExpansion();
-	s.lower   = { 0.0, 0.0 };
-	s.upper   = { 0.2, 1.4 };
+	s.mixture         = withoutExpansion();
+	s.lower           = { 0.0, 0.0 };
+	s.upper           = { 0.2, 1.4 };
 	s.motion->gravity = { 0.0, -9.81 };
 	standOnRollers(s);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
@@ -193,7 +193,7 @@ TEST(Conservation, HydrostaticColumnStaysAtRest)
 	const auto y = valuesOf(ground, "position", 1), p = valuesOf(ground, "pressure");
 	double     moved = 0.0, changed = 0.0;
 	for (std::size_t k = 0; k < y.size(); ++k) {
-		moved   = std::max(moved, std::abs(y[k] - y0[k]));
+		moved               = std::max(moved, std::abs(y[k] - y0[k]));
 		const double middle = (std::floor(y0[k] / 0.1) + 0.5) * 0.1; // pore pressure is one value per cell
 		changed             = std::max(changed, std::abs(p[k] - 9810.0 * (1.0 - middle)));
 	}
@@ -206,9 +206,9 @@ TEST(Conservation, ResultsHaveTheSameBitsWithOneAndTwoThreads)
 {
 	const auto run = [](int threads) {
 		omp_set_num_threads(threads);
-		auto s  = freezingSoil(0.1);
-		s.lower = { 0.0, 0.0 };
-		s.upper = { 1.4, 1.4 };
+		auto s            = freezingSoil(0.1);
+		s.lower           = { 0.0, 0.0 };
+		s.upper           = { 1.4, 1.4 };
 		s.motion->gravity = { 0.0, -9.81 };
 		standOnRollers(s);
 		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
@@ -242,13 +242,13 @@ TEST(Conservation, MechanicalEnergyOfAConsolidatingColumnIsAccountedFor)
 	auto s     = freezingSoil(0.1);
 	s.freezing = nullptr;
 	s.heat.reset();
-	s.mixture                        = withoutExpansion();
-	s.lower                          = { 0.0, 0.0 };
-	s.upper                          = { 0.8, 1.2 };
-	s.energyLedger                   = true;
-	s.motion->picTime           = std::numeric_limits<double>::infinity();
-	s.water->picTime            = std::numeric_limits<double>::infinity();
-	s.water->state.cavitationPressure = -2e6;
+	s.mixture                                   = withoutExpansion();
+	s.lower                                     = { 0.0, 0.0 };
+	s.upper                                     = { 0.8, 1.2 };
+	s.energyLedger                              = true;
+	s.motion->picTime                           = std::numeric_limits<double>::infinity();
+	s.water->picTime                            = std::numeric_limits<double>::infinity();
+	s.water->state.cavitationPressure           = -2e6;
 	s.water->permeability.referenceConductivity = 1e-3;
 	const double load = 2e4, modulus = 1e7;
 	standOnRollers(s);

@@ -18,7 +18,7 @@ constexpr double length = 10.0, oedometer = 1e8, density = 1990.0, porosity = 0.
 /// Dry column whose bulk density is that of the saturated soil of the paper.
 GroundSettings<2> dryColumn(double spacing)
 {
-	auto s                 = columnSettings(spacing, length + 2 * spacing);
+	auto s                  = columnSettings(spacing, length + 2 * spacing);
 	s.mixture.solid.density = density / (1.0 - porosity);
 	standOnRollers(s);
 	s.motion.emplace();
@@ -48,20 +48,20 @@ Oscillation oscillate(GroundSettings<2> s, double expectedPeriod, Drawing& drawi
 		p.velocity[1] = start * std::sin(reference::pi * p.position[1] / (2.0 * length));
 	});
 	ground.initialise();
-	const double top = length - 0.25 * s.gridSpacing;
-	const double dt  = ground.stableTimeStep().step;
+	const double top      = length - 0.25 * s.gridSpacing;
+	const double dt       = ground.stableTimeStep().step;
 	double       previous = 0.0, largest = 0.0, firstZero = 0.0, secondZero = 0.0, lastKinetic = ground.balance().kineticEnergy;
 	const double kineticStart = lastKinetic, omega = 2.0 * reference::pi / expectedPeriod;
-	double       kineticPeak  = 0.0;
-	long         steps        = 0;
+	double       kineticPeak = 0.0;
+	long         steps       = 0;
 	drawing.reference(series, 0.0, 1.3e3 * expectedPeriod, [=](double t) { return 1e3 * start / omega * std::sin(1e-3 * omega * t); });
 	while (ground.time() < 1.3 * expectedPeriod) {
 		ground.step(dt);
 		const double u = tipDisplacement(ground, top), t = ground.time();
 		if (++steps % 4 == 0) drawing.computed(series, 1e3 * t, 1e3 * u);
 		if (t < 0.5 * expectedPeriod) largest = std::max(largest, u);
-		const bool crossed = u * previous < 0.0;
-		const double zero  = t - dt * u / (u - previous);
+		const bool   crossed = u * previous < 0.0;
+		const double zero    = t - dt * u / (u - previous);
 		if (crossed && firstZero == 0.0) firstZero = zero;
 		else if (crossed && secondZero == 0.0) secondZero = zero;
 		if (t > 0.9 * expectedPeriod) kineticPeak = std::max(kineticPeak, ground.balance().kineticEnergy);
@@ -89,12 +89,12 @@ TEST(Dynamics, ElasticColumnKeepsPeriodAmplitudeAndEnergyWithGimpAndWithAffineTr
 	for (const std::string shape : { "quadraticBSpline", "gimp" })
 		for (const VelocityTransfer transfer : { VelocityTransfer::flip, VelocityTransfer::apic, VelocityTransfer::tpic }) {
 			if (shape == "quadraticBSpline" && transfer == VelocityTransfer::flip) continue; // the test above
-			auto s             = dryColumn(0.25);
-			s.shapeFunction    = shape;
-			s.motion->transfer = transfer;
-			const std::string which = shape + ", " + velocityTransferNames()[static_cast<int>(transfer)];
+			auto s                     = dryColumn(0.25);
+			s.shapeFunction            = shape;
+			s.motion->transfer         = transfer;
+			const std::string which    = shape + ", " + velocityTransferNames()[static_cast<int>(transfer)];
 			const auto        measured = oscillate(s, period, drawing, which);
-			const std::string label = "V07 elastic column, other transfers and shapes: " + which + ", ";
+			const std::string label    = "V07 elastic column, other transfers and shapes: " + which + ", ";
 			expectRelative(label + "period [s]", measured.period, 0.178438, 1e-2);
 			expectRelative(label + "tip amplitude [m]", measured.amplitude, 2.839924e-3, 1e-2);
 			expectSmall(label + "energy lost in one period", measured.energyLoss, 2e-2);
@@ -103,12 +103,12 @@ TEST(Dynamics, ElasticColumnKeepsPeriodAmplitudeAndEnergyWithGimpAndWithAffineTr
 
 TEST(Dynamics, UndrainedSaturatedColumnOscillatesWithTheUndrainedWaveSpeed)
 {
-	auto s          = dryColumn(0.25);
-	s.mixture       = withoutExpansion();
+	auto s    = dryColumn(0.25);
+	s.mixture = withoutExpansion();
 	s.water.emplace();
 	s.water->permeability.referenceConductivity = 1e-12;
 	s.water->state.cavitationPressure           = -1e8;
-	s.water->picTime                       = std::numeric_limits<double>::infinity();
+	s.water->picTime                            = std::numeric_limits<double>::infinity();
 	Drawing    drawing("undrained_column", "V07 undrained saturated column, 10 m, h = 0.25 m", "time [ms]", "tip displacement [mm]");
 	const auto measured = oscillate(s, 2.384474e-2, drawing);
 	expectRelative("V07 undrained saturated column: period [s]", measured.period, 2.384474e-2, 1e-2);
@@ -198,7 +198,7 @@ TEST(Dynamics, RelativeVelocityDecaysByTheImplicitDragFactor)
 		s.motion.emplace();
 		s.motion->picTime = std::numeric_limits<double>::infinity();
 		s.water.emplace();
-		s.water->picTime = std::numeric_limits<double>::infinity();
+		s.water->picTime                            = std::numeric_limits<double>::infinity();
 		s.water->permeability.referenceConductivity = c.conductivity;
 		s.skeletons.push_back(elasticOedometer(1e7));
 		Ground<2> ground(s);
@@ -211,7 +211,7 @@ TEST(Dynamics, RelativeVelocityDecaysByTheImplicitDragFactor)
 		ground.step(c.dt);
 		const auto   x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
 		const auto   vs = valuesOf(ground, "velocity", 0), vl = valuesOf(ground, "liquidVelocity", 0);
-		const double rate = porosity * porosity * 1000.0 * 9.81 / c.conductivity * (1.0 / 1590.0 + 1.0 / 400.0);
+		const double rate     = porosity * porosity * 1000.0 * 9.81 / c.conductivity * (1.0 / 1590.0 + 1.0 / 400.0);
 		const double expected = 1.0 / (1.0 + c.dt * rate);
 		if (c.factor != 0.0) expectRelative("V14 drag: reference, factor", expected, c.factor, 1e-6);
 		double worst = 0.0, momentum = 0.0;
@@ -291,7 +291,7 @@ DiscLoss turnDisc(double spacing, VelocityTransfer transfer, int turns, Drawing&
 	};
 	double before, energyBefore, after, energyAfter;
 	sums(before, energyBefore);
-	const auto x0 = valuesOf(ground, "position", 0), y0 = valuesOf(ground, "position", 1);
+	const auto        x0 = valuesOf(ground, "position", 0), y0 = valuesOf(ground, "position", 1);
 	const std::string series = velocityTransferNames()[static_cast<int>(transfer)];
 	for (int part = 1; part <= 20 * turns; ++part) {
 		marchTo(ground, part * 0.1 * reference::pi / spin);
@@ -307,8 +307,7 @@ DiscLoss turnDisc(double spacing, VelocityTransfer transfer, int turns, Drawing&
 		along += x0[p] * x[p] + y0[p] * y[p];
 	}
 	const auto balance = ground.balance();
-	return { 1.0 - after / before,
-		 1.0 - energyAfter / energyBefore,
+	return { 1.0 - after / before, 1.0 - energyAfter / energyBefore,
 		 std::hypot(balance.momentum[0], balance.momentum[1]) / (balance.solidMass * spin * radius),
 		 std::atan2(cross, along) / (turns * 2.0 * reference::pi) };
 }
@@ -324,7 +323,8 @@ TEST(Dynamics, RotatingElasticDiscKeepsAngularMomentumAndEnergy)
 	};
 	Drawing drawing("disc", "Rotating elastic disc, R = 12 h", "turns [-]", "over that at the start [-]");
 	drawing.reference("rigid disc", 0.0, 2.0, [](double) { return 1.0; });
-	for (const Case& c : { Case { VelocityTransfer::flip, 2e-2, 4e-2 }, Case { VelocityTransfer::apic, 1e-10, 2e-2 }, Case { VelocityTransfer::tpic, 2e-2, 4e-2 } }) {
+	for (const Case& c :
+	     { Case { VelocityTransfer::flip, 2e-2, 4e-2 }, Case { VelocityTransfer::apic, 1e-10, 2e-2 }, Case { VelocityTransfer::tpic, 2e-2, 4e-2 } }) {
 		const DiscLoss    loss  = turnDisc(0.05, c.transfer, 2, drawing);
 		const std::string label = "disc, two turns, R = 12 h, " + velocityTransferNames()[static_cast<int>(c.transfer)] + ": ";
 		expectSmall(label + "loss of angular momentum", loss.angularMomentum, c.angularMomentum);
@@ -362,20 +362,20 @@ Ground<2> collapsed(double height, double spacing, double room, const std::funct
 	s.motion->gravity = { 0.0, -9.81 };
 	addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
 	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
-	auto sand             = std::make_shared<MohrCoulombSkeleton<2>>();
-	sand->youngModulus    = 1e6;
+	auto sand                = std::make_shared<MohrCoulombSkeleton<2>>();
+	sand->youngModulus       = 1e6;
 	sand->youngModulusFrozen = 1e6;
-	sand->poissonRatio    = 0.3;
-	sand->cohesion        = 0.0;
-	sand->frictionAngle   = 36.9;
-	sand->dilationAngle   = 0.0;
-	sand->tensileStrength = 0.0;
+	sand->poissonRatio       = 0.3;
+	sand->cohesion           = 0.0;
+	sand->frictionAngle      = 36.9;
+	sand->dilationAngle      = 0.0;
+	sand->tensileStrength    = 0.0;
 	s.skeletons.push_back(sand);
 	if (change) change(s);
 	Ground<2> ground(s);
 	fillBox(ground, { 0.0, 0.0 }, { 1.0, height }, [&](PointInput<2>& p) {
 		const double vertical = -0.6 * 2650.0 * 9.81 * (height - p.position[1]), lateral = vertical * 0.3 / 0.7;
-		p.stress              = { lateral, vertical, lateral, 0.0 };
+		p.stress = { lateral, vertical, lateral, 0.0 };
 	});
 	ground.initialise();
 	const double end = 4.5 * std::sqrt(height / 9.81);
@@ -407,11 +407,13 @@ TEST(Dynamics, DryColumnsCollapseToTheRunOutOfLube_slow)
 	for (const Case& c : { Case { 0.8, 1.2 * 0.8, 0.025 }, Case { 1.5, 1.2 * 1.5, 0.05 }, Case { 4.0, 1.9 * std::pow(4.0, 2.0 / 3.0), 0.05 } }) {
 		const Ground<2> ground = collapsed(c.aspect, c.spacing, std::ceil(2.6 + 2.0 * c.runOut));
 		const double    toe    = toeOf(ground);
-		char         label[64];
+		char            label[64];
 		std::snprintf(label, sizeof label, "dry collapse, Mohr-Coulomb: run-out over width, a = %.1f", c.aspect);
 		drawing.computed("run-out", c.aspect, toe - 1.0);
 		expectRelative(label, toe - 1.0, c.runOut, 0.10);
-		expectSmall(std::string(label) + ", speed left over sqrt(g H)", std::sqrt(2.0 * ground.balance().kineticEnergy / ground.balance().solidMass / (9.81 * c.aspect)), 5e-2);
+		expectSmall(
+		        std::string(label) + ", speed left over sqrt(g H)",
+		        std::sqrt(2.0 * ground.balance().kineticEnergy / ground.balance().solidMass / (9.81 * c.aspect)), 5e-2);
 	}
 }
 
@@ -431,11 +433,11 @@ namespace {
 /// amplitude of stress and velocity together.
 double rippleLeft(double spacing, double fractionOfStep)
 {
-	constexpr double modulus = 1e6, speed = 2.0, amplitude = 0.02, path = 4.0, density = 0.6 * 2650.0;
+	constexpr double  modulus = 1e6, speed = 2.0, amplitude = 0.02, path = 4.0, density = 0.6 * 2650.0;
 	GroundSettings<2> s;
-	s.upper        = { 6.0, spacing * std::ceil(0.4 / spacing + 4.0) };
-	s.gridSpacing  = spacing;
-	s.mixture      = withoutExpansion();
+	s.upper         = { 6.0, spacing * std::ceil(0.4 / spacing + 4.0) };
+	s.gridSpacing   = spacing;
+	s.mixture       = withoutExpansion();
 	s.courantNumber = fractionOfStep;
 	s.motion.emplace();
 	s.skeletons.push_back(elasticOedometer(modulus));
@@ -447,7 +449,7 @@ double rippleLeft(double spacing, double fractionOfStep)
 	ground.initialise();
 	marchTo(ground, path / speed);
 	const auto   v = valuesOf(ground, "velocity", 0), stress = valuesOf(ground, "stress", 0);
-	const double n = static_cast<double>(v.size());
+	const double n    = static_cast<double>(v.size());
 	double       mean = 0.0, energy = 0.0;
 	for (const double value : v)
 		mean += value / n;
@@ -467,5 +469,6 @@ TEST(Dynamics, ARipplingBlockThatCrossesTheGridKeepsItsStressTheBetterTheFinerTh
 	expectSmall("rippling block across the grid: amplitude lost, h = L/40", fine, 0.05);
 	expectSmall("rippling block across the grid: loss at half the spacing over that at the whole, L/10 to L/20", middle / coarse, 0.5);
 	expectSmall("rippling block across the grid: loss at half the spacing over that at the whole, L/20 to L/40", fine / middle, 0.5);
-	expectSmall("rippling block across the grid: loss at a quarter of the step over that at the whole, h = L/10", (1.0 - rippleLeft(0.1, 0.1)) / coarse, 1.05);
+	expectSmall(
+	        "rippling block across the grid: loss at a quarter of the step over that at the whole, h = L/10", (1.0 - rippleLeft(0.1, 0.1)) / coarse, 1.05);
 }

@@ -62,8 +62,8 @@ TEST(FrostHeave, SealedColumnHeavesAndPressurisesAsTheBalancesSay)
 	ground.initialise();
 	const auto           start = ground.balance();
 	const SealedFreezing exact { modulus, 2.2e8, 8.8e8, start.waterMass / (h * height) };
-	Drawing heave("sealed_freezing_heave", "Sealed freezing column, M = 10 MPa", "temperature [degC]", "heave [-]");
-	Drawing pressing("sealed_freezing_pressure", "Sealed freezing column, M = 10 MPa", "temperature [degC]", "pore pressure [kPa]");
+	Drawing              heave("sealed_freezing_heave", "Sealed freezing column, M = 10 MPa", "temperature [degC]", "heave [-]");
+	Drawing              pressing("sealed_freezing_pressure", "Sealed freezing column, M = 10 MPa", "temperature [degC]", "pore pressure [kPa]");
 	heave.reference("heave", -3.0, 0.05, [&](double t) { return exact.volumeRatio(t) - 1.0; });
 	pressing.reference("pressure", -3.0, 0.05, [&](double t) { return 1e-3 * exact.pressure(t, exact.volumeRatio(t)); });
 	for (const double instant : { 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0 }) {
@@ -78,7 +78,9 @@ TEST(FrostHeave, SealedColumnHeavesAndPressurisesAsTheBalancesSay)
 		heave.computed("heave", t, j - 1.0);
 		pressing.computed("pressure", t, 1e-3 * p);
 		expectScaled(std::string("sealed freezing: heave over full expansion") + label, j - 1.0, jRef - 1.0, 0.0989 * porosity, 1e-2);
-		expectScaled(std::string("sealed freezing: pore pressure [Pa]") + label, p, exact.pressure(t, jRef), modulus * std::log(1.0 + 0.0989 * porosity), 1e-2);
+		expectScaled(
+		        std::string("sealed freezing: pore pressure [Pa]") + label, p, exact.pressure(t, jRef), modulus * std::log(1.0 + 0.0989 * porosity),
+		        1e-2);
 	}
 	const auto end = ground.balance();
 	expectSmall("sealed freezing: drift of ice and water", end.waterMass / start.waterMass - 1.0, 1e-13);
@@ -105,7 +107,7 @@ TEST(FrostHeave, FreeElementExpandsByTheVolumeOfItsIce)
 	s.water->state.liquidBulkModulus = 2.2e7;
 	s.water->state.iceBulkModulus    = 8.8e7;
 	s.skeletons.push_back(elasticOedometer(1e4));
-	Ground<2> ground(s);
+	Ground<2>    ground(s);
 	const double n = 0.35;
 	fillBox(ground, { 0.3, 0.3 }, { 0.5, 0.5 }, [&](PointInput<2>& p) {
 		p.porosity    = n;
@@ -113,7 +115,7 @@ TEST(FrostHeave, FreeElementExpandsByTheVolumeOfItsIce)
 	});
 	ground.initialise();
 	const auto start = ground.balance();
-	Drawing drawing("nine_per_cent", "Free element, n = 0.35", "temperature [degC]", "volume gained [-]");
+	Drawing    drawing("nine_per_cent", "Free element, n = 0.35", "temperature [degC]", "volume gained [-]");
 	const auto gained = [&](double temperature) {
 		const double liquid = liquidSaturation(temperature);
 		return n / (liquid + 0.91 * (1.0 - liquid)) - n;
@@ -130,9 +132,9 @@ TEST(FrostHeave, FreeElementExpandsByTheVolumeOfItsIce)
 	const double ratio  = sumOf(ground, "volume") / 0.04;
 	const double pores  = n + gained(meanTemperature());
 	expectScaled("nine per cent: volume gained over n(rho_l/rho_i - 1)", ratio - 1.0, pores - n, n * 0.0989, 1e-2);
-	const auto   x     = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
-	const double wide  = *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end());
-	const double tall  = *std::max_element(y.begin(), y.end()) - *std::min_element(y.begin(), y.end());
+	const auto   x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
+	const double wide = *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end());
+	const double tall = *std::max_element(y.begin(), y.end()) - *std::min_element(y.begin(), y.end());
 	expectRelative("nine per cent: width against square root of the volume ratio", wide / 0.1, std::sqrt(1.0 + pores - n), 5e-3);
 	expectRelative("nine per cent: height against square root of the volume ratio", tall / 0.1, std::sqrt(1.0 + pores - n), 5e-3);
 	expectSmall("nine per cent: drift of ice and water", ground.balance().waterMass / start.waterMass - 1.0, 1e-13);
@@ -149,28 +151,27 @@ TEST(FrostHeave, ColumnFrozenLoadedUnloadedAndThawedReturnsToItsHeight)
 	s.motion->localDamping = 0.5;
 	s.heat.emplace();
 	constexpr double hastened = 2e7;
-	s.heat->thermalTimeScale = hastened;
-	s.freezing               = makeFreezingCurve();
-	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus       = 1e7;
-	soil->youngModulusFrozen = 1e8;
-	soil->poissonRatio       = 0.0;
+	s.heat->thermalTimeScale  = hastened;
+	s.freezing                = makeFreezingCurve();
+	auto soil                 = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->youngModulus        = 1e7;
+	soil->youngModulusFrozen  = 1e8;
+	soil->poissonRatio        = 0.0;
 	soil->cohesion = soil->cohesionFrozen = 1e7;
 	soil->tensileStrength = soil->tensileStrengthFrozen = 1e7;
 	s.skeletons.push_back(soil);
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable({ 1.4 * hastened, 1.5 * hastened }, { -5.0, 5.0 }));
 	addBoundary<Traction<2>>(
-	        s, Region<2>::freeSurface(),
-	        TimeTable({ 0.0, 0.6 * hastened, 0.7 * hastened, 1.0 * hastened, 1.1 * hastened }, { 0.0, 0.0, load, load, 0.0 }));
+	        s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.6 * hastened, 0.7 * hastened, 1.0 * hastened, 1.1 * hastened }, { 0.0, 0.0, load, load, 0.0 }));
 	Ground<2> ground(s);
 	fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = 1.0; });
 	ground.initialise();
 	const auto strain = [&] { return 1.0 - sumOf(ground, "volume") / (h * height); };
-	Drawing drawing("freeze_load_unload_thaw", "Frozen, loaded, unloaded, thawed column", "time [s]", "vertical strain [1e-3]");
+	Drawing    drawing("freeze_load_unload_thaw", "Frozen, loaded, unloaded, thawed column", "time [s]", "vertical strain [1e-3]");
 	const auto record = [&] {
 		if (std::fmod(ground.time(), 0.04) < ground.stableTimeStep().step) drawing.computed("strain", ground.time(), 1e3 * strain());
 	};
-	const double phiFull = 1.0 - std::pow(1.0 - 0.95 * 0.95, 2);
+	const double    phiFull = 1.0 - std::pow(1.0 - 0.95 * 0.95, 2);
 	const TimeTable loading({ 0.0, 0.6, 0.7, 1.0, 1.1 }, { 0.0, 0.0, load, load, 0.0 });
 	drawing.reference("strain", 0.0, 2.4, [&](double t) { return 1e3 * loading.at(t) / (1e7 + 9e7 * phiFull); });
 	marchTo(ground, 0.6, 1e300, record);

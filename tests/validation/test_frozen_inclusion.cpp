@@ -23,17 +23,17 @@ constexpr double hastened = 2000.0;
 GroundSettings<2> channel(const FrozenInclusion& c, double h, double height, double stiffness)
 {
 	GroundSettings<2> s;
-	s.gridSpacing                = h;
-	s.upper                      = { c.length, height };
-	s.mixture                    = withoutExpansion();
-	s.mixture.solid              = { c.solidDensity, c.solidHeat, c.solidConductivity, 0.0 };
-	s.mixture.liquid             = { c.waterDensity, c.waterHeat, c.waterConductivity, 0.0 };
+	s.gridSpacing    = h;
+	s.upper          = { c.length, height };
+	s.mixture        = withoutExpansion();
+	s.mixture.solid  = { c.solidDensity, c.solidHeat, c.solidConductivity, 0.0 };
+	s.mixture.liquid = { c.waterDensity, c.waterHeat, c.waterConductivity, 0.0 };
 	// ice of the volume of its water, so that melting moves none; with the heat that ice of its own density has
-	s.mixture.ice                = { c.waterDensity, c.iceHeat * c.iceDensity / c.waterDensity, c.iceConductivity, 0.0 };
-	s.mixture.latentHeat         = c.latentHeat * c.iceDensity / c.waterDensity;
+	s.mixture.ice        = { c.waterDensity, c.iceHeat * c.iceDensity / c.waterDensity, c.iceConductivity, 0.0 };
+	s.mixture.latentHeat = c.latentHeat * c.iceDensity / c.waterDensity;
 	s.heat.emplace();
-	s.heat->thermalTimeScale     = hastened;
-	s.freezing                   = makeFreezingCurve("gauss", { { "width", c.width }, { "residualSaturation", c.residual } });
+	s.heat->thermalTimeScale = hastened;
+	s.freezing               = makeFreezingCurve("gauss", { { "width", c.width }, { "residualSaturation", c.residual } });
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("left"), c.warm);
 	if (c.headDifference == 0.0) return s;
 	for (const char* side : { "left", "right", "bottom", "top" })
@@ -85,7 +85,7 @@ struct Melting {
 /// Lower half of the channel, as many cells over it.
 Melting melted(const FrozenInclusion& c, int cells, double end)
 {
-	const auto s = channel(c, 0.5 * c.height / cells, 0.5 * c.height, 1.5e5);
+	const auto s      = channel(c, 0.5 * c.height / cells, 0.5 * c.height, 1.5e5);
 	Ground<2>  ground = started(c, s, [&](double x, double y) { return c.frozenAtStart(x, y) ? c.cold : c.warm; });
 	Melting    result;
 	for (double hours = 0.5; hours <= end; hours += 0.5) {
@@ -97,7 +97,10 @@ Melting melted(const FrozenInclusion& c, int cells, double end)
 		result.ice.push_back(frozen / (0.5 * c.length * c.height));
 		result.lowest.push_back(*std::min_element(t.begin(), t.end()));
 	}
-	if (s.motion) expectSmall("InterFrost TH2, with flow: largest displacement of the skeleton over h", largestSize(valuesOf(ground, "displacement")) / s.gridSpacing, 5e-2);
+	if (s.motion)
+		expectSmall(
+		        "InterFrost TH2, with flow: largest displacement of the skeleton over h", largestSize(valuesOf(ground, "displacement")) / s.gridSpacing,
+		        5e-2);
 	return result;
 }
 
@@ -147,12 +150,12 @@ TEST(FrozenInclusion, WithoutFlowIsThawedByConductionInTheTimeOfTheFiniteVolumes
 {
 	citing("finite volumes");
 	FrozenInclusion c;
-	c.headDifference = 0.0;
-	const double  end = 36.0;
-	const Melting computed = melted(c, 15, end), exact = meltedInVolumes(c, 30, end), coarse = meltedInVolumes(c, 15, end);
+	c.headDifference           = 0.0;
+	const double      end      = 36.0;
+	const Melting     computed = melted(c, 15, end), exact = meltedInVolumes(c, 30, end), coarse = meltedInVolumes(c, 15, end);
 	const std::string name = "InterFrost TH2, no flow: ";
-	Drawing ice("interfrost_th2_0", "InterFrost TH2 without flow", "time [h]", "part of the pores with ice [1e-2]");
-	Drawing lowest("interfrost_th2_0_lowest", "InterFrost TH2 without flow", "time [h]", "lowest temperature [degC]");
+	Drawing           ice("interfrost_th2_0", "InterFrost TH2 without flow", "time [h]", "part of the pores with ice [1e-2]");
+	Drawing           lowest("interfrost_th2_0_lowest", "InterFrost TH2 without flow", "time [h]", "lowest temperature [degC]");
 	draw(ice, lowest, "h = a tenth of the inclusion", computed);
 	drawReference(ice, lowest, exact);
 	expectSmall(name + "ice off the reference at any time, over that at the start", largestDifference(computed.ice, exact.ice) / iceAtStart(c), 3e-2);
@@ -172,35 +175,39 @@ TEST(FrozenInclusion, InFlowingWaterIsThawedInTheTimeOfTheFiniteVolumesAsTheGrid
 {
 	citing("finite volumes");
 	const FrozenInclusion c;
-	const double  end = 28.0;
+	const double          end = 28.0;
 	const Melting coarse = melted(c, 9, end), fine = melted(c, 15, end), exact = meltedInVolumes(c, 30, end), coarseExact = meltedInVolumes(c, 15, end);
 	Melting       limit = fine;
 	for (std::size_t k = 0; k < limit.ice.size(); ++k)
 		limit.ice[k] = std::max(0.0, fine.ice[k] + 1.5 * (fine.ice[k] - coarse.ice[k]));
 	const std::string name = "InterFrost TH2, head gradient 3 %: ";
-	Drawing ice("interfrost_th2_3", "InterFrost TH2, head gradient 3 %", "time [h]", "part of the pores with ice [1e-2]");
-	Drawing lowest("interfrost_th2_3_lowest", "InterFrost TH2, head gradient 3 %", "time [h]", "lowest temperature [degC]");
+	Drawing           ice("interfrost_th2_3", "InterFrost TH2, head gradient 3 %", "time [h]", "part of the pores with ice [1e-2]");
+	Drawing           lowest("interfrost_th2_3_lowest", "InterFrost TH2, head gradient 3 %", "time [h]", "lowest temperature [degC]");
 	draw(ice, lowest, "h = a sixth of the inclusion", coarse);
 	draw(ice, lowest, "h = a tenth of the inclusion", fine);
 	drawReference(ice, lowest, exact);
 	const double start = iceAtStart(c);
 	expectSmall(name + "reference with half the cells off it", largestDifference(coarseExact.ice, exact.ice) / start, 2e-2);
-	expectSmall(name + "ice off the reference at any time, over that at the start, h = a sixth of the inclusion", largestDifference(coarse.ice, exact.ice) / start, 0.2);
+	expectSmall(
+	        name + "ice off the reference at any time, over that at the start, h = a sixth of the inclusion",
+	        largestDifference(coarse.ice, exact.ice) / start, 0.2);
 	expectSmall(name + "the same, h = a tenth", largestDifference(fine.ice, exact.ice) / start, 0.15);
 	expectSmall(name + "the same, extrapolated to h = 0", largestDifference(limit.ice, exact.ice) / start, 8e-2);
-	expectRelative(name + "time until the last ice is gone [h], extrapolated to h = 0", fine.gone(end) + 1.5 * (fine.gone(end) - coarse.gone(end)), exact.gone(end), 0.1);
+	expectRelative(
+	        name + "time until the last ice is gone [h], extrapolated to h = 0", fine.gone(end) + 1.5 * (fine.gone(end) - coarse.gone(end)),
+	        exact.gone(end), 0.1);
 }
 
 TEST(FrozenInclusion, HeatCarriedAndConductedIntoThawedGroundFollowsOgataAndBanks)
 {
 	citing("Ogata & Banks 1961");
 	FrozenInclusion c;
-	c.headDifference     = 0.15 * c.length;
-	auto      s          = channel(c, 1.0 / 30.0, 1.0 / 30.0, 2e6);
-	s.freezing           = nullptr;
-	Ground<2> ground     = started(c, s, [](double, double) { return 0.0; });
+	c.headDifference      = 0.15 * c.length;
+	auto s                = channel(c, 1.0 / 30.0, 1.0 / 30.0, 2e6);
+	s.freezing            = nullptr;
+	Ground<2>    ground   = started(c, s, [](double, double) { return 0.0; });
 	const double capacity = c.enthalpy(0.0)[1], diffusivity = c.conductivity(0.0) / capacity;
-	const double speed    = darcyFlux(c) * c.waterDensity * c.waterHeat / capacity;
+	const double speed = darcyFlux(c) * c.waterDensity * c.waterHeat / capacity;
 	Drawing      drawing("ogata_banks", "Heat carried into ground by seepage of 0.4 m/h", "distance [m]", "temperature [degC]");
 	for (const double hours : { 0.5, 1.0, 2.0 }) {
 		const double t = hours * hour;

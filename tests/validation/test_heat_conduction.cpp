@@ -47,9 +47,8 @@ Ground<2> startedSlab(Slab slab, int cells)
 	if (slab != Slab::sealedHalves) addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), surface);
 	if (slab == Slab::bothFaces) addBoundary<WallTemperature<2>>(s, Region<2>::side("top"), surface);
 	Ground<2> ground(s);
-	fillBox(ground, { 0.0, 0.0 }, { length / cells, length }, [&](PointInput<2>& p) {
-		p.temperature = slab == Slab::sealedHalves && p.position[1] > 0.5 * length ? surface : initial;
-	});
+	fillBox(ground, { 0.0, 0.0 }, { length / cells, length },
+	        [&](PointInput<2>& p) { p.temperature = slab == Slab::sealedHalves && p.position[1] > 0.5 * length ? surface : initial; });
 	ground.initialise();
 	return ground;
 }
@@ -110,18 +109,18 @@ TEST(HeatConduction, TabulatedTemperaturesAtAQuarterAndHalfTheSlab)
 	for (const Row& row : { Row { Slab::bothFaces, "both faces", 8.64403, 7.25513 }, Row { Slab::insulated, "insulated", 7.76241, 4.64349 } }) {
 		Ground<2> ground = startedSlab(row.slab, 40);
 		marchTo(ground, 0.1 * length * length / diffusivity());
-		const auto   mean = cellTemperatures(ground);
+		const auto mean = cellTemperatures(ground);
 		for (std::size_t c = 0; c < mean.size(); ++c)
 			drawing.computed(row.name, (c + 0.5) / mean.size(), mean[c]);
 		drawing.reference(row.name, 0.0, 1.0, [&](double x) { return exact(row.slab, x * length, 0.1 * length * length / diffusivity()); });
-		const auto   t = valuesOf(ground, "temperature"), y = valuesOf(ground, "position", 1);
-		const auto   at = [&](double x) {
-                        // mean of the two rows beside x: second-order accurate
-                        double sum = 0.0;
-                        int    n   = 0;
-                        for (std::size_t p = 0; p < y.size(); ++p)
-                                if (std::abs(y[p] - x) < 0.5 * length / 40) sum += t[p], ++n;
-                        return sum / n;
+		const auto t = valuesOf(ground, "temperature"), y = valuesOf(ground, "position", 1);
+		const auto at = [&](double x) {
+			// mean of the two rows beside x: second-order accurate
+			double sum = 0.0;
+			int    n   = 0;
+			for (std::size_t p = 0; p < y.size(); ++p)
+				if (std::abs(y[p] - x) < 0.5 * length / 40) sum += t[p], ++n;
+			return sum / n;
 		};
 		expectScaled(std::string("V01 ") + row.name + ": T(0.25 L), Fo = 0.1, h = L/40 [degC]", at(0.25), row.quarter, 10.0, 5e-3);
 		expectScaled(std::string("V01 ") + row.name + ": T(0.5 L), Fo = 0.1, h = L/40 [degC]", at(0.5), row.half, 10.0, 5e-3);
@@ -162,13 +161,13 @@ TEST(HeatConduction, ConstantHeatProductionGivesTheParabola)
 {
 	citing("steady state, parabola");
 	const auto errorAt = [](int cells) {
-		auto         s       = thawedColumn(cells);
-		const double kappa   = s.mixture.conductivity(VolumeFractions::of(0.4, 1.0));
-		const double peak    = 10.0;
-		s.heat->source       = peak * 8.0 * kappa / (length * length);
+		auto         s     = thawedColumn(cells);
+		const double kappa = s.mixture.conductivity(VolumeFractions::of(0.4, 1.0));
+		const double peak  = 10.0;
+		s.heat->source     = peak * 8.0 * kappa / (length * length);
 		for (const char* side : { "bottom", "top" })
 			addBoundary<WallTemperature<2>>(s, Region<2>::side(side), initial);
-		Ground<2> ground(s);
+		Ground<2>  ground(s);
 		const auto parabola = [&](double x) { return initial + peak * 4.0 * x * (length - x) / (length * length); };
 		fillBox(ground, { 0.0, 0.0 }, { length / cells, length }, [&](PointInput<2>& p) { p.temperature = initial; });
 		ground.initialise();

@@ -41,8 +41,7 @@ struct Shape {
 	        : x(std::sin(pi * px) * std::cos(pi * py))
 	        , y(std::cos(pi * px) * std::sin(pi * py))
 	        , z(std::cos(pi * px) * std::cos(pi * py))
-	{
-	}
+	{}
 };
 
 GroundSettings<2> square(int cells)
@@ -57,7 +56,7 @@ GroundSettings<2> square(int cells)
 	s.heat.emplace();
 	s.heat->thermalTimeScale = timeScale;
 	s.water.emplace();
-	s.water->picTime                       = std::numeric_limits<double>::infinity();
+	s.water->picTime                            = std::numeric_limits<double>::infinity();
 	s.water->state.liquidBulkModulus            = bulkModulus;
 	s.water->state.cavitationPressure           = -1e6;
 	s.water->permeability.referenceConductivity = conductivity;
@@ -89,9 +88,9 @@ public:
 		PointFields&                 f = ground.points().fields();
 		const std::array<double*, 2> v { f.find("velocity", 0), f.find("velocity", 1) };
 		const std::array<double*, 2> vl { f.find("liquidVelocity", 0), f.find("liquidVelocity", 1) };
-		double *const                water = f.find("waterMass"), *const enthalpy = f.find("enthalpy");
-		const double *const          temperature = f.find("temperature"), *const volume = ground.points().volume();
-		const double                 both = (lambda + shear) * (A + B);
+		double *const water = f.find("waterMass"), *const enthalpy = f.find("enthalpy");
+		const double *const temperature = f.find("temperature"), *const volume = ground.points().volume();
+		const double both = (lambda + shear) * (A + B);
 		for (int p = 0; p < ground.points().count(); ++p) {
 			const Shape  s(ground.points().position(0)[p], ground.points().position(1)[p]);
 			const double z[2] = { s.x, s.y }, u[2] = { A, B }, w[2] = { C, D };
@@ -118,7 +117,7 @@ private:
 
 /// Fields of the cells at the end: displacement x and y [m], relative velocity x and y [m/s], pressure [Pa], temperature [degC].
 struct Solution {
-	static constexpr int             count = 6;
+	static constexpr int                   count = 6;
 	std::array<std::vector<double>, count> cells;
 };
 
@@ -146,10 +145,11 @@ Solution computed(int cells, long steps)
 		sources.apply(ground, k * dt, dt);
 		ground.step(dt);
 	}
-	Solution                               result;
-	std::array<std::vector<double>, 6>     points { valuesOf(ground, "displacement", 0), valuesOf(ground, "displacement", 1), valuesOf(ground, "liquidVelocity", 0),
-		                                        valuesOf(ground, "liquidVelocity", 1), valuesOf(ground, "pressure"), valuesOf(ground, "temperature") };
-	const auto x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
+	Solution                           result;
+	std::array<std::vector<double>, 6> points { valuesOf(ground, "displacement", 0),   valuesOf(ground, "displacement", 1),
+		                                    valuesOf(ground, "liquidVelocity", 0), valuesOf(ground, "liquidVelocity", 1),
+		                                    valuesOf(ground, "pressure"),          valuesOf(ground, "temperature") };
+	const auto                         x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
 	for (int i = 0; i < 2; ++i) {
 		const auto solid = valuesOf(ground, "velocity", i);
 		for (std::size_t p = 0; p < solid.size(); ++p)
@@ -193,10 +193,12 @@ double difference(const Solution& one, const Solution& other, const Solution& re
 }
 
 struct Quantity {
-	const char*                name;
+	const char*      name;
 	std::vector<int> fields;
 };
-const Quantity quantities[] = { { "displacement", { 0, 1 } }, { "relative velocity of the water", { 2, 3 } }, { "pore pressure", { 4 } }, { "temperature", { 5 } } };
+const Quantity quantities[] = {
+	{ "displacement", { 0, 1 } }, { "relative velocity of the water", { 2, 3 } }, { "pore pressure", { 4 } }, { "temperature", { 5 } }
+};
 
 } // namespace
 
@@ -206,8 +208,8 @@ TEST(Manufactured, CoupledEquationsConvergeInSecondOrderInSpace_slow)
 	const Solution coarse = computed(8, 40), medium = computed(16, 160), fine = computed(32, 640);
 	Drawing        drawing("manufactured_space", "Manufactured solution, errors over h", "log2 of 1/h [1/m]", "log2 of the relative error [-]");
 	for (const Quantity& q : quantities) {
-		const double e8 = difference(coarse, exact(8), exact(8), q.fields), e16 = difference(medium, exact(16), exact(16), q.fields);
-		const double e32 = difference(fine, exact(32), exact(32), q.fields);
+		const double      e8 = difference(coarse, exact(8), exact(8), q.fields), e16 = difference(medium, exact(16), exact(16), q.fields);
+		const double      e32   = difference(fine, exact(32), exact(32), q.fields);
 		const std::string label = std::string("manufactured, ") + q.name;
 		for (const auto& [level, error] : { std::pair(3.0, e8), std::pair(4.0, e16), std::pair(5.0, e32) })
 			drawing.computed(q.name, level, std::log2(error));

@@ -16,24 +16,24 @@ constexpr double day = 86400.0, porosity = 0.4;
 enum class Wall { onNodes, freeSurface };
 
 struct FrontScene {
-	std::string      name;
-	double           surface, initial;
-	FreezingCurvePtr curve;
-	EnthalpyForm     form    = EnthalpyForm::capacityIntegral;
-	LatentDensity    density = LatentDensity::ice;
-	Wall             wall    = Wall::onNodes;
-	double           spacing = 0.05;
-	double           offset  = 0.0; ///< of the free surface above a node [h]
-	double           depth   = 1.5; ///< of the ground [m]
+	std::string       name;
+	double            surface, initial;
+	FreezingCurvePtr  curve;
+	EnthalpyForm      form    = EnthalpyForm::capacityIntegral;
+	LatentDensity     density = LatentDensity::ice;
+	Wall              wall    = Wall::onNodes;
+	double            spacing = 0.05;
+	double            offset  = 0.0; ///< of the free surface above a node [h]
+	double            depth   = 1.5; ///< of the ground [m]
 	MixtureProperties mixture = withoutExpansion();
-	std::string      shape   = "quadraticBSpline";
+	std::string       shape   = "quadraticBSpline";
 };
 
 FreezingCurvePtr sharpCurve() { return makeFreezingCurve("sharp", { { "residualSaturation", 0.0 } }); }
 
 struct FrontResult {
-	std::vector<double> front;   ///< volume per area whose water has changed phase, at each instant [m]
-	double              closure; ///< (gain of heat - logged heat)/logged heat
+	std::vector<double> front;              ///< volume per area whose water has changed phase, at each instant [m]
+	double              closure;            ///< (gain of heat - logged heat)/logged heat
 	std::vector<double> depth, temperature; ///< of the points at the end [m, degC]
 };
 
@@ -99,7 +99,8 @@ reference::SimilarityFront similarity(const FrontScene& scene, double etaEnd = 8
 	const double            rho   = scene.density == LatentDensity::ice ? m.ice.density : m.liquid.density;
 	return { [=](double t) { return m.conductivity(VolumeFractions::of(porosity, curve->liquidSaturation(t))); },
 		 [=](double t) {
-			 return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t))) + porosity * rho * m.latentHeat * curve->derivative(t);
+		         return m.heatCapacity(VolumeFractions::of(porosity, curve->liquidSaturation(t)))
+		                 + porosity * rho * m.latentHeat * curve->derivative(t);
 		 },
 		 scene.surface,
 		 scene.initial,
@@ -151,7 +152,7 @@ void drawProfile(Drawing& drawing, const std::string& series, const FrontResult&
 	drawing.reference(series, 0.0, deepest, [&](double x) { return exact.temperature(x / std::sqrt(days * day)); });
 }
 
-constexpr const char* neumannSource = "Carslaw & Jaeger 1959 (Neumann)";
+constexpr const char* neumannSource    = "Carslaw & Jaeger 1959 (Neumann)";
 constexpr const char* similaritySource = "similarity solution, Runge-Kutta";
 
 } // namespace
@@ -173,9 +174,7 @@ FrontScene cornerOfV02(bool thaws, Wall wall, bool sharp, LatentDensity density)
 {
 	FrontScene s { std::string("V02 ") + (thaws ? "thaw -5/+10, " : "freezing +5/-5, ") + (wall == Wall::onNodes ? "wall: " : "free surface: ")
 		               + (sharp ? "sharp, rho_" : "smooth, rho_") + (density == LatentDensity::ice ? "i" : "l"),
-		       thaws ? 10.0 : -5.0,
-		       thaws ? -5.0 : 5.0,
-		       sharp ? sharpCurve() : makeFreezingCurve("gauss", {}) };
+		       thaws ? 10.0 : -5.0, thaws ? -5.0 : 5.0, sharp ? sharpCurve() : makeFreezingCurve("gauss", {}) };
 	s.density = density;
 	s.wall    = wall;
 	s.offset  = wall == Wall::onNodes ? 0.0 : 0.5;
@@ -204,7 +203,9 @@ TEST(MovingFront, ThawAndFreezingFollowNeumannForBothLatentDensitiesBothKindsOfC
 					const double     exact      = exactFront(s);
 					const auto       result     = expectFront(s, exact, 10.0, tolerance, inSpacings);
 					if (wall == Wall::onNodes && density == LatentDensity::ice)
-						drawFront(drawing, std::string(thaws ? "thaw, " : "freezing, ") + (sharp ? "sharp" : "gauss"), result, exact, 10.0);
+						drawFront(
+						        drawing, std::string(thaws ? "thaw, " : "freezing, ") + (sharp ? "sharp" : "gauss"), result, exact,
+						        10.0);
 				}
 }
 
@@ -232,35 +233,35 @@ TEST(MovingFront, AScaleOfTheCalendarThatChangesAThousandfoldOnTheWayLeavesTheFr
 	const double days = 10.0;
 	for (const bool sharp : { true, false })
 		for (const bool thaws : { true, false }) {
-			FrontScene s  = cornerOfV02(thaws, Wall::onNodes, sharp, LatentDensity::ice);
+			FrontScene   s     = cornerOfV02(thaws, Wall::onNodes, sharp, LatentDensity::ice);
 			const double exact = exactFront(s) * std::sqrt(days * day);
 			const auto   front = [&](bool changes) {
-				auto settings = columnSettings(s.spacing, s.depth);
-				settings.mixture = s.mixture;
-				settings.heat.emplace();
-				settings.heat->enthalpyForm     = s.form;
-				settings.heat->thermalTimeScale = 1000.0;
-				settings.freezing               = s.curve;
-				addBoundary<WallTemperature<2>>(settings, Region<2>::side("bottom"), s.surface);
-				Ground<2> ground(settings);
-				fillBox(ground, { 0.0, 0.0 }, { s.spacing, s.depth }, [&](PointInput<2>& p) {
-					p.temperature = s.initial;
-					p.porosity    = porosity;
-				});
-				ground.initialise();
-				const double dt = ground.stableTimeStep().step;
-				for (long k = 0; ground.calendar().time < days * day; ++k) {
-					double& scale = ground.settings().heat->thermalTimeScale;
-					scale         = changes ? std::pow(10.0, 1.5 + 1.5 * std::cos(0.01 * k)) : 1000.0;
-					scale         = std::min(scale, (days * day - ground.calendar().time) / dt * (1.0 + 1e-12));
-					ground.step(dt);
-				}
-				const double farIce = 1.0 - s.curve->liquidSaturation(s.initial), nearIce = 1.0 - s.curve->liquidSaturation(s.surface);
-				const auto   after = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
-				double       changed = 0.0;
-				for (std::size_t p = 0; p < after.size(); ++p)
-					changed += (after[p] - farIce) / (nearIce - farIce) * volume[p];
-				return changed / s.spacing;
+                                auto settings    = columnSettings(s.spacing, s.depth);
+                                settings.mixture = s.mixture;
+                                settings.heat.emplace();
+                                settings.heat->enthalpyForm     = s.form;
+                                settings.heat->thermalTimeScale = 1000.0;
+                                settings.freezing               = s.curve;
+                                addBoundary<WallTemperature<2>>(settings, Region<2>::side("bottom"), s.surface);
+                                Ground<2> ground(settings);
+                                fillBox(ground, { 0.0, 0.0 }, { s.spacing, s.depth }, [&](PointInput<2>& p) {
+                                        p.temperature = s.initial;
+                                        p.porosity    = porosity;
+                                });
+                                ground.initialise();
+                                const double dt = ground.stableTimeStep().step;
+                                for (long k = 0; ground.calendar().time < days * day; ++k) {
+                                        double& scale = ground.settings().heat->thermalTimeScale;
+                                        scale         = changes ? std::pow(10.0, 1.5 + 1.5 * std::cos(0.01 * k)) : 1000.0;
+                                        scale         = std::min(scale, (days * day - ground.calendar().time) / dt * (1.0 + 1e-12));
+                                        ground.step(dt);
+                                }
+                                const double farIce = 1.0 - s.curve->liquidSaturation(s.initial), nearIce = 1.0 - s.curve->liquidSaturation(s.surface);
+                                const auto   after = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
+                                double       changed = 0.0;
+                                for (std::size_t p = 0; p < after.size(); ++p)
+                                        changed += (after[p] - farIce) / (nearIce - farIce) * volume[p];
+                                return changed / s.spacing;
 			};
 			const double      constant = front(false), changing = front(true);
 			const std::string name = s.name + ", scale of the calendar 1 to 1000";
@@ -292,16 +293,17 @@ TEST(MovingFront, ThawAndFreezingInTheStateFunctionFormFollowNeumannWithConserve
 		const char* name;
 		double      surface, initial, waterPerVolume;
 	};
-	for (const Case& c : { Case { "thaw -5/+10", 10.0, -5.0, porosity * m.ice.density }, Case { "freezing +5/-5", -5.0, 5.0, porosity * m.liquid.density } }) {
+	for (const Case& c :
+	     { Case { "thaw -5/+10", 10.0, -5.0, porosity * m.ice.density }, Case { "freezing +5/-5", -5.0, 5.0, porosity * m.liquid.density } }) {
 		FrontScene s { std::string("V02 ") + c.name + ", wall: sharp, state function", c.surface, c.initial, sharpCurve() };
 		s.form  = EnthalpyForm::stateFunction;
 		s.depth = 2.0;
 		// with sharp ice fills the pores up to a thousandth of the water mass, see EnthalpyModel::residualWaterFraction
-		const double ice = std::min(porosity * m.ice.density, (1.0 - EnthalpyModel::residualWaterFraction) * c.waterPerVolume);
-		const double liquid = c.waterPerVolume - ice;
+		const double               ice    = std::min(porosity * m.ice.density, (1.0 - EnthalpyModel::residualWaterFraction) * c.waterPerVolume);
+		const double               liquid = c.waterPerVolume - ice;
 		const reference::Conductor thawed { phase(m, 1.0).conductivity, solid + c.waterPerVolume * m.liquid.specificHeat };
 		const reference::Conductor frozen { phase(m, 0.0).conductivity, solid + ice * m.ice.specificHeat + liquid * m.liquid.specificHeat };
-		const bool thaws = c.surface > c.initial;
+		const bool                 thaws = c.surface > c.initial;
 		const double front = reference::neumannFront(thaws ? thawed : frozen, thaws ? frozen : thawed, c.surface, c.initial, 0.0, ice * m.latentHeat);
 		expectFront(s, front, 10.0, thaws ? 1e-2 : 0.25, !thaws);
 	}
@@ -328,7 +330,9 @@ TEST(MovingFront, TemperatureProfileBehindAndAheadOfASmoothFrontFollowsTheSimila
 		double sum = 0.0;
 		for (std::size_t p = 0; p < result.depth.size(); ++p)
 			sum += std::pow(result.temperature[p] - exact.temperature(result.depth[p] / std::sqrt(days * day)), 2) / result.depth.size();
-		expectSmall(std::string("V02 temperature profile: ") + (thaws ? "thaw" : "freezing") + ", rms temperature error over the jump", std::sqrt(sum) / std::abs(s.surface - s.initial), 1e-2);
+		expectSmall(
+		        std::string("V02 temperature profile: ") + (thaws ? "thaw" : "freezing") + ", rms temperature error over the jump",
+		        std::sqrt(sum) / std::abs(s.surface - s.initial), 1e-2);
 	}
 }
 
@@ -359,22 +363,19 @@ TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTe
 TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 {
 	citing("Lunardini 1985, three zones");
-	FrontScene s { "Lunardini, three zones: +4 surface -6", -6.0, 4.0, makeFreezingCurve("linear", { { "frozenTemperature", -4.0 }, { "residualSaturation", 0.0 } }) };
-	s.mixture.ice.conductivity   = s.mixture.liquid.conductivity;
-	s.mixture.ice.specificHeat   = 4200.0;
-	s.mixture.ice.density        = 1000.0;
-	s.depth                      = 2.0;
-	s.spacing                    = 0.025;
-	const auto   ground          = phase(s.mixture, 1.0);
-	const double latent          = porosity * 1000.0 * s.mixture.latentHeat;
-	const auto   exact           = reference::Lunardini::solve(ground, latent, -6.0, -4.0, 0.0, 4.0);
+	FrontScene s { "Lunardini, three zones: +4 surface -6", -6.0, 4.0,
+		       makeFreezingCurve("linear", { { "frozenTemperature", -4.0 }, { "residualSaturation", 0.0 } }) };
+	s.mixture.ice.conductivity              = s.mixture.liquid.conductivity;
+	s.mixture.ice.specificHeat              = 4200.0;
+	s.mixture.ice.density                   = 1000.0;
+	s.depth                                 = 2.0;
+	s.spacing                               = 0.025;
+	const auto                       ground = phase(s.mixture, 1.0);
+	const double                     latent = porosity * 1000.0 * s.mixture.latentHeat;
+	const auto                       exact  = reference::Lunardini::solve(ground, latent, -6.0, -4.0, 0.0, 4.0);
 	const reference::SimilarityFront integrated(
-	        [&](double) { return ground.conductivity; },
-	        [&](double t) { return ground.capacity + (t > -4.0 && t < 0.0 ? latent / 4.0 : 0.0); },
-	        -6.0,
-	        4.0,
-	        8e-3,
-	        80000);
+	        [&](double) { return ground.conductivity; }, [&](double t) { return ground.capacity + (t > -4.0 && t < 0.0 ? latent / 4.0 : 0.0); }, -6.0, 4.0,
+	        8e-3, 80000);
 	expectSmall("Lunardini, three zones: reference against Runge-Kutta, T at the near front [K]", integrated.temperature(exact.nearFront) + 4.0, 5e-3);
 	expectSmall("Lunardini, three zones: reference against Runge-Kutta, T at the far front [K]", integrated.temperature(exact.farFront), 5e-3);
 	const auto result = expectFront(s, frontOf(integrated, s), 5.0, 0.1, true);
@@ -383,7 +384,8 @@ TEST(MovingFront, LunardiniThreeZonesWithEqualPhasesIsMet)
 		for (std::size_t p = 1; p < result.depth.size(); ++p)
 			if (result.temperature[p] >= t && result.depth[p] > result.depth[p - 1])
 				return result.depth[p - 1]
-				        + (t - result.temperature[p - 1]) / (result.temperature[p] - result.temperature[p - 1]) * (result.depth[p] - result.depth[p - 1]);
+				        + (t - result.temperature[p - 1]) / (result.temperature[p] - result.temperature[p - 1])
+				        * (result.depth[p] - result.depth[p - 1]);
 		return result.depth.back();
 	};
 	const double root = std::sqrt(5.0 * day);

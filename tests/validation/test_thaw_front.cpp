@@ -26,7 +26,8 @@ Slab layer(double thickness, double above = 0.0)
 std::string label(const std::string& what, const Slab& s)
 {
 	char text[160];
-	std::snprintf(text, sizeof(text), "slab on a frozen base, %s: X/h = %.1f, front %.2f h above a node, u over a t^2/2", what.c_str(), s.thickness, s.above);
+	std::snprintf(
+	        text, sizeof(text), "slab on a frozen base, %s: X/h = %.1f, front %.2f h above a node, u over a t^2/2", what.c_str(), s.thickness, s.above);
 	return text;
 }
 
@@ -40,9 +41,9 @@ void expectSlide(const std::string& what, const Slab& slab, double tolerance)
 
 Slab inclined(double thickness, double front)
 {
-	Slab s   = layer(thickness);
-	s.front  = front;
-	s.slope  = front;
+	Slab s  = layer(thickness);
+	s.front = front;
+	s.slope = front;
 	if (front == 30.0) s.length = 80.0; // it hardly moves: its ends are felt farther
 	return s;
 }
@@ -115,7 +116,8 @@ TEST(ThawFront, EveryTransferAndShapeFunctionLetsTheLayerSlide)
 	for (const char* shape : { "quadraticBSpline", "gimp" })
 		for (const VelocityTransfer transfer : { VelocityTransfer::flip, VelocityTransfer::apic, VelocityTransfer::tpic })
 			expectSlide(
-			        std::string(shape) + ", " + velocityTransferNames()[static_cast<int>(transfer)], withTransfer(layer(1.0, 0.25), transfer, shape), 5e-2);
+			        std::string(shape) + ", " + velocityTransferNames()[static_cast<int>(transfer)],
+			        withTransfer(layer(1.0, 0.25), transfer, shape), 5e-2);
 }
 
 namespace {
@@ -131,7 +133,7 @@ double creepOf(Slab s)
 	ground.settings().motion->localDamping = 0.5;
 	marchTo(ground, 0.2);
 	ground.settings().motion->localDamping = 0.0;
-	const double settled = scene.displacement();
+	const double settled                   = scene.displacement();
 	marchTo(ground, 0.7);
 	return (scene.displacement() - settled) / s.depth();
 }
@@ -140,7 +142,9 @@ void expectStanding(const Slab& slab, double bound)
 {
 	citing("Coulomb");
 	char text[160];
-	std::snprintf(text, sizeof(text), "slab on a frozen base, nine tenths of the angle of friction: X/h = %.1f, front %.2f h above a node, path in 0.5 s over X", slab.thickness, slab.above);
+	std::snprintf(
+	        text, sizeof(text), "slab on a frozen base, nine tenths of the angle of friction: X/h = %.1f, front %.2f h above a node, path in 0.5 s over X",
+	        slab.thickness, slab.above);
 	expectSmall(text, creepOf(slab), bound);
 }
 
@@ -164,39 +168,46 @@ TEST(ThawFront, LayerThatFrictionHoldsHardlyCreepsWhereverTheFrontLies_slow)
 
 TEST(ThawFront, CohesionHoldsALayerUpToItsClosedFormThickness)
 {
-	Slab s             = layer(2.0);
-	const double beta  = Slab::radians(s.slope), phi = Slab::radians(s.friction);
+	Slab         s    = layer(2.0);
+	const double beta = Slab::radians(s.slope), phi = Slab::radians(s.friction);
 	const double limit = (std::sin(beta) - std::sin(phi) * std::cos(beta)) * s.density() * Slab::gravity * s.depth() / std::cos(phi);
 	const auto   speed = [&](double cohesion) {
-		s.cohesion = cohesion;
-		SlabScene scene(s);
-		marchTo(scene.ground(), 0.4);
-		const double before = scene.displacement();
-		marchTo(scene.ground(), 0.5);
-		return (scene.displacement() - before) / 0.1;
+                s.cohesion = cohesion;
+                SlabScene scene(s);
+                marchTo(scene.ground(), 0.4);
+                const double before = scene.displacement();
+                marchTo(scene.ground(), 0.5);
+                return (scene.displacement() - before) / 0.1;
 	};
 	citing("infinite slope");
 	s.cohesion          = 0.9 * limit;
 	const double driven = 0.45 * s.acceleration();
-	expectAtLeast("slab on a frozen base, cohesion 0.9 of what holds it: speed after 0.45 s over that of the closed form", speed(0.9 * limit) / driven, 0.9);
-	expectSmall("slab on a frozen base, cohesion 1.1 of what holds it: speed after 0.45 s over that without cohesion", speed(1.1 * limit) / (0.45 * 3.896), 5e-2);
+	expectAtLeast(
+	        "slab on a frozen base, cohesion 0.9 of what holds it: speed after 0.45 s over that of the closed form", speed(0.9 * limit) / driven, 0.9);
+	expectSmall(
+	        "slab on a frozen base, cohesion 1.1 of what holds it: speed after 0.45 s over that without cohesion", speed(1.1 * limit) / (0.45 * 3.896),
+	        5e-2);
 }
 
 TEST(ThawFront, BlockThatFreezesToItsBaseWhileItSlidesStops)
 {
 	citing("Davis 1968");
 	for (const double above : { 0.0, 0.25, 0.5, 0.75 }) {
-		const Slab   s        = layer(2.0, above);
-		const double half     = 0.5 * s.depth(), first = 0.3, last = 0.5, end = 1.0;
+		const Slab   s    = layer(2.0, above);
+		const double half = 0.5 * s.depth(), first = 0.3, last = 0.5, end = 1.0;
 		const auto   freePath = [&](double t) { return 0.5 * s.acceleration() * t * t; };
-		const auto   row      = [&](const std::string& what) { return "slab that freezes to its base while it slides, front " + std::to_string(above).substr(0, 4) + " h above a node: " + what; };
-		SlabScene    scene(s);
+		const auto   row      = [&](const std::string& what) {
+                        return "slab that freezes to its base while it slides, front " + std::to_string(above).substr(0, 4) + " h above a node: " + what;
+		};
+		SlabScene scene(s);
 		marchTo(scene.ground(), first);
 		const double lower = scene.displacementBetween(0.0, half);
 		scene.freeze(0.0, half);
 		marchTo(scene.ground(), last);
 		const double upper = scene.displacementBetween(half, s.depth());
-		expectSmall(row("path of the frozen half from then on over a t^2/2"), (scene.displacementBetween(0.0, half) - lower) / (freePath(last) - freePath(first)), 2e-2);
+		expectSmall(
+		        row("path of the frozen half from then on over a t^2/2"),
+		        (scene.displacementBetween(0.0, half) - lower) / (freePath(last) - freePath(first)), 2e-2);
 		expectRelative(row("path of the half that slides on over a t^2/2"), upper, freePath(last), 5e-2);
 		scene.freeze(half, s.depth());
 		marchTo(scene.ground(), end);
@@ -217,10 +228,10 @@ public:
 		s.motion.emplace();
 		s.motion->gravity = { 0.0, -gravity };
 		s.heat.emplace();
-		s.freezing       = makeFreezingCurve();
-		auto law         = std::make_shared<MohrCoulombSkeleton<2>>();
-		law->cohesion    = 0.0;
-		s.skeletons      = { law };
+		s.freezing    = makeFreezingCurve();
+		auto law      = std::make_shared<MohrCoulombSkeleton<2>>();
+		law->cohesion = 0.0;
+		s.skeletons   = { law };
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side("right"));
 		change(s);
@@ -236,8 +247,8 @@ public:
 	/// Mean rise of the points that started between two heights over the front [m].
 	double rise(double lower, double upper) const
 	{
-		const auto u   = valuesOf(*ground_, "displacement", 1);
-		double     sum = 0.0;
+		const auto u     = valuesOf(*ground_, "displacement", 1);
+		double     sum   = 0.0;
 		int        count = 0;
 		for (std::size_t id = 0; id < u.size(); ++id)
 			if (height_[id] > lower && height_[id] < upper) {
@@ -246,8 +257,8 @@ public:
 			}
 		return sum / count;
 	}
-	double rowAbove() const { return rise(0.0, 0.5 * spacing); }
-	double rowBelow() const { return rise(-0.5 * spacing, 0.0); }
+	double     rowAbove() const { return rise(0.0, 0.5 * spacing); }
+	double     rowBelow() const { return rise(-0.5 * spacing, 0.0); }
 	Ground<2>& ground() { return *ground_; }
 
 	static constexpr double spacing = 0.25, gravity = 9.81;
@@ -270,7 +281,8 @@ TEST(ThawFront, ThawedGroundFallsFreelyFromAFrozenRoof)
 				addBoundary<FixedBoundary<2>>(s, Region<2>::side("top"));
 			});
 			marchTo(scene.ground(), duration);
-			const std::string what = std::string("thawed ground under a frozen roof, ") + shape + ", front " + std::to_string(above).substr(0, 4) + " h above a node: path of ";
+			const std::string what = std::string("thawed ground under a frozen roof, ") + shape + ", front " + std::to_string(above).substr(0, 4)
+			        + " h above a node: path of ";
 			expectRelative(what + "its upper row over g t^2/2", -scene.rowBelow() / path, 1.0, 2e-2);
 			expectSmall(what + "the roof over g t^2/2", scene.rowAbove() / path, 1e-2);
 		}
@@ -282,7 +294,8 @@ TEST(ThawFront, FrozenBlockThrownUpPartsFromTheThawedGroundUnderIt)
 	const double density = 0.6 * 2650.0 + 0.4 * 1000.0;
 	for (const char* shape : { "quadraticBSpline", "gimp" })
 		for (const double above : { 0.0, 0.5 }) {
-			const double   h = FrozenOnThawed::spacing, g = FrozenOnThawed::gravity, duration = 0.15, speed = 2.0, path = speed * duration - 0.5 * g * duration * duration;
+			const double h = FrozenOnThawed::spacing, g = FrozenOnThawed::gravity, duration = 0.15, speed = 2.0,
+			             path = speed * duration - 0.5 * g * duration * duration;
 			FrozenOnThawed scene(
 			        0.0, (2.0 + above) * h,
 			        [&](GroundSettings<2>& s) {
@@ -291,11 +304,12 @@ TEST(ThawFront, FrozenBlockThrownUpPartsFromTheThawedGroundUnderIt)
 			        },
 			        [&](PointInput<2>& p) {
 				        const double vertical = -density * g * ((4.0 + above) * h - p.position[1]), across = 0.3 / 0.7 * vertical;
-				        p.stress              = { across, vertical, across, 0.0 };
+				        p.stress = { across, vertical, across, 0.0 };
 				        if (p.temperature < 0.0) p.velocity = { 0.0, speed };
 			        });
 			marchTo(scene.ground(), duration);
-			const std::string what = std::string("frozen block thrown up from thawed ground, ") + shape + ", front " + std::to_string(above).substr(0, 4) + " h above a node: path of ";
+			const std::string what = std::string("frozen block thrown up from thawed ground, ") + shape + ", front "
+			        + std::to_string(above).substr(0, 4) + " h above a node: path of ";
 			expectRelative(what + "the block over v t - g t^2/2", scene.rowAbove() / path, 1.0, 2e-2);
 			expectSmall(what + "the ground over v t - g t^2/2", scene.rowBelow() / path, 1e-2);
 		}
@@ -305,9 +319,9 @@ TEST(ThawFront, SlipKeepsMomentumAndAccountsForItsWork)
 {
 	Slab s   = layer(2.0, 0.25);
 	s.change = [](GroundSettings<2>& g) { g.energyLedger = true; };
-	SlabScene         scene(s);
-	Ground<2>&        ground = scene.ground();
-	const Balance<2>  before = ground.balance();
+	SlabScene        scene(s);
+	Ground<2>&       ground = scene.ground();
+	const Balance<2> before = ground.balance();
 	marchTo(ground, 0.3);
 	const Balance<2> after = ground.balance();
 	double           drift = 0.0, scale = 0.0;
@@ -322,7 +336,9 @@ TEST(ThawFront, SlipKeepsMomentumAndAccountsForItsWork)
 	expectRelative("slab on a frozen base, balances: kinetic energy, work of strain and of slip over the work of gravity", held / fallen, 1.0, 2e-2);
 	// friction sin(phi) cos(beta) of the weight along the path of the layer
 	const double path = scene.displacement(), mass = s.density() * s.length * s.spacing * s.depth();
-	expectRelative("slab on a frozen base, balances: work of slip [J]", after.slipWork, mass * Slab::gravity * std::cos(Slab::radians(s.slope)) * s.sine() * path, 1e-1);
+	expectRelative(
+	        "slab on a frozen base, balances: work of slip [J]", after.slipWork, mass * Slab::gravity * std::cos(Slab::radians(s.slope)) * s.sine() * path,
+	        1e-1);
 }
 
 namespace {
@@ -330,9 +346,9 @@ namespace {
 /// A saturated block of six by two cells on a frozen base of two cells, which slides; three cells across in space.
 template <int D> Ground<D> block(int parallelFrom)
 {
-	constexpr double    h = 0.25, slope = 0.7;
-	GroundSettings<D>   s;
-	const Vec<3>        upper { 14.0 * h, 6.0 * h, 3.0 * h };
+	constexpr double  h = 0.25, slope = 0.7;
+	GroundSettings<D> s;
+	const Vec<3>      upper { 14.0 * h, 6.0 * h, 3.0 * h };
 	s.gridSpacing  = h;
 	s.mixture      = withoutExpansion();
 	s.parallelFrom = parallelFrom;
@@ -347,13 +363,13 @@ template <int D> Ground<D> block(int parallelFrom)
 	s.water->hydraulicTimeScale                 = 1.0;
 	s.water->state.liquidBulkModulus            = 2.2e7;
 	s.water->state.iceBulkModulus               = 8.8e7;
-	auto law                   = std::make_shared<MohrCoulombSkeleton<D>>();
-	law->youngModulus          = 20e6;
-	law->cohesion              = 0.0;
-	law->frictionAngle         = 26.0;
-	law->cohesionFrozen        = 50e6;
-	law->tensileStrengthFrozen = 50e6;
-	s.skeletons                = { law };
+	auto law                                    = std::make_shared<MohrCoulombSkeleton<D>>();
+	law->youngModulus                           = 20e6;
+	law->cohesion                               = 0.0;
+	law->frictionAngle                          = 26.0;
+	law->cohesionFrozen                         = 50e6;
+	law->tensileStrengthFrozen                  = 50e6;
+	s.skeletons                                 = { law };
 	for (int a = 0; a < D; ++a)
 		for (const bool high : { false, true }) {
 			if (a == 1 && high) continue;
@@ -369,8 +385,8 @@ template <int D> Ground<D> block(int parallelFrom)
 				const Vec<3>  position { x, y, z };
 				PointInput<D> p;
 				std::copy_n(position.begin(), D, p.position.begin());
-				p.volume      = std::pow(0.5 * h, D);
-				p.temperature = y > 2.0 * h ? 5.0 : -0.5;
+				p.volume            = std::pow(0.5 * h, D);
+				p.temperature       = y > 2.0 * h ? 5.0 : -0.5;
 				const double normal = -(0.6 * 2650.0 + 400.0) * 9.81 * std::cos(slope) * (4.0 * h - y);
 				for (int a = 0; a < 3; ++a)
 					p.stress[a] = normal;
@@ -407,11 +423,15 @@ TEST(ThawFront, BlockInSpaceSlidesAsItDoesInThePlane)
 		return sum / values.size();
 	};
 	EXPECT_GT(slip(valuesOf(plane, "slip")), 1e-3);
-	expectRelative("block on a frozen base in space, uniform across: mean slip after 0.1 s over that in the plane", slip(valuesOf(space, "slip")), slip(valuesOf(plane, "slip")), 1e-2);
 	expectRelative(
-	        "block on a frozen base in space, uniform across: mean displacement after 0.1 s over that in the plane", slip(valuesOf(space, "displacement", 0)),
-	        slip(valuesOf(plane, "displacement", 0)), 1e-2);
-	expectSmall("block on a frozen base in space, uniform across: largest displacement across over that along", largestSize(valuesOf(space, "displacement", 2)) / largestSize(valuesOf(space, "displacement", 0)), 1e-6);
+	        "block on a frozen base in space, uniform across: mean slip after 0.1 s over that in the plane", slip(valuesOf(space, "slip")),
+	        slip(valuesOf(plane, "slip")), 1e-2);
+	expectRelative(
+	        "block on a frozen base in space, uniform across: mean displacement after 0.1 s over that in the plane",
+	        slip(valuesOf(space, "displacement", 0)), slip(valuesOf(plane, "displacement", 0)), 1e-2);
+	expectSmall(
+	        "block on a frozen base in space, uniform across: largest displacement across over that along",
+	        largestSize(valuesOf(space, "displacement", 2)) / largestSize(valuesOf(space, "displacement", 0)), 1e-6);
 }
 
 TEST(ThawFront, FrontThatMovesGivesTheSameBitsForAnyNumberOfThreadsAndThroughACheckpoint)
@@ -433,9 +453,9 @@ TEST(ThawFront, FrontThatMovesGivesTheSameBitsForAnyNumberOfThreadsAndThroughACh
 		return copyOf(ground.state());
 	};
 	omp_set_num_threads(1);
-	Ground<2>    whole = start();
+	Ground<2>    whole  = start();
 	const double frozen = sumOf(whole, "frozenSide");
-	const auto   saved = march(whole, 0, halfWay);
+	const auto   saved  = march(whole, 0, halfWay);
 	EXPECT_EQ(sumOf(whole, "frozenSide"), frozen - 14.0);
 	const auto reference = march(whole, halfWay, steps);
 	EXPECT_EQ(sumOf(whole, "frozenSide"), frozen - 8.0);

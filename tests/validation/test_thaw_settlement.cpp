@@ -13,7 +13,7 @@ using namespace talik::validation;
 namespace {
 
 constexpr double porosity = 0.4, spacing = 0.1, height = 0.4, load = 1e5, thawedModulus = 1e7, frozenModulus = 1e8;
-constexpr double stableFrozen = 1.5e-4; ///< time step for the waves of frozen ground [s]
+constexpr double stableFrozen = 1.5e-4;          ///< time step for the waves of frozen ground [s]
 constexpr double scale = 2e7, seasonScale = 4e6; ///< calendar time over time of motion [-]
 
 /// A table of the calendar from times of motion [s].
@@ -66,7 +66,9 @@ TEST(ThawSettlement, ColumnLoadedWhileFrozenSettlesOnThawToTheStrainOfThawedGrou
 	Ground<2>    ground = column(inMotion(scale, { 0.4, 0.5 }, { -5.0, 5.0 }), inMotion(scale, { 0.0, 0.1 }, { 0.0, load }), -5.0);
 	const double ice    = meanIce(ground);
 	marchTo(ground, 0.4);
-	expectScaled("freeze-load-thaw, column: strain frozen, over that thawed", strainOf(ground), 1.0 - std::exp(-load / modulusAt(ice)), load / thawedModulus, 1e-3);
+	expectScaled(
+	        "freeze-load-thaw, column: strain frozen, over that thawed", strainOf(ground), 1.0 - std::exp(-load / modulusAt(ice)), load / thawedModulus,
+	        1e-3);
 	marchTo(ground, 1.6);
 	expectSmall("freeze-load-thaw, column: ice left after thaw", sumOf(ground, "iceSaturation"), 1e-12);
 	expectRelative("freeze-load-thaw, column: strain after thaw", strainOf(ground), 1.0 - std::exp(-load / thawedModulus), 1e-2);
@@ -78,8 +80,8 @@ TEST(ThawSettlement, ColumnLoadedFrozenUnloadedAndThawedReturnsToItsHeight)
 {
 	citing("Hooke, ice stress-free at birth");
 	const TimeTable temperatures = inMotion(scale, { 0.3, 0.4, 1.3, 1.4 }, { 1.0, -5.0, -5.0, 5.0 });
-	Ground<2>       ground = column(temperatures, inMotion(scale, { 0.0, 0.1, 1.0, 1.1 }, { 0.0, load, load, 0.0 }), 1.0);
-	const double    thawed = 1.0 - std::exp(-load / thawedModulus);
+	Ground<2>       ground       = column(temperatures, inMotion(scale, { 0.0, 0.1, 1.0, 1.1 }, { 0.0, load, load, 0.0 }), 1.0);
+	const double    thawed       = 1.0 - std::exp(-load / thawedModulus);
 	marchTo(ground, 0.3, stableFrozen);
 	expectRelative("load-freeze-unload-thaw, column of the law: strain under load", strainOf(ground), thawed, 1e-2);
 	marchTo(ground, 1.0, stableFrozen);
@@ -87,8 +89,8 @@ TEST(ThawSettlement, ColumnLoadedFrozenUnloadedAndThawedReturnsToItsHeight)
 	const double ice = meanIce(ground);
 	marchTo(ground, 1.3, stableFrozen);
 	expectScaled(
-	        "load-freeze-unload-thaw, column of the law: strain held by the ice, over that of the load", strainOf(ground), load / thawedModulus - load / modulusAt(ice),
-	        thawed, 1e-2);
+	        "load-freeze-unload-thaw, column of the law: strain held by the ice, over that of the load", strainOf(ground),
+	        load / thawedModulus - load / modulusAt(ice), thawed, 1e-2);
 	marchTo(ground, 2.5, stableFrozen);
 	expectSmall("load-freeze-unload-thaw, column of the law: ice left after thaw", sumOf(ground, "iceSaturation"), 1e-12);
 	expectScaled("load-freeze-unload-thaw, column of the law: strain after thaw, over that of the load", strainOf(ground), 0.0, thawed, 1e-2);
@@ -118,7 +120,8 @@ struct Seasons {
 		s.skeletons.push_back(skeleton);
 		std::vector<double> times, values;
 		for (int year = 0; year < years; ++year)
-			for (const auto& [time, value] : { std::pair { 0.0, 2.0 }, { 0.3, 2.0 }, { 0.35, -8.0 }, { 1.15, -8.0 }, { 1.2, 20.0 }, { 1.95, 20.0 } }) {
+			for (const auto& [time, value] :
+			     { std::pair { 0.0, 2.0 }, { 0.3, 2.0 }, { 0.35, -8.0 }, { 1.15, -8.0 }, { 1.2, 20.0 }, { 1.95, 20.0 } }) {
 				times.push_back(2.0 * year + time);
 				values.push_back(value);
 			}

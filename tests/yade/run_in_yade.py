@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import talik  # before any engine exists
+import talik  # before any engine exists  # noqa: F401: loads the plugin
 
 here = Path(sys.argv[0]).resolve().parent
 sys.path.insert(0, str(here))

@@ -91,8 +91,18 @@ def parabola(settings):
 
 def toy(**others):
 	return problem.Problem(
-		name="toy", title="Toy", norm="difference", reference="one", standard={"n": 4, "m": 1}, sweeps={"n": (64,), "m": (2, 3)}, quick={"n": (2, 8), "m": (2,)},
-		run=parabola, error=problem.rootMeanSquare, exact=lambda: [1.0], pairs=(("n", "m"),), **others,
+		name="toy",
+		title="Toy",
+		norm="difference",
+		reference="one",
+		standard={"n": 4, "m": 1},
+		sweeps={"n": (64,), "m": (2, 3)},
+		quick={"n": (2, 8), "m": (2,)},
+		run=parabola,
+		error=problem.rootMeanSquare,
+		exact=lambda: [1.0],
+		pairs=(("n", "m"),),
+		**others,
 	)
 
 
@@ -134,7 +144,8 @@ def test_what_failed_is_a_miss_and_is_tried_again(tmp_path):
 
 def rowsOf(*errorsAndTimes):
 	return [
-		{"varied": f"row {k}", "knob": "n", "error [-]": e, "wall time [s]": 2 * t, "CPU time [s]": t, "memory [MB]": 1.0, "failure": ""} for k, (e, t) in enumerate(errorsAndTimes)
+		{"varied": f"row {k}", "knob": "n", "error [-]": e, "wall time [s]": 2 * t, "CPU time [s]": t, "memory [MB]": 1.0, "failure": ""}
+		for k, (e, t) in enumerate(errorsAndTimes)
 	]
 
 
@@ -143,7 +154,11 @@ def test_the_front_the_advice_and_the_misses_are_those_of_the_rows():
 	assert [row["varied"] for row in report.paretoFront(rows)] == ["row 0", "row 1", "row 3"]
 	sentence = report.advice(toy(), rows)
 	print(sentence)
-	assert "1% is not reached (best 2.0%)" in sentence and "3% take row 3: 9 s of computing (18 s of wall time)" in sentence and "10% take row 1: 2 s of computing" in sentence
+	assert (
+		"1% is not reached (best 2.0%)" in sentence
+		and "3% take row 3: 9 s of computing (18 s of wall time)" in sentence
+		and "10% take row 1: 2 s of computing" in sentence
+	)
 	assert report.misses(toy(), rows) == []
 	assert report.misses(toy(), rows[:2]) == ["toy: no setting has an error of 3% or less"]
 	assert [row["on the front"] for row in report.marked(rows)] == ["yes", "yes", "", "yes", ""]

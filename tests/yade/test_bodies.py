@@ -86,7 +86,7 @@ def test_a_block_below_the_friction_angle_stays_where_it_is():
 	settled = mpm.field("displacement") @ along
 	run(2000)
 	crept = np.abs(mpm.field("displacement") @ along - settled).max()
-	free = 0.5 * g * math.sin(math.radians(15)) * mpm.time ** 2
+	free = 0.5 * g * math.sin(math.radians(15)) * mpm.time**2
 	print(f"moved {np.abs(settled).max():.2e} m while it settled and {crept:.2e} m afterwards; without friction {free:.2f} m")
 	assert np.abs(settled).max() < 1e-4 * free and crept < 1e-5 * free
 
@@ -105,7 +105,9 @@ def test_a_footing_at_rest_presses_the_ground_with_its_weight_and_the_ground_car
 	start = mpm.time
 	run(1000)
 	held = (mpm.balance()["impulse"][1] - before[1]) / (mpm.time - start)
-	print(f"weight {weight:.1f} N, force on the footing {pressing:.1f} N, unbalanced on the ground {held:.2e} N, speed {O.bodies[footing].state.vel[1]:.1e} m/s")
+	print(
+		f"weight {weight:.1f} N, force on the footing {pressing:.1f} N, unbalanced on the ground {held:.2e} N, speed {O.bodies[footing].state.vel[1]:.1e} m/s"
+	)
 	assert pressing == pytest.approx(weight, rel=0.01)
 	assert abs(held) < 0.01 * weight
 
@@ -238,7 +240,9 @@ def test_a_time_stepper_of_the_bodies_keeps_the_last_word():
 	O.bodies.append([utils.sphere((0.3, 0.8, 0), 0.2, material=material), utils.sphere((0.3, 1.19, 0), 0.2, material=material)])
 	mpm = ground(talik.geometry.rectangle(0, 0, 0.6, 0.5), lower=(-0.2, 0), upper=(0.8, 1))
 	mpm.boundaries = [wrapper.FixedBoundary(region="bottom")]
-	loop = wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()])
+	loop = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
+	)
 	stepper = wrapper.GlobalStiffnessTimeStepper(timeStepUpdateInterval=5, defaultDt=1e-5)
 	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), loop, stepper, mpm, O.engines[2]]
 	run(200)
@@ -315,7 +319,12 @@ def warmPlate(**attributes):
 	condition = wrapper.BodyTemperature(**{"bodies": [plate], "temperature": 10, **attributes})
 	sides = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
 	mpm = ground(
-		talik.geometry.rectangle(0, 0, 2, 0.5), lower=(0, 0), upper=(2, 0.8), gravity=(0, 0), heat=wrapper.HeatTransfer(thermalTimeScale=5e4), boundaries=[*sides, condition]
+		talik.geometry.rectangle(0, 0, 2, 0.5),
+		lower=(0, 0),
+		upper=(2, 0.8),
+		gravity=(0, 0),
+		heat=wrapper.HeatTransfer(thermalTimeScale=5e4),
+		boundaries=[*sides, condition],
 	)
 	O.bodies[plate].state.vel = (1, 0, 0)
 	return mpm

@@ -18,8 +18,13 @@ def block(speed=0.0, times=None, **heat):
 	O.reset()
 	boundaries = [] if times is None else [wrapper.WallTemperature(region="left", times=times, values=np.linspace(-1, 5, len(times)).tolist())]
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(6, 2), skeleton=wrapper.ElasticSkeleton(young=5e6),
-		heat=wrapper.HeatTransfer(**{"thermalTimeScale": 1e6, "followsMotion": True, **heat}), freezing=wrapper.FreezingCurve(), boundaries=boundaries,
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(6, 2),
+		skeleton=wrapper.ElasticSkeleton(young=5e6),
+		heat=wrapper.HeatTransfer(**{"thermalTimeScale": 1e6, "followsMotion": True, **heat}),
+		freezing=wrapper.FreezingCurve(),
+		boundaries=boundaries,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0.5, 0.5, 1.5, 0.5 + height), 0.25)
 	mpm.addPoints(position=position, volume=volume, temperature=-1.0, velocity=(speed, 0))
@@ -86,7 +91,7 @@ def test_a_flight_is_an_event_of_the_calendar_in_summaries_pictures_and_series(t
 	while O.time < 0.5:
 		O.run(20, True)
 	series.write()
-	event, = mpm.events()
+	(event,) = mpm.events()
 	history.append((mpm.calendar["day"], O.time, event["largest"]))
 	print(event)
 	assert event["goesOn"] and event["duration"] == pytest.approx(O.time, abs=3 * O.dt)
@@ -99,7 +104,9 @@ def test_a_flight_is_an_event_of_the_calendar_in_summaries_pictures_and_series(t
 	axes = plots.figure(5, 3).subplots()
 	plots.calendarHistory(axes, history, mpm.events())
 	assert axes.get_xlabel() == "day" and len(axes.patches) == 1 and [text.get_text() for text in axes.texts] == ["1 m²"]
-	assert list(thawslump.eventLines(mpm.events())) == [f"day 0.0: 1.00 m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m, and go on"]
+	assert list(thawslump.eventLines(mpm.events())) == [
+		f"day 0.0: 1.00 m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m, and go on"
+	]
 
 
 def test_calendar_and_events_go_through_a_checkpoint_to_the_same_last_bit(tmp_path):
@@ -156,11 +163,21 @@ def test_hastened_sand_and_gravel_run_dry_above_without_an_impossible_state(cond
 	"""A slope thaws for half a year in 4 s of motion; its water falls to the base within the first of them. What is not there does not flow."""
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(4, 3), gravity=(0, -9.81), damping=0.1, skeleton=wrapper.ElasticSkeleton(young=20e6),
-		heat=wrapper.HeatTransfer(thermalTimeScale=4e6), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(conductivity=conductivity, hydraulicTimeScale=own),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(4, 3),
+		gravity=(0, -9.81),
+		damping=0.1,
+		skeleton=wrapper.ElasticSkeleton(young=20e6),
+		heat=wrapper.HeatTransfer(thermalTimeScale=4e6),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(conductivity=conductivity, hydraulicTimeScale=own),
 		boundaries=[
-			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
-			wrapper.DrainedBoundary(region="right", recharge=False), wrapper.SurfaceTemperature(region="surface", times=[0, 10 * talik.day], values=[-2, 10]),
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="right"),
+			wrapper.FixedBoundary(region="bottom"),
+			wrapper.DrainedBoundary(region="right", recharge=False),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 10 * talik.day], values=[-2, 10]),
 		],
 	)
 	talik.geometry.fill(mpm, [(0, 0), (4, 0), (4, 0.5), (2, 2), (0, 2)], temperature=-2)
@@ -171,7 +188,10 @@ def test_hastened_sand_and_gravel_run_dry_above_without_an_impossible_state(cond
 	O.wait()
 	told = capfd.readouterr().err
 	balance, fill, calendar = mpm.balance(), mpm.field("liquidFraction") / mpm.field("porosity"), mpm.calendar
-	print(f"day {calendar['day']:.0f} after {O.time:.1f} s, seepage x {calendar['seepageScale']:.3g}: fill {fill.min():.2g} to {fill.max():.2f}, {100 * balance['waterOut'] / water:.1f} % of the water has left")
+	print(
+		f"day {calendar['day']:.0f} after {O.time:.1f} s, seepage x {calendar['seepageScale']:.3g}: fill "
+		f"{fill.min():.2g} to {fill.max():.2f}, {100 * balance['waterOut'] / water:.1f} % of the water has left"
+	)
 	assert 0 < fill.min() < 0.5 and balance["waterOut"] > 0
 	assert balance["waterMass"] + balance["waterOut"] == pytest.approx(water, rel=1e-11)
 	assert conductivity * calendar["seepageScale"] == pytest.approx(calendar["largestConductivity"], rel=1e-12)

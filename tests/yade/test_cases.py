@@ -77,10 +77,20 @@ def thawedColumn(sample, thawStrain, duration=5.0):
 	assert icy.servo(-12e3, -18e3)
 	h, top = 0.5, 2.0
 	mpm = MpmEngine(
-		gridSpacing=h, lower=(0, 0), upper=(2 * h, top + 2 * h), gravity=(0, -9.81), damping=0.3, skeleton=RveSkeleton(samples=[icy]),
-		heat=HeatTransfer(thermalTimeScale=8.64e5), freezing=FreezingCurve(width=0.5, residualSaturation=0.05), water=PoreWater(conductivity=1e-4, bulkModulus=2.2e7),
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(2 * h, top + 2 * h),
+		gravity=(0, -9.81),
+		damping=0.3,
+		skeleton=RveSkeleton(samples=[icy]),
+		heat=HeatTransfer(thermalTimeScale=8.64e5),
+		freezing=FreezingCurve(width=0.5, residualSaturation=0.05),
+		water=PoreWater(conductivity=1e-4, bulkModulus=2.2e7),
 		boundaries=[
-			RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom"), DrainedBoundary(region="surface", recharge=False),
+			RollerBoundary(region="left"),
+			RollerBoundary(region="right"),
+			FixedBoundary(region="bottom"),
+			DrainedBoundary(region="surface", recharge=False),
 			WallTemperature(region="bottom", times=[0, 3 * talik.day, 13 * talik.day], values=[-5, -5, 10]),
 		],
 	)
@@ -89,7 +99,20 @@ def thawedColumn(sample, thawStrain, duration=5.0):
 	thawslump.runUntil(0.3)
 	mpm.resetDisplacement()
 	thawslump.runUntil(duration)
-	fields = {name: mpm.field(name) for name in ("position", "displacement", "volume", "temperature", "iceSaturation", "bondsIntact", "bondsFormed", "bondsBroken", "skeleton0.sampleIceSaturation")}
+	fields = {
+		name: mpm.field(name)
+		for name in (
+			"position",
+			"displacement",
+			"volume",
+			"temperature",
+			"iceSaturation",
+			"bondsIntact",
+			"bondsFormed",
+			"bondsBroken",
+			"skeleton0.sampleIceSaturation",
+		)
+	}
 	start = shearband.initialPosition(fields)
 	return -fields["displacement"][start[:, 1] > top - h, 1].mean(), fields
 
@@ -101,7 +124,10 @@ def test_thaw_from_the_base_leaves_no_bond_and_takes_support_by_the_thaw_strain_
 		settled[thawStrain], fields = thawedColumn(sample, thawStrain)
 		thawed = fields["skeleton0.sampleIceSaturation"] <= shearband.meltSaturation
 		depth = fields["volume"][thawed].sum() / (2 * h)
-		print(f"thaw strain {thawStrain}: {depth:.2f} m thawed from the base, bonds left there {fields['bondsIntact'][thawed].sum():.0f}, top settled {1e3 * settled[thawStrain]:.2f} mm")
+		print(
+			f"thaw strain {thawStrain}: {depth:.2f} m thawed from the base, bonds left there "
+			f"{fields['bondsIntact'][thawed].sum():.0f}, top settled {1e3 * settled[thawStrain]:.2f} mm"
+		)
 		assert depth > 0.9 * h and thawed[np.argmin(fields["position"][:, 1])]
 		assert not fields["bondsIntact"][thawed].any()
 	lost = np.sum((1 - fields["skeleton0.sampleIceSaturation"] / fields["skeleton0.sampleIceSaturation"].max()) * fields["volume"]) / (2 * h)
@@ -117,8 +143,8 @@ block = [(0, 0), (10, 0), (10, 6), (0, 6)]
 
 
 def inclinedBand(angle, width=0.5, spacing=0.1, rotation=0.0, noise=0.0, opening=0.0):
-	"""Points of a block whose upper right part slid by 0.6 m, left the line by `opening` [deg], and turned by `rotation` [deg] about its middle, along a line through the
-	middle of the block that falls to the right; the displacement changes over `width`, down to y = 1. A `noise` [m] lies over it."""
+	"""Points of a block whose upper right part slid by 0.6 m, left the line by `opening` [deg], and turned by `rotation` [deg] about its middle, along a line
+	through the 	middle of the block that falls to the right; the displacement changes over `width`, down to y = 1. A `noise` [m] lies over it."""
 	x, y = (values.ravel() for values in np.meshgrid(np.arange(spacing / 2, 10, spacing), np.arange(spacing / 2, 6, spacing)))
 	sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
 	across = (x - 5) * sine + (y - 3) * cosine
@@ -129,8 +155,14 @@ def inclinedBand(angle, width=0.5, spacing=0.1, rotation=0.0, noise=0.0, opening
 	displacement = share[:, None] * (0.6 * away + turned) + noise * np.random.default_rng(1).standard_normal((n, 2))
 	strained = (share > 0) & (share < 1)
 	return {
-		"position": start + displacement, "displacement": displacement, "volume": np.full(n, spacing ** 2), "deviatoricStrain": 0.2 * strained,
-		"iceSaturation": np.where(y > 1, 0.9, 0.0), "bondsFormed": np.full(n, 100.0), "bondsBroken": 7.0 * strained, "coordinationNumber": np.full(n, 3.0),
+		"position": start + displacement,
+		"displacement": displacement,
+		"volume": np.full(n, spacing**2),
+		"deviatoricStrain": 0.2 * strained,
+		"iceSaturation": np.where(y > 1, 0.9, 0.0),
+		"bondsFormed": np.full(n, 100.0),
+		"bondsBroken": 7.0 * strained,
+		"coordinationNumber": np.full(n, 3.0),
 	}
 
 
@@ -191,7 +223,7 @@ def test_cohesion_and_friction_of_made_up_tests_are_recovered():
 	assert found == pytest.approx(cohesions, rel=1e-6) and np.degrees(np.arcsin(sine)) == pytest.approx(friction, rel=1e-6)
 	assert poisson == pytest.approx(0.2, rel=1e-6)
 	slopeOfTest = 2 * tests[0].peak[1] / 0.01
-	assert young == pytest.approx(slopeOfTest * (1 - 0.2 ** 2), rel=1e-6)
+	assert young == pytest.approx(slopeOfTest * (1 - 0.2**2), rel=1e-6)
 
 
 def test_ground_without_bonds_is_given_no_cohesion():
@@ -243,7 +275,27 @@ def labels(figure):
 
 def asCommanded(folder, **options):
 	"""Options of an example's command line at --preset test."""
-	return argparse.Namespace(**{**dict(preset="test", output=folder, resume=False, redraw=False, days=None, no_thaw=False, thaw_strain=0.03, skeleton="samples", compare=None, grains=None, realisations=1, seed=1, thawed_cohesion=None, calendar=None), **options})
+	return argparse.Namespace(
+		**{
+			**dict(
+				preset="test",
+				output=folder,
+				resume=False,
+				redraw=False,
+				days=None,
+				no_thaw=False,
+				thaw_strain=0.03,
+				skeleton="samples",
+				compare=None,
+				grains=None,
+				realisations=1,
+				seed=1,
+				thawed_cohesion=None,
+				calendar=None,
+			),
+			**options,
+		}
+	)
 
 
 def summaries(folder):
@@ -256,16 +308,33 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	assert (options.thaw_strain, options.compare, options.skeleton) == ("full", "thaw-strain", "MohrCoulomb")
 	monkeypatch.setattr(sys, "argv", ["example"])
 	assert thawslump.arguments("example", "output", thawStrain=0.03).thaw_strain == 0.03
-	runs = {name: list(thawslump.comparison(argparse.Namespace(compare=name, skeleton="samples", thaw_strain=0.05)).values()) for name in (None, "thaw-strain", "skeleton", "both")}
+	runs = {
+		name: list(thawslump.comparison(argparse.Namespace(compare=name, skeleton="samples", thaw_strain=0.05)).values())
+		for name in (None, "thaw-strain", "skeleton", "both")
+	}
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
 	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
-	grounds = {name: thawslump.groundOf(asCommanded("", skeleton=name, **given), dict(skeleton=name, thawStrain=0.0)) for name, given in (("samples", {}), ("MohrCoulomb", {}))}
+	grounds = {
+		name: thawslump.groundOf(asCommanded("", skeleton=name, **given), dict(skeleton=name, thawStrain=0.0))
+		for name, given in (("samples", {}), ("MohrCoulomb", {}))
+	}
 	assert not grounds["samples"].followsMotion and grounds["samples"].thawedCohesion == 0
 	assert grounds["MohrCoulomb"].followsMotion and grounds["MohrCoulomb"].thawedCohesion == 2000
 	compared = thawslump.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
 	assert compared.followsMotion and compared.thawedCohesion == 0
-	for wrong in (["--days", "-5"], ["--duration", "20"], ["--skeleton", "Cam-Clay"], ["--thaw-strain", "much"], ["--compare", "weather"], ["--grains", "0"], ["--realisations", "2.5"], ["--realisations", "-1"], ["--thawed-cohesion", "-5"], ["--seed", "x"]):
+	for wrong in (
+		["--days", "-5"],
+		["--duration", "20"],
+		["--skeleton", "Cam-Clay"],
+		["--thaw-strain", "much"],
+		["--compare", "weather"],
+		["--grains", "0"],
+		["--realisations", "2.5"],
+		["--realisations", "-1"],
+		["--thawed-cohesion", "-5"],
+		["--seed", "x"],
+	):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):
 			thawslump.arguments("example", "output")
@@ -278,12 +347,17 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
 	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
 	preset = thawslump._presetOf(options, None)
-	slump = {name: thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons}
+	slump = {
+		name: thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons
+	}
 	samples, cohesions = slump["samples"].skeleton.samples, slump["MohrCoulomb"].skeleton.cohesions
 	strength, measured = slump["samples"].thawed["strength of bonds [Pa]"], slump["samples"].thawed["cohesion measured [Pa]"]
 	slump["samples"].mpm.initialise()
 	porosities = {round(value, 9) for value in slump["samples"].mpm.field("samplePorosity")}
-	print(f"{len(samples)} samples of {len(samples[0].arrays()['radius'])} grains in {len(porosities)} packings; bonds of {strength:.0f} Pa, {measured:.0f} Pa measured; law {cohesions}")
+	print(
+		f"{len(samples)} samples of {len(samples[0].arrays()['radius'])} grains in {len(porosities)} packings; bonds of "
+		f"{strength:.0f} Pa, {measured:.0f} Pa measured; law {cohesions}"
+	)
 	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
 	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.6)
 	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5
@@ -317,7 +391,10 @@ def test_compare_thaw_strain_runs_none_a_few_per_cent_and_all_of_it_slow(tmp_pat
 	runs = summaries(tmp_path)
 	print({name: summary["ground.thawStrain"] for name, summary in runs.items()})
 	assert {name: summary["ground.thawStrain"] for name, summary in runs.items()} == {
-		"thaw-strain-0.0": 0.0, "thaw-strain-0.03": 0.03, "thaw-strain-full": "full"}
+		"thaw-strain-0.0": 0.0,
+		"thaw-strain-0.03": 0.03,
+		"thaw-strain-full": "full",
+	}
 	assert (tmp_path / "thaw-strain.png").stat().st_size > 10000
 
 
@@ -406,7 +483,11 @@ def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_a
 	slump = thawslump.runCase("Case II", warmBase, asCommanded(tmp_path / "stopped", resume=True))
 	found = output.allFields(slump.mpm)
 	different = sum(int(np.sum(~((found[name] == wanted[name]) | (np.isnan(found[name]) & np.isnan(wanted[name]))))) for name in wanted)
-	print(f"\n{len(wanted)} fields of {slump.mpm.pointCount} points: {different} numbers differ; {len(slump.frames.frames)} frames, {len(slump.series.entries)} states for ParaView, {len(kept)} checkpoints, {len(set(kept))} times")
+	print(
+		f"\n{len(wanted)} fields of {slump.mpm.pointCount} points: {different} numbers differ; "
+		f"{len(slump.frames.frames)} frames, {len(slump.series.entries)} states for ParaView, {len(kept)} checkpoints, "
+		f"{len(set(kept))} times"
+	)
 	assert len(set(kept)) > 4  # one at each of three states, the others between them
 	assert found.keys() == wanted.keys() and different == 0
 	assert [frame["time"] for frame in slump.frames.frames] == [frame["time"] for frame in whole.frames.frames]

@@ -160,14 +160,17 @@ def test_a_row_that_fails_is_a_miss_and_is_tried_again(toyStudy, tmp_path, monke
 	assert convergencecommand.main(command) == 0 and "it fell over" not in page.read_text()
 
 
-@pytest.mark.parametrize("given, sentence", (
-	(["--case", "summit"], "argument --case: invalid choice: 'summit'"),
-	(["--knob", "colour"], "argument --knob: invalid choice: 'colour'"),
-	(["--quick", "--knob", "motion-tolerance"], "--quick has no rows of motion-tolerance; leave --quick out"),
-	(["--write", "absent.md"], "absent.md cannot be read (No such file or directory)"),
-	(["--check", "absent.md"], "absent.md cannot be read (No such file or directory)"),
-	(["--output", "/proc/nowhere"], "folder '/proc/nowhere' cannot be written"),
-))
+@pytest.mark.parametrize(
+	"given, sentence",
+	(
+		(["--case", "summit"], "argument --case: invalid choice: 'summit'"),
+		(["--knob", "colour"], "argument --knob: invalid choice: 'colour'"),
+		(["--quick", "--knob", "motion-tolerance"], "--quick has no rows of motion-tolerance; leave --quick out"),
+		(["--write", "absent.md"], "absent.md cannot be read (No such file or directory)"),
+		(["--check", "absent.md"], "absent.md cannot be read (No such file or directory)"),
+		(["--output", "/proc/nowhere"], "folder '/proc/nowhere' cannot be written"),
+	),
+)
 def test_a_bad_argument_is_refused_by_one_sentence(toyStudy, given, sentence):
 	with pytest.raises((ValueError, RuntimeError), match=re.escape(sentence)) as refused:
 		convergencecommand.main(given)

@@ -50,7 +50,9 @@ O.run(3, True)
 
 
 def test_import_takes_milliseconds_warns_of_nothing_and_leaves_the_scene_alone(tmp_path):
-	body = grainsInContact + """
+	body = (
+		grainsInContact
+		+ """
 import time
 before = (O.sceneToString(), O.iter, O.time, len(O.bodies), [i.phys.normalForce for i in O.interactions])
 wall, cpu = time.perf_counter(), time.process_time()
@@ -58,6 +60,7 @@ wall, cpu = time.perf_counter(), time.process_time()
 print("FIGURES", 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - cpu))
 print("UNTOUCHED", (O.sceneToString(), O.iter, O.time, len(O.bodies), [i.phys.normalForce for i in O.interactions]) == before)
 """
+	)
 	output, errors = runScript(tmp_path, body.format(statement="import talik"), "-n")
 	plain, plainErrors = runScript(tmp_path, body.format(statement="pass"), "-n")
 	wall, cpu = map(float, re.search(r"FIGURES (\S+) (\S+)", output).groups())
@@ -71,9 +74,18 @@ print("UNTOUCHED", (O.sceneToString(), O.iter, O.time, len(O.bodies), [i.phys.no
 
 def test_all_classes_are_registered_and_part_of_yades_families():
 	wanted = {
-		"MpmEngine": "GlobalEngine", "GrainSwelling": "GlobalEngine", "RveSample": "GlobalEngine", "IceBondMat": "FrictMat", "IceBondPhys": "FrictPhys",
-		"Ip2_IceBondMat_IceBondMat_IceBondPhys": "IPhysFunctor", "Law2_ScGeom_IceBondPhys_IceBond": "LawFunctor", "Gl1_IceBondPhys": "GlIPhysFunctor",
-		"RveSkeleton": "SkeletonLaw", "ElasticSkeleton": "SkeletonLaw", "MohrCoulombSkeleton": "SkeletonLaw", "SurfaceTemperature": "GroundBoundary",
+		"MpmEngine": "GlobalEngine",
+		"GrainSwelling": "GlobalEngine",
+		"RveSample": "GlobalEngine",
+		"IceBondMat": "FrictMat",
+		"IceBondPhys": "FrictPhys",
+		"Ip2_IceBondMat_IceBondMat_IceBondPhys": "IPhysFunctor",
+		"Law2_ScGeom_IceBondPhys_IceBond": "LawFunctor",
+		"Gl1_IceBondPhys": "GlIPhysFunctor",
+		"RveSkeleton": "SkeletonLaw",
+		"ElasticSkeleton": "SkeletonLaw",
+		"MohrCoulombSkeleton": "SkeletonLaw",
+		"SurfaceTemperature": "GroundBoundary",
 	}
 	from yade.system import childClasses
 
@@ -172,11 +184,14 @@ def test_outside_yade_the_import_fails_with_a_sentence():
 	print(f"\n{last}")
 
 
-@pytest.mark.parametrize("expectation, words", [
-	("NormPhys.kn=40", ["NormPhys.kn lies at byte", "instead of 40"]),
-	("Scene.size=64", ["Scene.size occupies about", "instead of 64"]),
-	("Cell.homoDeform=8", ["Cell.homoDeform", "instead of 8"]),
-])
+@pytest.mark.parametrize(
+	"expectation, words",
+	[
+		("NormPhys.kn=40", ["NormPhys.kn lies at byte", "instead of 40"]),
+		("Scene.size=64", ["Scene.size occupies about", "instead of 64"]),
+		("Cell.homoDeform=8", ["Cell.homoDeform", "instead of 8"]),
+	],
+)
 def test_a_yade_that_differs_is_refused_by_version_class_and_member_and_goes_on_undamaged(tmp_path, expectation, words):
 	output, _ = runScript(
 		tmp_path,
@@ -305,7 +320,14 @@ def saveAndLoad(how, folder):
 
 def attributes(instance):
 	"""Everything that YADE shows of an object, with the objects inside."""
-	return {name: attributes(value) if isinstance(value, wrapper.Serializable) else [attributes(v) if isinstance(v, wrapper.Serializable) else v for v in value] if isinstance(value, list) else value for name, value in instance.dict().items()}
+	return {
+		name: attributes(value)
+		if isinstance(value, wrapper.Serializable)
+		else [attributes(v) if isinstance(v, wrapper.Serializable) else v for v in value]
+		if isinstance(value, list)
+		else value
+		for name, value in instance.dict().items()
+	}
 
 
 def sameText(first, second):
@@ -355,10 +377,19 @@ def test_a_bonded_scene_survives_saving(how, tmp_path):
 def smallGround(skeleton):
 	"""A warm and a frozen half, wet, sinking under gravity."""
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 1.5), gravity=(0, -9.81), damping=0.1, skeleton=skeleton,
-		heat=wrapper.HeatTransfer(thermalTimeScale=1e5), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 1.5),
+		gravity=(0, -9.81),
+		damping=0.1,
+		skeleton=skeleton,
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e5),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
 		boundaries=[
-			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="right"),
+			wrapper.FixedBoundary(region="bottom"),
 			wrapper.SurfaceTemperature(region="surface", times=[0, 1e3], values=[-1, 10]),
 		],
 	)

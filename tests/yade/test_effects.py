@@ -31,8 +31,7 @@ scenes = {
 	"heat and freezing": (freezing, pointsAlone | ofContent | ofHeat | ofFreezing, nodesOfHeat, {"heat"}),
 	"motion only": (motion, pointsAlone | ofMotion, nodesOfMotion, {"wave", "velocity"}),
 	"motion and water": (water, pointsAlone | ofMotion | ofContent | ofWater, nodesOfMotion | nodesOfWater, {"wave", "velocity"}),
-	"motion with affine transfer": (
-		{**motion, "transfer": "apic"}, pointsAlone | ofMotion | {"affineVelocity"}, nodesOfMotion, {"wave", "velocity"}),
+	"motion with affine transfer": ({**motion, "transfer": "apic"}, pointsAlone | ofMotion | {"affineVelocity"}, nodesOfMotion, {"wave", "velocity"}),
 	"everything": (
 		everything,
 		pointsAlone | ofMotion | ofContent | ofHeat | ofFreezing | ofWater,
@@ -85,13 +84,19 @@ def test_layers_with_skeletons_of_their_own_give_way_each_by_its_own_stiffness()
 	"""Three layers under one load, side walls on rollers: strain of each is load over its oedometer modulus (nu = 0: Young's)."""
 	load, moduli = 1e4, (1e7, 4e7, 2e7)
 	mpm = engine(
-		points=False, gridSpacing=0.125, lower=(0, 0), upper=(0.125, 3.5), damping=0.5,
+		points=False,
+		gridSpacing=0.125,
+		lower=(0, 0),
+		upper=(0.125, 3.5),
+		damping=0.5,
 		skeletons=[
-			ElasticSkeleton(young=moduli[0], poisson=0), ElasticSkeleton(young=moduli[1], poisson=0),
-			MohrCoulombSkeleton(young=moduli[2], youngFrozen=moduli[2], poisson=0, cohesion=1e6, cohesionFrozen=1e6, tensileStrength=1e6, tensileStrengthFrozen=1e6),
+			ElasticSkeleton(young=moduli[0], poisson=0),
+			ElasticSkeleton(young=moduli[1], poisson=0),
+			MohrCoulombSkeleton(
+				young=moduli[2], youngFrozen=moduli[2], poisson=0, cohesion=1e6, cohesionFrozen=1e6, tensileStrength=1e6, tensileStrengthFrozen=1e6
+			),
 		],
-		boundaries=[
-			*(RollerBoundary(region=side) for side in ("left", "right", "bottom")), SurfaceLoad(region="surface", times=[0, 0.1], values=[0, load])],
+		boundaries=[*(RollerBoundary(region=side) for side in ("left", "right", "bottom")), SurfaceLoad(region="surface", times=[0, 0.1], values=[0, load])],
 	)
 	positions, volumes = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 0.125, 3), 0.125)
 	mpm.addPoints(position=positions, volume=volumes, skeleton=positions[:, 1].astype(int))
@@ -108,7 +113,11 @@ def test_layers_with_skeletons_of_their_own_give_way_each_by_its_own_stiffness()
 
 def test_porosity_pore_fill_temperature_and_pressure_may_be_functions_of_place():
 	given = {
-		"porosity": lambda x, y: 0.3 + 0.1 * x, "temperature": lambda x, y: 1 + 4 * y, "pressure": lambda x, y: 9810 * (1 - y), "poreFill": lambda x, y: 0.2 + 0.5 * x}
+		"porosity": lambda x, y: 0.3 + 0.1 * x,
+		"temperature": lambda x, y: 1 + 4 * y,
+		"pressure": lambda x, y: 9810 * (1 - y),
+		"poreFill": lambda x, y: 0.2 + 0.5 * x,
+	}
 	saturated = {name: given[name] for name in ("porosity", "temperature", "pressure")}
 	mpm = engine(points=False, **everything)
 	talik.geometry.fill(mpm, square, **saturated)
@@ -137,15 +146,27 @@ refused = {
 	"motion without skeleton": (dict(), "MpmEngine.skeleton", "skeleton=ElasticSkeleton()"),
 	"no effect at all": (dict(motion=False), "no effect", "at least one"),
 	"wall temperature without heat": (
-		dict(**motion, boundaries=lambda: [WallTemperature(region="left", temperature=10)]), "WallTemperature on side left", "add it or leave"),
+		dict(**motion, boundaries=lambda: [WallTemperature(region="left", temperature=10)]),
+		"WallTemperature on side left",
+		"add it or leave",
+	),
 	"drainage without water": (dict(**motion, boundaries=lambda: [DrainedBoundary(region="surface")]), "DrainedBoundary", "add it or leave"),
 	"fed with water without water": (dict(**motion, boundaries=lambda: [WaterFlux(region="left", flux=1e-6)]), "WaterFlux on side left", "add it or leave"),
 	"pressure and flux of water on one side": (
-		dict(**water, boundaries=lambda: [DrainedBoundary(region="left"), WaterFlux(region="left", flux=1e-6)]), "WaterFlux", "remove it"),
+		dict(**water, boundaries=lambda: [DrainedBoundary(region="left"), WaterFlux(region="left", flux=1e-6)]),
+		"WaterFlux",
+		"remove it",
+	),
 	"flux into an impermeable side": (
-		dict(**water, boundaries=lambda: [ImpermeableBoundary(region="left"), WaterFlux(region="left", flux=1e-6)]), "WaterFlux", "remove it"),
+		dict(**water, boundaries=lambda: [ImpermeableBoundary(region="left"), WaterFlux(region="left", flux=1e-6)]),
+		"WaterFlux",
+		"remove it",
+	),
 	"warm rain without heat": (
-		dict(**water, boundaries=lambda: [WaterFlux(region="left", flux=1e-6, temperature=8)]), "WaterFlux.temperature is set", "add heat"),
+		dict(**water, boundaries=lambda: [WaterFlux(region="left", flux=1e-6, temperature=8)]),
+		"WaterFlux.temperature is set",
+		"add heat",
+	),
 	"ice that flows": (dict(**everything, boundaries=lambda: [WaterFlux(region="left", temperature=-8)]), "WaterFlux.temperature = -8", "leave it out"),
 	"unknown transfer": (dict(**motion, transfer="pic"), "transfer = 'pic'", "choose one of flip, apic, tpic"),
 	"transfer in rigid ground": (dict(**heat, transfer="apic"), "MpmEngine.transfer is 'apic'", "leave it out"),
@@ -171,32 +192,47 @@ refused = {
 	"missing skeleton": (dict(**motion, pointValues=[("skeleton", 3)]), "skeleton = 3", "0 to 0"),
 	"unknown region": (dict(**motion, boundaries=lambda: [FixedBoundary(region="lefft")]), "FixedBoundary.region is 'lefft'", "choose left, right"),
 	"two conditions on one side": (
-		dict(**motion, boundaries=lambda: [FixedBoundary(region="left"), RollerBoundary(region="left")]), "RollerBoundary", "remove it"),
+		dict(**motion, boundaries=lambda: [FixedBoundary(region="left"), RollerBoundary(region="left")]),
+		"RollerBoundary",
+		"remove it",
+	),
 	"table out of order": (
-		dict(**heat, boundaries=lambda: [WallTemperature(region="left", times=[1, 0], values=[1, 2])]), "WallTemperature.times", "must increase"),
+		dict(**heat, boundaries=lambda: [WallTemperature(region="left", times=[1, 0], values=[1, 2])]),
+		"WallTemperature.times",
+		"must increase",
+	),
 	"unknown curve": (dict(**heat, freezing=lambda: FreezingCurve(curve="gaus")), "FreezingCurve.curve = 'gaus'", "choose one of"),
 	"negative width": (dict(**heat, freezing=lambda: FreezingCurve(width=-1)), "FreezingCurve.width = -1", "must be positive"),
 	"negative width of linear": (dict(**heat, freezing=lambda: FreezingCurve(curve="linear", width=-1)), "FreezingCurve.width = -1", "must be positive"),
 	"parameter of another curve": (
-		dict(**heat, freezing=lambda: FreezingCurve(curve="gauss", airEntryPressure=1e4)), "FreezingCurve.airEntryPressure = 10000", "leave it out"),
-	"bad lambda": (
-		dict(**heat, freezing=lambda: FreezingCurve(curve="vanGenuchten", exponent=2)), "FreezingCurve.exponent = 2", "must lie in (0, 1)"),
+		dict(**heat, freezing=lambda: FreezingCurve(curve="gauss", airEntryPressure=1e4)),
+		"FreezingCurve.airEntryPressure = 10000",
+		"leave it out",
+	),
+	"bad lambda": (dict(**heat, freezing=lambda: FreezingCurve(curve="vanGenuchten", exponent=2)), "FreezingCurve.exponent = 2", "must lie in (0, 1)"),
 	"time backwards for heat": (dict(motion=False, heat=lambda: HeatTransfer(thermalTimeScale=-1)), "thermalTimeScale = -1", "must be positive"),
 	"unknown form": (dict(motion=False, heat=lambda: HeatTransfer(enthalpyForm="x")), "enthalpyForm = 'x'", "choose stateFunction"),
 	"impermeable water": (dict(**motion, water=lambda: PoreWater(conductivity=0)), "PoreWater.conductivity = 0", "must be positive, in m/s"),
 	"negative bulk modulus": (dict(**motion, water=lambda: PoreWater(bulkModulus=-1)), "PoreWater.bulkModulus = -1", "must be positive, in Pa"),
 	"unknown conductivity of frozen ground": (
-		dict(**motion, water=lambda: PoreWater(relativeConductivity="x")), "PoreWater.relativeConductivity = 'x'", "choose impedance"),
+		dict(**motion, water=lambda: PoreWater(relativeConductivity="x")),
+		"PoreWater.relativeConductivity = 'x'",
+		"choose impedance",
+	),
 	"partly filled pores with water": (dict(**water, poreFill=0.5), "poreFill = 0.5", "must be 1"),
-	"ice heavier than water": (
-		dict(**heat, material=lambda: GroundMaterial(iceDensity=1100)), "GroundMaterial.iceDensity = 1100", "must not exceed"),
+	"ice heavier than water": (dict(**heat, material=lambda: GroundMaterial(iceDensity=1100)), "GroundMaterial.iceDensity = 1100", "must not exceed"),
 	"negative stiffness": (dict(skeleton=lambda: ElasticSkeleton(young=-1)), "ElasticSkeleton.young = -1", "must be positive, in Pa"),
 	"incompressible skeleton": (dict(skeleton=lambda: ElasticSkeleton(poisson=0.5)), "ElasticSkeleton.poisson = 0.5", "must lie in"),
 	"softer when frozen": (
-		dict(skeleton=lambda: MohrCoulombSkeleton(young=1e7, youngFrozen=1e6)), "MohrCoulombSkeleton.youngFrozen = 1000000", "must not be below"),
+		dict(skeleton=lambda: MohrCoulombSkeleton(young=1e7, youngFrozen=1e6)),
+		"MohrCoulombSkeleton.youngFrozen = 1000000",
+		"must not be below",
+	),
 	"table of two lengths": (
 		dict(skeleton=lambda: MohrCoulombSkeleton(iceSaturations=[0, 1], youngs=[1e7, 1e8], cohesions=[1e3], tensileStrengths=[0, 0])),
-		"MohrCoulombSkeleton.cohesions length = 1", "must be that of"),
+		"MohrCoulombSkeleton.cohesions length = 1",
+		"must be that of",
+	),
 	"samples forgotten": (dict(skeleton=lambda: RveSkeleton()), "RveSkeleton.samples is empty", "talik.rve.pack"),
 	"too much damping": (dict(**motion, damping=1.5), "MpmEngine.damping is 1.5", "from 0 to below 1"),
 	"gravity not a number": (dict(**motion, gravity=(0, nan)), "MpmEngine.gravity is nan", "finite components"),
@@ -315,8 +351,7 @@ costs = {
 	"motion only": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]"},
 	"motion and water": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water"},
 	"motion with affine transfer": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "transfer"},
-	"everything": {
-		"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water", "heat", "freezing", "conduction and pore pressure"},
+	"everything": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water", "heat", "freezing", "conduction and pore pressure"},
 }
 
 
@@ -339,7 +374,11 @@ def test_cost_names_exactly_the_effects_of_the_scene_and_adds_up_to_the_time_of_
 		parts.append(sum(spent.values()) / (1e-9 * mpm.execTime))
 		if parts[-1] > 0.9:
 			break
-	print(f"{mpm.pointCount} points: " + ", ".join(f"{name} {1e3 * value / 20:.3f}" for name, value in spent.items()) + f" ms a step; sum {parts[-1]:.1%} of the engine's time")
+	print(
+		f"{mpm.pointCount} points: "
+		+ ", ".join(f"{name} {1e3 * value / 20:.3f}" for name, value in spent.items())
+		+ f" ms a step; sum {parts[-1]:.1%} of the engine's time"
+	)
 	assert all(value >= 0 for value in spent.values())
 	assert 0.9 < parts[-1] <= 1.0
 
@@ -347,7 +386,10 @@ def test_cost_names_exactly_the_effects_of_the_scene_and_adds_up_to_the_time_of_
 def test_skemptons_b_is_that_of_the_softest_point_with_its_own_porosity():
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeletons=[wrapper.ElasticSkeleton(young=1e9, poisson=0), wrapper.ElasticSkeleton(young=1e8, poisson=0)],
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(1, 2),
+		skeletons=[wrapper.ElasticSkeleton(young=1e9, poisson=0), wrapper.ElasticSkeleton(young=1e8, poisson=0)],
 		water=wrapper.PoreWater(bulkModulus=2.2e9),
 	)
 	mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=[0.25, 0.25], porosity=[0.2, 0.5], skeleton=[0, 1])

@@ -26,16 +26,28 @@ def functions():
 	for name in tools:
 		module = importlib.import_module("talik." + name)
 		for key, value in vars(module).items():
-			if not key.startswith("_") and getattr(value, "__module__", None) == module.__name__ and (inspect.isfunction(value) or inspect.isclass(value)) and key != "main":
+			if (
+				not key.startswith("_")
+				and getattr(value, "__module__", None) == module.__name__
+				and (inspect.isfunction(value) or inspect.isclass(value))
+				and key != "main"
+			):
 				yield pytest.param(value, id=f"{name}.{key}")
 
 
 def thawingGround(packed):
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), gravity=(0, -9.81), skeleton=wrapper.RveSkeleton(samples=[packed.copy()]),
-		heat=wrapper.HeatTransfer(thermalTimeScale=1e8), freezing=wrapper.FreezingCurve(),
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(1, 2),
+		gravity=(0, -9.81),
+		skeleton=wrapper.RveSkeleton(samples=[packed.copy()]),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e8),
+		freezing=wrapper.FreezingCurve(),
 		boundaries=[
-			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"),
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="right"),
+			wrapper.FixedBoundary(region="bottom"),
 			wrapper.SurfaceTemperature(region="surface", times=[0, 1e5], values=[-1, 20]),
 		],
 	)
@@ -46,7 +58,11 @@ def thawingGround(packed):
 def compressedGround():
 	"""Elastic ground whose stress grains can take over."""
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 2), skeleton=wrapper.ElasticSkeleton(), boundaries=[wrapper.FixedBoundary(region=side) for side in ("left", "right", "bottom", "top")]
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(1, 2),
+		skeleton=wrapper.ElasticSkeleton(),
+		boundaries=[wrapper.FixedBoundary(region=side) for side in ("left", "right", "bottom", "top")],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 2), stress=(-80e3, -100e3, -90e3, 0))
 	return mpm
@@ -68,8 +84,17 @@ def names(sample, tmp_path, sampleCache, monkeypatch):
 	O.engines = [mpm]
 	talik._talik.runSerially(3)
 	return dict(
-		vars(yade), O=O, talik=talik, np=np, utils=utils, mpm=mpm, elastic=elastic, sample=sample, packed=packed,
-		axes=plots.figure(4, 4).subplots(), folder=str(tmp_path),
+		vars(yade),
+		O=O,
+		talik=talik,
+		np=np,
+		utils=utils,
+		mpm=mpm,
+		elastic=elastic,
+		sample=sample,
+		packed=packed,
+		axes=plots.figure(4, 4).subplots(),
+		folder=str(tmp_path),
 	)
 
 

@@ -155,7 +155,9 @@ def test_shear_breaks_a_bond_at_the_peak_of_the_closed_form_and_leaves_friction(
 	held = pair.shearBy(displacement * (1 - near))
 	assert pair.state == 1
 	residual = pair.shearBy(2 * near * displacement)
-	print(f"\nS_i={s} N={load:g}: peak {held:.6f} N (closed form {peak:.6f}) at {displacement:.6e} m, residual {residual:.6f} N (closed form {friction * load:g})")
+	print(
+		f"\nS_i={s} N={load:g}: peak {held:.6f} N (closed form {peak:.6f}) at {displacement:.6e} m, residual {residual:.6f} N (closed form {friction * load:g})"
+	)
 	assert relative(held, peak) < tolerance
 	assert pair.state == 2 and pair.law.brokenBonds == 1
 	assert residual == pytest.approx(friction * load, rel=tolerance, abs=tolerance)
@@ -451,7 +453,9 @@ def test_of_two_different_grains_the_one_with_less_ice_and_strength_decides_whic
 		O.engines = [
 			wrapper.ForceResetter(),
 			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()], verletDist=0),
-			wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]),
+			wrapper.InteractionLoop(
+				[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
+			),
 		]
 		O.dt = 1
 		O.step()
@@ -508,7 +512,7 @@ def test_swelling_with_a_reference_overlap_creates_no_force_and_leaves_no_trace(
 	for name in ("without", "with"):
 		O.reset()
 		pair = Pair(overlap=1e-6)
-		engine = swollen(pair, radiusRule="referenceOverlap" if name == "with" else "bookkeeping")
+		swollen(pair, radiusRule="referenceOverlap" if name == "with" else "bookkeeping")
 		forces[name] = []
 		for s in (0.3, 0.7, 1.0, 0.8):
 			forces[name].append(pair.freeze(s))
@@ -526,7 +530,7 @@ def test_swelling_with_a_reference_overlap_creates_no_force_and_leaves_no_trace(
 def test_grains_that_swell_into_contact_touch_without_force_and_part_again():
 	pair = Pair(overlap=-0.05 * R, skipping=True)
 	talik._talik.runSerially(5)
-	engine = swollen(pair, radiusRule="referenceOverlap")
+	swollen(pair, radiusRule="referenceOverlap")
 	talik._talik.runSerially(3)
 	assert pair.contact is None
 	pair.freeze(1)
@@ -578,7 +582,9 @@ def test_ground_settles_by_the_thaw_strain_asked_for(thawStrain):
 		wrapper.ForceResetter(),
 		engine,
 		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()], allowBiggerThanPeriod=True, verletDist=0),
-		wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]),
+		wrapper.InteractionLoop(
+			[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
+		),
 		wrapper.NewtonIntegrator(),
 	]
 	O.dt = 1.0
@@ -594,7 +600,10 @@ def test_ground_settles_by_the_thaw_strain_asked_for(thawStrain):
 		body.state.pos = (x[0] * shrink, x[1] * shrink, x[2])
 	O.step()
 	after = utils.getStress()[0, 0]
-	print(f"\nthaw strain {thawStrain} (reached {engine.thawStrainReached:.12f}, full {engine.fullThawStrain}): stress {before:.6f} Pa frozen, {thawed:.6f} thawed, {after:.6f} after settling")
+	print(
+		f"\nthaw strain {thawStrain} (reached {engine.thawStrainReached:.12f}, full {engine.fullThawStrain}): stress "
+		f"{before:.6f} Pa frozen, {thawed:.6f} thawed, {after:.6f} after settling"
+	)
 	assert before == pytest.approx(-E0 * 0.5 * (spacing + overlap) * overlap / (spacing * 0.1), rel=1e-8)
 	assert (thawed == 0) == (thawStrain > 0)
 	assert after == pytest.approx(before, rel=1e-8)

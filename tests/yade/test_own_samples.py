@@ -79,8 +79,11 @@ def test_stress_and_every_grain_are_those_of_stock_yade_on_the_same_path(kind):
 		theirs, stock = np.array([body.state.pos for body in O.bodies]), np.array(utils.getStress())
 	apart, scale = np.abs(ours - theirs).max(), pressure
 	print(
-		f"\n{kind}: {sum(r['steps'] for r in results)} steps, stresses {[round(-r['stress'].trace() / 2) for r in results]} Pa, {contacts} contacts left; grains {apart:.1e} m from stock YADE's, "
-		f"stress off stock YADE's by {np.abs(byYade - stock).max() / scale:.1e}, off the forces across the cell by {np.abs(np.array(opened.stress) - across).max() / scale:.1e} of {scale:g} Pa"
+		f"\n{kind}: {sum(r['steps'] for r in results)} steps, stresses "
+		f"{[round(-r['stress'].trace() / 2) for r in results]} Pa, {contacts} contacts left; grains {apart:.1e} m from "
+		"stock YADE's, "
+		f"stress off stock YADE's by {np.abs(byYade - stock).max() / scale:.1e}, off the forces across the cell by "
+		f"{np.abs(np.array(opened.stress) - across).max() / scale:.1e} of {scale:g} Pa"
 	)
 	assert apart < 1e-9 and np.abs(byYade - stock).max() < 1e-4 * scale
 	assert not any(r["blewUp"] for r in results) and -results[0]["stress"].trace() / 2 > 0.3 * pressure

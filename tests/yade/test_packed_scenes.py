@@ -10,7 +10,7 @@ import pytest
 from yade import Matrix3, O, wrapper
 
 import talik
-from talik import packing, rve, slope
+from talik import rve, slope
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,11 @@ def test_plain_grains_stay_frictional_when_water_freezes_packed_as_open(plainFil
 	contacts, before = packed.statistics()["contacts"], np.array(packed.stress)
 	statistics = still(packed)
 	opened.freeze(1)
-	print(f"{contacts} contacts before; frozen packed {statistics['bondsFormed']} bonds, open {opened.statistics()['bondsFormed']}; stress changes by {np.abs(np.array(packed.stress) - before).max():.1e} Pa")
+	print(
+		f"{contacts} contacts before; frozen packed {statistics['bondsFormed']} bonds, open "
+		f"{opened.statistics()['bondsFormed']}; stress changes by {np.abs(np.array(packed.stress) - before).max():.1e} "
+		"Pa"
+	)
 	assert statistics["bondsFormed"] == opened.statistics()["bondsFormed"] == 0
 	assert statistics["contacts"] == contacts and np.allclose(packed.stress, before, atol=1)
 	bothWays = dict(minSteps=200, maxStrainPerStep=1.0, maxInertialNumber=1e9)
@@ -109,7 +113,10 @@ wrong = {
 	"no thawed strength": (lambda s: setattr(s, "thawedStrength", float("nan")), "RveSample.thawedStrength is nan"),
 	"nan to an open sample": (lambda s: wrapper.OpenRveSample(source=s.open()).freeze(float("nan")), "iceSaturation is nan"),
 	**{f"radiusRatio {value}": (lambda s, value=value: wrapper.IceBondMat(radiusRatio=value), "IceBondMat.radiusRatio is") for value in (0.0, -1.0, math.nan)},
-	**{f"{name} infinite": (lambda s, name=name: wrapper.IceBondMat(**{name: math.inf}), f"IceBondMat.{name} is inf") for name in ("iceYoung", "tensileStrength", "iceShearStrength", "exponent", "bondAreaFactor", "bondRange", "thawedStrength")},
+	**{
+		f"{name} infinite": (lambda s, name=name: wrapper.IceBondMat(**{name: math.inf}), f"IceBondMat.{name} is inf")
+		for name in ("iceYoung", "tensileStrength", "iceShearStrength", "exponent", "bondAreaFactor", "bondRange", "thawedStrength")
+	},
 }
 
 
@@ -149,8 +156,14 @@ def test_a_copied_sample_goes_on_as_the_original_bit_for_bit(icyFile, copied):
 def test_a_copied_engine_goes_on_as_the_original_bit_for_bit(icyFile, copied, steps):
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 1.5), gravity=(0, -9.81), skeleton=wrapper.RveSkeleton(samples=[slope.pack(icyFile)]), heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
-		freezing=wrapper.FreezingCurve(), boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(1, 1.5),
+		gravity=(0, -9.81),
+		skeleton=wrapper.RveSkeleton(samples=[slope.pack(icyFile)]),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
+		freezing=wrapper.FreezingCurve(),
+		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 1), temperature=-2)
 	O.engines = [mpm]
@@ -196,10 +209,27 @@ def icy(icyFile, thawedStrength):
 def test_bonds_that_outlast_their_ice_do_so_alike_packed_open_and_stored(icyFile):
 	packed = icy(icyFile, 3e5)
 	seen = dict(bondsIntact=0, brokenThawed=0, bondsFormed=0)
-	for strain, saturation in ((0, 1), (1e-3, 1), (1e-3, 0.5), (1e-3, 0.03), (5e-4, 0.02), (5e-4, 0.01), (5e-4, 0), (1e-3, 0), (1e-3, 0.04), (5e-4, 0.3), (1e-3, 0.9), (1e-3, 0)):
+	for strain, saturation in (
+		(0, 1),
+		(1e-3, 1),
+		(1e-3, 0.5),
+		(1e-3, 0.03),
+		(5e-4, 0.02),
+		(5e-4, 0.01),
+		(5e-4, 0),
+		(1e-3, 0),
+		(1e-3, 0.04),
+		(5e-4, 0.3),
+		(1e-3, 0.9),
+		(1e-3, 0),
+	):
 		opened, stored = wrapper.OpenRveSample(source=packed.open(), **settings), pickled(packed)
 		before = packed.statistics()
-		byPacked, byYade, byStored = packed.apply(strain * loading, saturation), opened.apply(strain * loading, saturation), stored.apply(strain * loading, saturation)
+		byPacked, byYade, byStored = (
+			packed.apply(strain * loading, saturation),
+			opened.apply(strain * loading, saturation),
+			stored.apply(strain * loading, saturation),
+		)
 		stress = byYade["stress"]
 		error = np.abs(np.subtract(byPacked["stress"], (stress[0, 0], stress[1, 1], stress[0, 1]))).max() / np.abs(byPacked["stress"]).max()
 		one, other = packed.statistics(), opened.statistics()
@@ -208,7 +238,12 @@ def test_bonds_that_outlast_their_ice_do_so_alike_packed_open_and_stored(icyFile
 			f"strain {strain:g} at S_i {saturation:g}: {lost} / {other['bondsBroken']} broken, {one['bondsMelted']} / {other['bondsMelted']} melted, "
 			f"{one['bondsIntact']} / {other['bondsIntact']} intact, {one['contacts']} / {other['contacts']} contacts, stress differs by {error:.1e}"
 		)
-		assert (lost, one["bondsMelted"], one["bondsIntact"], one["contacts"]) == (other["bondsBroken"], other["bondsMelted"], other["bondsIntact"], other["contacts"])
+		assert (lost, one["bondsMelted"], one["bondsIntact"], one["contacts"]) == (
+			other["bondsBroken"],
+			other["bondsMelted"],
+			other["bondsIntact"],
+			other["contacts"],
+		)
 		assert error < 1e-8 and stored.stateBytes == packed.stateBytes and byStored == byPacked
 		if saturation == 0:
 			seen["bondsIntact"] += one["bondsIntact"]

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Packed and open form of one sample: the same state to the last bit, and the same path under stock YADE's own engines."""
 
-import math
 
 import numpy as np
 import pytest
@@ -54,9 +53,7 @@ def states(frictional, icy):
 	refrozen.apply(1e-4 * loading, 0.6)
 	for packed in (broken, melted, refrozen):
 		packed.advance(Matrix3.Zero, 1000)
-	return dict(
-		prepared=frictional, moved=moved, pending=pending, flipped=flipped, iceFree=icy, bonded=bonded, broken=broken, melted=melted, refrozen=refrozen
-	)
+	return dict(prepared=frictional, moved=moved, pending=pending, flipped=flipped, iceFree=icy, bonded=bonded, broken=broken, melted=melted, refrozen=refrozen)
 
 
 def bondSummary(packed):
@@ -172,7 +169,8 @@ def test_bonds_form_break_melt_and_form_again_alike_in_both_forms(icy):
 		melted = one["bondsMelted"] - before["bondsMelted"]
 		print(
 			f"\nstrain {strain:g} at S_i {saturation:g}: {byPacked['steps']} steps, {lost} / {other['bondsBroken']} broken, {melted} / {other['bondsMelted']} melted, "
-			f"{one['bondsIntact']} / {other['bondsIntact']} intact, {one['contacts']} / {other['contacts']} contacts, stress differs by {error:.1e}", end=""
+			f"{one['bondsIntact']} / {other['bondsIntact']} intact, {one['contacts']} / {other['contacts']} contacts, stress differs by {error:.1e}",
+			end="",
 		)
 		assert byPacked["steps"] == byYade["steps"] and not byPacked["blewUp"] and not byYade["blewUp"]
 		assert (lost, melted, one["bondsIntact"], one["contacts"]) == (other["bondsBroken"], other["bondsMelted"], other["bondsIntact"], other["contacts"])

@@ -16,7 +16,7 @@ def measuredByYade(path):
 	"""Porosity, stress and fabric of a saved scene from YADE's own functions."""
 	O.load(path)
 	area = O.cell.volume / O.cell.hSize[2, 2]
-	solid = sum(math.pi * body.shape.radius ** 2 for body in O.bodies)
+	solid = sum(math.pi * body.shape.radius**2 for body in O.bodies)
 	stress = utils.getStress()
 	fabric = utils.fabricTensor()[0]
 	inPlane = np.array([[fabric[0, 0], fabric[0, 1]], [fabric[1, 0], fabric[1, 1]]])
@@ -56,14 +56,16 @@ def test_grains_of_the_papers_sample_are_discs_in_a_layer_with_its_radii_slow(pa
 	print(f"\nradii {radii.min() * 1e3:.2f} to {radii.max() * 1e3:.2f} mm, mean {radii.mean() * 1e3:.2f} mm (uniform: 5.00 +- {4 / math.sqrt(12 * 400):.2f})")
 	assert abs(radii.mean() - 5e-3) < 3 * 4e-3 / math.sqrt(12 * 400)
 	for body in O.bodies:
-		mass = 2650 * math.pi * body.shape.radius ** 2 * 0.1
+		mass = 2650 * math.pi * body.shape.radius**2 * 0.1
 		assert body.state.mass == pytest.approx(mass, rel=1e-12)
-		assert body.state.inertia[2] == pytest.approx(0.5 * mass * body.shape.radius ** 2, rel=1e-12)
+		assert body.state.inertia[2] == pytest.approx(0.5 * mass * body.shape.radius**2, rel=1e-12)
 		assert set(body.state.blockedDOFs) == set("zXY")
 	assert O.cell.hSize[2, 2] == 0.1
 	friction = [i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal]
 	np.testing.assert_allclose([*friction, math.tan(O.materials[0].frictionAngle)], 0.5, rtol=1e-14)
-	stiffness = [(i.phys.ks / i.phys.kn, i.phys.kn / (2 * 0.6e9 * i.geom.refR1 * i.geom.refR2 / (i.geom.refR1 + i.geom.refR2))) for i in O.interactions if i.isReal]
+	stiffness = [
+		(i.phys.ks / i.phys.kn, i.phys.kn / (2 * 0.6e9 * i.geom.refR1 * i.geom.refR2 / (i.geom.refR1 + i.geom.refR2))) for i in O.interactions if i.isReal
+	]
 	np.testing.assert_allclose(stiffness, np.tile([0.8, 1.0], (len(stiffness), 1)), rtol=1e-12)
 
 
@@ -133,7 +135,7 @@ def test_any_periodic_scene_of_spheres_serves(tmp_path):
 	sample = rve.load(path)
 	print(f"\n{sample}")
 	assert sample.grains == 16 and sample.thickness == 0.1
-	assert sample.porosity == pytest.approx(1 - math.pi * 5.01e-3 ** 2 * 16 / 0.04 ** 2, abs=1e-12)
+	assert sample.porosity == pytest.approx(1 - math.pi * 5.01e-3**2 * 16 / 0.04**2, abs=1e-12)
 	assert sample.coordinationNumber == 4
 
 
@@ -192,10 +194,13 @@ def test_an_unwritable_cache_is_named_with_a_remedy():
 		rve.prepare(grains=30, cache="/proc/nowhere")
 
 
-@pytest.mark.parametrize("ice, material, contact, law", [
-	(False, "FrictMat", "FrictPhys", "Law2_ScGeom_FrictPhys_CundallStrack"),
-	(True, "IceBondMat", "IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond"),
-])
+@pytest.mark.parametrize(
+	"ice, material, contact, law",
+	[
+		(False, "FrictMat", "FrictPhys", "Law2_ScGeom_FrictPhys_CundallStrack"),
+		(True, "IceBondMat", "IceBondPhys", "Law2_ScGeom_IceBondPhys_IceBond"),
+	],
+)
 def test_the_saved_scene_holds_the_materials_and_laws_asked_for_without_ice(sampleCache, ice, material, contact, law):
 	sample = rve.prepare(grains=50, porosity=0.19, ice=ice, cache=sampleCache)
 	print(f"\nice={ice}: {sample}")

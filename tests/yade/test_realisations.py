@@ -54,7 +54,19 @@ def test_a_realisation_that_cannot_be_made_is_told_with_its_seed():
 	print(refusal.value)
 
 
-@pytest.mark.parametrize("name, value", [("realisations", 0), ("realisations", -3), ("realisations", 2.5), ("realisations", True), ("seed", 1.5), ("seed", -1), ("seed", "one"), ("seed", math.nan)])
+@pytest.mark.parametrize(
+	"name, value",
+	[
+		("realisations", 0),
+		("realisations", -3),
+		("realisations", 2.5),
+		("realisations", True),
+		("seed", 1.5),
+		("seed", -1),
+		("seed", "one"),
+		("seed", math.nan),
+	],
+)
 def test_numbers_of_realisations_and_seeds_without_sense_are_refused_by_one_sentence(name, value, tmp_path):
 	with pytest.raises(ValueError, match=f"{name} is .*; it must be a whole number, at least") as refusal:
 		rve.prepare(**{**settings, "realisations": 2, "cache": tmp_path, name: value})
@@ -75,7 +87,11 @@ def test_seeds_of_a_skeleton_without_sense_are_refused_by_one_sentence(several, 
 def ground(several, order=None, **skeleton):
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(2, 1.5), gravity=(0, -9.81), skeleton=wrapper.RveSkeleton(samples=slope.pack(several), **skeleton),
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(2, 1.5),
+		gravity=(0, -9.81),
+		skeleton=wrapper.RveSkeleton(samples=slope.pack(several), **skeleton),
 		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 2, 1), 0.25)
@@ -98,7 +114,7 @@ def test_every_sample_is_dealt_to_its_share_of_the_points_and_neighbours_are_ind
 	counts = np.bincount(numbers, minlength=8)
 	chi = ((counts - n / 8) ** 2 / (n / 8)).sum()
 	columns = np.round((position[:, 0] - position[0, 0]) / 0.125).astype(int)
-	neighbours = (np.diff(columns) == 1)
+	neighbours = np.diff(columns) == 1
 	alike = np.mean(numbers[1:][neighbours] == numbers[:-1][neighbours])
 	spread = math.sqrt(1 / 8 * 7 / 8 / neighbours.sum())
 	print(f"{n} points: {counts.tolist()}, chi^2 {chi:.1f} (7 degrees of freedom: 24.3 at 0.1 %); neighbours alike {alike:.4f} (1/8 +- {spread:.4f})")

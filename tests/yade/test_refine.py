@@ -19,10 +19,23 @@ def restingColumn(temperature=-1.0, **settings):
 	"""A frozen column two metres high at rest under its weight."""
 	freezing = dict(heat=HeatTransfer(), freezing=FreezingCurve()) if temperature < 0 else {}
 	mpm = MpmEngine(
-		gridSpacing=0.25, lower=(0, 0), upper=(1, 2.5), gravity=(0, -9.81), damping=0.7, skeleton=MohrCoulombSkeleton(young=50e6, cohesion=5e3), **freezing,
-		boundaries=[RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom")], **settings,
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 2.5),
+		gravity=(0, -9.81),
+		damping=0.7,
+		skeleton=MohrCoulombSkeleton(young=50e6, cohesion=5e3),
+		**freezing,
+		boundaries=[RollerBoundary(region="left"), RollerBoundary(region="right"), FixedBoundary(region="bottom")],
+		**settings,
 	)
-	talik.geometry.fill(mpm, column, pointsPerCell=4, temperature=temperature, stress=lambda x, y: np.stack([-0.6 * (2 - y) * 19e3, -(2 - y) * 19e3, -0.8 * (2 - y) * 19e3, 0 * y], axis=-1))
+	talik.geometry.fill(
+		mpm,
+		column,
+		pointsPerCell=4,
+		temperature=temperature,
+		stress=lambda x, y: np.stack([-0.6 * (2 - y) * 19e3, -(2 - y) * 19e3, -0.8 * (2 - y) * 19e3, 0 * y], axis=-1),
+	)
 	O.engines = [mpm]
 	O.run(600, True)
 	return mpm
@@ -68,7 +81,10 @@ def test_ground_at_rest_stays_at_rest_when_samples_come_and_go(sample, temperatu
 	assert set(mpm.skeletonOf) == {0} and len(mpm.skeletons) == 1 and "bondsIntact" not in mpm.fieldNames()
 	O.run(400, True)
 	after = np.abs(mpm.field("displacement") - start).max()
-	print(f"{temperature} degC: stress jumps by {jump:.1e} of its largest value, then the column moves {1e3 * withSamples:.4f} mm, {1e3 * after:.4f} mm after the way back")
+	print(
+		f"{temperature} degC: stress jumps by {jump:.1e} of its largest value, then the column moves "
+		f"{1e3 * withSamples:.4f} mm, {1e3 * after:.4f} mm after the way back"
+	)
 	assert jump < 3e-3
 	assert max(withSamples, after) < 2e-4
 

@@ -63,8 +63,12 @@ def test_deformation_after_a_call_is_the_one_asked_for(form, sample):
 	driven = inForm(form, sample, maxStrainPerStep=1e-4, maxInertialNumber=1.0)
 	expected = np.eye(3)
 	for gradient in (
-		inPlane(1e-7, -2e-7, 3e-7, -1e-7), inPlane(1e-3, 2e-3, -1e-3, -3e-3), inPlane(-0.03, 0.05, 0.02, 0.01), rotation(0.3) - Matrix3.Identity,
-		inPlane(0, 0, 0, 0), inPlane(0, 0.2, 0, 0),
+		inPlane(1e-7, -2e-7, 3e-7, -1e-7),
+		inPlane(1e-3, 2e-3, -1e-3, -3e-3),
+		inPlane(-0.03, 0.05, 0.02, 0.01),
+		rotation(0.3) - Matrix3.Identity,
+		inPlane(0, 0, 0, 0),
+		inPlane(0, 0.2, 0, 0),
 	):
 		result = driven.apply(gradient, 0)
 		expected = (np.eye(3) + np.array(gradient)) @ expected
@@ -126,7 +130,10 @@ def test_simple_shear_to_ten_passes_through_flips_that_change_nothing(sample):
 		flips += 1
 		change = max(change, np.abs(yadeStress(opened.scene) - components(result["stress"])).max() / np.abs(components(result["stress"])).max())
 	gamma = opened.trsf[0, 1]
-	print(f"\nopen, gamma {gamma:.12f}: {flips} flips, stress changes by {change:.1e} across them, largest skew left {worst:.2f}; stress {components(opened.stress).round()} Pa")
+	print(
+		f"\nopen, gamma {gamma:.12f}: {flips} flips, stress changes by {change:.1e} across them, largest skew left "
+		f"{worst:.2f}; stress {components(opened.stress).round()} Pa"
+	)
 	assert flips >= 9 and change < 1e-10 and worst < 0.61 and abs(gamma - 10) < 1e-9
 	packed = inForm("packed", sample, maxStrainPerStep=2e-4, maxInertialNumber=1e9)
 	flips = sum(packed.apply(inPlane(0, 0.1, 0, 0), 0)["flipped"] for _ in range(100))
@@ -182,7 +189,10 @@ def test_without_contacts_stress_is_exactly_zero_and_motion_does_not_grow(form, 
 		with talik.inspect(driven.scene):
 			packing.advance(20000)
 	energies.append(driven.statistics()["kineticEnergy"])
-	print(f"\n{form}: no contacts, stress {components(result['stress']).tolist()} Pa; kinetic energy {energies[0]:.3e} J, {loose:.3e} after 8 %, {energies[-1]:.3e} after collisions in a cell at rest")
+	print(
+		f"\n{form}: no contacts, stress {components(result['stress']).tolist()} Pa; kinetic energy {energies[0]:.3e} J, "
+		f"{loose:.3e} after 8 %, {energies[-1]:.3e} after collisions in a cell at rest"
+	)
 	assert loose < energies[0] * (1 + 1e-9) and energies[-1] < loose
 
 
@@ -221,7 +231,8 @@ def test_thawed_sample_of_400_grains_has_the_friction_angle_of_discs(paper, late
 	peak, late = smooth.max(), smooth[-500:].mean()
 	constancy = np.abs(sx[200:] / lateral - 1).mean()
 	print(
-		f"\nthawed, lateral stress {lateral / 1e3:g} kPa (kept within {100 * constancy:.1f} %): peak friction angle {peak:.1f} deg at {100 * strain[smooth.argmax() + 10]:.2f} % "
+		f"\nthawed, lateral stress {lateral / 1e3:g} kPa (kept within {100 * constancy:.1f} %): peak friction angle "
+		f"{peak:.1f} deg at {100 * strain[smooth.argmax() + 10]:.2f} % "
 		f"(indication {indication}), {late:.1f} deg near 3 % (indication 12 to 17 after the peak)"
 	)
 	assert 13 < peak < 27 and 8 < late <= peak and constancy < 0.1
@@ -238,7 +249,8 @@ def test_frozen_sample_of_400_grains_is_strong_in_compression_weaker_in_tension_
 		broken = statistics["bondsBrokenInTension"], statistics["bondsBrokenInShear"]
 		print(
 			f"\nfrozen, {name}: {measured[name][0] / 1e6:.3f} MPa at {100 * strain[k]:.2f} %, axial stress at 1.2 % {sy[-1] / 1e6:.3f} MPa; "
-			f"{statistics['bondsIntact']} bonds intact, broken in tension and shear {broken}", end=""
+			f"{statistics['bondsIntact']} bonds intact, broken in tension and shear {broken}",
+			end="",
 		)
 	print("\nindications: compression 0.66 MPa, tension 0.20 MPa, at 0.3 to 0.7 % strain")
 	compression, tension = measured["compression, unconfined"], measured["tension, unconfined"]
@@ -283,7 +295,9 @@ def test_a_sample_driven_directly_and_inside_a_block_of_one_cell_is_the_same_to_
 			difference = max(difference, np.abs(components(result["stress"]) - stress[k][[0, 1, 3]]).max())
 		steps += result["steps"]
 	scale = np.abs(stress).max()
-	print(f"\n{form}: {steps} DEM steps of each of 4 samples in {O.iter} steps of the ground, stresses differ by {difference / scale:.1e} of {scale / 1e3:.0f} kPa")
+	print(
+		f"\n{form}: {steps} DEM steps of each of 4 samples in {O.iter} steps of the ground, stresses differ by {difference / scale:.1e} of {scale / 1e3:.0f} kPa"
+	)
 	assert steps >= 200 and difference <= 1e-12 * scale and mpm.skeleton.counters["form"] == form
 
 
@@ -341,8 +355,10 @@ def test_a_frozen_slope_with_packed_and_with_open_samples_settles_alike(sample):
 		calls.append((mpm.skeleton.counters["calls"], mpm.skeleton.counters["steps"]))
 		O.reset()
 	errors = compared(runs)
-	print(f"\n{len(positions)} points, (calls, DEM steps) {calls}; largest displacement {np.abs(runs[0]['displacement']).max():.2e} m; "
-	      + ", ".join(f"{name} differs by {error:.1e}" for name, error in errors.items()))
+	print(
+		f"\n{len(positions)} points, (calls, DEM steps) {calls}; largest displacement {np.abs(runs[0]['displacement']).max():.2e} m; "
+		+ ", ".join(f"{name} differs by {error:.1e}" for name, error in errors.items())
+	)
 	assert max(errors.values()) < 1e-6
 
 
@@ -375,9 +391,7 @@ def digestOf(folder, scene, jobs, threads, form="open"):
 	script = folder / "threads.py"
 	script.write_text(threadScript + "import os\nos._exit(0)\n")
 	here = str(__import__("pathlib").Path(__file__).parent)
-	run = subprocess.run(
-		["yade", "-n", "-x", "-j", str(jobs), str(script), scene, here, str(threads), form], capture_output=True, text=True, timeout=300
-	)
+	run = subprocess.run(["yade", "-n", "-x", "-j", str(jobs), str(script), scene, here, str(threads), form], capture_output=True, text=True, timeout=300)
 	found = [line for line in run.stdout.splitlines() if line.startswith("DIGEST")]
 	assert run.returncode == 0 and found, run.stdout + run.stderr
 	return found[0]
@@ -462,7 +476,10 @@ def test_scenes_that_cannot_be_packed_run_open_and_the_user_is_told_once_why(kin
 		O.step()
 	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
 	stress, counters = mpm.field("stress"), skeleton.counters
-	print(f"\n{told}\n{counters['calls']} calls, {counters['steps']} steps; stress {stress[0].round(1).tolist()} Pa; porosity {skeleton.values('samplePorosity')[0]:.3f}")
+	print(
+		f"\n{told}\n{counters['calls']} calls, {counters['steps']} steps; stress {stress[0].round(1).tolist()} Pa; "
+		f"porosity {skeleton.values('samplePorosity')[0]:.3f}"
+	)
 	assert len(told) == 1 and "cannot be packed" in told[0]
 	assert counters["form"] == "open" and counters["calls"] > 0 and np.isfinite(stress).all() and np.abs(stress).max() > 1e3
 
@@ -482,7 +499,10 @@ def test_samples_in_three_dimensions_take_any_gradient_and_give_the_stress_of_st
 	scale = np.abs(byYade).max()
 	difference = np.abs(ours - 0.5 * (byYade + byYade.T)).max() / scale
 	boundary = np.abs(ours - 0.5 * (across + across.T)).max() / scale
-	print(f"\n{kind}: error of trsf {error:.1e}; stress up to {scale / 1e3:.1f} kPa, off stock YADE's by {difference:.1e}, off the forces across the cell's boundary by {boundary:.1e}")
+	print(
+		f"\n{kind}: error of trsf {error:.1e}; stress up to {scale / 1e3:.1f} kPa, off stock YADE's by {difference:.1e}, "
+		f"off the forces across the cell's boundary by {boundary:.1e}"
+	)
 	assert error < 1e-12 and scale > 1e3 and difference < 1e-9
 	assert boundary < 2e-2  # bodies nearly at rest: only forces across the boundary count, wherever inside a body they act
 

@@ -8,10 +8,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from yade import Matrix3, O, utils, wrapper
+from yade import Matrix3, O, wrapper
 
-import stock_paths
-import talik
 from stock_paths import Packed, Path, Stock, across, difference, mean, twins
 from talik import packing, rve, slope
 
@@ -41,7 +39,10 @@ def test_packed_and_stock_give_one_stress_strain_curve_in_the_first_thousand_ste
 	path = Path(kind, strain=1e-2, stiffness=stiffness[ice], interval=1e-3)
 	packed, stock = path.walk(Packed(sample)), path.walk(Stock(sample))
 	broken = brokenIn([packed, stock], sample)
-	print(f"\nover 1 %: curves differ by {difference(packed, stock):.1e}, area by {np.abs(packed.area - stock.area).max():.1e}; bonds broken {broken[0]} packed, {broken[1]} stock")
+	print(
+		f"\nover 1 %: curves differ by {difference(packed, stock):.1e}, area by "
+		f"{np.abs(packed.area - stock.area).max():.1e}; bonds broken {broken[0]} packed, {broken[1]} stock"
+	)
 	assert difference(packed, stock) < 1e-2 and (packed.bonds == stock.bonds).all()
 
 
@@ -110,7 +111,8 @@ def checkThawUnderLoad(grains, stages, cache):
 	bonds, twinBonds = (np.abs(rows[:, 2] - byStock[:, 2]).max() for rows in (byPacked, byTwin))
 	thawed, refrozen = byStock[stages - 1], byStock[-1]
 	print(
-		f"\nstrain yy {100 * thawed[1]:.3f} % thawed, {100 * refrozen[1]:.3f} % frozen again, {sample.statistics()['bondsIntact']} bonds frozen, {thawed[2]:.0f} thawed, {refrozen[2]:.0f} frozen again; "
+		f"\nstrain yy {100 * thawed[1]:.3f} % thawed, {100 * refrozen[1]:.3f} % frozen again, "
+		f"{sample.statistics()['bondsIntact']} bonds frozen, {thawed[2]:.0f} thawed, {refrozen[2]:.0f} frozen again; "
 		f"packed differs from stock by {error:.1e} of the largest strain and {bonds:.0f} bonds, a twin of stock by {scatter:.1e} and {twinBonds:.0f}"
 	)
 	assert thawed[2] == 0 and refrozen[2] > 1.2 * grains
@@ -140,7 +142,11 @@ def savedByStock(tmp_path_factory):
 def test_a_sample_of_yades_own_recipe_saved_without_talik_packs_and_moves_as_under_stock_yade(savedByStock):
 	sample = slope.pack(savedByStock)
 	radii, stress = sample.arrays()["radius"], np.array(sample.stress)
-	print(f"\n{len(radii)} discs of radius {1e3 * radii.min():.2f} to {1e3 * radii.max():.2f} mm, stress {stress.round(0).tolist()} Pa, {sample.statistics()['contacts']} contacts; ", end="")
+	print(
+		f"\n{len(radii)} discs of radius {1e3 * radii.min():.2f} to {1e3 * radii.max():.2f} mm, stress "
+		f"{stress.round(0).tolist()} Pa, {sample.statistics()['contacts']} contacts; ",
+		end="",
+	)
 	assert len(radii) == 400 and radii.min() > 3e-3 and radii.max() < 7e-3 and abs(radii.mean() - 5e-3) < 2e-4
 	assert np.abs(stress - (-100e3, -100e3, 0)).max() < 2e3
 	velGrad = Matrix3(0.05, 0.2, 0, 0, -0.1, 0, 0, 0, 0)
@@ -160,5 +166,8 @@ def test_a_sample_of_yades_own_recipe_shears_as_under_stock_yade_slow(savedBySto
 	start = slope.pack(savedByStock)
 	path = Path("simple shear", strain=0.03, stiffness=stiffness[False], interval=3e-3)
 	packed, stock, twin = path.walk(Packed(start)), path.walk(Stock(start)), path.walk(Stock(twins(start, 2)[1]))
-	print(f"\nover 3 % of simple shear curves differ by {difference(packed, stock):.1e}, a twin of stock by {difference(twin, stock):.1e}; sigma_xy {packed.stress[-1, 2] / 1e3:.1f} kPa")
+	print(
+		f"\nover 3 % of simple shear curves differ by {difference(packed, stock):.1e}, a twin of stock by "
+		f"{difference(twin, stock):.1e}; sigma_xy {packed.stress[-1, 2] / 1e3:.1f} kPa"
+	)
 	assert difference(packed, stock) < max(1e-2, 1.5 * difference(twin, stock))

@@ -35,7 +35,9 @@ def test_a_law_calibrated_on_realisations_has_the_friction_that_fits_all_of_thei
 	settings = dict(iceSaturations=(0.0, 1.0), pressures=(30e3, 100e3), strain=0.01)
 	together, alone = calibrate.calibrate(several, **settings), [calibrate.calibrate(sample, **settings) for sample in several]
 	angles = [one.frictionAngle for one in alone]
-	print(f"friction angles alone {', '.join(f'{angle:.1f}' for angle in angles)}, together {together.frictionAngle:.1f} deg; E {1e-6 * together.young[0]:.1f} MPa")
+	print(
+		f"friction angles alone {', '.join(f'{angle:.1f}' for angle in angles)}, together {together.frictionAngle:.1f} deg; E {1e-6 * together.young[0]:.1f} MPa"
+	)
 	assert len(together.tests) == 12 and min(angles) < together.frictionAngle < max(angles)
 	assert together.young[0] == pytest.approx(np.mean([one.young[0] for one in alone]), rel=1e-12)
 

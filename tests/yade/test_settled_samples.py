@@ -20,9 +20,21 @@ def packed(sampleCache):
 def column(packed, **settings):
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 3), gravity=(0, -9.81), damping=0.5, skeleton=wrapper.RveSkeleton(samples=[packed.copy()]), heat=wrapper.HeatTransfer(),
-		freezing=wrapper.FreezingCurve(), **settings,
-		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceLoad(region="surface", pressure=load)],
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(1, 3),
+		gravity=(0, -9.81),
+		damping=0.5,
+		skeleton=wrapper.RveSkeleton(samples=[packed.copy()]),
+		heat=wrapper.HeatTransfer(),
+		freezing=wrapper.FreezingCurve(),
+		**settings,
+		boundaries=[
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="right"),
+			wrapper.FixedBoundary(region="bottom"),
+			wrapper.SurfaceLoad(region="surface", pressure=load),
+		],
 	)
 	talik.geometry.fill(mpm, block, temperature=-5)
 	O.engines = [mpm]
@@ -53,7 +65,10 @@ def test_a_loaded_column_of_settled_samples_does_not_rise_as_it_thaws(packed):
 		if settled:
 			slope.settle(mpm, block, load=load)
 		rises[settled] = riseOnThaw(mpm)
-	print(f"2 m under 20 kPa without thaw strain: rise of the top on thaw {1e3 * rises[False]:.2f} mm with samples of 100 kPa, {1e3 * rises[True]:.2f} mm settled; exact 0")
+	print(
+		f"2 m under 20 kPa without thaw strain: rise of the top on thaw {1e3 * rises[False]:.2f} mm with samples of 100 "
+		f"kPa, {1e3 * rises[True]:.2f} mm settled; exact 0"
+	)
 	assert rises[False] > 4e-3 and abs(rises[True]) < 1e-3 and abs(rises[True]) < 0.12 * rises[False]
 
 
@@ -64,14 +79,22 @@ def test_settled_samples_carry_the_weight_and_the_load_above_them_at_the_start(p
 	masses = mpm.balance()
 	weight = 9.81 * (masses["solidMass"] + masses["waterMass"]) / 2
 	stress = mpm.field("stress")
-	print(f"{len(mpm.skeleton.samples)} samples; vertical stress over that of weight and load {np.min(stress[:, 1] / -(load + weight * depth)):.3f} to {np.max(stress[:, 1] / -(load + weight * depth)):.3f}")
+	print(
+		f"{len(mpm.skeleton.samples)} samples; vertical stress over that of weight and load "
+		f"{np.min(stress[:, 1] / -(load + weight * depth)):.3f} to {np.max(stress[:, 1] / -(load + weight * depth)):.3f}"
+	)
 	assert np.allclose(stress[:, 1], -(load + weight * depth), rtol=0.01) and np.allclose(stress[:, 0], 0.7 * stress[:, 1], rtol=0.02)
 
 
 def test_what_pore_water_carries_settled_samples_do_not(packed):
 	O.reset()
 	wet = wrapper.MpmEngine(
-		gridSpacing=0.5, lower=(0, 0), upper=(1, 3), gravity=(0, -9.81), skeleton=wrapper.RveSkeleton(samples=[packed.copy()]), water=wrapper.PoreWater(),
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(1, 3),
+		gravity=(0, -9.81),
+		skeleton=wrapper.RveSkeleton(samples=[packed.copy()]),
+		water=wrapper.PoreWater(),
 		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
 	)
 	talik.geometry.fill(wet, block, pressure=lambda x, y: 9810 * (2 - y))
@@ -79,15 +102,21 @@ def test_what_pore_water_carries_settled_samples_do_not(packed):
 	depth = 2 - wet.field("position")[:, 1]
 	due = -9.81 * 0.6 * (2650 - 1000) * depth
 	below = depth > 0.5
-	print(f"vertical effective stress over that of submerged weight {(wet.field('stress')[:, 1] / due)[below].min():.3f} to {(wet.field('stress')[:, 1] / due)[below].max():.3f}")
+	print(
+		f"vertical effective stress over that of submerged weight {(wet.field('stress')[:, 1] / due)[below].min():.3f} "
+		f"to {(wet.field('stress')[:, 1] / due)[below].max():.3f}"
+	)
 	assert np.allclose(wet.field("stress")[below, 1], due[below], rtol=0.02)
 
 
-@pytest.mark.parametrize("change, sentence", [
-	(lambda mpm: setattr(mpm, "skeleton", wrapper.ElasticSkeleton()), "has no samples to settle"),
-	(lambda mpm: setattr(mpm, "gravity", (0, 0)), "nothing weighs on the samples"),
-	(lambda mpm: talik._talik.runSerially(1), "the ground has begun"),
-])
+@pytest.mark.parametrize(
+	"change, sentence",
+	[
+		(lambda mpm: setattr(mpm, "skeleton", wrapper.ElasticSkeleton()), "has no samples to settle"),
+		(lambda mpm: setattr(mpm, "gravity", (0, 0)), "nothing weighs on the samples"),
+		(lambda mpm: talik._talik.runSerially(1), "the ground has begun"),
+	],
+)
 def test_what_cannot_be_settled_is_refused(packed, change, sentence):
 	mpm = column(packed)
 	change(mpm)
@@ -112,6 +141,8 @@ def test_stress_goes_in_as_it_comes_out_and_another_number_of_components_is_told
 	mpm.addPoints(position=position, volume=volume, stress=given)
 	assert (mpm.field("stress") == given).all()
 	for wrong in ((-1e3, -2e3, 0), given[:, :3]):
-		with pytest.raises(ValueError, match="stress has .* numbers for 16 points: give 4 or 64, in the order of field\\('stress'\\): xx, yy, zz, xy") as refusal:
+		with pytest.raises(
+			ValueError, match="stress has .* numbers for 16 points: give 4 or 64, in the order of field\\('stress'\\): xx, yy, zz, xy"
+		) as refusal:
 			mpm.addPoints(position=position + 1, volume=volume, stress=wrong)
 		print(refusal.value)

@@ -40,7 +40,9 @@ def standing(tmp_path_factory):
 	"""The same slope of ground whose thawed cohesion holds the face: it stands while it thaws."""
 	preset = thawslump.presets["draft"]
 	folder = tmp_path_factory.mktemp("standing")
-	run = thawslump.ThawSlump("Case I", warmAir, "draft", folder, thawslump.Ground(thawedCohesion=30e3), frameDays=np.linspace(0, preset.days, 17), skeleton="MohrCoulomb")
+	run = thawslump.ThawSlump(
+		"Case I", warmAir, "draft", folder, thawslump.Ground(thawedCohesion=30e3), frameDays=np.linspace(0, preset.days, 17), skeleton="MohrCoulomb"
+	)
 	run.run()
 	return run
 
@@ -161,7 +163,12 @@ def test_failure_moves_inward(draft):
 def test_the_slip_surface_follows_the_face_through_thawed_ground_and_none_is_in_frozen_ground(draft):
 	surface, band = draft.slipSurface(), draft.band()
 	last = draft.frames.frames[-1]
-	print(shearband.describe(surface, "all"), f"{100 * np.mean(~shearband.frozen(last)[surface.points]):.0f} % of its points thawed", shearband.describe(band), sep="\n")
+	print(
+		shearband.describe(surface, "all"),
+		f"{100 * np.mean(~shearband.frozen(last)[surface.points]):.0f} % of its points thawed",
+		shearband.describe(band),
+		sep="\n",
+	)
 	assert band is None
 	# by its end the slope has slid by metres: its slip surface lies between the face and the angle at which thawed ground comes to rest
 	assert 17 < surface.inclination < 55 and surface.descendsTowards == "right"

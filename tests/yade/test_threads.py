@@ -2,7 +2,6 @@
 """Several threads beside other work: steps by two threads and by one, in turn within one process, while other processes take the cores."""
 
 import json
-import os
 import subprocess
 from pathlib import Path
 
@@ -15,7 +14,12 @@ measurement = Path(__file__).resolve().parents[2] / "scripts" / "benchmarks" / "
 def ratios(tmp_path_factory):
 	"""Time of two threads over that of one, by number of busy processes beside them and kind of ground."""
 	file = tmp_path_factory.mktemp("threads") / "ratios.json"
-	subprocess.run(["yade", "-n", "-x", "-j2", str(measurement), str(file), "--rounds", "13", "--steps", "16", "--busy", "0,1,2"], check=True, timeout=300, capture_output=True)
+	subprocess.run(
+		["yade", "-n", "-x", "-j2", str(measurement), str(file), "--rounds", "13", "--steps", "16", "--busy", "0,1,2"],
+		check=True,
+		timeout=300,
+		capture_output=True,
+	)
 	return json.loads(file.read_text())["figures"]
 
 
@@ -37,7 +41,8 @@ def states(threads):
 		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", temperature=5)],
 	)
 	position, volume = talik.geometry.fillPolygon([(0, 0), (2, 0), (2, 0.5), (0, 0.5)], 0.02)
-	mpm.addPoints(position=position, volume=volume, temperature=-1, skeleton=[k % 2 for k in range(len(position))], velocity=np.random.default_rng(1).normal(0, 0.1, position.shape))
+	velocity = np.random.default_rng(1).normal(0, 0.1, position.shape)
+	mpm.addPoints(position=position, volume=volume, temperature=-1, skeleton=[k % 2 for k in range(len(position))], velocity=velocity)
 	O.engines = [mpm]
 	if threads == 1:
 		talik._talik.runSerially(40)

@@ -32,8 +32,12 @@ def ground(sample, width, height, velocity=lambda x, y: (0, 0), **settings):
 	"""Dry ground, loaded by what its samples carry, on a fixed base."""
 	h = 0.25
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(-width, 0), upper=(2 * width, height + 2 * h), skeleton=wrapper.RveSkeleton(samples=[at(sample, 50e3, 50e3)]),
-		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceLoad(region="surface", pressure=50e3)], **settings,
+		gridSpacing=h,
+		lower=(-width, 0),
+		upper=(2 * width, height + 2 * h),
+		skeleton=wrapper.RveSkeleton(samples=[at(sample, 50e3, 50e3)]),
+		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceLoad(region="surface", pressure=50e3)],
+		**settings,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, width, height), h)
 	mpm.addPoints(position=position, volume=volume, velocity=[velocity(x, y) for x, y in position])
@@ -57,9 +61,15 @@ def thawingColumn(sample):
 	"""Ice-bonded ground thaws from its surface under its own weight."""
 	h, height = 0.25, 2.0
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, 0), upper=(h, height + 2 * h), gravity=(0, -9.81), damping=0.1,
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, height + 2 * h),
+		gravity=(0, -9.81),
+		damping=0.1,
 		skeleton=wrapper.RveSkeleton(samples=[at(sample, 0.7 * p, p) for p in (3e3, 13e3, 23e3, 33e3)]),
-		heat=wrapper.HeatTransfer(thermalTimeScale=8.64e5), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(bulkModulus=2.2e7),
+		heat=wrapper.HeatTransfer(thermalTimeScale=8.64e5),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(bulkModulus=2.2e7),
 		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right")]
 		+ [wrapper.DrainedBoundary(region="surface", recharge=False), wrapper.SurfaceTemperature(region="surface", times=[0, 8.64e4], values=[-5, 10])],
 	)
@@ -94,7 +104,9 @@ def test_the_estimated_error_is_the_true_one_within_a_factor_of_three(build, sam
 		reached, mpm = stresses(build, sample, tolerance)
 		error, estimated = np.sqrt(np.sum((reached - exact) ** 2) / np.sum(exact**2)), mpm.estimatedError
 		fewer = calls / mpm.skeleton.counters["calls"]
-		print(f"{build.__name__}, tolerance {tolerance}: estimated {estimated:.4f}, true {error:.4f}, ratio {estimated / error:.2f}, 1/{fewer:.1f} of the calls")
+		print(
+			f"{build.__name__}, tolerance {tolerance}: estimated {estimated:.4f}, true {error:.4f}, ratio {estimated / error:.2f}, 1/{fewer:.1f} of the calls"
+		)
 		assert 1 / 3 < estimated / error < 3
 		assert fewer > 1
 
@@ -114,14 +126,17 @@ def test_tolerance_leaves_no_trace_where_it_is_not_set(sample):
 	assert fields[0] < fields[0.03] and added == {"inertialNumber", "predictionError", "rateError", "stepOfLastCall", "callsOfSample"}
 
 
-@pytest.mark.parametrize("change, remedy", (
-	(dict(tolerance=-0.1), "MpmEngine.tolerance is -0.1"),
-	(dict(tolerance=2.0), "MpmEngine.tolerance is 2"),
-	(dict(tolerance=float("nan")), "MpmEngine.tolerance is nan"),
-	(dict(tolerance=0.03, strainTolerance=0.0), "strainTolerance above 0"),
-	(dict(tolerance=0.03, prediction=False), "prediction=True"),
-	(dict(tolerance=0.03, form="open"), "MpmEngine.tolerance needs packed samples"),
-))
+@pytest.mark.parametrize(
+	"change, remedy",
+	(
+		(dict(tolerance=-0.1), "MpmEngine.tolerance is -0.1"),
+		(dict(tolerance=2.0), "MpmEngine.tolerance is 2"),
+		(dict(tolerance=float("nan")), "MpmEngine.tolerance is nan"),
+		(dict(tolerance=0.03, strainTolerance=0.0), "strainTolerance above 0"),
+		(dict(tolerance=0.03, prediction=False), "prediction=True"),
+		(dict(tolerance=0.03, form="open"), "MpmEngine.tolerance needs packed samples"),
+	),
+)
 def test_a_tolerance_that_cannot_be_kept_is_refused(sample, change, remedy):
 	mpm, _ = shearedBlock(sample)
 	for name, value in change.items():

@@ -23,8 +23,14 @@ def scene():
 	material = O.materials.append(wrapper.FrictMat(frictionAngle=0.5, density=2500))
 	footing = O.bodies.append(utils.box((0.3, -0.1, 0), (0.6, 0.1, 0.5), fixed=True, material=material))
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.1, lower=(-1, -1), upper=(2, 2), gravity=(0, -g), damping=0.3, bodies=wrapper.BodyContact(),
-		skeleton=wrapper.ElasticSkeleton(young=1e6), label="ground",
+		gridSpacing=0.1,
+		lower=(-1, -1),
+		upper=(2, 2),
+		gravity=(0, -g),
+		damping=0.3,
+		bodies=wrapper.BodyContact(),
+		skeleton=wrapper.ElasticSkeleton(young=1e6),
+		label="ground",
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0.0, 0.6, 0.3))
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(damping=0, gravity=(0, -g, 0), label="newton")]
@@ -48,7 +54,7 @@ def test_force_and_torque_recorders_write_what_the_ground_does_to_a_body(scene, 
 	forces.dead = torques.dead = True
 	O.engines = O.engines[:3]
 	recorded = np.column_stack([np.loadtxt(tmp_path / "force.txt")[:, 1:4], np.loadtxt(tmp_path / "torque.txt")[:, 1]])
-	byHand = np.array(byHand)[-len(recorded):]
+	byHand = np.array(byHand)[-len(recorded) :]
 	print(f"{len(recorded)} rows; vertical force {recorded[-1, 1]:.3f} N, torque {recorded[-1, 3]:.3f} N m")
 	assert len(recorded) >= 199 and byHand[-1, 1] < 0
 	np.testing.assert_allclose(recorded, byHand, rtol=1e-4, atol=1e-4 * np.abs(byHand).max())
@@ -81,7 +87,10 @@ def test_plot_records_our_fields_and_draws_them(scene, tmp_path):
 	figure = plot.plot(noShow=True)
 	figure.savefig(tmp_path / "plot.png")
 	drawn = [line.get_ydata() for axes in figure.axes for line in axes.get_lines() if len(line.get_ydata()) == 10]
-	print(f"{len(plot.data['t'])} rows; last load {plot.data['load'][-1]:.1f} N, sunk by {plot.data['sink'][-1]:.2e} m; {(tmp_path / 'plot.png').stat().st_size} bytes of picture")
+	print(
+		f"{len(plot.data['t'])} rows; last load {plot.data['load'][-1]:.1f} N, sunk by {plot.data['sink'][-1]:.2e} m; "
+		f"{(tmp_path / 'plot.png').stat().st_size} bytes of picture"
+	)
 	assert sorted(map(tuple, drawn)) == sorted([tuple(plot.data["load"]), tuple(plot.data["sink"])])
 	assert plot.data["sink"][-1] > 0 and (tmp_path / "plot.png").stat().st_size > 5000
 	plot.reset()
@@ -144,7 +153,9 @@ def test_labels_name_our_engine_our_functors_and_survive_loading(scene, tmp_path
 	assert talik._talik.sameObject(builtins.ground, mpm)
 	O.engines = O.engines + [
 		wrapper.InteractionLoop(
-			[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(label="iceContacts")], [wrapper.Law2_ScGeom_IceBondPhys_IceBond(label="iceLaw")],
+			[wrapper.Ig2_Sphere_Sphere_ScGeom()],
+			[wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(label="iceContacts")],
+			[wrapper.Law2_ScGeom_IceBondPhys_IceBond(label="iceLaw")],
 		)
 	]
 	builtins.iceLaw.healBroken = True
@@ -152,7 +163,9 @@ def test_labels_name_our_engine_our_functors_and_survive_loading(scene, tmp_path
 	O.save(str(tmp_path / "scene.xml"))
 	O.reset()
 	O.load(str(tmp_path / "scene.xml"))
-	print(f"after loading: ground is {type(builtins.ground).__name__}, iceLaw {type(builtins.iceLaw).__name__}, iceContacts {type(builtins.iceContacts).__name__}")
+	print(
+		f"after loading: ground is {type(builtins.ground).__name__}, iceLaw {type(builtins.iceLaw).__name__}, iceContacts {type(builtins.iceContacts).__name__}"
+	)
 	assert builtins.ground.pointCount == mpm.pointCount and talik._talik.sameObject(builtins.ground, O.engines[1])
 	assert type(builtins.iceLaw) is wrapper.Law2_ScGeom_IceBondPhys_IceBond and builtins.iceLaw.healBroken
 
@@ -174,7 +187,8 @@ def test_utilities_measure_ice_bonds_and_bodies_among_the_ground(scene):
 	springs = sum(0.5 * (i.phys.normalForce.squaredNorm() / i.phys.kn + i.phys.shearForce.squaredNorm() / i.phys.ks) for i in bonded)
 	print(
 		f"kineticEnergy {utils.kineticEnergy():.6f} J, by hand {energy:.6f} J; avgNumInteractions {utils.avgNumInteractions():.3f}; "
-		f"sumForces on the footing {utils.sumForces([footing], (0, 1, 0)):.3f} N; energy in {len(bonded)} bonds {springs:.2e} J; unbalanced force {utils.unbalancedForce():.3f}"
+		f"sumForces on the footing {utils.sumForces([footing], (0, 1, 0)):.3f} N; energy in {len(bonded)} bonds "
+		f"{springs:.2e} J; unbalanced force {utils.unbalancedForce():.3f}"
 	)
 	assert utils.kineticEnergy() == pytest.approx(energy, rel=1e-12)
 	assert len(bonded) == 2 and all(i.phys.bondState == 1 for i in bonded)
@@ -245,7 +259,10 @@ print("STEPS", O.iter - at)
 	files = sorted(tmp_path.glob("slope-*.png"))
 	picture = image.imread(files[-1])[..., :3]
 	blue = int(((picture[..., 2] > 0.3) & (picture[..., 0] < 0.3) & (picture[..., 1] < 0.3)).sum())
-	print(f"{len(files)} pictures in the steps of the ground ({re.search('STEPS .*', output).group()}); {blue} blue pixels of the sphere of {picture.shape[0] * picture.shape[1]}")
+	print(
+		f"{len(files)} pictures in the steps of the ground ({re.search('STEPS .*', output).group()}); {blue} blue pixels "
+		f"of the sphere of {picture.shape[0] * picture.shape[1]}"
+	)
 	assert "STEPS 6" in output and len(files) == 3 and 1000 < blue < 0.5 * picture.shape[0] * picture.shape[1]
 
 
@@ -319,7 +336,8 @@ import json, math, talik
 from yade import O, utils, wrapper
 utils.readParamsFromTable(iceTensileStrength=50e6, tensileStrength=1e6, noTableOk=False)
 from yade.params import table
-material = wrapper.IceBondMat(young=0.6e9, poisson=0.8, density=2650, iceSaturation=1, tensileStrength=table.tensileStrength, iceTensileStrength=table.iceTensileStrength)
+strengths = dict(tensileStrength=table.tensileStrength, iceTensileStrength=table.iceTensileStrength)
+material = wrapper.IceBondMat(young=0.6e9, poisson=0.8, density=2650, iceSaturation=1, **strengths)
 O.materials.append(material)
 R = 5e-3
 O.bodies.append([utils.sphere((0, 0, 0), R, fixed=True), utils.sphere((2 * R, 0, 0), R, fixed=True)])
@@ -347,8 +365,13 @@ def test_yade_batch_runs_a_table_of_bond_strengths(tmp_path):
 	(tmp_path / "pull.py").write_text(batchScript.replace("{folder!r}", repr(str(tmp_path))))
 	(tmp_path / "strengths.table").write_text("description tensileStrength iceTensileStrength\nweak 1e6 10e6\nmiddle 1e6 25e6\nstrong 2e6 50e6\n")
 	run = subprocess.run(
-		["yade-batch", "-j2", "--job-threads=1", "strengths.table", "pull.py"], cwd=tmp_path, capture_output=True, text=True, timeout=150,
-		stdin=subprocess.DEVNULL, env={k: v for k, v in os.environ.items() if k != "DISPLAY"},
+		["yade-batch", "-j2", "--job-threads=1", "strengths.table", "pull.py"],
+		cwd=tmp_path,
+		capture_output=True,
+		text=True,
+		timeout=150,
+		stdin=subprocess.DEVNULL,
+		env={k: v for k, v in os.environ.items() if k != "DISPLAY"},
 	)
 	results = {file.stem: json.loads(file.read_text()) for file in tmp_path.glob("*.json")}
 	logs = "".join(file.read_text() for file in tmp_path.glob("*.log"))

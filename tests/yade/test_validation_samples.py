@@ -46,12 +46,24 @@ def test_ground_under_a_year_of_weather_from_a_file_follows_the_damped_wave(tmp_
 		return mean + amplitude * damping * np.exp(-k * x) * np.sin(omega * t - k * x - lag)
 
 	station, days = tmp_path / "station.csv", np.arange(366) * day
-	np.savetxt(station, np.column_stack([days, mean + amplitude * np.sin(omega * days)]), delimiter=",", header="time [s],air temperature [degC]", comments="", fmt="%.9g")
+	np.savetxt(
+		station,
+		np.column_stack([days, mean + amplitude * np.sin(omega * days)]),
+		delimiter=",",
+		header="time [s],air temperature [degC]",
+		comments="",
+		fmt="%.9g",
+	)
 	times, values = talik.weather.airTemperature(station)
 	base = -depth - (0 if side == "top" else 0.5 * h)
 	still = wrapper.GroundMaterial(solidExpansivity=0, liquidExpansivity=0)
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, base), upper=(h, 0 if side == "top" else 2.5 * h), motion=False, heat=wrapper.HeatTransfer(), material=still,
+		gridSpacing=h,
+		lower=(0, base),
+		upper=(h, 0 if side == "top" else 2.5 * h),
+		motion=False,
+		heat=wrapper.HeatTransfer(),
+		material=still,
 		boundaries=[wrapper.SurfaceTemperature(region=side, heatTransferCoefficient=exchange, times=times, values=values)],
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, base, h, 0), porosity=0.4, temperature=lambda x, y: exact(-y, 0))
@@ -62,10 +74,19 @@ def test_ground_under_a_year_of_weather_from_a_file_follows_the_damped_wave(tmp_
 		thawslump.runUntil(season * 365 * day)
 		temperature = mpm.field("temperature")
 		error = np.abs(temperature - exact(below, mpm.time)).max() / amplitude
-		report.expectScaled(f"weather from a file, {'wall' if side == 'top' else 'free surface'}: largest error over the amplitude of the air, {season:.2f} a", error, 0, 1, 0.02)
+		report.expectScaled(
+			f"weather from a file, {'wall' if side == 'top' else 'free surface'}: largest error over the amplitude of the air, {season:.2f} a",
+			error,
+			0,
+			1,
+			0.02,
+		)
 		shown = below < 8
 		depths = np.linspace(0, 8, 80)
-		curves += [(f"{season:.2f} a", "computed", below[shown][::6], temperature[shown][::6]), (f"{season:.2f} a", "reference", depths, exact(depths, mpm.time))]
+		curves += [
+			(f"{season:.2f} a", "computed", below[shown][::6], temperature[shown][::6]),
+			(f"{season:.2f} a", "reference", depths, exact(depths, mpm.time)),
+		]
 	report.draw(f"weather_{side}", "A year of weather from a CSV", "depth [m]", "temperature [degC]", curves)
 
 
@@ -89,7 +110,10 @@ def test_ground_loaded_frozen_unloaded_and_thawed_is_left_without_stress_of_its_
 	report.expectScaled("load-freeze-unload-thaw, sample: residual stress after thaw over load", thawed[1], start[1], rise, 0.1)
 	report.expectScaled("load-freeze-unload-thaw, sample: residual stress after thaw over that of the ice", thawed[1] - start[1], 0.0, locked, 0.02)
 	report.draw(
-		"load_freeze_unload_thaw_sample", "Sample: loaded thawed, frozen, unloaded, thawed", "stage (0 start, 1 load, 2 freeze, 3 unload, 4 thaw)", "vertical stress [kPa]",
+		"load_freeze_unload_thaw_sample",
+		"Sample: loaded thawed, frozen, unloaded, thawed",
+		"stage (0 start, 1 load, 2 freeze, 3 unload, 4 thaw)",
+		"vertical stress [kPa]",
 		[
 			("stress", "computed", range(5), 1e-3 * np.array([start[1], loaded[1], frozen[1], back[1], thawed[1]])),
 			("stress-free ice, none left", "reference", [0, 1, 2, 4], 1e-3 * np.array([start[1], loaded[1], loaded[1], start[1]])),
@@ -103,12 +127,19 @@ def test_column_of_samples_loaded_frozen_unloaded_and_thawed_returns_to_its_heig
 	report = Report("Samples.ColumnLoadFreezeUnloadThaw", "ice stress-free at birth (OGS column)")
 	h, height, load = 0.1, 0.4, 1e3
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, 0), upper=(h, 2 * height), damping=0.5, skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=1e-7),
-		heat=wrapper.HeatTransfer(thermalTimeScale=5e7), freezing=wrapper.FreezingCurve(),
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, 2 * height),
+		damping=0.5,
+		skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=1e-7),
+		heat=wrapper.HeatTransfer(thermalTimeScale=5e7),
+		freezing=wrapper.FreezingCurve(),
 		thawFront=None,  # it does not slip; with the front 1.6e-5 of strain stay at four cells, see the limits
 		boundaries=[
 			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
-			wrapper.SurfaceLoad(region="surface", times=[5e7 * t for t in (0.1, 0.15, 0.7, 0.75)], values=[confinement, confinement + load, confinement + load, confinement]),
+			wrapper.SurfaceLoad(
+				region="surface", times=[5e7 * t for t in (0.1, 0.15, 0.7, 0.75)], values=[confinement, confinement + load, confinement + load, confinement]
+			),
 			wrapper.WallTemperature(region="bottom", times=[5e7 * t for t in (0.25, 0.3, 0.85, 0.9)], values=[1, -5, -5, 5]),
 		],
 	)
@@ -131,7 +162,10 @@ def test_column_of_samples_loaded_frozen_unloaded_and_thawed_returns_to_its_heig
 	report.expectScaled(f"{case}: residual strain after thaw over that of the load", strain[4] - strain[0], 0, settled, 0.02)
 	report.expectScaled(f"{case}: residual stress across after thaw over that of the load", across[4], across[0], rise, 0.05)
 	report.draw(
-		"load_freeze_unload_thaw_column", "Column of samples: loaded thawed, frozen, unloaded, thawed", "stage (0 start, 1 load, 2 freeze, 3 unload, 4 thaw)", "strain [1e-6]",
+		"load_freeze_unload_thaw_column",
+		"Column of samples: loaded thawed, frozen, unloaded, thawed",
+		"stage (0 start, 1 load, 2 freeze, 3 unload, 4 thaw)",
+		"strain [1e-6]",
 		[
 			("strain", "computed", range(5), 1e6 * (strain - strain[0])),
 			("stress-free ice, none left", "reference", [0, 1, 2, 4], 1e6 * np.array([0, settled, settled, 0])),
@@ -158,9 +192,15 @@ def test_homogeneous_block_under_biaxial_compression_follows_its_sample(sample):
 	report = Report("Samples.BiaxialCompression", "the same sample under a servo")
 	h, deviator, rampTime = 0.05, 30e3, 0.3
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, 0), upper=(0.7, 0.7), damping=0.3, skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=5e-6),
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(0.7, 0.7),
+		damping=0.3,
+		skeleton=wrapper.RveSkeleton(samples=[sample], strainTolerance=5e-6),
 		boundaries=[
-			wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="bottom"), wrapper.SurfaceLoad(region="surface", pressure=confinement),
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="bottom"),
+			wrapper.SurfaceLoad(region="surface", pressure=confinement),
 			wrapper.SurfaceLoad(region="surface", lower=(-1, 0.4 - 0.5 * h), upper=(1, 1), times=[0.05, rampTime], values=[0, deviator]),
 		],
 	)
@@ -181,7 +221,10 @@ def test_homogeneous_block_under_biaxial_compression_follows_its_sample(sample):
 	error = np.sqrt(np.mean((lateral[1:] - vertical[1:] - wanted) ** 2))
 	report.expectScaled("biaxial compression, block of ground: rms of the deviator over its end [Pa]", error, 0, wanted[-1], 0.05)
 	report.draw(
-		"biaxial", "Biaxial compression at 100 kPa: block of ground, and its sample", "vertical strain [1e-3]", "deviator [kPa]",
+		"biaxial",
+		"Biaxial compression at 100 kPa: block of ground, and its sample",
+		"vertical strain [1e-3]",
+		"deviator [kPa]",
 		[("block", "computed", 1e3 * strain, 1e-3 * (lateral - vertical)), ("sample", "reference", 1e3 * reference[0], 1e-3 * (reference[1] - reference[2]))],
 	)
 
@@ -200,8 +243,13 @@ def collapse(sample, cells, instants):
 	position, volume = talik.geometry.fillPolygon(outline, h, 4, (0.0, 0.0))
 	samples, sampleOf = slope.depthBands(position, outline, sample, density, bandThickness=0.5, lateralRatio=0.6)
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, 0), upper=(np.ceil(7.5 / h) * h, np.ceil(2.6 / h) * h), gravity=(0, -9.81),
-		skeleton=wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0, maxStrainPerStep=1e-4, maxInertialNumber=5e-2),
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(np.ceil(7.5 / h) * h, np.ceil(2.6 / h) * h),
+		gravity=(0, -9.81),
+		skeleton=wrapper.RveSkeleton(
+			samples=samples, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0, maxStrainPerStep=1e-4, maxInertialNumber=5e-2
+		),
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
 	)
 	mpm.addPoints(position=position, volume=volume, porosity=0.4)
@@ -225,9 +273,14 @@ def test_dry_column_of_samples_collapses_to_the_run_out_of_lube_slow(sample):
 	fine, speed = collapse(sample, 20, instants)
 	limit = 2 * fine - coarse
 	report.draw(
-		"lube_samples", "Dry column of samples, as wide as high", "time over sqrt(H/g) [-]", "run-out over initial width [-]",
+		"lube_samples",
+		"Dry column of samples, as wide as high",
+		"time over sqrt(H/g) [-]",
+		"run-out over initial width [-]",
 		[
-			("10 cells", "computed", instants, coarse), ("20 cells", "computed", instants, fine), ("extrapolated to h = 0", "computed", instants, limit),
+			("10 cells", "computed", instants, coarse),
+			("20 cells", "computed", instants, fine),
+			("extrapolated to h = 0", "computed", instants, limit),
 			("deposit", "reference", [3.3, 4.5], [1.2, 1.2]),
 		],
 	)
@@ -270,7 +323,12 @@ def slideOfLayer(samples, thickness, h, density, beta, duration):
 	position, volume, thawed = position[there], volume[there], thawed[there]
 	banded, sampleOf = slope.depthBands(position, level, samples, density, bandThickness=0.5 * h, lateralRatio=1.0, gravity=9.81 * np.cos(beta))
 	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, 0), upper=(width, top + 2 * h), gravity=(9.81 * np.sin(beta), -9.81 * np.cos(beta)), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(),
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(width, top + 2 * h),
+		gravity=(9.81 * np.sin(beta), -9.81 * np.cos(beta)),
+		heat=wrapper.HeatTransfer(),
+		freezing=wrapper.FreezingCurve(),
 		skeleton=wrapper.RveSkeleton(samples=banded, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0),
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom")],
 	)

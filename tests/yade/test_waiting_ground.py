@@ -18,9 +18,17 @@ def column(**settings):
 	"""Ground of eight points between walls, with water and heat."""
 	O.reset()
 	defaults = dict(
-		gridSpacing=0.5, lower=(0, 0), upper=(0.5, 1.5), gravity=(0, -9.81), material=wrapper.GroundMaterial(), heat=wrapper.HeatTransfer(thermalTimeScale=1e5),
-		freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(), skeleton=wrapper.MohrCoulombSkeleton(),
-		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")] + [wrapper.SurfaceTemperature(region="surface", temperature=3)],
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(0.5, 1.5),
+		gravity=(0, -9.81),
+		material=wrapper.GroundMaterial(),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e5),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
+		skeleton=wrapper.MohrCoulombSkeleton(),
+		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
+		+ [wrapper.SurfaceTemperature(region="surface", temperature=3)],
 	)
 	mpm = wrapper.MpmEngine(**{**defaults, **settings})
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 1), temperature=-1.0)
@@ -83,7 +91,9 @@ def layered(packed, **skeleton):
 	loose = packed.copy()
 	loose.servo(-10e3, -20e3)
 	O.reset()
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(0.5, 1.5), gravity=(0, -9.81), skeleton=wrapper.RveSkeleton(samples=[packed.copy(), loose], **skeleton))
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.5, lower=(0, 0), upper=(0.5, 1.5), gravity=(0, -9.81), skeleton=wrapper.RveSkeleton(samples=[packed.copy(), loose], **skeleton)
+	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 1))
 	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")]
 	O.engines = [mpm]

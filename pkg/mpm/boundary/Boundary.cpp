@@ -3,8 +3,8 @@
 #include <pkg/mpm/Errors.hpp>
 
 #include <algorithm>
-#include <sstream>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 namespace talik {
@@ -112,7 +112,10 @@ template <int D> std::string Region<D>::describe() const
 		return list;
 	}
 	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
-	std::string name    = kind == Kind::side ? "side " + nameOf(on) : kind == Kind::freeSurface ? (cavities ? "surface of cavities" : "free surface") : round ? "disc" : "node box";
+	std::string name    = kind == Kind::side ? "side " + nameOf(on)
+	           : kind == Kind::freeSurface   ? (cavities ? "surface of cavities" : "free surface")
+	           : round                       ? "disc"
+	                                         : "node box";
 	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
 	return name;
 }
@@ -120,8 +123,7 @@ template <int D> std::string Region<D>::describe() const
 template <int D>
 MotionConstraints<D>::MotionConstraints(const Grid<D>& grid)
         : flags_(grid.nodeCount(), 0)
-{
-}
+{}
 
 template <int D> void MotionConstraints<D>::mirror(int ghost, int inner, const Vec<D>& sign)
 {
@@ -273,7 +275,7 @@ template class Boundary<2>;
 template class Boundary<3>;
 template std::vector<NodeShare> nodeShares<2>(const Grid<2>&, const Region<2>&);
 template std::vector<NodeShare> nodeShares<3>(const Grid<3>&, const Region<3>&);
-template std::vector<int> wallNodes<2>(const Grid<2>&, const Region<2>&);
-template std::vector<int> wallNodes<3>(const Grid<3>&, const Region<3>&);
+template std::vector<int>       wallNodes<2>(const Grid<2>&, const Region<2>&);
+template std::vector<int>       wallNodes<3>(const Grid<3>&, const Region<3>&);
 
 } // namespace talik

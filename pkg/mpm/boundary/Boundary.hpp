@@ -15,14 +15,12 @@ public:
 	TimeTable(double constant = 0.0)
 	        : times_ { 0.0 }
 	        , values_ { constant }
-	{
-	}
+	{}
 	/// times [s] strictly increasing, as many as values; checked by validate().
 	TimeTable(std::vector<double> times, std::vector<double> values)
 	        : times_(std::move(times))
 	        , values_(std::move(values))
-	{
-	}
+	{}
 
 	double at(double time) const;
 	bool   isZero() const;
@@ -55,13 +53,13 @@ std::string nameOf(const Side& side);
 template <int D> struct Region {
 	enum class Kind { side, freeSurface, nodeBox, bodies };
 
-	Kind   kind = Kind::side;
-	Side   on {};
-	bool   round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
-	bool   cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
-	std::vector<int> ids;    ///< bodies: their numbers, or those of their groups
-	Vec<D> boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
-	Vec<D> boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
+	Kind             kind = Kind::side;
+	Side             on {};
+	bool             round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
+	bool             cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
+	std::vector<int> ids;              ///< bodies: their numbers, or those of their groups
+	Vec<D>           boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
+	Vec<D>           boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
 
 	static Region side(const std::string& name);
 	static Region freeSurface();
@@ -91,9 +89,9 @@ template <int D> struct SurfaceNode {
 
 /// Heat that enters through a surface per unit area: flux + coefficient (ambient - T_surface).
 struct SurfaceHeat {
-	double flux        = 0.0; ///< into the ground [W/m^2]
-	double coefficient = 0.0; ///< [W/(m^2 K)]; prescribed surface temperature: atSurface = true instead
-	double ambient     = 0.0; ///< [degC]
+	double flux        = 0.0;   ///< into the ground [W/m^2]
+	double coefficient = 0.0;   ///< [W/(m^2 K)]; prescribed surface temperature: atSurface = true instead
+	double ambient     = 0.0;   ///< [degC]
 	bool   atSurface   = false; ///< ambient is the temperature of the surface itself: coefficient = 4 kappa f_T/h of the ground there
 };
 
@@ -129,7 +127,7 @@ public:
 	void                    close();
 
 private:
-	static unsigned bit(int axis, int kind) { return 1u << (3 * axis + kind); }
+	static unsigned             bit(int axis, int kind) { return 1u << (3 * axis + kind); }
 	std::vector<unsigned short> flags_;
 	std::vector<Mirror>         mirrors_;
 	std::vector<int>            constrained_;
@@ -138,9 +136,9 @@ private:
 /// Nodes with prescribed temperature, collected once from all boundaries.
 struct TemperatureNode {
 	int node;
-	int ghost; ///< node behind the wall, or -1
-	int inner; ///< node in front of the wall, or -1
-	int axis;  ///< normal of the wall
+	int ghost;    ///< node behind the wall, or -1
+	int inner;    ///< node in front of the wall, or -1
+	int axis;     ///< normal of the wall
 	int boundary; ///< index of the boundary that prescribes
 };
 
@@ -150,8 +148,7 @@ template <int D> class Boundary {
 public:
 	explicit Boundary(const Region<D>& region)
 	        : region_(region)
-	{
-	}
+	{}
 	virtual ~Boundary() = default;
 
 	virtual std::string name() const = 0;

@@ -9,9 +9,7 @@ namespace talik {
 template <int D> void DrainedBoundary<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::nodeBox,
-	        "DrainedBoundary.region",
-	        this->region_.describe(),
+	        this->region_.kind != Region<D>::Kind::nodeBox, "DrainedBoundary.region", this->region_.describe(),
 	        "must be a side of the box or the free surface");
 	pressure_.validate("DrainedBoundary.pressure");
 	Boundary<D>::validate(grid);
@@ -28,9 +26,7 @@ template class DrainedBoundary<3>;
 template <int D> void ImpermeableBoundary<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind == Region<D>::Kind::side,
-	        "ImpermeableBoundary.region",
-	        this->region_.describe(),
+	        this->region_.kind == Region<D>::Kind::side, "ImpermeableBoundary.region", this->region_.describe(),
 	        "must be a side of the box; the free surface is impermeable where no DrainedBoundary is");
 	Boundary<D>::validate(grid);
 }
@@ -51,15 +47,10 @@ template class ImpermeableBoundary<3>;
 template <int D> void WaterFlux<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::nodeBox,
-	        "WaterFlux.region",
-	        this->region_.describe(),
-	        "must be a side of the box or the free surface");
+	        this->region_.kind != Region<D>::Kind::nodeBox, "WaterFlux.region", this->region_.describe(), "must be a side of the box or the free surface");
 	flux_.validate("WaterFlux.flux");
 	requireSetting(
-	        std::isnan(temperature_) || (temperature_ >= 0.0 && temperature_ < 100.0),
-	        "WaterFlux.temperature",
-	        temperature_,
+	        std::isnan(temperature_) || (temperature_ >= 0.0 && temperature_ < 100.0), "WaterFlux.temperature", temperature_,
 	        "must lie between 0 and 100 degC; leave it out for water as warm as the ground where it enters");
 	Boundary<D>::validate(grid);
 }

@@ -14,8 +14,7 @@ public:
 	        : Boundary<D>(region)
 	        , pressure_(pressure)
 	        , recharge_(recharge)
-	{
-	}
+	{}
 	std::string name() const override { return "DrainedBoundary"; }
 	std::string effect() const override { return "water"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -35,8 +34,7 @@ template <int D> class ImpermeableBoundary final : public Boundary<D> {
 public:
 	explicit ImpermeableBoundary(const Region<D>& region)
 	        : Boundary<D>(region)
-	{
-	}
+	{}
 	std::string name() const override { return "ImpermeableBoundary"; }
 	std::string effect() const override { return "water"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -54,8 +52,7 @@ public:
 	        : Boundary<D>(region)
 	        , flux_(flux)
 	        , temperature_(temperature)
-	{
-	}
+	{}
 	std::string name() const override { return "WaterFlux"; }
 	std::string effect() const override { return "water"; }
 	void        validate(const Grid<D>& grid) const override;

@@ -7,9 +7,7 @@ namespace talik {
 template <int D> void FixedBoundary<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::freeSurface,
-	        "FixedBoundary.region",
-	        this->region_.describe(),
+	        this->region_.kind != Region<D>::Kind::freeSurface, "FixedBoundary.region", this->region_.describe(),
 	        "must be a side of the box or a box of nodes");
 	Boundary<D>::validate(grid);
 }
@@ -35,9 +33,7 @@ template class FixedBoundary<3>;
 template <int D> void RollerBoundary<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind == Region<D>::Kind::side,
-	        "RollerBoundary.region",
-	        this->region_.describe(),
+	        this->region_.kind == Region<D>::Kind::side, "RollerBoundary.region", this->region_.describe(),
 	        "must be a side of the box, which has a normal; use FixedBoundary for other nodes");
 	Boundary<D>::validate(grid);
 }
@@ -63,16 +59,12 @@ template <int D> void Traction<D>::validate(const Grid<D>& grid) const
 {
 	pressure_.validate("Traction.pressure");
 	requireSetting(
-	        traction_.empty() || traction_.size() == D,
-	        "Traction.traction",
-	        std::to_string(traction_.size()) + " components",
+	        traction_.empty() || traction_.size() == D, "Traction.traction", std::to_string(traction_.size()) + " components",
 	        "must have one component per dimension, or none");
 	for (const TimeTable& t : traction_)
 		t.validate("Traction.traction");
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::nodeBox || pressure_.isZero(),
-	        "Traction.pressure",
-	        pressure_.values().front(),
+	        this->region_.kind != Region<D>::Kind::nodeBox || pressure_.isZero(), "Traction.pressure", pressure_.values().front(),
 	        "must be zero on a box of nodes, which has no normal; give the traction vector");
 	Boundary<D>::validate(grid);
 }

@@ -10,8 +10,7 @@ template <int D> class FixedBoundary final : public Boundary<D> {
 public:
 	explicit FixedBoundary(const Region<D>& region)
 	        : Boundary<D>(region)
-	{
-	}
+	{}
 	std::string name() const override { return "FixedBoundary"; }
 	std::string effect() const override { return "motion"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -23,8 +22,7 @@ template <int D> class RollerBoundary final : public Boundary<D> {
 public:
 	explicit RollerBoundary(const Region<D>& region)
 	        : Boundary<D>(region)
-	{
-	}
+	{}
 	std::string name() const override { return "RollerBoundary"; }
 	std::string effect() const override { return "motion"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -40,8 +38,7 @@ public:
 	        : Boundary<D>(region)
 	        , pressure_(pressure)
 	        , traction_(traction)
-	{
-	}
+	{}
 	std::string name() const override { return "Traction"; }
 	std::string effect() const override { return "motion"; }
 	void        validate(const Grid<D>& grid) const override;

@@ -9,17 +9,13 @@ namespace talik {
 template <int D> void SurfaceTemperature<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::nodeBox,
-	        "SurfaceTemperature.region",
-	        this->region_.describe(),
+	        this->region_.kind != Region<D>::Kind::nodeBox, "SurfaceTemperature.region", this->region_.describe(),
 	        "must be the free surface or a side of the box; use WallTemperature for nodes");
 	temperature_.validate("SurfaceTemperature.temperature");
 	for (double t : temperature_.values())
 		requireSetting(t > -100.0 && t < 100.0, "SurfaceTemperature.temperature", t, "must lie between -100 and 100 degC");
 	requireSetting(
-	        heatTransferCoefficient_ >= 0.0,
-	        "SurfaceTemperature.heatTransferCoefficient",
-	        heatTransferCoefficient_,
+	        heatTransferCoefficient_ >= 0.0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient_,
 	        "must not be negative, in W/(m^2 K); leave it out to prescribe the temperature of the surface");
 	Boundary<D>::validate(grid);
 }
@@ -39,9 +35,7 @@ template class SurfaceTemperature<3>;
 template <int D> void WallTemperature<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::freeSurface,
-	        "WallTemperature.region",
-	        this->region_.describe(),
+	        this->region_.kind != Region<D>::Kind::freeSurface, "WallTemperature.region", this->region_.describe(),
 	        "must be a side of the box or a box of nodes; use SurfaceTemperature for the free surface");
 	temperature_.validate("WallTemperature.temperature");
 	for (double t : temperature_.values())
@@ -82,10 +76,7 @@ template class BodyTemperature<3>;
 template <int D> void HeatFlux<D>::validate(const Grid<D>& grid) const
 {
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::nodeBox,
-	        "HeatFlux.region",
-	        this->region_.describe(),
-	        "must be the free surface or a side of the box");
+	        this->region_.kind != Region<D>::Kind::nodeBox, "HeatFlux.region", this->region_.describe(), "must be the free surface or a side of the box");
 	flux_.validate("HeatFlux.flux");
 	Boundary<D>::validate(grid);
 }

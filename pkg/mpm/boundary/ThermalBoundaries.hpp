@@ -11,14 +11,11 @@ public:
 	/// temperature [degC]; heatTransferCoefficient [W/(m^2 K)]: infinite (default) prescribes the temperature of the surface
 	/// itself, a finite one that of the air. Scaled by the thermal time scale like conduction.
 	explicit SurfaceTemperature(
-	        const Region<D>& region,
-	        const TimeTable& temperature,
-	        double           heatTransferCoefficient = std::numeric_limits<double>::infinity())
+	        const Region<D>& region, const TimeTable& temperature, double heatTransferCoefficient = std::numeric_limits<double>::infinity())
 	        : Boundary<D>(region)
 	        , temperature_(temperature)
 	        , heatTransferCoefficient_(heatTransferCoefficient)
-	{
-	}
+	{}
 	std::string name() const override { return "SurfaceTemperature"; }
 	std::string effect() const override { return "heat"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -39,8 +36,7 @@ public:
 	explicit WallTemperature(const Region<D>& region, const TimeTable& temperature)
 	        : Boundary<D>(region)
 	        , temperature_(temperature)
-	{
-	}
+	{}
 	std::string name() const override { return "WallTemperature"; }
 	std::string effect() const override { return "heat"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -61,8 +57,7 @@ public:
 	        : Boundary<D>(Region<D>::facing(bodies))
 	        , temperature_(temperature)
 	        , resistance_(resistance)
-	{
-	}
+	{}
 	std::string name() const override { return "BodyTemperature"; }
 	std::string effect() const override { return "heat"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -81,8 +76,7 @@ public:
 	explicit HeatFlux(const Region<D>& region, const TimeTable& flux)
 	        : Boundary<D>(region)
 	        , flux_(flux)
-	{
-	}
+	{}
 	std::string name() const override { return "HeatFlux"; }
 	std::string effect() const override { return "heat"; }
 	void        validate(const Grid<D>& grid) const override;
@@ -100,8 +94,7 @@ template <int D> class InsulatedBoundary final : public Boundary<D> {
 public:
 	explicit InsulatedBoundary(const Region<D>& region)
 	        : Boundary<D>(region)
-	{
-	}
+	{}
 	std::string name() const override { return "InsulatedBoundary"; }
 	std::string effect() const override { return "heat"; }
 };

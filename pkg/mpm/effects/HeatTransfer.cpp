@@ -83,9 +83,9 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	std::vector<char> touched(grid.nodeCount(), 0);
 	for (std::size_t b = 0; b < boundaries.size(); ++b) {
 		if (!boundaries[b]->prescribesTemperature()) continue;
-		const Region<D>& region = boundaries[b]->region();
-		const bool       wall   = region.kind == Region<D>::Kind::side;
-		const int        inward = region.on.upper ? -grid.nodeStride(region.on.axis) : grid.nodeStride(region.on.axis);
+		const Region<D>&             region = boundaries[b]->region();
+		const bool                   wall   = region.kind == Region<D>::Kind::side;
+		const int                    inward = region.on.upper ? -grid.nodeStride(region.on.axis) : grid.nodeStride(region.on.axis);
 		const std::vector<NodeShare> shares = nodeShares(grid, region);
 		for (const NodeShare& s : shares)
 			held_.push_back({ s.node, holding * s.share, static_cast<int>(b), 0.0 });
@@ -114,8 +114,7 @@ template <int D> void HeatTransfer<D>::limitShares(int first, int count)
 		limited[k] = std::min(std::max(limited[k], sensible[k]), largestShare * sensible[k]);
 }
 
-template <int D>
-bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const
+template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const
 {
 	if (settings->source != 0.0) return false;
 	for (const auto& b : boundaries) {
@@ -214,7 +213,7 @@ template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, double dt)
 		// other up, step by step, however short the steps
 		const double mean     = nodes[n.node][1] / nodes[n.node][0];
 		const double farthest = mean + (mean - wanted_[k]) * smoothing(dt);
-		expected_[k]      = std::clamp(wanted_[k] + gradient * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
+		expected_[k]          = std::clamp(wanted_[k] + gradient * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
 		nodal[n.inner][0]     = wanted_[k] + gradient * h;
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
@@ -284,8 +283,7 @@ template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const Weight
 	}
 }
 
-template <int D>
-void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
+template <int D> void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double capacity = nodes[n.node][0];
@@ -371,9 +369,9 @@ template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightB
 template <int D> void HeatTransfer<D>::warm(int first, int count, const double* gained)
 {
 	const double        smoothed = smoothed_, from = reference;
-	double* const       h        = enthalpy + first;
-	const double* const weight   = share + first;
-	const double* const t        = temperature + first;
+	double* const       h      = enthalpy + first;
+	const double* const weight = share + first;
+	const double* const t      = temperature + first;
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k)
 		h[k] += weight[k] * (gained[k] - smoothed * (t[k] - from));

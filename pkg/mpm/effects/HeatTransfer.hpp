@@ -3,10 +3,10 @@
 
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/grid/NodeField.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>
@@ -51,7 +51,8 @@ public:
 	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
-	void nodalTemperature(const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
+	void nodalTemperature(
+	        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	/// Shares, for motion to map along with the temperature, or null.
 	const double* carriedShare() const { return carried_ ? share : nullptr; }
 	/// Conduction of a step as the plane loops see it.
@@ -67,8 +68,8 @@ public:
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained = nullptr);
 
 	const HeatSettings* settings;
-	double *enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
-	double* share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
+	double *            enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
+	double*             share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
 
 	double scale     = 1.0; ///< calendar time per time of motion in this step [-]
 	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
@@ -86,13 +87,13 @@ public:
 	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:
-	void                        mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
-	void                        mirrorWalls(const Grid<D>& grid);
-	void                        prescribe(const Grid<D>& grid, double dt);
+	void mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
+	void mirrorWalls(const Grid<D>& grid);
+	void prescribe(const Grid<D>& grid, double dt);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
-	void                        hold(double dt);
+	void                          hold(double dt);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
-	double                      smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
+	double                        smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
 
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
 	std::vector<TemperatureNode> prescribed_;
@@ -103,15 +104,15 @@ private:
 		int    boundary;
 		double wanted; ///< T - T_r [K]
 	};
-	std::vector<HeldNode>        held_;
-	double                       diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
-	std::vector<int>             affected_; ///< nodes whose heat the prescribed temperatures change
-	std::vector<double>          wanted_;   ///< temperature of each prescribed node
-	std::vector<double>          expected_; ///< mean temperature of the points around it that goes with this wall temperature
-	std::array<double*, D>       position_ {};
-	NodeField<2>                 received_; ///< energy and noise in one record, in 2-D without water
-	double                       smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
-	bool                         walls_ = false, carried_ = false;
+	std::vector<HeldNode>  held_;
+	double                 diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
+	std::vector<int>       affected_;            ///< nodes whose heat the prescribed temperatures change
+	std::vector<double>    wanted_;              ///< temperature of each prescribed node
+	std::vector<double>    expected_;            ///< mean temperature of the points around it that goes with this wall temperature
+	std::array<double*, D> position_ {};
+	NodeField<2>           received_;       ///< energy and noise in one record, in 2-D without water
+	double                 smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
+	bool                   walls_ = false, carried_ = false;
 };
 
 extern template class HeatTransfer<2>;

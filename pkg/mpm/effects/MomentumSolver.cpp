@@ -16,7 +16,8 @@ namespace {
 	}
 } // namespace
 
-template <int D> MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
+template <int D>
+MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
         : constraints_(grid)
         , isWall_(grid.nodeCount(), 0)
 {
@@ -74,8 +75,7 @@ template <int D> void MomentumSolver<D>::addGravity(const ActiveRange& range, So
 	});
 }
 
-template <int D>
-void MomentumSolver<D>::addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion)
+template <int D> void MomentumSolver<D>::addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		double area = 0.0;
@@ -146,8 +146,7 @@ template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<
 }
 
 template <int D>
-void MomentumSolver<D>::foldSolidOnly(
-        const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
+void MomentumSolver<D>::foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
 {
 	// The ghost's liquid stays free. Eliminating its acceleration leaves inertia and force on the solid that it is mirrored to:
 	// a_l = (f_f + dt Q a_s)/(M_l + dt Q) enters M_s a_s + M_l a_l = f_m.
@@ -192,11 +191,9 @@ template <int D> template <bool Damped> void MomentumSolver<D>::solveDry(const A
 	});
 }
 
-template <int D>
-template <bool Damped>
-void MomentumSolver<D>::solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt)
+template <int D> template <bool Damped> void MomentumSolver<D>::solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt)
 {
-	using W = PoreWater<D>;
+	using W          = PoreWater<D>;
 	const double chi = motion.kept, chiLiquid = water.kept, alpha = motion.settings->localDamping;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
@@ -250,11 +247,11 @@ template <int D> void MomentumSolver<D>::constrainDry(SolidMotion<D>& motion) co
 template <int D> void MomentumSolver<D>::constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int i, double dt) const
 {
 	// the solid's motion is given; its own row of the drag equations then yields the liquid's
-	using W                = PoreWater<D>;
-	const double  chi       = motion.kept, chiLiquid = water.kept;
-	const double* r         = motion.nodes[i];
-	const double* rl        = water.nodes[i];
-	const double  dq        = dt * rl[W::dragAt];
+	using W           = PoreWater<D>;
+	const double  chi = motion.kept, chiLiquid = water.kept;
+	const double* r  = motion.nodes[i];
+	const double* rl = water.nodes[i];
+	const double  dq = dt * rl[W::dragAt];
 	if (!(rl[W::massAt] > 0.0)) return;
 	for (int a = 0; a < D; ++a) {
 		if (!constraints_.solidFixed(i, a) || constraints_.liquidTied(i, a)) continue;
@@ -308,10 +305,10 @@ template <int D> void MomentumSolver<D>::unfold(SolidMotion<D>& motion, PoreWate
 			}
 			const double* rl = water->nodes[m.ghost];
 			if (!(rl[W::massAt] > 0.0)) continue;
-			const double chiLiquid = water->kept;
-			const double vl        = rl[W::momentumAt + a] / rl[W::massAt];
-			const double vs1       = motion.solved[m.ghost][D + a];
-			const double change    = dt * (water->force[m.ghost][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dt * rl[W::dragAt]);
+			const double chiLiquid    = water->kept;
+			const double vl           = rl[W::momentumAt + a] / rl[W::massAt];
+			const double vs1          = motion.solved[m.ghost][D + a];
+			const double change       = dt * (water->force[m.ghost][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dt * rl[W::dragAt]);
 			water->start[m.ghost][a]  = vl;
 			water->flux[m.ghost][a]   = vl + change;
 			water->solved[m.ghost][a] = chiLiquid * change + (1.0 - chiLiquid) * (vl + change);

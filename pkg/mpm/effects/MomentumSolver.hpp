@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/grid/ActiveRange.hpp>
 
 #include <vector>
 
@@ -28,8 +28,7 @@ public:
 	        , perSolid_(1.0 / solidMass)
 	        // dividing by M_s first keeps the digits when drag is many orders larger than inertia
 	        , perInertia_(1.0 / (liquidMass + dq_ * (1.0 + liquidMass * perSolid_)))
-	{
-	}
+	{}
 	/// Forces [N] on mixture and liquid (without drag), velocities [m/s] at the start of the step.
 	PhaseAccelerations operator()(double solidVelocity, double liquidVelocity, double mixtureForce, double liquidForce) const
 	{
@@ -61,7 +60,8 @@ public:
 	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
 	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With account the works are summed.
 	void solve(
-	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account);
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks,
+	        MomentumAccount<D>& account);
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
@@ -78,29 +78,31 @@ private:
 		double solidMass, liquidMass;
 		Vec<D> momentumLeft, force;
 	};
-	void rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
-	void foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void                        rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
+	void                        fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void                        foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
-	void constrainDry(SolidMotion<D>& motion) const;
-	void constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
-	void constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
-	void unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
-	void findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
-	void keepAccount(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
+	void                        constrainDry(SolidMotion<D>& motion) const;
+	void                        constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void                        constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
+	void                        unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void                        findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
+	/// Sums the momenta of the step and, with keepWorks, the works.
+	void keepAccount(
+	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
 
-	MotionConstraints<D>    constraints_;
-	std::vector<typename MotionConstraints<D>::Mirror> mirrors_; ///< those whose liquid is held first
-	std::vector<char>       foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
-	std::vector<int>        freeLiquid_;
-	std::vector<unsigned char> heldAxes_;
-	std::vector<int>        wallNodes_;  ///< nodes whose motion the walls change
-	std::vector<char>       isWall_;
-	std::vector<WallRecord> walls_;
-	std::vector<Load>       loads_;
-	std::vector<double>     partial_;
-	NodeField<D>            damping_; ///< force of local damping; allocated when damping is used
+	MotionConstraints<D>                               constraints_;
+	std::vector<typename MotionConstraints<D>::Mirror> mirrors_;    ///< those whose liquid is held first
+	std::vector<char>                                  foldLiquid_; ///< per mirror: the liquid is held by the wall like the solid
+	std::vector<int>                                   freeLiquid_;
+	std::vector<unsigned char>                         heldAxes_;
+	std::vector<int>                                   wallNodes_; ///< nodes whose motion the walls change
+	std::vector<char>                                  isWall_;
+	std::vector<WallRecord>                            walls_;
+	std::vector<Load>                                  loads_;
+	std::vector<double>                                partial_;
+	NodeField<D>                                       damping_; ///< force of local damping; allocated when damping is used
 };
 
 extern template class MomentumSolver<2>;

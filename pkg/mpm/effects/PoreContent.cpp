@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -34,9 +34,7 @@ template <int D>
 PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settings)
         : settings_(&settings)
         , enthalpyModel_(
-                  settings.mixture,
-                  settings.freezing,
-                  settings.heat ? settings.heat->enthalpyForm : EnthalpyForm::stateFunction,
+                  settings.mixture, settings.freezing, settings.heat ? settings.heat->enthalpyForm : EnthalpyForm::stateFunction,
                   settings.heat ? settings.heat->latentDensity : LatentDensity::ice)
 {
 	solidMass_ = fields.declare("solidMass", "poreContent", "kg", 1);
@@ -71,10 +69,10 @@ template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points, SolidMotio
 template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill)
 {
 	const MixtureProperties& mixture = settings_->mixture;
-	const double t   = heat_ ? givenTemperature : mixture.referenceTemperature;
-	const double sl  = enthalpyModel_.curve().liquidSaturation(t);
-	const double vp  = givenPorosity * volume_[p];
-	const PoreWaterState state = settings_->water ? settings_->water->state : PoreWaterState {};
+	const double             t       = heat_ ? givenTemperature : mixture.referenceTemperature;
+	const double             sl      = enthalpyModel_.curve().liquidSaturation(t);
+	const double             vp      = givenPorosity * volume_[p];
+	const PoreWaterState     state   = settings_->water ? settings_->water->state : PoreWaterState {};
 
 	porosity[p]  = givenPorosity;
 	solidMass[p] = (volume_[p] - vp) * mixture.densityAt(mixture.solid, t);
@@ -104,8 +102,7 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 template <int D> void PoreContent<D>::load(Block& b) const
 {
 	if (heat_) std::copy_n(heat_->temperature + b.first, b.count, b.temperature);
-	else
-		std::fill_n(b.temperature, b.count, settings_->mixture.referenceTemperature);
+	else std::fill_n(b.temperature, b.count, settings_->mixture.referenceTemperature);
 	if (iceMass) {
 		std::copy_n(iceMass + b.first, b.count, b.ice);
 		for (int k = 0; k < b.count; ++k)
@@ -150,10 +147,10 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b) const
 
 template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const
 {
-	int          changes = 0;
-	const double* const solids = solidMass + b.first;
-	const double* const water  = waterMass + b.first;
-	double* const       mass       = motion_->mass + b.first;
+	int                 changes = 0;
+	const double* const solids  = solidMass + b.first;
+	const double* const water   = waterMass + b.first;
+	double* const       mass    = motion_->mass + b.first;
 	for (int k = 0; k < b.count; ++k)
 		changes |= b.iceBefore[k] != b.ice[k];
 	if (!changes) return;
@@ -162,9 +159,9 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) cons
 	for (int k = 0; k < b.count; ++k) {
 		const double melt     = b.iceBefore[k] - b.ice[k];
 		const double toLiquid = std::max(melt, 0.0), toSolid = std::max(-melt, 0.0);
-		liquidShare[k]        = toLiquid / (water[k] - b.iceBefore[k] + toLiquid);
-		solidShare[k]         = toSolid / (solids[k] + b.iceBefore[k] + toSolid);
-		mass[k]               = solids[k] + b.ice[k];
+		liquidShare[k] = toLiquid / (water[k] - b.iceBefore[k] + toLiquid);
+		solidShare[k]  = toSolid / (solids[k] + b.iceBefore[k] + toSolid);
+		mass[k]        = solids[k] + b.ice[k];
 	}
 	for (int i = 0; i < D; ++i) {
 		double* const liquid = water_->velocity[i] + b.first;
@@ -180,9 +177,9 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) cons
 
 template <int D> void PoreContent<D>::updatePressure(const Block& b) const
 {
-	const MixtureProperties m     = settings_->mixture;
-	const PoreWaterState    state = settings_->water->state;
-	const double* const     water = waterMass + b.first;
+	const MixtureProperties m        = settings_->mixture;
+	const PoreWaterState    state    = settings_->water->state;
+	const double* const     water    = waterMass + b.first;
 	double* const           pressure = water_->pressure + b.first;
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
@@ -250,8 +247,8 @@ template <int D> void PoreContent<D>::updatePorosity(const Block& b) const
 
 template <int D> void PoreContent<D>::updateConductivity(const Block& b) const
 {
-	const MixtureProperties m = settings_->mixture;
-	const double* const     n = porosity + b.first;
+	const MixtureProperties m     = settings_->mixture;
+	const double* const     n     = porosity + b.first;
 	double* const           kappa = heat_->conductivity + b.first;
 	if (m.conductivityMean == ConductivityMean::arithmetic) {
 #pragma GCC ivdep
@@ -276,12 +273,12 @@ template <int D> void PoreContent<D>::updateIce(const Block& b) const
 /// that drains then runs dry ever more slowly, and nothing flows that is not there.
 template <int D> void PoreContent<D>::updateDrag(const Block& b) const
 {
-	Permeability        law   = settings_->water->permeability;
+	Permeability law = settings_->water->permeability;
 	law.hydraulicTimeScale *= water_->scale;
 	const double        perDensity = 1.0 / settings_->mixture.liquid.density, floor = law.floor;
-	const double* const water  = waterMass + b.first;
-	const double* const n      = porosity + b.first;
-	const double* const volume = volume_ + b.first;
+	const double* const water          = waterMass + b.first;
+	const double* const n              = porosity + b.first;
+	const double* const volume         = volume_ + b.first;
 	double* const       liquidFraction = water_->liquidFraction + b.first;
 	double* const       drag           = water_->drag + b.first;
 	double              open[blockSize];
@@ -364,10 +361,8 @@ template <int D> int PoreContent<D>::update(int first, int last, const CellMeans
 			continue;
 		}
 		if (lastVolume_) updatePressureRate(b);
-		else if (cells)
-			collectPressure(b, *cells);
-		else
-			updatePressure(b);
+		else if (cells) collectPressure(b, *cells);
+		else updatePressure(b);
 		sample.lap(CostMeter::water);
 	}
 	return last;
@@ -383,8 +378,7 @@ template <int D> std::string PoreContent<D>::whyImpossible(int p) const
 	if (iceMass) text << ", ice mass " << iceMass[p] << " kg";
 	if (heat_) text << ", enthalpy " << heat_->enthalpy[p] << " J, temperature " << t << " degC";
 	if (!(pore >= smallestPorosity * volume_[p])) text << ": the pores are crushed; use a stiffer skeleton or a smaller time step";
-	else
-		text << ": no possible state; use a smaller time step";
+	else text << ": no possible state; use a smaller time step";
 	return text.str();
 }
 

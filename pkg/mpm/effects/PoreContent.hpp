@@ -2,9 +2,9 @@
 #pragma once
 
 #include <pkg/mpm/CostMeter.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
-#include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 namespace talik {
@@ -42,28 +42,28 @@ public:
 
 private:
 	struct Block;
-	void load(Block& b) const;
+	void                          load(Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
-	void solveTemperature(Block& b) const;
+	void                          solveTemperature(Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b) const;
-	void collectPressure(const Block& b, const CellMeans<D>& cells) const;
+	void                          collectPressure(const Block& b, const CellMeans<D>& cells) const;
 	TALIK_PROCESSOR_VERSIONS void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
-	void updatePressureRate(const Block& b) const;
-	void updateCoefficients(const Block& b) const;
+	void                          updatePressureRate(const Block& b) const;
+	void                          updateCoefficients(const Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void updatePorosity(const Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void updateIce(const Block& b) const;
 	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b) const;
 	TALIK_PROCESSOR_VERSIONS bool allPossible(const Block& b) const;
-	int  firstImpossible(const Block& b) const;
+	int                           firstImpossible(const Block& b) const;
 
 	const GroundSettings<D>* settings_;
 	EnthalpyModel            enthalpyModel_;
 	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
-	SolidMotion<D>*          motion_ = nullptr;
-	HeatTransfer<D>*         heat_   = nullptr;
-	PoreWater<D>*            water_  = nullptr;
+	SolidMotion<D>*          motion_     = nullptr;
+	HeatTransfer<D>*         heat_       = nullptr;
+	PoreWater<D>*            water_      = nullptr;
 	double*                  volume_     = nullptr;
 	double*                  lastVolume_ = nullptr; ///< of the last update, in the rate form of pressure only
 	double*                  lastWater_  = nullptr;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -37,9 +37,9 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	volume_        = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
-	waterMass_     = waterMass;
-	iceMass_       = iceMass;
-	temperature_   = temperature;
+	waterMass_   = waterMass;
+	iceMass_     = iceMass;
+	temperature_ = temperature;
 	nodes.allocate(grid.nodeCount());
 	nodal.allocate(grid.nodeCount());
 	force.allocate(grid.nodeCount());
@@ -104,7 +104,8 @@ template <int D> double PoreWater<D>::mobility(int cell, double volume, double l
 }
 
 template <int D>
-double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity)
+double PoreWater<D>::thawedPressure(
+        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity)
 {
 	const double* r      = cellRecord(cell);
 	const double  thawed = r[0] / r[contentAt], mean = r[1], conducts = tight * mobility(cell, cells.cellVolume(cell), liquidDensity);
@@ -114,7 +115,7 @@ double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& rang
 			const int at = cell / grid.cellStride(a) % grid.cells(a) + side, next = cell + side * grid.cellStride(a);
 			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cellRecord(next)[0] > 0.0)) continue;
 			const double pressure = cellRecord(next)[1] - side * weight[a], liquid = cellRecord(next)[0] / cellRecord(next)[contentAt];
-			lowest                = std::min(lowest, pressure);
+			lowest = std::min(lowest, pressure);
 			if (liquid >= frozen || mobility(next, cells.cellVolume(next), liquidDensity) > conducts) continue;
 			frozen         = liquid;
 			frozenPressure = pressure;
@@ -242,7 +243,7 @@ template <int D>
 void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, const SolidMotion<D>& motion, const std::vector<unsigned char>& heldAxes)
 {
 	const Vec<D> gravity = motion.settings->gravity;
-	const double square  = dot<D>(gravity, gravity), falling = 1.0 - motion.settings->localDamping;
+	const double square = dot<D>(gravity, gravity), falling = 1.0 - motion.settings->localDamping;
 	if (square == 0.0) return;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
@@ -312,8 +313,7 @@ template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
 	return false;
 }
 
-template <int D>
-void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+template <int D> void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
 {
 	if constexpr (D == 2) {
 		const double slope = enthalpy ? enthalpy->properties().liquid.specificHeat : 0.0;
@@ -438,7 +438,8 @@ template <int D> void PoreWater<D>::take(int p, const double* share, double dilu
 }
 
 template <int D>
-void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* gained)
+void PoreWater<D>::gather(
+        const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* gained)
 {
 	if constexpr (D == 2) {
 		double got[gatheredSize][blockSize];
@@ -477,8 +478,7 @@ void PoreWater<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double* 
 			const double liquid = liquidMass(p);
 			for (int i = 0; i < exchangeSize; ++i)
 				r[2 + i] += liquid * got[i];
-		} else
-			take(p, got, 1.0 / (1.0 + got[0]), waterMass, enthalpy);
+		} else take(p, got, 1.0 / (1.0 + got[0]), waterMass, enthalpy);
 	}
 }
 
@@ -493,10 +493,11 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 				Face& face = faces_[a][c];
 				face       = {};
 				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
-				const double here = mobility(c, cells.cellVolume(c), liquidDensity), there = mobility(c + stride, cells.cellVolume(c + stride), liquidDensity);
+				const double here  = mobility(c, cells.cellVolume(c), liquidDensity),
+				             there = mobility(c + stride, cells.cellVolume(c + stride), liquidDensity);
 				if (!(here > 0.0 && there > 0.0)) continue;
 				face.conductance = perSpacing * 2.0 * here * there / (here + there);
-				face.flow        = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());
+				face.flow = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());
 			}
 		});
 	}
@@ -513,7 +514,8 @@ template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, in
 
 template <int D>
 void PoreWater<D>::levelCells(
-        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
+        const EnthalpyModel* enthalpy)
 {
 	findFaces(grid, range, cells, gravity, liquidDensity);
 	const auto compliance = [&](int c) { return cellRecord(c)[0] / (liquidDensity * settings->state.liquidBulkModulus); };
@@ -531,9 +533,9 @@ void PoreWater<D>::levelCells(
 					        faces_[a].data(), from, stride, place == 0 || from - stride < range.firstCell,
 					        place + 1 == last || from + 2 * stride >= range.lastCell);
 					if (unseen == 0.0) continue;
-					const double least = std::min(compliance(from), compliance(from + stride));
-					const double mass  = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
-					const double* donor = cellRecord(mass > 0.0 ? from : from + stride);
+					const double  least  = std::min(compliance(from), compliance(from + stride));
+					const double  mass   = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
+					const double* donor  = cellRecord(mass > 0.0 ? from : from + stride);
 					const double  gained = ahead ? -mass : mass, share = gained / donor[0];
 					r[2] += gained;
 					if (enthalpy) r[3] += gained * enthalpy->liquidEnthalpy(donor[warmthAt] / donor[0]);

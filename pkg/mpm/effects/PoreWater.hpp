@@ -4,9 +4,9 @@
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/grid/NodeField.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
@@ -69,7 +69,8 @@ public:
 	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
 	void seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.
-	void drain(const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
+	void drain(
+	        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
 	/// What is fed through a surface, inflow [m/s] into the ground; temperature of water that enters [degC], NaN: that of the node.
 	void feed(
 	        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
@@ -81,7 +82,9 @@ public:
 	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
 	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
 	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
-	void levelCells(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
+	void levelCells(
+	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
+	        const EnthalpyModel* enthalpy);
 	/// Exchange of each cell per liquid mass.
 	void finishCells(const ActiveRange& range);
 	void keepLastWater(const ActiveRange& range);
@@ -109,10 +112,10 @@ public:
 	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
 
 	std::array<double*, D> velocity; ///< of the liquid
-	double *pressure, *liquidFraction, *drag;
+	double *               pressure, *liquidFraction, *drag;
 
 	NodeField<mapSize>      nodes;
-	NodeField<nodalSize>    nodal;  ///< p - rho_l g.x, liquid fraction n_I, inverse liquid mass as mapped
+	NodeField<nodalSize>    nodal; ///< p - rho_l g.x, liquid fraction n_I, inverse liquid mass as mapped
 	double                  pressureAtNode(int node) const { return nodal[node][0] - nodes[node][potentialAt] * nodal[node][2]; }
 	NodeField<forceSize>    force;  ///< on the liquid
 	NodeField<D>            solved; ///< chi dt a + (1 - chi) v
@@ -127,9 +130,9 @@ public:
 	static constexpr double untouched = 1e-2;
 	/// What hastened water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
 	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
-	static constexpr double longestRest = 0.0125;
-	double largestConductivity        = std::numeric_limits<double>::infinity();
-	void   chooseLargestConductivity();
+	static constexpr double longestRest         = 0.0125;
+	double                  largestConductivity = std::numeric_limits<double>::infinity();
+	void                    chooseLargestConductivity();
 	/// f_H in force where slow processes run f times as fast as motion.
 	double usedScale(double f) const;
 
@@ -156,7 +159,7 @@ private:
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 	std::array<std::vector<Face>, D> faces_;
-	double*              cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
+	double*                          cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
 	void leave(int node, double mass, double heat);
@@ -172,17 +175,17 @@ private:
 		return sum;
 	}
 	TALIK_PROCESSOR_VERSIONS void accelerate(int axis, int first, int count, const double* change);
-	double liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
+	double                        liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
 	/// share: exchange per liquid mass of the point,
 	/// and what the momentum is diluted by.
 	void take(int p, const double* share, double diluted, double* waterMass, double* enthalpy);
 
-	std::vector<double> cells_;
-	std::vector<char>   open_;    ///< nodes through whose surface water may cross in this step
-	PointFields::Handle velocity_, pressure_, liquidFraction_, drag_;
+	std::vector<double>          cells_;
+	std::vector<char>            open_; ///< nodes through whose surface water may cross in this step
+	PointFields::Handle          velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};
-	const double *      volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
-	std::vector<double> none_; ///< zeros, in place of the fields of absent effects
+	const double *               volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
+	std::vector<double>          none_; ///< zeros, in place of the fields of absent effects
 };
 
 extern template class PoreWater<2>;

@@ -12,10 +12,7 @@ template <int D> using Spin = Vec<D == 2 ? 1 : 3>;
 
 /// omega x r.
 inline Vec<2> cross(const Vec<1>& omega, const Vec<2>& r) { return { -omega[0] * r[1], omega[0] * r[0] }; }
-inline Vec<3> cross(const Vec<3>& a, const Vec<3>& b)
-{
-	return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
+inline Vec<3> cross(const Vec<3>& a, const Vec<3>& b) { return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] }; }
 /// r x f.
 inline Vec<1> moment(const Vec<2>& r, const Vec<2>& f) { return { r[0] * f[1] - r[1] * f[0] }; }
 inline Vec<3> moment(const Vec<3>& r, const Vec<3>& f) { return cross(r, f); }
@@ -57,8 +54,8 @@ template <int D> struct RigidBody {
 	int                  id    = -1; ///< >= 0, by which contacts remember it
 	int                  group = -1; ///< bodies of one group are one surface: a point touches that of them in which it is deepest
 	const RigidShape<D>* shape = nullptr;
-	Vec<D>               size {};   ///< measures of the shape [m]
-	int                  side = 0;  ///< of a thin surface that pushes on one side only: the sign of that side; 0: both
+	Vec<D>               size {};        ///< measures of the shape [m]
+	int                  side     = 0;   ///< of a thin surface that pushes on one side only: the sign of that side; 0: both
 	double               friction = 0.0; ///< tan phi between body and ground [-], >= 0
 
 	Vec<D>                position {}; ///< [m]

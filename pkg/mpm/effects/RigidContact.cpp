@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
+#include <pkg/mpm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,9 @@ namespace {
 
 void RigidContactSettings::validate() const
 {
-	requireSetting(std::isnan(stiffness) || (std::isfinite(stiffness) && stiffness > 0.0), "bodies.stiffness", stiffness, "must be positive, in Pa/m; NaN: chosen");
+	requireSetting(
+	        std::isnan(stiffness) || (std::isfinite(stiffness) && stiffness > 0.0), "bodies.stiffness", stiffness,
+	        "must be positive, in Pa/m; NaN: chosen");
 	requireSetting(shearRatio > 0.0 && shearRatio <= 1.0, "bodies.shearRatio", shearRatio, "must lie in (0, 1]");
 	requireSetting(damping >= 0.0 && damping < 1.0, "bodies.damping", damping, "must lie in [0, 1)");
 }
@@ -40,8 +42,7 @@ RigidContact<D>::RigidContact(PointFields& fields, const RigidContactSettings& s
         : settings_(settings)
         , stiffness_(settings.stiffness)
         , memoryField_(fields.declare("bodyContact", "bodies", "-, m", memorySize * contactsPerPoint))
-{
-}
+{}
 
 template <int D> void RigidContact<D>::bind(MaterialPoints<D>& points, const SolidMotion<D>& motion)
 {
@@ -189,8 +190,8 @@ template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std
 	const Vec<D> arm      = plus<D>(touched, -1.0, body.position);
 	const Vec<D> slipping = plus<D>(plus<D>(v, -1.0, body.velocity), -1.0, cross(body.spin, arm));
 
-	const double spring   = stiffness_ * area(p);
-	const double dashpot  = this->dashpot(spring, mass_[p]);
+	const double spring  = stiffness_ * area(p);
+	const double dashpot = this->dashpot(spring, mass_[p]);
 	if (atStart_ && c.memory.key == 0) c.memory.radius += std::max(0.0, pressureOn(p, normal)) / stiffness_;
 	const double depth    = c.memory.radius - c.surface.distance;
 	const double pressing = std::max(0.0, spring * depth - dashpot * dot<D>(slipping, normal));
@@ -201,14 +202,14 @@ template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std
 		m.anchor = body.toFrame(touched);
 		m.offset = plus<D>(x, -1.0, touched);
 	}
-	const Vec<D> anchor  = plus<D>(body.position, 1.0, body.turned(m.anchor));
-	Vec<D>       slid    = plus<D>(plus<D>(x, -1.0, anchor), -1.0, m.offset);
-	slid                 = plus<D>(slid, -dot<D>(slid, normal), normal);
+	const Vec<D> anchor   = plus<D>(body.position, 1.0, body.turned(m.anchor));
+	Vec<D>       slid     = plus<D>(plus<D>(x, -1.0, anchor), -1.0, m.offset);
+	slid                  = plus<D>(slid, -dot<D>(slid, normal), normal);
 	const Vec<D> sideways = plus<D>(slipping, -dot<D>(slipping, normal), normal);
 	const double shear    = settings_.shearRatio * spring;
 	Vec<D>       friction {};
-	friction             = plus<D>(friction, -shear, slid);
-	friction             = plus<D>(friction, -std::sqrt(settings_.shearRatio) * dashpot, sideways);
+	friction          = plus<D>(friction, -shear, slid);
+	friction          = plus<D>(friction, -std::sqrt(settings_.shearRatio) * dashpot, sideways);
 	const double most = body.friction * pressing, wanted = std::sqrt(dot<D>(friction, friction));
 	if (wanted > most) {
 		for (int a = 0; a < D; ++a)
@@ -217,7 +218,7 @@ template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std
 		m.offset = plus<D>(plus<D>(x, -1.0, touched), 1.0 / shear, friction);
 	}
 	const Vec<D> onPoint = plus<D>(friction, pressing, normal);
-	Touch touch { p, onPoint, plus<D>({}, -halfSize(p), normal), c.body, {}, {} };
+	Touch        touch { p, onPoint, plus<D>({}, -halfSize(p), normal), c.body, {}, {} };
 	touch.impulse        = plus<D>(touch.impulse, -dt, onPoint);
 	touch.angularImpulse = moment(arm, touch.impulse);
 	touches.push_back(touch);
@@ -329,7 +330,8 @@ template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, cons
 			for (int slot = 0; slot < contactsPerPoint; ++slot) {
 				if (memory_[slot * memorySize][p] == 0.0) continue;
 				const Memory m = recall(p, slot);
-				const auto   b = std::find_if(bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
+				const auto   b = std::find_if(
+				          bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
 				if (b == bodies.end()) continue;
 				Vec<D> place;
 				for (int a = 0; a < D; ++a)
@@ -352,7 +354,7 @@ template <int D> void RigidContact<D>::allocateFaces(const Grid<D>& grid) { face
 
 template <int D> typename RigidContact<D>::Facing RigidContact<D>::faced(int p, const std::vector<int>& near, const std::vector<int>& ids) const
 {
-	const double size = 2.0 * halfSize(p);
+	const double size    = 2.0 * halfSize(p);
 	double       nearest = size;
 	Facing       found;
 	Vec<D>       x;
@@ -372,7 +374,8 @@ template <int D> typename RigidContact<D>::Facing RigidContact<D>::faced(int p, 
 }
 
 template <int D>
-void RigidContact<D>::collectFaces(const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch)
+void RigidContact<D>::collectFaces(
+        const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch)
 {
 	boxBodies();
 	range.overNodes([&](int, int first, int last) { faces_.clear(first, last); });

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/effects/RigidBody.hpp>
-#include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
 
 #include <vector>
 
@@ -17,7 +17,8 @@ namespace talik {
 ///   f_n = A max(0, k delta - c v_n),  |f_t| <= mu f_n,  A = V^((D-1)/D),
 /// where delta is its penetration and the tangential spring k_t = shearRatio k remembers where on the surface it sticks. The force
 /// on a point goes to the nodes with the weights of the point's face, whose sum is one (see ShapeFunction::moveToFace), and its
-/// opposite to the body: the ground is loaded as evenly as the points are, and momentum is conserved to round-off, on any grid and for bodies of any size, and nothing is felt at a distance, as it would be were
+/// opposite to the body: the ground is loaded as evenly as the points are, and momentum is conserved to round-off, on any grid and for bodies of any size, and
+/// nothing is felt at a distance, as it would be were
 /// velocities of body and ground matched on nodes (Bardenhagen et al. 2000). The torque on the body is that of the force at its
 /// surface. The price: a penetration of stress over k, and a couple f_t r that the points, which do not turn, do not take.
 ///
@@ -48,8 +49,7 @@ public:
 
 	/// Adds the contact forces to the nodes and to the bodies' impulses, and their sum to impulse [N s].
 	/// front, if not null, hears which of its sides was pushed. atStart: in the first step of the ground.
-	void push(
-	        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse);
+	void push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse);
 
 	/// Takes the faces that touch a body off the surface of the ground: no air, rain or load reaches them.
 	void cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const;
@@ -82,7 +82,7 @@ private:
 		Vec<D> offset {};    ///< of the point from there when neither spring nor slip had moved it [m]
 	};
 	static constexpr int memorySize = 2 * D + 2;
-	using Memories = std::array<Memory, contactsPerPoint>;
+	using Memories                  = std::array<Memory, contactsPerPoint>;
 
 	struct Candidate {
 		int               body = -1;
@@ -106,7 +106,7 @@ private:
 	Memory recall(int place, int slot) const;
 	void   remember(int place, int slot, const Memory& memory);
 	/// Bodies within reach of some points, in half sizes of a point.
-	void   findNear(int first, int count, double reach, std::vector<int>& near) const;
+	void findNear(int first, int count, double reach, std::vector<int>& near) const;
 	/// Of the bodies near a point, what it faces of those named: the surface and the body's own area that belongs to the point [m^(D-1)].
 	struct Facing {
 		Vec<D> normal;
@@ -121,15 +121,15 @@ private:
 	void   boxBodies();
 	void   deliver(Vec<D>& impulse);
 
-	RigidContactSettings settings_;
-	double               stiffness_ = 0.0;
-	double               largestSize_ = 0.0, largestMassPerArea_ = 0.0; ///< of a point at the start [m], [kg/m^(D-1)]
-	PointFields::Handle  memoryField_;
-	MaterialPoints<D>*   points_   = nullptr;
-	const double*        mass_     = nullptr;
-	const SolidMotion<D>* motion_  = nullptr;
-	bool                 atStart_  = false;
-	int                  contacts_ = 0;
+	RigidContactSettings  settings_;
+	double                stiffness_   = 0.0;
+	double                largestSize_ = 0.0, largestMassPerArea_ = 0.0; ///< of a point at the start [m], [kg/m^(D-1)]
+	PointFields::Handle   memoryField_;
+	MaterialPoints<D>*    points_   = nullptr;
+	const double*         mass_     = nullptr;
+	const SolidMotion<D>* motion_   = nullptr;
+	bool                  atStart_  = false;
+	int                   contacts_ = 0;
 
 	std::array<double*, memorySize * contactsPerPoint> memory_ {};
 	std::array<double*, D>                             velocity_ {};

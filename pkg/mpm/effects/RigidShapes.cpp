@@ -25,8 +25,7 @@ namespace {
 		if (d > 0.0)
 			for (int a = 0; a < D; ++a)
 				s.normal[a] = offset[a] / d;
-		else
-			s.normal[0] = 1.0;
+		else s.normal[0] = 1.0;
 		return s;
 	}
 

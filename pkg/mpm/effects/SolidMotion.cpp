@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 namespace talik {
 
@@ -46,7 +46,15 @@ void SolidMotion<D>::map(
 	if constexpr (D == 2) {
 		planeLoops().mapMotion(
 		        w,
-		        { mass, volume, meanStress, { velocity[0], velocity[1] }, { stress[0], stress[1], stress[2], stress[3] }, capacity, carried, carriedFrom, nodes[0] });
+		        { mass,
+		          volume,
+		          meanStress,
+		          { velocity[0], velocity[1] },
+		          { stress[0], stress[1], stress[2], stress[3] },
+		          capacity,
+		          carried,
+		          carriedFrom,
+		          nodes[0] });
 		return;
 	}
 	for (int k = 0; k < w.count; ++k) {

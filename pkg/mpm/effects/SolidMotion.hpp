@@ -2,9 +2,9 @@
 #pragma once
 
 #include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/grid/NodeField.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
 
 namespace talik {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 
 #include <algorithm>
@@ -51,13 +51,12 @@ ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
         , slipField_(fields.declare("slip", "thaw front", "m", 1))
         , ledField_(fields.declare("ledStrain", "thaw front", "-", 1))
         , strainField_(fields.declare("slipStrain", "thaw front", "-", D * D, false))
-{
-}
+{}
 
 template <int D>
 void ThawFront<D>::bind(
-        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
-        const double* waterMass, const double* iceMass)
+        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation, const double* waterMass,
+        const double* iceMass)
 {
 	points_        = &points;
 	motion_        = &motion;
@@ -242,7 +241,7 @@ template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightB
 
 template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k)
 {
-	const int    p = w.first + k;
+	const int    p      = w.first + k;
 	const double volume = motion_->volume[p], pressure = water_ ? water_->pressure[p] : 0.0;
 	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0;
 	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
@@ -330,15 +329,15 @@ template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impul
 /// Normal, area and the motion that each side would have without the other.
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
-	using M              = SolidMotion<D>;
-	const int     node   = nodes_[slot];
-	const double* all    = motion_->nodes[node];
-	const double* r      = record(slot);
-	Meeting&      m      = meetings_[slot];
-	m                    = Meeting();
+	using M            = SolidMotion<D>;
+	const int     node = nodes_[slot];
+	const double* all  = motion_->nodes[node];
+	const double* r    = record(slot);
+	Meeting&      m    = meetings_[slot];
+	m                  = Meeting();
 	if (!(all[M::massAt] > 0.0)) return; // a ghost, folded into its image
-	m.solid              = { r[massAt], r[thawedMassAt] };
-	m.liquid             = { r[liquidMassAt], r[thawedLiquidMassAt] };
+	m.solid  = { r[massAt], r[thawedMassAt] };
+	m.liquid = { r[liquidMassAt], r[thawedLiquidMassAt] };
 	for (const double mass : m.solid)
 		if (!(mass > smallestMassShare * all[M::massAt])) return;
 	if (!(r[thawedVolumeAt] > 0.0)) return;
@@ -349,18 +348,18 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	}
 	m.area = std::sqrt(square);
 	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
-	m.meets  = true;
-	m.frozenVolume = r[volumeAt];
-	m.inside = r[volumeAt] >= insideShare * volume_[node];
+	m.meets              = true;
+	m.frozenVolume       = r[volumeAt];
+	m.inside             = r[volumeAt] >= insideShare * volume_[node];
 	const double mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	m.reducedMass        = mass[0] * mass[1] / (mass[0] + mass[1]);
 	for (int a = 0; a < D; ++a) {
 		m.normal[a] /= m.area;
 		if (constraints.solidFixed(node, a)) continue;
-		const double frozenForce    = r[forceAt + a];
-		const double parting        = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
+		const double frozenForce = r[forceAt + a];
+		const double parting     = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
 		// of the skeletons: the thawed side holds more water, and does not slide because that flows
-		m.jump[a]                   = (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
+		m.jump[a] = (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
 	m.slope     = r[slopeAt] / r[thawedVolumeAt];
@@ -410,7 +409,10 @@ template <int D> double ThawFront<D>::shearScale(const Meeting& m, double shear,
 {
 	const double reaction = m.reaction / m.area;
 	if (!(shear > 0.0)) return 0.0;
-	if (!(pressure > 0.0)) return std::isfinite(m.slope) && m.slope < largestScale ? std::max(0.0, 1.0 + m.slope * (reaction - pressure) / shear) : reaction < 0.0 ? 1.0 : 0.0;
+	if (!(pressure > 0.0))
+		return std::isfinite(m.slope) && m.slope < largestScale ? std::max(0.0, 1.0 + m.slope * (reaction - pressure) / shear)
+		        : reaction < 0.0                                ? 1.0
+		                                                        : 0.0;
 	return std::clamp(1.0 + std::min(m.slope, shear / pressure) * (reaction - pressure) / shear, 0.0, largestScale);
 }
 
@@ -438,8 +440,8 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 	// Against the slip never more than what stops it. Stress that springs back pushes along with the slip; where a node has only a trace of
 	// thawed ground, that ground cannot push with the area of the front.
 	const double stopping = m.reducedMass * slipping, thickness = record(slot)[thawedVolumeAt] / m.area;
-	const double share    = held > stopping ? stopping / held : held < 0.0 ? std::min(1.0, thickness / (leastThickness * spacing_)) : 1.0;
-	double       work = 0.0;
+	const double share = held > stopping ? stopping / held : held < 0.0 ? std::min(1.0, thickness / (leastThickness * spacing_)) : 1.0;
+	double       work  = 0.0;
 	for (int i = 0; i < D; ++i) {
 		const double impulse = share * friction[i] + m.impulse * m.normal[i];
 		m.jump[i] += impulse / m.reducedMass;
@@ -467,14 +469,14 @@ template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
 /// Corrections for both sides from the jump between them.
 template <int D> void ThawFront<D>::correct(int slot)
 {
-	using M              = SolidMotion<D>;
-	const Meeting& m     = meetings_[slot];
+	using M          = SolidMotion<D>;
+	const Meeting& m = meetings_[slot];
 	if (!m.meets) return;
-	const int     node   = nodes_[slot];
-	const double* all    = motion_->nodes[node];
-	const double* r      = record(slot);
-	double*       out    = result(slot);
-	const double  kept   = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
+	const int     node = nodes_[slot];
+	const double* all  = motion_->nodes[node];
+	const double* r    = record(slot);
+	double*       out  = result(slot);
+	const double  kept = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
 	const double  mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	Vec<D>        departure[2], liquidDeparture[2];
 	for (int a = 0; a < D; ++a) {
@@ -484,7 +486,8 @@ template <int D> void ThawFront<D>::correct(int slot)
 			departure[side][a]       = start[side] - common;
 			liquidDeparture[side][a] = 0.0;
 			if (!water_ || !(m.liquid[side] > smallestMassShare * (m.liquid[0] + m.liquid[1]))) continue;
-			const double momentum    = side == 0 ? r[liquidMomentumAt + a] : water_->nodes[node][PoreWater<D>::momentumAt + a] - r[liquidMomentumAt + a];
+			const double momentum    = side == 0 ? r[liquidMomentumAt + a]
+			                                     : water_->nodes[node][PoreWater<D>::momentumAt + a] - r[liquidMomentumAt + a];
 			liquidDeparture[side][a] = momentum / m.liquid[side] - water_->start[node][a];
 		}
 	}
@@ -502,17 +505,17 @@ template <int D> void ThawFront<D>::correct(int slot)
 	}
 	const double opened = dot<D>(m.jump, m.normal), perThickness = 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_);
 	// sides that do not press do not shear each other
-	const double fed    = m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = lackingPressure(m);
-	double rate = 0.0;
+	const double fed = m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = lackingPressure(m);
+	double       rate = 0.0;
 	for (int a = 0; a < D; ++a)
 		rate += (m.jump[a] - opened * m.normal[a]) * (m.jump[a] - opened * m.normal[a]);
 	rate = std::sqrt(rate) * fed * widenedShare(m);
 	for (int a = 0; a < D; ++a) {
-		out[slipAt + a]    = (m.jump[a] - opened * m.normal[a]) * fed;
-		out[lackingAt + a] = lacking * m.normal[a];
+		out[slipAt + a]     = (m.jump[a] - opened * m.normal[a]) * fed;
+		out[lackingAt + a]  = lacking * m.normal[a];
 		out[wideningAt + a] = rate * m.normal[a];
 		out[limitAt + a]    = (lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area) * m.normal[a];
-		out[normalAt + a]  = m.normal[a];
+		out[normalAt + a]   = m.normal[a];
 	}
 }
 
@@ -522,7 +525,7 @@ double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirror
 	fastest_ = 0.0;
 	if (!present()) return 0.0;
 	fold(mirrors);
-	const int count = nodeCount();
+	const int     count     = nodeCount();
 	constexpr int piece     = 64;
 	const auto    overSlots = [&](auto&& work) {
                 ThreadTeam::run((count + piece - 1) / piece, range.parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
@@ -581,10 +584,10 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
-		const bool   thawed = !frozen(p);
-		const int    offset = thawed ? sideSize : 0;
-		Vec<D>       velocity {}, gain {}, liquidGain {}, slipping {};
-		double       gradient[D][D] = {}, slip[D][D] = {}, lacking[D][D] = {}, widening[D][D] = {}, limit = 0.0, weight = 0.0;
+		const bool thawed = !frozen(p);
+		const int  offset = thawed ? sideSize : 0;
+		Vec<D>     velocity {}, gain {}, liquidGain {}, slipping {};
+		double     gradient[D][D] = {}, slip[D][D] = {}, lacking[D][D] = {}, widening[D][D] = {}, limit = 0.0, weight = 0.0;
 		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
 			if (slot_[node] < 0) return;
 			const double* r = result(slot_[node]);

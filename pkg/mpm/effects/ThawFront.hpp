@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
-#include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
 
 #include <vector>
 
@@ -84,29 +84,29 @@ private:
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, liquid mass,
 	/// and volume times slope of strength, tangent modulus and total stress.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
-	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D,
-	                     thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D, modulusAt = 7 + 4 * D, stressAt = 8 + 4 * D, recordSize = stressAt + stressSize<D>;
+	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D,
+	                     modulusAt = 7 + 4 * D, stressAt = 8 + 4 * D, recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
 	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
-	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D, wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D,
-	                     resultSize = normalAt + D;
+	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D,
+	                     wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D, resultSize = normalAt + D;
 	/// Both sides at a front node.
 	struct Meeting {
 		std::array<double, 2> solid {}, liquid {}; ///< masses of the frozen and the thawed side [kg]
-		bool   meets    = false; ///< both have mass, and there is a direction between them
-		bool   inside   = false; ///< the node lies in frozen ground, or next to it
-		bool   together = false; ///< the sides have one normal velocity
-		Vec<D> normal {};        ///< from frozen to thawed
-		double area        = 0.0; ///< [m^(D-1)]
-		double frozenVolume = 0.0; ///< [m^D]
-		double reducedMass = 0.0; ///< [kg]
-		Vec<D> jump {};           ///< velocity of the thawed side less that of the frozen one [m/s]
-		Vec<D> traction {};       ///< of the thawed points on the front [Pa]
-		double slope = 0.0;      ///< of strength over normal stress, of the thawed points [-]
-		double impedance = 0.0;  ///< of the thawed points [Pa s/m]
-		double pressing = 0.0;    ///< force along the normal that would give both the same acceleration [N]
-		double reaction = 0.0;    ///< normal force between the sides [N]
-		double impulse  = 0.0;    ///< along the normal, on the thawed side [N s]
+		bool                  meets    = false;    ///< both have mass, and there is a direction between them
+		bool                  inside   = false;    ///< the node lies in frozen ground, or next to it
+		bool                  together = false;    ///< the sides have one normal velocity
+		Vec<D>                normal {};           ///< from frozen to thawed
+		double                area         = 0.0;  ///< [m^(D-1)]
+		double                frozenVolume = 0.0;  ///< [m^D]
+		double                reducedMass  = 0.0;  ///< [kg]
+		Vec<D>                jump {};             ///< velocity of the thawed side less that of the frozen one [m/s]
+		Vec<D>                traction {};         ///< of the thawed points on the front [Pa]
+		double                slope     = 0.0;     ///< of strength over normal stress, of the thawed points [-]
+		double                impedance = 0.0;     ///< of the thawed points [Pa s/m]
+		double                pressing  = 0.0;     ///< force along the normal that would give both the same acceleration [N]
+		double                reaction  = 0.0;     ///< normal force between the sides [N]
+		double                impulse   = 0.0;     ///< along the normal, on the thawed side [N s]
 	};
 
 	double*       record(int slot) { return records_.data() + static_cast<std::size_t>(slot) * recordSize; }
@@ -134,35 +134,35 @@ private:
 	void          correct(int slot);
 	void          lead(int place, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D]);
 
-	ThawFrontSettings   settings_;
-	PointFields::Handle sideField_, slipField_, ledField_, strainField_;
-	SolidMotion<D>*     motion_ = nullptr;
-	PoreWater<D>*       water_  = nullptr;
-	MaterialPoints<D>*  points_ = nullptr;
-	const double *      iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr;
-	double*             side_ = nullptr; ///< 1: held by ice, 0: thawed
-	double*             slip_ = nullptr; ///< path of the thawed ground along the front [m]
-	double*             led_  = nullptr; ///< sum of the strains that led the pressure of the point back [-]
-	std::array<double*, D * D> strain_ {}; ///< slip of the step as displacement gradient
-	double              fastest_ = 0.0;
-	double              spacing_ = 0.0;
-	int                 margin_  = 0; ///< of the arrays by node below, so that a reach never leaves them
+	ThawFrontSettings          settings_;
+	PointFields::Handle        sideField_, slipField_, ledField_, strainField_;
+	SolidMotion<D>*            motion_        = nullptr;
+	PoreWater<D>*              water_         = nullptr;
+	MaterialPoints<D>*         points_        = nullptr;
+	const double *             iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr;
+	double*                    side_ = nullptr; ///< 1: held by ice, 0: thawed
+	double*                    slip_ = nullptr; ///< path of the thawed ground along the front [m]
+	double*                    led_  = nullptr; ///< sum of the strains that led the pressure of the point back [-]
+	std::array<double*, D * D> strain_ {};      ///< slip of the step as displacement gradient
+	double                     fastest_ = 0.0;
+	double                     spacing_ = 0.0;
+	int                        margin_  = 0; ///< of the arrays by node below, so that a reach never leaves them
 
-	std::vector<int>           cell_;    ///< by place: node at the lower corner of the point's cell, counted with the margin
-	std::vector<unsigned char> sides_;   ///< by that node: sides of the points in the cell
-	std::vector<unsigned char> reached_; ///< by node: sides that may reach it
-	std::vector<unsigned char> near_;    ///< by the lower node of a cell: its points reach front nodes
-	std::vector<int>           reach_;   ///< from a node to the lower nodes of the cells whose points may touch it
-	std::vector<int>           slot_;     ///< by node: place in the list of front nodes, or -1
-	std::vector<int>           nodes_;    ///< front nodes, ascending
-	std::vector<int>           beside_;  ///< from a node to those around it and itself
-	std::vector<double>        volume_;  ///< of full ground, by node
-	std::vector<Meeting>       meetings_;
-	std::vector<int>           chosen_;
-	std::vector<double>        modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]
-	std::vector<std::array<double, 4>> folded_; ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
-	std::vector<double>        mappedLiquid_;        ///< by place, liquid mass of points near the front when it was mapped [kg]
-	std::vector<double>        records_, results_, work_;
+	std::vector<int>                   cell_;    ///< by place: node at the lower corner of the point's cell, counted with the margin
+	std::vector<unsigned char>         sides_;   ///< by that node: sides of the points in the cell
+	std::vector<unsigned char>         reached_; ///< by node: sides that may reach it
+	std::vector<unsigned char>         near_;    ///< by the lower node of a cell: its points reach front nodes
+	std::vector<int>                   reach_;   ///< from a node to the lower nodes of the cells whose points may touch it
+	std::vector<int>                   slot_;    ///< by node: place in the list of front nodes, or -1
+	std::vector<int>                   nodes_;   ///< front nodes, ascending
+	std::vector<int>                   beside_;  ///< from a node to those around it and itself
+	std::vector<double>                volume_;  ///< of full ground, by node
+	std::vector<Meeting>               meetings_;
+	std::vector<int>                   chosen_;
+	std::vector<double>                modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]
+	std::vector<std::array<double, 4>> folded_;       ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
+	std::vector<double>                mappedLiquid_; ///< by place, liquid mass of points near the front when it was mapped [kg]
+	std::vector<double>                records_, results_, work_;
 };
 
 extern template class ThawFront<2>;

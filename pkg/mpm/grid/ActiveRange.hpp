@@ -13,8 +13,8 @@ namespace talik {
 struct ActiveRange {
 	int firstNode = 0, lastNode = 0; ///< node indices [first, last)
 	int firstCell = 0, lastCell = 0; ///< cell indices [first, last)
-	int parallel  = 1;                ///< 0: one thread does all
-	int chunk     = 1;               ///< nodes of one piece of work; fixed, so that sums have one order for any number of threads
+	int parallel = 1;                ///< 0: one thread does all
+	int chunk    = 1;                ///< nodes of one piece of work; fixed, so that sums have one order for any number of threads
 
 	template <int D> static ActiveRange of(const Grid<D>& grid, const MaterialPoints<D>& points)
 	{

@@ -44,9 +44,9 @@ public:
 	}
 
 	/// Cells of the grid.
-	int    count() const { return static_cast<int>(volume_.size()); }
-	int    cell(int place) const { return cell_[place]; }
-	void   add(int place, double volumeTimesValue) { sum_[cell_[place]] += volumeTimesValue; }
+	int  count() const { return static_cast<int>(volume_.size()); }
+	int  cell(int place) const { return cell_[place]; }
+	void add(int place, double volumeTimesValue) { sum_[cell_[place]] += volumeTimesValue; }
 	/// Turns the sums into means; nothing can be added until they are cleared.
 	void finish(const ActiveRange& r)
 	{

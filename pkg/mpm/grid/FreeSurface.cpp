@@ -21,8 +21,7 @@ template <int D> void FreeSurface<D>::bind(MaterialPoints<D>& points, const Grid
 	nodes.allocate(grid.nodeCount());
 }
 
-template <int D>
-void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid, bool moves)
+template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, const Grid<D>& grid, bool moves)
 {
 	boundaries_ = boundaries;
 	for (auto& ends : openSides_)
@@ -153,8 +152,7 @@ template <int D> void FreeSurface<D>::letAirIn(int cell)
 	reached_.push_back(cell);
 }
 
-template <int D>
-typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(const Grid<D>& grid, const std::array<int, D>& node, const double* area) const
+template <int D> typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(const Grid<D>& grid, const std::array<int, D>& node, const double* area) const
 {
 	// cells that a quadratic shape function of the node reaches into
 	std::array<int, D> low, high, cell;
@@ -185,8 +183,7 @@ typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(const Grid<D>& gr
 	}
 }
 
-template <int D>
-bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const
+template <int D> bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const
 {
 	const bool lower = node[axis] <= 2, upper = node[axis] >= grid.cells(axis);
 	if (!lower && !upper) return false;
@@ -257,8 +254,8 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		for (int index = range.firstNode; index < range.lastNode; ++index) {
 			const double* r = nodes[index];
 			if (r[D] <= 0.0) continue;
-			const double noise    = smallestArea * r[D] * grid.inverseSpacing();
-			const auto   isNoise  = [&](const double* area) {
+			const double noise   = smallestArea * r[D] * grid.inverseSpacing();
+			const auto   isNoise = [&](const double* area) {
                                 double size = 0.0;
                                 for (int a = 0; a < D; ++a)
                                         size += area[a] * area[a];
@@ -266,8 +263,8 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 			};
 			// first the test that sorts out the interior of regularly filled ground
 			if (isNoise(r)) continue;
-			const std::array<int, D> node = grid.nodeOf(index);
-			const Emptiness before = emptinessAt(grid, node, r);
+			const std::array<int, D> node   = grid.nodeOf(index);
+			const Emptiness          before = emptinessAt(grid, node, r);
 			if (before == filled) continue;
 			SurfaceNode<D> n { index, {} };
 			for (int a = 0; a < D; ++a)
@@ -283,8 +280,7 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		const Region<D>& region = boundaries_[b]->region();
 		patches_[b].nodes.clear();
 		if (region.kind == Region<D>::Kind::side) collectSide(grid, cells, b);
-		else if (region.kind == Region<D>::Kind::nodeBox)
-			collectBox(grid, b);
+		else if (region.kind == Region<D>::Kind::nodeBox) collectBox(grid, b);
 		else if (region.kind == Region<D>::Kind::freeSurface)
 			for (std::size_t k = 0; k < surface_.size(); ++k) {
 				if (ofSurface_[k] != (region.cavities ? cavity : openAir)) continue;

@@ -59,8 +59,8 @@ private:
 	std::vector<unsigned char> needed_, widened_;
 	std::vector<int>           place_; ///< of each cell of the box among them
 	std::array<int, D>         stride_ {};
-	const CellMeans<D>*        cells_     = nullptr;
-	bool                       needsAll_  = false, needsSides_ = false;
+	const CellMeans<D>*        cells_    = nullptr;
+	bool                       needsAll_ = false, needsSides_ = false;
 
 	const double*                             volume_       = nullptr;
 	const double*                             conductivity_ = nullptr;

@@ -18,8 +18,7 @@ namespace {
 		const double cells = (upper - lower) / spacing;
 		const double whole = std::round(cells);
 		requireSetting(cells < 1e6, "gridSpacing", spacing, "gives more than a million cells along one axis; use a larger spacing");
-		requireSetting(
-		        whole >= 1.0 && std::abs(cells - whole) < 1e-6, name, upper, "the box must be a whole number of grid spacings wide");
+		requireSetting(whole >= 1.0 && std::abs(cells - whole) < 1e-6, name, upper, "the box must be a whole number of grid spacings wide");
 		return static_cast<int>(whole);
 	}
 } // namespace
@@ -35,13 +34,13 @@ Grid<D>::Grid(const Vec<D>& lower, const Vec<D>& upper, double spacing)
 	for (int a = 0; a < D; ++a)
 		cells_[a] = wholeCells<D>(a, lower[a], upper[a], spacing);
 
-	slowAxis_ = static_cast<int>(std::max_element(cells_.begin(), cells_.end()) - cells_.begin());
+	slowAxis_    = static_cast<int>(std::max_element(cells_.begin(), cells_.end()) - cells_.begin());
 	double nodes = 1.0;
 	for (int a = 0; a < D; ++a)
 		nodes *= cells_[a] + 3;
 	requireSetting(nodes < 2e8, "gridSpacing", spacing, "gives more than 200 million nodes; use a larger spacing or a smaller box");
 
-	int nodeStride = 1, cellStride = 1;
+	int        nodeStride = 1, cellStride = 1;
 	const auto place = [&](int a) {
 		nodeStride_[a] = nodeStride;
 		cellStride_[a] = cellStride;

@@ -23,13 +23,13 @@ public:
 	const Vec<D>& lower() const { return lower_; }
 	const Vec<D>& upper() const { return upper_; }
 
-	int  cells(int axis) const { return cells_[axis]; }
-	int  nodes(int axis) const { return cells_[axis] + 3; }
-	int  nodeStride(int axis) const { return nodeStride_[axis]; }
-	int  cellStride(int axis) const { return cellStride_[axis]; }
-	int  nodeCount() const { return nodeCount_; }
-	int  cellCount() const { return cellCount_; }
-	int  slowAxis() const { return slowAxis_; }
+	int cells(int axis) const { return cells_[axis]; }
+	int nodes(int axis) const { return cells_[axis] + 3; }
+	int nodeStride(int axis) const { return nodeStride_[axis]; }
+	int cellStride(int axis) const { return cellStride_[axis]; }
+	int nodeCount() const { return nodeCount_; }
+	int cellCount() const { return cellCount_; }
+	int slowAxis() const { return slowAxis_; }
 
 	/// Volume (area per metre of thickness in 2-D) of a cell [m^D].
 	double cellVolume() const;
@@ -40,8 +40,8 @@ public:
 	double nodeCoordinate(int axis, double x) const { return (x - lower_[axis]) * inverseSpacing_ + 1.0; }
 	double nodePosition(int axis, int node) const { return lower_[axis] + (node - 1) * spacing_; }
 
-	int nodeIndex(const std::array<int, D>& node) const;
-	int cellIndex(const std::array<int, D>& cell) const;
+	int                nodeIndex(const std::array<int, D>& node) const;
+	int                cellIndex(const std::array<int, D>& cell) const;
 	std::array<int, D> nodeOf(int index) const;
 
 	bool contains(const Vec<D>& x) const;

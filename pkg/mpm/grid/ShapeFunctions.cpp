@@ -2,9 +2,9 @@
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/kernels/PlaneLoops.hpp>
 
-#include <stdexcept>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace talik {

@@ -10,7 +10,8 @@
 
 namespace talik {
 
-/// A family of shape functions. A new one is a class and its line of the table in ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis and covers the point's cell and
+/// A family of shape functions. A new one is a class and its line of the table in ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis
+/// and covers the point's cell and
 /// at most one node behind and two ahead of the cell's lower corner.
 template <int D> class ShapeFunction {
 public:

@@ -25,7 +25,7 @@ struct PlaneLoops {
 		const double *mass, *volume;
 		const double* meanStress; ///< replaces that of the stress; may be null
 		const double* velocity[2];
-		const double* stress[4]; ///< xx, yy, zz, xy
+		const double* stress[4];          ///< xx, yy, zz, xy
 		const double *capacity, *carried; ///< of a quantity mapped along; may be null
 		double        carriedFrom;        ///< carried counts from here
 		double*       nodes;
@@ -50,7 +50,8 @@ struct PlaneLoops {
 	/// Sums S number.
 	void (*gatherScalar)(const WeightBlock<2>& w, const double* nodes, double (&sums)[blockSize]);
 
-	/// Conduction in a step, temperatures of nodes relative to that of reference: heat -V kappa duration grad T . grad S + V produced S, and what the grid does not see, C (T_grid - T) S.
+	/// Conduction in a step, temperatures of nodes relative to that of reference: heat -V kappa duration grad T . grad S + V produced S, and what the grid does
+	/// not see, C (T_grid - T) S.
 	struct HeatFlow {
 		const double *volume, *conductivity, *capacity, *temperature;
 		double        duration, produced, reference;

@@ -7,8 +7,7 @@ template <int D>
 AffineVelocity<D>::AffineVelocity(PointFields& fields, VelocityTransfer transfer)
         : transfer_(transfer)
         , gradient_(fields.declare("affineVelocity", "transfer", "1/s", D * D))
-{
-}
+{}
 
 template <int D> void AffineVelocity<D>::bind(MaterialPoints<D>& points)
 {
@@ -42,9 +41,7 @@ template <int D> void AffineVelocity<D>::gather(const Grid<D>& grid, const Weigh
 	transfer_ == VelocityTransfer::apic ? gatherBlock<true>(grid, w, motion) : gatherBlock<false>(grid, w, motion);
 }
 
-template <int D>
-template <bool Apic>
-void AffineVelocity<D>::gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
+template <int D> template <bool Apic> void AffineVelocity<D>::gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
 {
 	for (int k = 0; k < w.count; ++k) {
 		const auto arms    = armsOf(w, k, grid.spacing());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
 
 namespace talik {
 
@@ -12,8 +12,7 @@ template <int D> class DeformationRecord {
 public:
 	explicit DeformationRecord(PointFields& fields)
 	        : handle(fields.declare("deformationGradient", "deformation record", "-", D * D))
-	{
-	}
+	{}
 	void bind(MaterialPoints<D>& points)
 	{
 		for (int c = 0; c < D * D; ++c)

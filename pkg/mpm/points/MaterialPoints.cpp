@@ -17,9 +17,9 @@ template <int D> void MaterialPoints<D>::allocate(int count)
 	fields_.allocate(count);
 	id_.resize(count);
 	std::iota(id_.begin(), id_.end(), 0);
-	place_    = id_;
-	from_     = id_;
-	scratch_  = id_;
+	place_   = id_;
+	from_    = id_;
+	scratch_ = id_;
 	skeleton_.assign(count, 0);
 	cell_.assign(count, 0);
 }

@@ -21,7 +21,7 @@ struct Strips {
 
 	int              axis     = 0;
 	bool             parallel = true; ///< false: one thread does all, which is faster for few points
-	std::vector<int> first; ///< place of the first point of each strip; one more entry for the end
+	std::vector<int> first;           ///< place of the first point of each strip; one more entry for the end
 
 	int count() const { return static_cast<int>(first.size()) - 1; }
 
@@ -57,7 +57,7 @@ public:
 	/// Allocates all declared fields for count points with ids 0 .. count-1.
 	void allocate(int count);
 
-	const int* ids() const { return id_.data(); }        ///< id of the point at a place
+	const int* ids() const { return id_.data(); } ///< id of the point at a place
 	int        id(int place) const { return id_[place]; }
 	int        place(int id) const { return place_[id]; } ///< where the point with this id is now
 
@@ -78,8 +78,8 @@ public:
 	const Strips& strips() const { return strips_; }
 	Strips&       strips() { return strips_; }
 
-	std::vector<int>&       idArray() { return id_; }
-	void                    idsRestored();
+	std::vector<int>& idArray() { return id_; }
+	void              idsRestored();
 
 private:
 	PointFields         fields_;

@@ -21,9 +21,9 @@ template <> struct MidpointIncrement<2> {
 		const double inverse = 1.0 / (a * d - b * c);
 		const double h00 = (gradient[0] * d - gradient[1] * c) * inverse, h01 = (gradient[1] * a - gradient[0] * b) * inverse;
 		const double h10 = (gradient[2] * d - gradient[3] * c) * inverse, h11 = (gradient[3] * a - gradient[2] * b) * inverse;
-		strain[0] = h00;
-		strain[1] = h11;
-		strain[2] = 0.5 * (h01 + h10);
+		strain[0]      = h00;
+		strain[1]      = h11;
+		strain[2]      = 0.5 * (h01 + h10);
 		const double t = 0.25 * (h10 - h01), scale = 1.0 / (1.0 + t * t);
 		cosine = (1.0 - t * t) * scale;
 		sine   = 2.0 * t * scale;
@@ -34,9 +34,9 @@ template <> struct MidpointIncrement<2> {
 		const double c = cosine, z = sine;
 		const double xx = c * c * s[0] - 2.0 * c * z * s[3] + z * z * s[1];
 		const double yy = z * z * s[0] + 2.0 * c * z * s[3] + c * c * s[1];
-		s[3] = c * z * (s[0] - s[1]) + (c * c - z * z) * s[3];
-		s[0] = xx;
-		s[1] = yy;
+		s[3]            = c * z * (s[0] - s[1]) + (c * c - z * z) * s[3];
+		s[0]            = xx;
+		s[1]            = yy;
 	}
 	void addElastic(double* s, double lambda, double shear) const
 	{
@@ -76,9 +76,9 @@ template <> struct MidpointIncrement<3> {
 			for (int j = i; j < 3; ++j)
 				strain[stressIndex<3>(i, j)] = 0.5 * (h[i][j] + h[j][i]);
 		// Cayley transform of the skew part: Q = 1 + 2/(1 + t.t) (T + T^2)
-		const double t[3] = { 0.25 * (h[2][1] - h[1][2]), 0.25 * (h[0][2] - h[2][0]), 0.25 * (h[1][0] - h[0][1]) };
+		const double t[3]    = { 0.25 * (h[2][1] - h[1][2]), 0.25 * (h[0][2] - h[2][0]), 0.25 * (h[1][0] - h[0][1]) };
 		const double T[3][3] = { { 0.0, -t[2], t[1] }, { t[2], 0.0, -t[0] }, { -t[1], t[0], 0.0 } };
-		const double scale = 2.0 / (1.0 + t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+		const double scale   = 2.0 / (1.0 + t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
 		for (int i = 0; i < 3; ++i)
 			for (int j = 0; j < 3; ++j) {
 				double square = 0.0;
@@ -123,8 +123,7 @@ struct LameModuli {
 	LameModuli(double young, double poisson)
 	        : lambda(young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)))
 	        , shear(young / (2.0 * (1.0 + poisson)))
-	{
-	}
+	{}
 	double oedometer() const { return lambda + 2.0 * shear; }
 };
 

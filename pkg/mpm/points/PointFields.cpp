@@ -18,8 +18,7 @@ namespace {
 	std::size_t roundUp(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 } // namespace
 
-PointFields::Handle
-PointFields::declare(const std::string& name, const std::string& owner, const std::string& unit, int components, bool persistent)
+PointFields::Handle PointFields::declare(const std::string& name, const std::string& owner, const std::string& unit, int components, bool persistent)
 {
 	if (storage_) throw std::logic_error("field '" + name + "' declared after the points were allocated");
 	if (has(name)) throw std::logic_error("field '" + name + "' declared twice, the second time by " + owner);
@@ -31,11 +30,11 @@ PointFields::declare(const std::string& name, const std::string& owner, const st
 
 void PointFields::allocate(int count)
 {
-	count_                      = count;
-	const std::size_t one       = static_cast<std::size_t>(count) * sizeof(double);
-	const std::size_t perArray  = roundUp(one + stagger, page) + stagger;
-	const std::size_t total     = roundUp(perArray * std::max<std::size_t>(arrays_.size(), 1), page);
-	void*             memory    = std::aligned_alloc(page, total);
+	count_                     = count;
+	const std::size_t one      = static_cast<std::size_t>(count) * sizeof(double);
+	const std::size_t perArray = roundUp(one + stagger, page) + stagger;
+	const std::size_t total    = roundUp(perArray * std::max<std::size_t>(arrays_.size(), 1), page);
+	void*             memory   = std::aligned_alloc(page, total);
 	if (!memory) throw std::bad_alloc();
 	std::memset(memory, 0, total);
 	storage_ = { static_cast<double*>(memory), &std::free };
@@ -51,10 +50,7 @@ bool PointFields::has(const std::string& name) const
 	return std::any_of(info_.begin(), info_.end(), [&](const FieldInfo& f) { return f.name == name; });
 }
 
-double* PointFields::component(Handle field, int component)
-{
-	return const_cast<double*>(static_cast<const PointFields&>(*this).component(field, component));
-}
+double* PointFields::component(Handle field, int component) { return const_cast<double*>(static_cast<const PointFields&>(*this).component(field, component)); }
 
 const double* PointFields::component(Handle field, int component) const
 {
@@ -62,10 +58,7 @@ const double* PointFields::component(Handle field, int component) const
 	return arrays_[firstArray_[field] + component];
 }
 
-double* PointFields::find(const std::string& name, int component)
-{
-	return const_cast<double*>(static_cast<const PointFields&>(*this).find(name, component));
-}
+double* PointFields::find(const std::string& name, int component) { return const_cast<double*>(static_cast<const PointFields&>(*this).find(name, component)); }
 
 const double* PointFields::find(const std::string& name, int component) const
 {

@@ -11,7 +11,7 @@ namespace talik {
 /// What is known about one field of the points or of the nodes.
 struct FieldInfo {
 	std::string name;
-	std::string owner;      ///< the effect that needs it
+	std::string owner; ///< the effect that needs it
 	std::string unit;
 	std::string place;      ///< "points" or "nodes"
 	int         components; ///< arrays of doubles
@@ -48,12 +48,12 @@ public:
 	void reorder(const int* from);
 
 private:
-	std::vector<FieldInfo> info_;
-	std::vector<int>       firstArray_;
-	std::vector<double*>   arrays_;
+	std::vector<FieldInfo>                   info_;
+	std::vector<int>                         firstArray_;
+	std::vector<double*>                     arrays_;
 	std::unique_ptr<double, void (*)(void*)> storage_ { nullptr, nullptr };
-	std::vector<double>    scratch_;
-	int                    count_ = 0;
+	std::vector<double>                      scratch_;
+	int                                      count_ = 0;
 };
 
 } // namespace talik

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Errors.hpp>
-#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
-#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 
 #include <algorithm>
@@ -26,7 +26,8 @@ namespace {
 				const int first = k, place = b.place[k];
 				while (k < end && b.place[k] == place + (k - first))
 					++k;
-				const double* const gradient[4] = { b.gradient[0] + place, b.gradient[1] + place, b.gradient[2] + place, b.gradient[3] + place };
+				const double* const gradient[4] = { b.gradient[0] + place, b.gradient[1] + place, b.gradient[2] + place,
+					                            b.gradient[3] + place };
 				double* const       stress[4]   = { b.stress[0] + place, b.stress[1] + place, b.stress[2] + place, b.stress[3] + place };
 				loops.elastic(k - first, lambda, shear, gradient, stress);
 			}

@@ -8,8 +8,8 @@ namespace talik {
 
 /// Strength and stiffness of a point at its present ice saturation.
 struct MohrCoulombState {
-	double lambda, shear;   ///< elastic [Pa]
-	double cohesion;        ///< [Pa]
+	double lambda, shear; ///< elastic [Pa]
+	double cohesion;      ///< [Pa]
 	double sinFriction, cosFriction, sinDilation;
 	double tensileStrength; ///< [Pa], <= c cot(phi)
 };
@@ -20,13 +20,13 @@ struct MohrCoulombState {
 /// principal stresses that exceed it, which leaves the state inside the cone. Returns true if the state was changed.
 inline bool returnToMohrCoulomb(const MohrCoulombState& m, double* s)
 {
-	const double limit  = 2.0 * m.cohesion * m.cosFriction;
+	const double limit = 2.0 * m.cohesion * m.cosFriction;
 	const double sp = m.sinFriction, sd = m.sinDilation;
 	const auto   yield = [&](double high, double low) { return (high - low) + (high + low) * sp - limit; };
 
 	bool changed = false;
 	if (yield(s[0], s[2]) > 0.0) {
-		changed = true;
+		changed               = true;
 		const double trial[3] = { s[0], s[1], s[2] };
 		// C r of flow on the plane of directions (i high, j low): lambda tr r + 2 G r, tr r = 2 sin(psi)
 		const double spherical = 2.0 * m.lambda * sd, up = 2.0 * m.shear * (1.0 + sd), down = -2.0 * m.shear * (1.0 - sd);
@@ -38,9 +38,9 @@ inline bool returnToMohrCoulomb(const MohrCoulombState& m, double* s)
 
 		const double f02   = yield(trial[0], trial[2]);
 		const double gamma = f02 / same;
-		s[0] = trial[0] - gamma * high;
-		s[1] = trial[1] - gamma * rest;
-		s[2] = trial[2] - gamma * low;
+		s[0]               = trial[0] - gamma * high;
+		s[1]               = trial[1] - gamma * rest;
+		s[2]               = trial[2] - gamma * low;
 
 		if (s[1] > s[0]) { // edge s0 = s1: planes (0,2) and (1,2)
 			const double f12 = yield(trial[1], trial[2]);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
-#include <pkg/mpm/points/ObjectiveUpdate.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -35,12 +35,11 @@ namespace {
 	template <class Change> bool inPrincipalStresses(double (&s)[4], Change&& change)
 	{
 		const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
-		const double radius = std::sqrt(half * half + s[3] * s[3]);
+		const double radius     = std::sqrt(half * half + s[3] * s[3]);
 		const double inPlane[3] = { centre + radius, centre - radius, s[2] };
 		int          order[3]   = { 0, 1, 2 };
 		if (inPlane[2] > inPlane[0]) order[0] = 2, order[1] = 0, order[2] = 1;
-		else if (inPlane[2] > inPlane[1])
-			order[1] = 2, order[2] = 1;
+		else if (inPlane[2] > inPlane[1]) order[1] = 2, order[2] = 1;
 		double after[3] = { inPlane[order[0]], inPlane[order[1]], inPlane[order[2]] };
 		if (!change(after)) return false;
 		double corrected[3];
@@ -62,8 +61,8 @@ namespace {
 			for (int j = 0; j < 3; ++j)
 				tensor(i, j) = s[stressIndex<3>(i, j)];
 		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(tensor);
-		const auto& values   = spectrum.eigenvalues(); // ascending
-		double      after[3] = { values[2], values[1], values[0] };
+		const auto&                                          values   = spectrum.eigenvalues(); // ascending
+		double                                               after[3] = { values[2], values[1], values[0] };
 		if (!change(after)) return false;
 		tensor.setZero();
 		for (int k = 0; k < 3; ++k) {
@@ -103,7 +102,8 @@ namespace {
 
 	/// Marks the points that cannot keep their trial stress, without finding the order of their principal stresses.
 	void findYielding(
-	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 4>& s, int count, long long* yielding)
+	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 4>& s, int count,
+	        long long* yielding)
 	{
 		const double* const stress[4] = { s[0], s[1], s[2], s[3] };
 		planeLoops().findYielding(count, { cohesion, tensileStrength, m.sinFriction, m.cosFriction }, stress, yielding);
@@ -167,22 +167,16 @@ template <int D> void MohrCoulombSkeleton<D>::validate() const
 	const auto name = [](const char* attribute) { return std::string("MohrCoulombSkeleton.") + attribute; };
 	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, name("youngModulus"), youngModulus, "must be positive, in Pa");
 	requireSetting(
-	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus,
-	        name("youngModulusFrozen"),
-	        youngModulusFrozen,
+	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus, name("youngModulusFrozen"), youngModulusFrozen,
 	        "must not be below youngModulus, in Pa");
 	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, name("poissonRatio"), poissonRatio, "must lie in (-1, 0.5)");
 	requireSetting(std::isfinite(cohesion) && cohesion >= 0.0, name("cohesion"), cohesion, "must not be negative, in Pa");
 	requireSetting(std::isfinite(cohesionFrozen) && cohesionFrozen >= 0.0, name("cohesionFrozen"), cohesionFrozen, "must not be negative, in Pa");
 	requireSetting(frictionAngle >= 0.0 && frictionAngle < 90.0, name("frictionAngle"), frictionAngle, "must lie in [0, 90) degrees");
+	requireSetting(dilationAngle >= 0.0 && dilationAngle <= frictionAngle, name("dilationAngle"), dilationAngle, "must lie in [0, frictionAngle] degrees");
+	requireSetting(std::isfinite(tensileStrength) && tensileStrength >= 0.0, name("tensileStrength"), tensileStrength, "must not be negative, in Pa");
 	requireSetting(
-	        dilationAngle >= 0.0 && dilationAngle <= frictionAngle, name("dilationAngle"), dilationAngle, "must lie in [0, frictionAngle] degrees");
-	requireSetting(
-	        std::isfinite(tensileStrength) && tensileStrength >= 0.0, name("tensileStrength"), tensileStrength, "must not be negative, in Pa");
-	requireSetting(
-	        std::isfinite(tensileStrengthFrozen) && tensileStrengthFrozen >= 0.0,
-	        name("tensileStrengthFrozen"),
-	        tensileStrengthFrozen,
+	        std::isfinite(tensileStrengthFrozen) && tensileStrengthFrozen >= 0.0, name("tensileStrengthFrozen"), tensileStrengthFrozen,
 	        "must not be negative, in Pa");
 	requireSetting(std::isfinite(iceExponent) && iceExponent >= 1.0, name("iceExponent"), iceExponent, "must be 1 or more");
 	validateTable();
@@ -194,7 +188,9 @@ template <int D> void MohrCoulombSkeleton<D>::validateTable() const
 		const std::string name = std::string("MohrCoulombSkeleton.table.") + column;
 		requireSetting(values.size() == wanted, name + " length", double(values.size()), "must be that of the ice saturations");
 		for (const double value : values)
-			requireSetting(std::isfinite(value) && (zeroAllowed ? value >= 0.0 : value > 0.0), name, value, zeroAllowed ? "must not be negative" : "must be positive");
+			requireSetting(
+			        std::isfinite(value) && (zeroAllowed ? value >= 0.0 : value > 0.0), name, value,
+			        zeroAllowed ? "must not be negative" : "must be positive");
 	};
 	const auto& s = table.saturation;
 	require("youngModulus", table.youngModulus, s.size(), false);
@@ -216,7 +212,7 @@ template <int D> typename MohrCoulombSkeleton<D>::AtSaturation MohrCoulombSkelet
 	}
 	const std::size_t above = std::upper_bound(s.begin(), s.end(), saturation) - s.begin();
 	const std::size_t j = std::min(above, s.size() - 1), i = above == 0 ? 0 : above - 1;
-	const double      part = i == j ? 0.0 : (saturation - s[i]) / (s[j] - s[i]);
+	const double      part  = i == j ? 0.0 : (saturation - s[i]) / (s[j] - s[i]);
 	const auto        value = [&](const std::vector<double>& column) { return column[i] + part * (column[j] - column[i]); };
 	return { value(table.youngModulus), value(table.cohesion), value(table.tensileStrength) };
 }
@@ -260,8 +256,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 			while (k < end && b.place[k] == b.place[first] + (k - first))
 				++k;
 			if (iceModulus_ >= 0) updateFreezingRun(b, b.place[first], k - first);
-			else
-				updateRun(b, b.place[first], k - first);
+			else updateRun(b, b.place[first], k - first);
 		}
 	});
 }
@@ -338,7 +333,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 }
 
 template <int D>
-void MohrCoulombSkeleton<D>::splitModulus(double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts)
+void MohrCoulombSkeleton<D>::splitModulus(
+        double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts)
 {
 	const LameModuli unit(1.0, poisson);
 #pragma GCC ivdep
@@ -397,8 +393,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 
 /// No grain is pulled by more than holds it to its neighbours. The volume by which grains part beyond is kept: its stress, were they
 /// not parted, returns in the next step, so that what presses them together closes the opening first.
-template <int D>
-void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
+template <int D> void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
 {
 	double* const    opening = fields_->component(opening_) + first;
 	MohrCoulombState onlyTension {};
@@ -421,7 +416,8 @@ void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts
 
 /// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without
 /// the share of dilation.
-template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>])
+template <int D>
+double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>])
 {
 	double undilated[stressSize<D>];
 	std::copy(returned, returned + stressSize<D>, undilated);

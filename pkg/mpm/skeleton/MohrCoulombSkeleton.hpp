@@ -22,16 +22,16 @@ namespace talik {
 /// volume of the opening is kept, and the grains are pressed again only when it has closed. Given initial stress is that of the grains.
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
-	double youngModulus       = 10e6;  ///< thawed E [Pa], > 0
-	double youngModulusFrozen = 100e6; ///< E at S_i = 1 [Pa], >= youngModulus
-	double poissonRatio       = 0.3;   ///< [-], in (-1, 0.5)
-	double cohesion           = 1e3;   ///< thawed c [Pa], >= 0
-	double cohesionFrozen     = 500e3; ///< c at S_i = 1 [Pa], >= 0
-	double frictionAngle      = 30.0;  ///< [deg], in [0, 90)
-	double dilationAngle      = 0.0;   ///< [deg], in [0, frictionAngle]
-	double tensileStrength    = 0.0;   ///< thawed [Pa], >= 0; never above c cot(phi)
+	double youngModulus          = 10e6;  ///< thawed E [Pa], > 0
+	double youngModulusFrozen    = 100e6; ///< E at S_i = 1 [Pa], >= youngModulus
+	double poissonRatio          = 0.3;   ///< [-], in (-1, 0.5)
+	double cohesion              = 1e3;   ///< thawed c [Pa], >= 0
+	double cohesionFrozen        = 500e3; ///< c at S_i = 1 [Pa], >= 0
+	double frictionAngle         = 30.0;  ///< [deg], in [0, 90)
+	double dilationAngle         = 0.0;   ///< [deg], in [0, frictionAngle]
+	double tensileStrength       = 0.0;   ///< thawed [Pa], >= 0; never above c cot(phi)
 	double tensileStrengthFrozen = 200e3; ///< at S_i = 1 [Pa], >= 0
-	double iceExponent        = 2.0;   ///< m of phi [-], >= 1
+	double iceExponent           = 2.0;   ///< m of phi [-], >= 1
 
 	/// Values at ascending ice saturations, linear in between and constant beyond; equal lengths, all empty for the function phi.
 	struct IceTable {
@@ -54,34 +54,35 @@ private:
 	struct AtSaturation {
 		double youngModulus, cohesion, tensileStrength;
 	};
-	AtSaturation at(double saturation) const;
-	void         validateTable() const;
+	AtSaturation         at(double saturation) const;
+	void                 validateTable() const;
 	static constexpr int pieceSize = 256;
 	/// Of points in sequence.
 	struct Piece {
 		double youngModulus[pieceSize], cohesion[pieceSize], tensileStrength[pieceSize];
 	};
-	void lookUp(const double* saturation, int count, Piece& piece) const;
-	TALIK_PROCESSOR_VERSIONS void interpolate(const double* saturation, int count, Piece& piece) const;
+	void                                 lookUp(const double* saturation, int count, Piece& piece) const;
+	TALIK_PROCESSOR_VERSIONS void        interpolate(const double* saturation, int count, Piece& piece) const;
 	TALIK_PROCESSOR_VERSIONS static void limitTension(double cotangent, int count, Piece& piece);
 	/// The two parts of points in sequence, and what each may bear.
 	struct Parts {
 		double grainLambda[pieceSize], grainShear[pieceSize], iceLambda[pieceSize], iceShear[pieceSize];
 		double grainTension[pieceSize]; ///< that the grains bear [Pa]
 		double hidden[pieceSize];       ///< stress that the opening stands for [Pa]
-		double keptIce[pieceSize]; ///< share of the ice's stress that melting leaves [-]
+		double keptIce[pieceSize];      ///< share of the ice's stress that melting leaves [-]
 	};
-	TALIK_PROCESSOR_VERSIONS static void splitModulus(double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts);
+	TALIK_PROCESSOR_VERSIONS static void splitModulus(
+	        double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts);
 	TALIK_PROCESSOR_VERSIONS static void takeIceOff(int count, const double* kept, double* stress, double* ice);
 	TALIK_PROCESSOR_VERSIONS static void addTo(int count, const double* what, double* stress);
 	/// count points in sequence from place first on
-	void updateRun(const SkeletonBatch<D>&, int first, int count);
-	void updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
-	void partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
+	void          updateRun(const SkeletonBatch<D>&, int first, int count);
+	void          updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
+	void          partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 	static double openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>]);
-	void limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
+	void          limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 
-	PointFields*        fields_ = nullptr;
+	PointFields*        fields_        = nullptr;
 	PointFields::Handle plasticStrain_ = -1, iceStress_ = -1, iceModulus_ = -1, opening_ = -1;
 };
 

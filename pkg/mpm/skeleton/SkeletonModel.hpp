@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
+#include <pkg/mpm/points/PointFields.hpp>
 
 #include <string>
 
@@ -18,10 +18,10 @@ template <int D> struct SkeletonBatch {
 	/// Displacement gradient of this step, Delta t dv_i/dx_j at [i*D+j] [-], with B-bar: the divergence is
 	/// the volume-weighted mean of the cell. F_new = (1 + gradient) F_old.
 	std::array<const double*, D * D> gradient {};
-	const double* iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
+	const double*                    iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
 	/// Effective Cauchy stress [Pa], tension positive, to be updated in place; order of stressIndex<D>().
 	std::array<double*, stressSize<D>> stress {};
-	const double* volume = nullptr; ///< current volume [m^D]
+	const double*                      volume = nullptr; ///< current volume [m^D]
 };
 
 /// Law that turns strain and ice saturation into effective stress. Each point has one; a scene may use several.

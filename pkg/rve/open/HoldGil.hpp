@@ -9,8 +9,8 @@ class HoldGil {
 	PyGILState_STATE state = PyGILState_Ensure();
 
 public:
-	HoldGil()               = default;
-	HoldGil(const HoldGil&) = delete;
+	HoldGil()                          = default;
+	HoldGil(const HoldGil&)            = delete;
 	HoldGil& operator=(const HoldGil&) = delete;
 	~HoldGil() { PyGILState_Release(state); }
 };

@@ -6,11 +6,11 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
-#include <pkg/rve/packed/CellReduction.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
-#include <pkg/rve/packed/PackedProtocol.hpp>
 #include <pkg/rve/open/RunningScene.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/packed/CellReduction.hpp>
+#include <pkg/rve/packed/PackedProtocol.hpp>
 
 #include <omp.h>
 #include <sstream>
@@ -78,7 +78,9 @@ namespace {
 	Matrix3r loveWeber(const Scene& scene)
 	{
 		Matrix3r sum = Matrix3r::Zero();
-		forContacts(scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) { sum -= forceOf(contact) * branch.transpose(); });
+		forContacts(scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
+			sum -= forceOf(contact) * branch.transpose();
+		});
 		return sum / volumeOf(*scene.cell);
 	}
 
@@ -154,10 +156,7 @@ namespace {
 
 } // namespace
 
-void forbidRedirection()
-{
-	forbidRedirection(*Omega::instance().getScene());
-}
+void forbidRedirection() { forbidRedirection(*Omega::instance().getScene()); }
 
 std::string reasonAgainstSample(const Scene& scene)
 {
@@ -333,7 +332,8 @@ void OpenSample::checkHealth() const
 	for (const auto& contact : *scene->interactions) {
 		const auto* geom = dynamic_cast<const ScGeom*>(contact->geom.get());
 		if (geom && contact->isReal() && geom->penetrationDepth > std::min(geom->refR1, geom->refR2))
-			throw std::runtime_error("the overlap of bodies " + std::to_string(contact->id1) + " and " + std::to_string(contact->id2) + " exceeds a radius");
+			throw std::runtime_error(
+			        "the overlap of bodies " + std::to_string(contact->id1) + " and " + std::to_string(contact->id2) + " exceeds a radius");
 	}
 }
 
@@ -418,11 +418,11 @@ PackedTangent<2> OpenSample::tangent() const
 	PackedTangent<2> result {};
 	const double     volume = volumeOf(*scene->cell);
 	forContacts(*scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
-		const auto*    normal   = dynamic_cast<const NormPhys*>(contact.phys.get());
-		const auto*    shear    = dynamic_cast<const NormShearPhys*>(contact.phys.get());
-		const double   kn       = normal ? normal->kn : 0, ks = shear ? shear->ks : 0;
-		const Vector3r n        = branch.normalized();
-		const double   squared  = branch.squaredNorm() / volume;
+		const auto*    normal = dynamic_cast<const NormPhys*>(contact.phys.get());
+		const auto*    shear  = dynamic_cast<const NormShearPhys*>(contact.phys.get());
+		const double   kn = normal ? normal->kn : 0, ks = shear ? shear->ks : 0;
+		const Vector3r n       = branch.normalized();
+		const double   squared = branch.squaredNorm() / volume;
 		for (int i = 0; i < 2; i++)
 			for (int j = 0; j < 2; j++)
 				for (int k = 0; k < 2; k++)
@@ -467,18 +467,15 @@ OpenStatistics OpenSample::statistics() const
 	result.coordinationNumber = bodies > 0 ? 2. * double(result.contacts) / double(bodies) : 0;
 	if (result.contacts > 0) result.fabric /= double(result.contacts);
 	if (forces > 0) result.unbalancedForce = (imbalance / double(bodies)) / (forces / double(result.contacts));
-	result.bondsIntact = intactBonds();
-	result.bondsFormed = formed;
-	result.bondsMelted = melted;
+	result.bondsIntact       = intactBonds();
+	result.bondsFormed       = formed;
+	result.bondsMelted       = melted;
 	const std::uint64_t gone = melted + result.bondsIntact;
 	result.bondsBroken       = formed > gone ? formed - gone : 0;
 	return result;
 }
 
-double StiffnessBound::modulus(double iceSaturation) const
-{
-	return (hasIce ? ice.young(iceSaturation) : young) * std::max(1.1 * scale, 1.2 * network);
-}
+double StiffnessBound::modulus(double iceSaturation) const { return (hasIce ? ice.young(iceSaturation) : young) * std::max(1.1 * scale, 1.2 * network); }
 
 StiffnessBound OpenSample::stiffnessBound() const
 {
@@ -490,7 +487,7 @@ StiffnessBound OpenSample::stiffnessBound() const
 	if (hasIce()) bound.ice = iceMaterials.front()->model();
 	const auto   contacts = tangent();
 	const double stiffest = std::max(contacts[0], contacts[15]), present = hasIce() ? bound.ice.young(iceSaturation()) : bound.young;
-	bound.scale           = discs ? averageRadius / std::abs(scene->cell->hSize(2, 2)) : 1;
+	bound.scale = discs ? averageRadius / std::abs(scene->cell->hSize(2, 2)) : 1;
 	if (present > 0) bound.network = stiffest / present;
 	else bound.young = stiffest; // a material without modulus: the contacts are all there is
 	return bound;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 
 namespace yade {
 class IceBondMat;
@@ -24,20 +24,20 @@ struct OpenUpdateResult {
 struct OpenStatistics {
 	std::size_t     contacts = 0, bondsIntact = 0;
 	std::uint64_t   bondsFormed = 0, bondsBroken = 0, bondsMelted = 0; ///< since the sample was made; formed = intact + broken + melted
-	double          coordinationNumber = 0; ///< 2 contacts/bodies [-]
-	double          porosity = 0;           ///< by area for discs, by volume for spheres [-]
-	double          unbalancedForce = 0;    ///< mean |net force on a body|/mean |contact force| [-]
-	double          kineticEnergy = 0;      ///< of velocity fluctuations and rotation [J]
-	Eigen::Matrix3d fabric = Eigen::Matrix3d::Zero(); ///< mean n (x) n [-]
+	double          coordinationNumber = 0;                            ///< 2 contacts/bodies [-]
+	double          porosity           = 0;                            ///< by area for discs, by volume for spheres [-]
+	double          unbalancedForce    = 0;                            ///< mean |net force on a body|/mean |contact force| [-]
+	double          kineticEnergy      = 0;                            ///< of velocity fluctuations and rotation [J]
+	Eigen::Matrix3d fabric             = Eigen::Matrix3d::Zero();      ///< mean n (x) n [-]
 };
 
 /// Upper bound of a sample's oedometric modulus at any ice saturation, also when it has lost its contacts.
 struct StiffnessBound {
 	bool         hasIce = false;
 	IceBondModel ice;
-	double       young = 0;   ///< largest contact modulus without ice [Pa]
-	double       scale = 1;   ///< modulus of a packing over the contact modulus of its grains [-]
-	double       network = 0; ///< tangent of the contacts when it was measured, over the contact modulus then [-]
+	double       young   = 0;                         ///< largest contact modulus without ice [Pa]
+	double       scale   = 1;                         ///< modulus of a packing over the contact modulus of its grains [-]
+	double       network = 0;                         ///< tangent of the contacts when it was measured, over the contact modulus then [-]
 	double       modulus(double iceSaturation) const; ///< [Pa]
 };
 
@@ -85,11 +85,11 @@ public:
 	void                         setBondCounts(const std::array<std::uint64_t, 2>& counts);
 
 private:
-	void            adopt(boost::shared_ptr<yade::Scene>);
-	void            measureGrains();
+	void adopt(boost::shared_ptr<yade::Scene>);
+	void measureGrains();
 
 	friend class SampleUpdate<OpenSample>;
-	using Matrix = Eigen::Matrix3d;
+	using Matrix                          = Eigen::Matrix3d;
 	static constexpr long leastStepsOfIce = 1; ///< contacts take ice saturation up in a step
 	double                timeStep() const;
 	Matrix                velGrad() const;
@@ -102,13 +102,13 @@ private:
 	Matrix                motionPerStep(const Matrix& displacementGradient, long steps) const;
 	void                  setIceSaturation(double iceSaturation);
 
-	bool            bondPair(yade::Body& first, yade::Body& second);
-	void            checkHealth() const;
-	std::size_t     intactBonds() const;
+	bool        bondPair(yade::Body& first, yade::Body& second);
+	void        checkHealth() const;
+	std::size_t intactBonds() const;
 
 	boost::shared_ptr<yade::Scene> scene;
 	std::vector<yade::IceBondMat*> iceMaterials;
-	bool                           discs = false;
+	bool                           discs         = false;
 	double                         averageRadius = 0, density = 0;
 	Eigen::Matrix3d                meanStress = Eigen::Matrix3d::Zero(); ///< of the last steps that were run, not symmetrised [Pa]
 	std::uint64_t                  formed = 0, melted = 0;

@@ -51,8 +51,8 @@ namespace {
 		for (int axis = 0; largest > 0 && axis < 3; axis++) {
 			const double length = scene.cell->hSize.col(axis).norm();
 			if (!(extent < 0.99 * length))
-				return "its cell is " + std::to_string(length) + " m long along axis " + std::to_string(axis) + ", too short for spheres of radius "
-				        + std::to_string(largest) + " m: YADE needs more than four radii";
+				return "its cell is " + std::to_string(length) + " m long along axis " + std::to_string(axis)
+				        + ", too short for spheres of radius " + std::to_string(largest) + " m: YADE needs more than four radii";
 		}
 		return "";
 	}
@@ -85,7 +85,7 @@ namespace {
 	/// Functors are named by what they take and, last, what they make: Ip2_FrictMat_FrictMat_FrictPhys. None if that is no class.
 	py::object madeBy(const py::object& functor)
 	{
-		const std::string name    = className(functor), made = name.substr(name.rfind('_') + 1);
+		const std::string name = className(functor), made = name.substr(name.rfind('_') + 1);
 		const py::object  classes = py::import("yade.wrapper");
 		return PyObject_HasAttrString(classes.ptr(), made.c_str()) ? py::object(classes.attr(made.c_str())()) : py::object();
 	}
@@ -126,9 +126,11 @@ namespace {
 			names += (names.empty() ? "" : ", ") + name;
 		const auto parameters = contactParameters(kinds, loop.attr("physDispatcher"));
 		if (parameters.empty() && !dense && py::len(loop.attr("physDispatcher").attr("functors")) > 0) return ""; // they may never touch
-		if (parameters.empty()) return "its InteractionLoop has no Ip2 functor for contacts of " + names + ": add one, e.g. Ip2_IceBondMat_IceBondMat_IceBondPhys()";
+		if (parameters.empty())
+			return "its InteractionLoop has no Ip2 functor for contacts of " + names + ": add one, e.g. Ip2_IceBondMat_IceBondMat_IceBondPhys()";
 		if (someLawFits(loop, parameters)) return "";
-		return "its InteractionLoop has no Law2 functor for what " + className(parameters.front()) + " makes of contacts: add one, e.g. Law2_ScGeom_IceBondPhys_IceBond()";
+		return "its InteractionLoop has no Law2 functor for what " + className(parameters.front())
+		        + " makes of contacts: add one, e.g. Law2_ScGeom_IceBondPhys_IceBond()";
 	}
 
 	bool isOfIce(const Kind& kind) { return materialOf(kind) == "IceBondMat"; }
@@ -149,11 +151,15 @@ namespace {
 			for (std::size_t j = i; j < kinds.size(); j++) {
 				const Kind &a = kinds[i], &b = kinds[j];
 				if (!(isOfIce(a) || isOfIce(b)) || !mayMeet(a, b, avoidedAmongThemselves)) continue;
-				if (geometries.attr("dispFunctor")(a.body->shape, b.body->shape).is_none() && geometries.attr("dispFunctor")(b.body->shape, a.body->shape).is_none()) continue;
+				if (geometries.attr("dispFunctor")(a.body->shape, b.body->shape).is_none()
+				    && geometries.attr("dispFunctor")(b.body->shape, a.body->shape).is_none())
+					continue;
 				const py::object functor = parameters.attr("dispFunctor")(a.body->material, b.body->material);
 				if (!functor.is_none() && someLawFits(loop, { functor })) continue;
-				return "its InteractionLoop has no " + std::string(functor.is_none() ? "Ip2" : "Law2") + " functor for contacts of " + named(*a.body) + " (" + materialOf(a)
-				        + ") and " + named(*b.body) + " (" + materialOf(b) + "), the first of which would end YADE: add Ip2_FrictMat_FrictMat_FrictPhys() and Law2_ScGeom_FrictPhys_CundallStrack(), or keep them apart by Body.mask";
+				return "its InteractionLoop has no " + std::string(functor.is_none() ? "Ip2" : "Law2") + " functor for contacts of "
+				        + named(*a.body) + " (" + materialOf(a) + ") and " + named(*b.body) + " (" + materialOf(b)
+				        + "), the first of which would end YADE: add Ip2_FrictMat_FrictMat_FrictPhys() and "
+				          "Law2_ScGeom_FrictPhys_CundallStrack(), or keep them apart by Body.mask";
 			}
 		return "";
 	}

@@ -6,8 +6,8 @@
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
-#include <pkg/rve/packed/PackedNeighbours.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/packed/PackedNeighbours.hpp>
 
 #include <boost/archive/codecvt_null.hpp>
 #include <boost/archive/xml_iarchive.hpp>
@@ -25,7 +25,7 @@ namespace talik {
 namespace {
 
 	constexpr double   stiffnessSafety = 0.3; ///< time step in units of sqrt(m/k_n) of the smallest grain, as samples are prepared with
-	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+	constexpr unsigned discDofs        = State::DOF_Z | State::DOF_RX | State::DOF_RY;
 
 	/// Bodies that were not erased, ascending by id.
 	std::vector<Body*> presentBodies(const Scene& scene)
@@ -120,15 +120,18 @@ namespace {
 		if (loop.is_none()) return "it has no InteractionLoop";
 		if (onlyFunctor(loop, "geomDispatcher") != "Ig2_Sphere_Sphere_ScGeom") return "its contact geometry is not Ig2_Sphere_Sphere_ScGeom alone";
 		const py::object geometry = loop.attr("geomDispatcher").attr("functors")[0];
-		if (py::extract<double>(geometry.attr("interactionDetectionFactor"))() != 1) return "its contacts are detected at a distance (interactionDetectionFactor)";
+		if (py::extract<double>(geometry.attr("interactionDetectionFactor"))() != 1)
+			return "its contacts are detected at a distance (interactionDetectionFactor)";
 		if (!isTrue(geometry, "avoidGranularRatcheting")) return "its contact geometry has avoidGranularRatcheting=False";
 		const std::string physics = onlyFunctor(loop, "physDispatcher"), law = onlyFunctor(loop, "lawDispatcher");
 		if (law == "Law2_ScGeom_FrictPhys_CundallStrack") {
-			if (physics != "Ip2_FrictMat_FrictMat_FrictPhys") return "its contact parameters do not come from Ip2_FrictMat_FrictMat_FrictPhys alone";
+			if (physics != "Ip2_FrictMat_FrictMat_FrictPhys")
+				return "its contact parameters do not come from Ip2_FrictMat_FrictMat_FrictPhys alone";
 			return isTrue(lawOf(scene), "neverErase") ? "its law never erases a contact" : "";
 		}
 		if (law != "Law2_ScGeom_IceBondPhys_IceBond") return "its contact law is " + (law.empty() ? "not a single one" : law);
-		if (physics != "Ip2_IceBondMat_IceBondMat_IceBondPhys") return "its contact parameters do not come from Ip2_IceBondMat_IceBondMat_IceBondPhys alone";
+		if (physics != "Ip2_IceBondMat_IceBondMat_IceBondPhys")
+			return "its contact parameters do not come from Ip2_IceBondMat_IceBondMat_IceBondPhys alone";
 		if (isTrue(loop.attr("physDispatcher").attr("functors")[0], "bondNewContacts")) return "its new contacts are bonded (bondNewContacts)";
 		if (isTrue(lawOf(scene), "healBroken")) return "its law heals broken bonds (healBroken)";
 		const std::string rule = py::extract<std::string>(lawOf(scene).attr("stiffnessRule"));
@@ -148,20 +151,22 @@ namespace {
 	std::string reasonOfBond(const IceBondPhys& bond, const IceBondMat& material)
 	{
 		if (bond.uRef != 0) return "has a reference overlap";
-		if (bond.iceSaturation != material.iceSaturation || bond.bondNow) return "has not taken up the ice saturation of the material yet (do a step first)";
+		if (bond.iceSaturation != material.iceSaturation || bond.bondNow)
+			return "has not taken up the ice saturation of the material yet (do a step first)";
 		return "";
 	}
 
 	/// Stiffness and friction may have been set contact by contact: the packed form has those of the material.
 	std::string reasonOfContact(const Interaction& interaction, const FrictMat& material)
 	{
-		const auto*  geom = dynamic_cast<const ScGeom*>(interaction.geom.get());
-		const auto*  phys = dynamic_cast<const FrictPhys*>(interaction.phys.get());
+		const auto* geom = dynamic_cast<const ScGeom*>(interaction.geom.get());
+		const auto* phys = dynamic_cast<const FrictPhys*>(interaction.phys.get());
 		if (!geom || !phys) return "is not made by its contact law";
 		if (interaction.cellDist.cwiseAbs().maxCoeff() > 127) return "reaches across more than 127 cells";
 		const double grain = 2 * material.young * geom->refR1 * geom->refR2 / (geom->refR1 + geom->refR2);
 		if (differs(phys->tangensOfFrictionAngle, std::tan(material.frictionAngle)))
-			return "has the friction " + std::to_string(phys->tangensOfFrictionAngle) + " and its material " + std::to_string(std::tan(material.frictionAngle));
+			return "has the friction " + std::to_string(phys->tangensOfFrictionAngle) + " and its material "
+			        + std::to_string(std::tan(material.frictionAngle));
 		const auto* bond = dynamic_cast<const IceBondPhys*>(phys);
 		if (differs(bond ? bond->grainStiffness : phys->kn, grain) || differs(bond ? bond->stiffnessRatio : phys->ks / phys->kn, material.poisson))
 			return "has another stiffness than its material gives";
@@ -193,9 +198,9 @@ namespace {
 
 	Vector3r branch(const PackedState<2>& state, std::size_t c)
 	{
-		const auto& k    = state.contacts;
-		const auto  cell = Eigen::Vector2d(k.cellDist[c][0], k.cellDist[c][1]);
-		const Eigen::Vector2d d = state.position[k.second[c]] + state.hSize * cell - state.position[k.first[c]];
+		const auto&           k    = state.contacts;
+		const auto            cell = Eigen::Vector2d(k.cellDist[c][0], k.cellDist[c][1]);
+		const Eigen::Vector2d d    = state.position[k.second[c]] + state.hSize * cell - state.position[k.first[c]];
 		return { d[0], d[1], 0 };
 	}
 
@@ -211,8 +216,8 @@ namespace {
 
 	/// Where the opened contacts of a former state are found again.
 	class FormerContacts {
-		const PackedState<2>*                               former;
-		std::map<std::array<int, 4>, std::size_t>           place;
+		const PackedState<2>*                     former;
+		std::map<std::array<int, 4>, std::size_t> place;
 
 	public:
 		FormerContacts(const PackedState<2>* state)
@@ -252,10 +257,12 @@ namespace {
 			state.angularVelocity.push_back(motion.angVel[2]);
 			const Quaternionr& q     = motion.se3.orientation;
 			double             angle = 2 * std::atan2(q.z(), q.w());
-			if (former && index < former->size() && orientationOf(former->orientation[index]).coeffs() == q.coeffs()) angle = former->orientation[index];
+			if (former && index < former->size() && orientationOf(former->orientation[index]).coeffs() == q.coeffs())
+				angle = former->orientation[index];
 			state.orientation.push_back(angle);
 		}
-		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass && former->grains->inertia == grains->inertia) {
+		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass
+		    && former->grains->inertia == grains->inertia) {
 			bool same = true;
 			for (std::size_t i = 0; i < grains->size(); i++)
 				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];
@@ -270,13 +277,13 @@ namespace {
 
 	void packCell(const Scene& scene, PackedState<2>& state)
 	{
-		const Cell& cell    = *scene.cell;
-		state.hSize         = inPlane(cell.hSize);
-		state.prevHSize     = inPlane(cell.prevHSize);
-		state.velGrad       = inPlane(cell.velGrad);
-		state.nextVelGrad   = inPlane(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
-		state.trsf          = inPlane(cell.trsf);
-		state.thickness     = std::abs(cell.hSize(2, 2));
+		const Cell& cell  = *scene.cell;
+		state.hSize       = inPlane(cell.hSize);
+		state.prevHSize   = inPlane(cell.prevHSize);
+		state.velGrad     = inPlane(cell.velGrad);
+		state.nextVelGrad = inPlane(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
+		state.trsf        = inPlane(cell.trsf);
+		state.thickness   = std::abs(cell.hSize(2, 2));
 	}
 
 	void packParameters(const Scene& scene, PackedState<2>& state)
@@ -292,10 +299,10 @@ namespace {
 		state.density           = material.density;
 		state.ice               = IceBondModel::none();
 		if (isIceBondScene(scene)) {
-			const auto& ice     = static_cast<const IceBondMat&>(material);
-			const auto  law     = lawOf(scene);
-			state.ice           = ice.model();
-			state.iceSaturation = ice.iceSaturation;
+			const auto& ice                    = static_cast<const IceBondMat&>(material);
+			const auto  law                    = lawOf(scene);
+			state.ice                          = ice.model();
+			state.iceSaturation                = ice.iceSaturation;
 			state.ice.cohesionDisablesFriction = py::extract<bool>(law.attr("cohesionDisablesFriction"));
 		}
 		state.ice.grainYoung = material.young;
@@ -304,7 +311,7 @@ namespace {
 	void packContacts(const Scene& scene, const PackedState<2>* former, const std::map<int, int>& indexOf, PackedState<2>& state)
 	{
 		const FormerContacts known(former);
-		const bool           ice = isIceBondScene(scene);
+		const bool           ice    = isIceBondScene(scene);
 		bool                 anyIce = false;
 		struct Entry {
 			std::array<int, 4> key;
@@ -315,8 +322,8 @@ namespace {
 		std::vector<Entry> entries;
 		for (const auto& interaction : *scene.interactions) {
 			if (!interaction->isReal()) continue;
-			int  a = indexOf.at(interaction->id1), b = indexOf.at(interaction->id2);
-			int  sign = 1;
+			int a = indexOf.at(interaction->id1), b = indexOf.at(interaction->id2);
+			int sign = 1;
 			if (a > b) {
 				std::swap(a, b);
 				sign = -1;
@@ -326,7 +333,9 @@ namespace {
 			entries.push_back({ { a, b, cx, cy }, interaction.get(), pair.crossesCell(), pair.encode() });
 		}
 		// in the order in which a packed sample keeps them
-		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) { return std::tie(l.crosses, l.code) < std::tie(r.crosses, r.code); });
+		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) {
+			return std::tie(l.crosses, l.code) < std::tie(r.crosses, r.code);
+		});
 		auto& k = state.contacts;
 		for (const auto& entry : entries) {
 			const auto& geom = static_cast<const ScGeom&>(*entry.interaction->geom);
@@ -391,9 +400,9 @@ namespace {
 		const auto& k   = s.contacts;
 		scene.interactions->clear();
 		for (std::size_t c = 0; c < k.size(); c++) {
-			const double   r1 = s.grains->radius[k.first[c]], r2 = s.grains->radius[k.second[c]];
-			const Vector3r d      = branch(s, c);
-			const double   length = d.norm();
+			const double       r1 = s.grains->radius[k.first[c]], r2 = s.grains->radius[k.second[c]];
+			const Vector3r     d      = branch(s, c);
+			const double       length = d.norm();
 			shared_ptr<ScGeom> geom(new ScGeom);
 			geom->normal           = d / length;
 			geom->refR1            = r1 * s.radiusFactor;
@@ -443,7 +452,7 @@ namespace {
 		setInPlane(cell.prevVelGrad, s.prevVelGrad);
 		Matrix3r used = Matrix3r::Zero();
 		setInPlane(used, s.prevVelGrad);
-		py::object newton         = engineNamed(scene, "NewtonIntegrator");
+		py::object newton          = engineNamed(scene, "NewtonIntegrator");
 		newton.attr("prevVelGrad") = used;
 	}
 } // namespace
@@ -476,7 +485,8 @@ PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
 {
 	HoldGil           gil;
 	const std::string reason = reasonAgainstPacking(scene);
-	if (!reason.empty()) throw std::invalid_argument("The scene cannot be packed: " + reason + ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines.");
+	if (!reason.empty())
+		throw std::invalid_argument("The scene cannot be packed: " + reason + ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines.");
 	PackedState<2>     state;
 	std::map<int, int> indexOf;
 	packGrains(scene, former, state, indexOf);
@@ -503,13 +513,14 @@ void openInto(Scene& scene, const PackedState<2>& s)
 	HoldGil gil;
 	for (std::size_t i = 0; i < s.size(); i++) {
 		const int id = s.grains->id[i];
-		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id]) throw std::invalid_argument("The sample cannot be opened: its scene lost body " + std::to_string(id) + ".");
-		const auto& body   = (*scene.bodies)[id];
-		State&      motion = *body->state;
-		motion.se3.position.head<2>() = s.position[i];
-		motion.se3.orientation        = orientationOf(s.orientation[i]);
-		motion.vel                    = Vector3r(s.velocity[i][0], s.velocity[i][1], 0);
-		motion.angVel                 = Vector3r(0, 0, s.angularVelocity[i]);
+		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id])
+			throw std::invalid_argument("The sample cannot be opened: its scene lost body " + std::to_string(id) + ".");
+		const auto& body                          = (*scene.bodies)[id];
+		State&      motion                        = *body->state;
+		motion.se3.position.head<2>()             = s.position[i];
+		motion.se3.orientation                    = orientationOf(s.orientation[i]);
+		motion.vel                                = Vector3r(s.velocity[i][0], s.velocity[i][1], 0);
+		motion.angVel                             = Vector3r(0, 0, s.angularVelocity[i]);
 		static_cast<Sphere&>(*body->shape).radius = s.grains->radius[i] * s.radiusFactor;
 	}
 	scene.dt   = s.dt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <Python.h>
 #include <pkg/rve/open/StepGate.hpp>
+#include <Python.h>
 
 #include <condition_variable>
 #include <cstdint>

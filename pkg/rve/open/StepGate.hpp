@@ -10,7 +10,7 @@ class StepGate {
 public:
 	StepGate();
 	~StepGate();
-	StepGate(const StepGate&) = delete;
+	StepGate(const StepGate&)            = delete;
 	StepGate& operator=(const StepGate&) = delete;
 
 	/// A thread that works for the step inside: it goes through.
@@ -18,7 +18,7 @@ public:
 	public:
 		Helper();
 		~Helper();
-		Helper(const Helper&) = delete;
+		Helper(const Helper&)            = delete;
 		Helper& operator=(const Helper&) = delete;
 
 	private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <cmath>
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <cmath>
 
 /// Equivalent cells of one lattice, for the flip of a sheared periodic cell.
 namespace talik {

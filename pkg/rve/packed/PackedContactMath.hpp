@@ -15,7 +15,7 @@ template <int Dim> inline PackedPairRows<Dim> pairRows(const PackedStepView<Dim>
 {
 	const PackedBlock<Dim>& block = pairs.block[lane / 4];
 	return { block.first[lane % 4], block.second[lane % 4],
-		     pairs.shift ? view.shiftMotion + pairs.shift[lane] * (PackedLayout<Dim>::motion / 4) : nullptr };
+		 pairs.shift ? view.shiftMotion + pairs.shift[lane] * (PackedLayout<Dim>::motion / 4) : nullptr };
 }
 
 /// Branch from first to second and its square.

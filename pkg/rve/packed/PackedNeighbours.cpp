@@ -34,7 +34,8 @@ namespace {
 	std::int8_t cellDistance(int c)
 	{
 		if (c < -127 || c > 127)
-			throw std::runtime_error("packed sample: cell distance " + std::to_string(c) + " of a pair is outside -127..127; flip the cell or wrap the grains");
+			throw std::runtime_error(
+			        "packed sample: cell distance " + std::to_string(c) + " of a pair is outside -127..127; flip the cell or wrap the grains");
 		return static_cast<std::int8_t>(c);
 	}
 
@@ -75,8 +76,7 @@ void sortPairKeys(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& 
 	keys.swap(buffer);
 }
 
-template <int Dim>
-void NeighbourSearch<Dim>::wrap(const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize)
+template <int Dim> void NeighbourSearch<Dim>::wrap(const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize)
 {
 	inverse = invert(hSize, std::integral_constant<int, Dim>());
 	wrapped.resize(grains);
@@ -90,7 +90,8 @@ void NeighbourSearch<Dim>::wrap(const double* positions, std::size_t stride, con
 			double xi = 0;
 			for (int e = 0; e < Dim; ++e)
 				xi += inverse[d * Dim + e] * x[e];
-			if (!(std::fabs(xi) < 1e6)) throw std::runtime_error("packed sample: grain " + std::to_string(g) + " has flown out of reach of its cell");
+			if (!(std::fabs(xi) < 1e6))
+				throw std::runtime_error("packed sample: grain " + std::to_string(g) + " has flown out of reach of its cell");
 			const int cell = int(xi) - (xi < 0);
 			w.image[d]     = cell;
 			reduced[g][d]  = xi - cell;

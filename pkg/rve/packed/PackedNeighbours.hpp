@@ -64,8 +64,9 @@ template <int Dim> class NeighbourSearch {
 public:
 	/// positions: `grains` rows of `stride` doubles, unwrapped; hSize row-major with cell vectors in columns.
 	/// Keys of pairs inside the cell (c = 0) and across it, each sorted. Throws std::runtime_error when a cell distance leaves -127..127.
-	void build(const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, double skin,
-	           std::vector<std::uint64_t>& inner, std::vector<std::uint64_t>& periodic);
+	void build(
+	        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, double skin,
+	        std::vector<std::uint64_t>& inner, std::vector<std::uint64_t>& periodic);
 
 private:
 	struct Grid {

@@ -11,12 +11,12 @@ namespace {
 	constexpr std::size_t blockStep = 512;
 
 	struct Measure {
-		std::size_t bytes = 0;
+		std::size_t             bytes = 0;
 		template <class T> void array(const std::vector<T>&, std::size_t to, std::size_t from = 0) { bytes += (to - from) * sizeof(T); }
 	};
 
 	struct Put {
-		unsigned char* at;
+		unsigned char*          at;
 		template <class T> void array(const std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			if (to == from) return;
@@ -27,7 +27,7 @@ namespace {
 
 	/// Entries in front of `from` are zero.
 	struct Take {
-		const unsigned char* at;
+		const unsigned char*    at;
 		template <class T> void array(std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			items.resize(to);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <pkg/rve/SampleUpdate.hpp>
+#include <Eigen/LU>
 #include <pkg/rve/packed/PackedProtocol.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 
@@ -25,10 +25,10 @@ namespace {
 	{
 		M y = a, z = M::Identity();
 		for (int k = 0; k < 60; ++k) {
-			const M nextY = 0.5 * (y + z.inverse()), nextZ = 0.5 * (z + y.inverse());
+			const M      nextY = 0.5 * (y + z.inverse()), nextZ = 0.5 * (z + y.inverse());
 			const double change = (nextY - y).norm();
-			y = nextY;
-			z = nextZ;
+			y                   = nextY;
+			z                   = nextZ;
 			if (!std::isfinite(change)) return false;
 			if (change < 1e-15 * y.norm()) break;
 		}
@@ -47,7 +47,7 @@ bool portablePathForced() { return portableForced; }
 
 template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps)
 {
-	using Matrix = typename PackedTypes<Dim>::Matrix;
+	using Matrix     = typename PackedTypes<Dim>::Matrix;
 	const Matrix one = Matrix::Identity();
 	if (!displacementGradient.allFinite() || !((one + displacementGradient).determinant() > 0))
 		throw std::invalid_argument("packed sample: displacementGradient turns the sample inside out or is not finite; reduce the macroscopic step");
@@ -58,7 +58,8 @@ template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const t
 	while (a.norm() > 0.1) {
 		Matrix root;
 		if (scale > 1024 || !squareRoot<Matrix>(one + a, root))
-			throw std::invalid_argument("packed sample: displacementGradient has no principal root (a turn by 180 degrees); reduce the macroscopic step");
+			throw std::invalid_argument(
+			        "packed sample: displacementGradient has no principal root (a turn by 180 degrees); reduce the macroscopic step");
 		a = root - one;
 		scale *= 2;
 	}
@@ -118,7 +119,8 @@ long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>
 void checkOptions(const PackedUpdateOptions& o)
 {
 	const auto positive = [](const char* name, double value) {
-		if (!(value > 0)) throw std::invalid_argument(std::string("packed sample: option ") + name + " = " + std::to_string(value) + " must be positive");
+		if (!(value > 0))
+			throw std::invalid_argument(std::string("packed sample: option ") + name + " = " + std::to_string(value) + " must be positive");
 	};
 	positive("maxInertialNumber", o.maxInertialNumber);
 	positive("maxStrainPerStep", o.maxStrainPerStep);
@@ -133,7 +135,7 @@ PackedUpdateResult<Dim> updateWorkspace(
         double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	try {
-		using Matrix    = typename PackedTypes<Dim>::Matrix;
+		using Matrix     = typename PackedTypes<Dim>::Matrix;
 		const auto start = workspace.parameters().step;
 		SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
 		workspace.checkHealth();
@@ -161,7 +163,9 @@ namespace {
 		using Matrix = typename PackedTypes<Dim>::Matrix;
 
 	public:
-		Servo(PackedWorkspace<Dim>& sample, const PackedServoOptions<Dim>& chosen) : workspace(sample), options(chosen)
+		Servo(PackedWorkspace<Dim>& sample, const PackedServoOptions<Dim>& chosen)
+		        : workspace(sample)
+		        , options(chosen)
 		{
 			scale = options.principalStress.cwiseAbs().maxCoeff();
 		}
@@ -224,12 +228,14 @@ namespace {
 
 // ---------------------------------------------------------------------------------------------- the sample
 
-template <int Dim> PackedSample<Dim>::PackedSample(const PackedState<Dim>& state) : workspace(std::make_unique<PackedWorkspace<Dim>>(portablePathForced()))
+template <int Dim>
+PackedSample<Dim>::PackedSample(const PackedState<Dim>& state)
+        : workspace(std::make_unique<PackedWorkspace<Dim>>(portablePathForced()))
 {
 	setState(state);
 }
-template <int Dim> PackedSample<Dim>::~PackedSample() = default;
-template <int Dim> PackedSample<Dim>::PackedSample(PackedSample&&) noexcept = default;
+template <int Dim> PackedSample<Dim>::~PackedSample()                                       = default;
+template <int Dim> PackedSample<Dim>::PackedSample(PackedSample&&) noexcept                 = default;
 template <int Dim> PackedSample<Dim>& PackedSample<Dim>::operator=(PackedSample&&) noexcept = default;
 
 template <int Dim> PackedState<Dim> PackedSample<Dim>::state() const
@@ -292,7 +298,8 @@ template <int Dim> void PackedSample<Dim>::setFriction(double tangent)
 template <int Dim> bool PackedSample<Dim>::servo(const PackedServoOptions<Dim>& options)
 {
 	if (!options.principalStress.allFinite() || !(options.principalStress.maxCoeff() < 0))
-		throw std::invalid_argument("packed sample: principalStress = " + std::to_string(options.principalStress.maxCoeff()) + " Pa must be compressive (negative)");
+		throw std::invalid_argument(
+		        "packed sample: principalStress = " + std::to_string(options.principalStress.maxCoeff()) + " Pa must be compressive (negative)");
 	const PackedState<Dim> before = state();
 	try {
 		return Servo<Dim>(*workspace, options).perform();
@@ -312,16 +319,16 @@ template <int Dim> void                              PackedSample<Dim>::forcePor
 
 template PackedTypes<2>::Matrix matrixRootIncrement<2>(const PackedTypes<2>::Matrix&, long);
 template PackedTypes<3>::Matrix matrixRootIncrement<3>(const PackedTypes<3>::Matrix&, long);
-template long PackedWorkspace<2>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
-template long PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
-template long movingSteps<2>(const PackedParameters<2>&, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
-template long movingSteps<3>(const PackedParameters<3>&, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
-template long substepCount<2>(const PackedState<2>&, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
-template long substepCount<3>(const PackedState<3>&, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
-template PackedUpdateResult<2>
-updateWorkspace<2>(PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
-template PackedUpdateResult<3>
-updateWorkspace<3>(PackedWorkspace<3>&, const PackedState<3>&, const PackedTypes<3>::Matrix&, double, const PackedUpdateOptions&);
+template long                   PackedWorkspace<2>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
+template long                   PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
+template long                   movingSteps<2>(const PackedParameters<2>&, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
+template long                   movingSteps<3>(const PackedParameters<3>&, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
+template long                   substepCount<2>(const PackedState<2>&, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
+template long                   substepCount<3>(const PackedState<3>&, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
+template PackedUpdateResult<2>  updateWorkspace<2>(
+        PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
+template PackedUpdateResult<3> updateWorkspace<3>(
+        PackedWorkspace<3>&, const PackedState<3>&, const PackedTypes<3>::Matrix&, double, const PackedUpdateOptions&);
 template class PackedSample<2>;
 template class PackedSample<3>;
 

@@ -10,40 +10,41 @@ template <int Dim> class PackedWorkspace;
 
 /// How a macroscopic increment is applied to a sample.
 struct PackedUpdateOptions {
-	double maxInertialNumber   = 5e-3; ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
-	double maxStrainPerStep    = 1e-5; ///< largest strain of one DEM step [-]
-	long   minSteps            = 10;   ///< N_min
-	long   steps               = 0;    ///< > 0: exactly this many moving steps, the two limits above are not asked
-	double pressureFloor       = 1e3;  ///< P in eq. (13.1) is never taken smaller [Pa]
-	double saturationIncrement = 0.02; ///< largest change of ice saturation at once [-]
-	long   stepsPerSaturation  = 2;    ///< steps at zero velocity gradient after each of them
-	long   relaxSteps          = 0;    ///< steps at zero velocity gradient after the motion
-	long   maxRelaxSteps       = 0;    ///< more of them, in tens, while the unbalanced force exceeds `unbalancedLimit`
-	double unbalancedLimit     = 0.01; ///< [-]
-	double flipSkew            = 0.5;  ///< the cell is flipped when a skew passes this; <= 0: never
-	double averageOver         = 0;    ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
+	double maxInertialNumber   = 5e-3;  ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
+	double maxStrainPerStep    = 1e-5;  ///< largest strain of one DEM step [-]
+	long   minSteps            = 10;    ///< N_min
+	long   steps               = 0;     ///< > 0: exactly this many moving steps, the two limits above are not asked
+	double pressureFloor       = 1e3;   ///< P in eq. (13.1) is never taken smaller [Pa]
+	double saturationIncrement = 0.02;  ///< largest change of ice saturation at once [-]
+	long   stepsPerSaturation  = 2;     ///< steps at zero velocity gradient after each of them
+	long   relaxSteps          = 0;     ///< steps at zero velocity gradient after the motion
+	long   maxRelaxSteps       = 0;     ///< more of them, in tens, while the unbalanced force exceeds `unbalancedLimit`
+	double unbalancedLimit     = 0.01;  ///< [-]
+	double flipSkew            = 0.5;   ///< the cell is flipped when a skew passes this; <= 0: never
+	double averageOver         = 0;     ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
 	bool   tangent             = false; ///< also return the elastic tangent of the contact network
 };
 
 /// What an update did.
 template <int Dim> struct PackedUpdateResult {
-	typename PackedTypes<Dim>::Matrix stress = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	typename PackedTypes<Dim>::Matrix stress  = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
 	long                              steps   = 0;
 	bool                              flipped = false;
 	bool                              blewUp  = false; ///< the state is the last good one, the stress is that state's
 	std::string                       reason;          ///< why it blew up, empty otherwise
 	PackedTangent<Dim>                tangent {};      ///< if asked for, see PackedSample::tangent
-	double                            rateError = 0;   ///< of the steps asked for, if rates were compared: norm of the stress less that of infinitely slow motion [Pa]
+	double rateError = 0; ///< of the steps asked for, if rates were compared: norm of the stress less that of infinitely slow motion [Pa]
 };
 
 /// Drives the cell until the sample carries given stresses.
 template <int Dim> struct PackedServoOptions {
-	typename PackedTypes<Dim>::Vector principalStress = PackedTypes<Dim>::Vector::Constant(-1e5); ///< sigma_xx, sigma_yy(, sigma_zz), tension positive [Pa], < 0
+	typename PackedTypes<Dim>::Vector principalStress = PackedTypes<Dim>::Vector::Constant(
+	        -1e5);                   ///< sigma_xx, sigma_yy(, sigma_zz), tension positive [Pa], < 0
 	double stressTolerance   = 1e-3; ///< of the largest target [-]
 	double unbalancedLimit   = 1e-3; ///< [-]
 	double maxInertialNumber = 2e-3; ///< bounds the strain rate, eq. (13.1) [-]
 	long   maxSteps          = 400000;
-	long   interval          = 10;   ///< steps between two corrections of the strain rate
+	long   interval          = 10; ///< steps between two corrections of the strain rate
 };
 
 /// One periodic sample of discs (Dim 2) or spheres (Dim 3), advanced by the fused step. Follows stock YADE 2023.02a
@@ -101,8 +102,7 @@ private:
 
 /// Cell motion per step: X with (1 + X)^steps = 1 + displacementGradient. Throws std::invalid_argument unless det(1 + dH) > 0 and the
 /// principal root exists.
-template <int Dim>
-typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps);
+template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps);
 
 /// Number of moving steps for a displacement gradient, eq. (13.1), for the state's stress, size and time step.
 template <int Dim>

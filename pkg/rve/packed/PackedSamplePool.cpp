@@ -92,7 +92,7 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	}
 };
 
-template <int Dim> SamplePool<Dim>::SamplePool() = default;
+template <int Dim> SamplePool<Dim>::SamplePool()  = default;
 template <int Dim> SamplePool<Dim>::~SamplePool() = default;
 
 template <int Dim> SamplePool<Dim>& SamplePool<Dim>::operator=(const SamplePool& other)
@@ -137,15 +137,15 @@ template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, const Pack
 template <int Dim> void SamplePool<Dim>::clear() { samples.clear(); }
 
 template <int Dim>
-std::vector<PackedUpdateResult<Dim>>
-SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
+std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
 {
 	checkOptions(options);
 	std::vector<char> asked(samples.size(), 0);
 	for (const PackedRequest<Dim>& request : requests) {
 		if (request.sample >= samples.size())
 			throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " of " + std::to_string(samples.size()));
-		if (asked[request.sample]++) throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " is asked twice in one update");
+		if (asked[request.sample]++)
+			throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " is asked twice in one update");
 		checkRequest(request);
 	}
 	std::vector<std::size_t> order(requests.size());
@@ -178,7 +178,7 @@ SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const P
 			Parked&           sample = samples[requests[first].sample];
 			results[first]           = worker.update(sample, requests[first], options);
 			for (std::size_t k = task.begin + 1; k < task.end; ++k) {
-				results[order[k]]                = results[first];
+				results[order[k]]                  = results[first];
 				samples[requests[order[k]].sample] = sample;
 			}
 		} catch (...) {

@@ -25,7 +25,11 @@ public:
 
 	SamplePool();
 	~SamplePool();
-	SamplePool(const SamplePool& other) : SamplePool() { samples = other.samples; }
+	SamplePool(const SamplePool& other)
+	        : SamplePool()
+	{
+		samples = other.samples;
+	}
 	SamplePool& operator=(const SamplePool& other);
 
 	/// Adds a sample of this state, which it shares with every other sample it is given to; returns its index.
@@ -38,8 +42,8 @@ public:
 	Parked parked(std::size_t sample) const;
 	void   setState(std::size_t sample, const PackedState<Dim>& state);
 	/// Lets a sample share another's parked state; its own is given up.
-	void   share(std::size_t sample, Parked parked) { samples.at(sample) = std::move(parked); }
-	void   clear();
+	void share(std::size_t sample, Parked parked) { samples.at(sample) = std::move(parked); }
+	void clear();
 
 	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on
 	/// one thread: the results do not depend on their number. Requests that agree bit for bit on the same shared state are computed once

@@ -23,12 +23,14 @@ namespace {
 			bytes.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
 		}
 		template <class M> void matrix(const M& m) { bytes.append(reinterpret_cast<const char*>(m.data()), sizeof(double) * std::size_t(m.size())); }
-		std::string bytes;
+		std::string             bytes;
 	};
 
 	class Reader {
 	public:
-		explicit Reader(const std::string& from) : bytes(from) {}
+		explicit Reader(const std::string& from)
+		        : bytes(from)
+		{}
 		template <class T> void value(T& item) { take(&item, sizeof(T)); }
 		template <class T> void array(std::vector<T>& items)
 		{
@@ -57,14 +59,33 @@ namespace {
 	{
 		for (auto* m : { &p.hSize, &p.prevHSize, &p.velGrad, &p.prevVelGrad, &p.nextVelGrad, &p.trsf, &p.stress })
 			stream.matrix(*m);
-		for (auto* v : { &p.dt, &p.damping, &p.thickness, &p.friction, &p.stiffnessRatio, &p.density, &p.iceSaturation, &p.radiusFactor,
-		                 &p.thawStrain.thawStrain, &p.thawStrain.frozenSaturation, &p.ice.grainYoung, &p.ice.iceYoung, &p.ice.tensileStrength0,
-		                 &p.ice.tensileStrengthI, &p.ice.shearStrength0, &p.ice.shearStrengthI, &p.ice.exponent, &p.ice.bondAreaFactor,
-		                 &p.ice.meltSaturation, &p.ice.bondSaturation, &p.ice.bondRange, &p.ice.thawedStrength })
+		for (auto* v : { &p.dt,
+		                 &p.damping,
+		                 &p.thickness,
+		                 &p.friction,
+		                 &p.stiffnessRatio,
+		                 &p.density,
+		                 &p.iceSaturation,
+		                 &p.radiusFactor,
+		                 &p.thawStrain.thawStrain,
+		                 &p.thawStrain.frozenSaturation,
+		                 &p.ice.grainYoung,
+		                 &p.ice.iceYoung,
+		                 &p.ice.tensileStrength0,
+		                 &p.ice.tensileStrengthI,
+		                 &p.ice.shearStrength0,
+		                 &p.ice.shearStrengthI,
+		                 &p.ice.exponent,
+		                 &p.ice.bondAreaFactor,
+		                 &p.ice.meltSaturation,
+		                 &p.ice.bondSaturation,
+		                 &p.ice.bondRange,
+		                 &p.ice.thawedStrength })
 			stream.value(*v);
 		StiffnessRule rule = StiffnessRule::parallel; // the only one of packed samples; a former version knew others
 		stream.value(rule);
-		if (rule != StiffnessRule::parallel) throw std::runtime_error("packed sample: saved with a stiffness rule other than parallel; prepare the sample again");
+		if (rule != StiffnessRule::parallel)
+			throw std::runtime_error("packed sample: saved with a stiffness rule other than parallel; prepare the sample again");
 		stream.value(p.ice.cohesionDisablesFriction);
 		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
 			stream.value(*v);
@@ -133,7 +154,8 @@ template <int Dim> void PackedParameters<Dim>::checkParameters() const
 	if (!(density > 0)) refuse("density", density, "kg/m^3 must be positive");
 	if (!(ice.grainYoung > 0)) refuse("ice.grainYoung", ice.grainYoung, "Pa must be positive");
 	if (!(ice.iceYoung >= 0) || !std::isfinite(ice.iceYoung)) refuse("ice.iceYoung", ice.iceYoung, "Pa must be finite and not negative");
-	if (!(ice.thawedStrength >= 0) || !std::isfinite(ice.thawedStrength)) refuse("ice.thawedStrength", ice.thawedStrength, "Pa must be finite and not negative");
+	if (!(ice.thawedStrength >= 0) || !std::isfinite(ice.thawedStrength))
+		refuse("ice.thawedStrength", ice.thawedStrength, "Pa must be finite and not negative");
 	if (!(ice.bondSaturation >= ice.meltSaturation)) refuse("ice.bondSaturation", ice.bondSaturation, "must not be smaller than ice.meltSaturation");
 	if (!(ice.meltSaturation >= 0)) refuse("ice.meltSaturation", ice.meltSaturation, "must not be negative");
 	if (!(iceSaturation >= 0 && iceSaturation <= 1)) refuse("iceSaturation", iceSaturation, "must lie in 0..1");

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <Eigen/Core>
 #include <memory>
 #include <pkg/icebond/IceBond.hpp>
 #include <string>
@@ -57,7 +57,7 @@ template <int Dim> struct PackedContacts {
 		const BondState state = BondState(bond[k] & 3);
 		return { state, state == BondState::BROKEN && !(bond[k] & iceSpringUncut), grainReference[k], iceReference[k] };
 	}
-	std::size_t                   size() const { return first.size(); }
+	std::size_t size() const { return first.size(); }
 };
 
 /// Shrinkage of ice-rich grains on thawing (eq. (8), "mechanical" radius), for grains prepared frozen with the radii r_0:
@@ -90,7 +90,7 @@ template <int Dim> struct PackedParameters {
 	IceBondModel     ice;               ///< ice.grainYoung is the contact modulus of the grains, with or without bonds
 	double           iceSaturation = 0; ///< S_i [-]
 	PackedThawStrain thawStrain;
-	double           radiusFactor = 1;  ///< r/r_0 of every grain at present [-]
+	double           radiusFactor = 1; ///< r/r_0 of every grain at present [-]
 	std::uint64_t    step         = 0;
 
 	std::uint64_t bondsFormed = 0, bondsBrokenInTension = 0, bondsBrokenInShear = 0, bondsMelted = 0; ///< since preparation
@@ -126,13 +126,13 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 
 /// Measures of a sample, all computed from its state.
 template <int Dim> struct PackedStatistics {
-	std::size_t                       contacts = 0, bondsIntact = 0, bondsBroken = 0; ///< broken: contacts in state BROKEN at present
-	double                            coordinationNumber = 0;                         ///< 2 contacts/grains [-]
-	double                            porosity           = 0;                         ///< 1 - grain area/cell area [-]
-	double                            kineticEnergy      = 0;                         ///< of velocity fluctuations and rotation [J]
-	double                            unbalancedForce    = 0;                         ///< mean |net force on a grain|/mean |contact force| [-]
-	double                            meanOverlapRatio   = 0;                         ///< mean overlap/(r_1 + r_2) of touching pairs [-]
-	double                            maxOverlapRatio    = 0;                         ///< largest overlap/min radius [-]
+	std::size_t                       contacts = 0, bondsIntact = 0, bondsBroken = 0;        ///< broken: contacts in state BROKEN at present
+	double                            coordinationNumber = 0;                                ///< 2 contacts/grains [-]
+	double                            porosity           = 0;                                ///< 1 - grain area/cell area [-]
+	double                            kineticEnergy      = 0;                                ///< of velocity fluctuations and rotation [J]
+	double                            unbalancedForce    = 0;                                ///< mean |net force on a grain|/mean |contact force| [-]
+	double                            meanOverlapRatio   = 0;                                ///< mean overlap/(r_1 + r_2) of touching pairs [-]
+	double                            maxOverlapRatio    = 0;                                ///< largest overlap/min radius [-]
 	typename PackedTypes<Dim>::Matrix fabric             = PackedTypes<Dim>::Matrix::Zero(); ///< mean n (x) n [-]
 };
 

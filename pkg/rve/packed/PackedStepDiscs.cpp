@@ -15,362 +15,374 @@
 HWY_BEFORE_NAMESPACE();
 namespace talik {
 namespace HWY_NAMESPACE {
-namespace {
+	namespace {
 
-	namespace hn = hwy::HWY_NAMESPACE;
+		namespace hn = hwy::HWY_NAMESPACE;
 
-	constexpr std::size_t laneCount = HWY_MIN(HWY_LANES(double), 4); ///< pairs or grains that are dealt with at once
+		constexpr std::size_t laneCount = HWY_MIN(HWY_LANES(double), 4); ///< pairs or grains that are dealt with at once
 
 #if HWY_TARGET == HWY_SCALAR
-	using Many = double;
-	HWY_INLINE Many splat(double value) { return value; }
-	HWY_INLINE Many load(const double* from) { return *from; }
-	HWY_INLINE void store(Many value, double* to) { *to = value; }
+		using Many = double;
+		HWY_INLINE Many splat(double value) { return value; }
+		HWY_INLINE Many load(const double* from) { return *from; }
+		HWY_INLINE void store(Many value, double* to) { *to = value; }
 #else
-	using Lanes = hn::CappedTag<double, laneCount>;
-	using Many  = hn::Vec<Lanes>;
-	constexpr Lanes lanes;
-	HWY_INLINE Many splat(double value) { return hn::Set(lanes, value); }
-	HWY_INLINE Many load(const double* from) { return hn::Load(lanes, from); }
-	HWY_INLINE void store(Many value, double* to) { hn::Store(value, lanes, to); }
+		using Lanes = hn::CappedTag<double, laneCount>;
+		using Many  = hn::Vec<Lanes>;
+		constexpr Lanes lanes;
+		HWY_INLINE Many splat(double value) { return hn::Set(lanes, value); }
+		HWY_INLINE Many load(const double* from) { return hn::Load(lanes, from); }
+		HWY_INLINE void store(Many value, double* to) { hn::Store(value, lanes, to); }
 #endif
 
-	/// Four numbers of laneCount grains, each in a vector of its own.
-	struct Columns {
-		Many a, b, c, d;
-	};
+		/// Four numbers of laneCount grains, each in a vector of its own.
+		struct Columns {
+			Many a, b, c, d;
+		};
 
-	/// Rows (a b c d) of laneCount grains in four vectors: part k holds numbers from (k laneCount) % 4 of row k laneCount/4.
-	struct Rows {
-		Many part[4];
-		static constexpr std::size_t row(std::size_t k) { return k * laneCount / 4; }
-		static constexpr std::size_t at(std::size_t k) { return k * laneCount % 4; }
-	};
+		/// Rows (a b c d) of laneCount grains in four vectors: part k holds numbers from (k laneCount) % 4 of row k laneCount/4.
+		struct Rows {
+			Many                         part[4];
+			static constexpr std::size_t row(std::size_t k) { return k * laneCount / 4; }
+			static constexpr std::size_t at(std::size_t k) { return k * laneCount % 4; }
+		};
 
-	// Row numbers times four serve as offsets: a row of four numbers is at base + offset, a single number at base + offset / 4.
-	HWY_INLINE const double* singleAt(const double* base, std::uint32_t offset)
-	{
-		return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) + 2 * std::size_t(offset));
-	}
+		// Row numbers times four serve as offsets: a row of four numbers is at base + offset, a single number at base + offset / 4.
+		HWY_INLINE const double* singleAt(const double* base, std::uint32_t offset)
+		{
+			return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) + 2 * std::size_t(offset));
+		}
 #if HWY_TARGET == HWY_SCALAR
-	HWY_INLINE Columns columnsOf(const Rows& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
-	HWY_INLINE Rows    rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
-	HWY_INLINE Many    sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b) { return *singleAt(base, *a) + *singleAt(base, *b); }
+		HWY_INLINE Columns columnsOf(const Rows& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
+		HWY_INLINE Rows    rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
+		HWY_INLINE Many    sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
+		{
+			return *singleAt(base, *a) + *singleAt(base, *b);
+		}
 #else
-	using Pair = hn::CappedTag<double, 2>;
-	using Two  = hn::Vec<Pair>;
-	HWY_INLINE Two singlePair(const double* base, const std::uint32_t* offset)
-	{
-		return hn::InterleaveLower(Pair(), hn::Set(Pair(), *singleAt(base, offset[0])), hn::Set(Pair(), *singleAt(base, offset[1])));
-	}
+		using Pair = hn::CappedTag<double, 2>;
+		using Two  = hn::Vec<Pair>;
+		HWY_INLINE Two singlePair(const double* base, const std::uint32_t* offset)
+		{
+			return hn::InterleaveLower(Pair(), hn::Set(Pair(), *singleAt(base, offset[0])), hn::Set(Pair(), *singleAt(base, offset[1])));
+		}
 #endif
 
 #if HWY_MAX_BYTES == 16 && HWY_TARGET != HWY_SCALAR
-	HWY_INLINE Columns columnsOf(const Rows& r)
-	{
-		return { hn::InterleaveLower(lanes, r.part[0], r.part[2]), hn::InterleaveUpper(lanes, r.part[0], r.part[2]),
-			     hn::InterleaveLower(lanes, r.part[1], r.part[3]), hn::InterleaveUpper(lanes, r.part[1], r.part[3]) };
-	}
-	HWY_INLINE Rows rowsOf(const Columns& c)
-	{
-		return { { hn::InterleaveLower(lanes, c.a, c.b), hn::InterleaveLower(lanes, c.c, c.d), hn::InterleaveUpper(lanes, c.a, c.b),
-			       hn::InterleaveUpper(lanes, c.c, c.d) } };
-	}
-	HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b) { return Add(singlePair(base, a), singlePair(base, b)); }
+		HWY_INLINE Columns columnsOf(const Rows& r)
+		{
+			return { hn::InterleaveLower(lanes, r.part[0], r.part[2]), hn::InterleaveUpper(lanes, r.part[0], r.part[2]),
+				 hn::InterleaveLower(lanes, r.part[1], r.part[3]), hn::InterleaveUpper(lanes, r.part[1], r.part[3]) };
+		}
+		HWY_INLINE Rows rowsOf(const Columns& c)
+		{
+			return { { hn::InterleaveLower(lanes, c.a, c.b), hn::InterleaveLower(lanes, c.c, c.d), hn::InterleaveUpper(lanes, c.a, c.b),
+				   hn::InterleaveUpper(lanes, c.c, c.d) } };
+		}
+		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
+		{
+			return Add(singlePair(base, a), singlePair(base, b));
+		}
 #elif HWY_MAX_BYTES >= 32
-	HWY_INLINE Rows transposed(const Many (&r)[4])
-	{
-		const Many low01 = hn::InterleaveLower(lanes, r[0], r[1]), high01 = hn::InterleaveUpper(lanes, r[0], r[1]);
-		const Many low23 = hn::InterleaveLower(lanes, r[2], r[3]), high23 = hn::InterleaveUpper(lanes, r[2], r[3]);
-		return { { hn::ConcatLowerLower(lanes, low23, low01), hn::ConcatLowerLower(lanes, high23, high01), hn::ConcatUpperUpper(lanes, low23, low01),
-			       hn::ConcatUpperUpper(lanes, high23, high01) } };
-	}
-	HWY_INLINE Columns columnsOf(const Rows& r)
-	{
-		const Rows c = transposed(r.part);
-		return { c.part[0], c.part[1], c.part[2], c.part[3] };
-	}
-	HWY_INLINE Rows rowsOf(const Columns& c) { return transposed({ c.a, c.b, c.c, c.d }); }
-	HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
-	{
-		const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
-		return hn::Combine(lanes, high, low);
-	}
+		HWY_INLINE Rows transposed(const Many (&r)[4])
+		{
+			const Many low01 = hn::InterleaveLower(lanes, r[0], r[1]), high01 = hn::InterleaveUpper(lanes, r[0], r[1]);
+			const Many low23 = hn::InterleaveLower(lanes, r[2], r[3]), high23 = hn::InterleaveUpper(lanes, r[2], r[3]);
+			return { { hn::ConcatLowerLower(lanes, low23, low01), hn::ConcatLowerLower(lanes, high23, high01),
+				   hn::ConcatUpperUpper(lanes, low23, low01), hn::ConcatUpperUpper(lanes, high23, high01) } };
+		}
+		HWY_INLINE Columns columnsOf(const Rows& r)
+		{
+			const Rows c = transposed(r.part);
+			return { c.part[0], c.part[1], c.part[2], c.part[3] };
+		}
+		HWY_INLINE Rows rowsOf(const Columns& c) { return transposed({ c.a, c.b, c.c, c.d }); }
+		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
+		{
+			const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
+			return hn::Combine(lanes, high, low);
+		}
 #endif
 
-	/// Branch, relative velocity, w_1 r_1 + w_2 r_2 and distance of some pairs.
-	struct Gathered {
-		Many dx, dy, dvx, dvy, wr, distance, inverse;
-	};
-
-	/// Some pairs of a block.
-	struct Place {
-		const PackedPairs<2>& pairs;
-		std::size_t           block, lane;
-		HWY_INLINE PackedBlock<2>& pair() const { return pairs.block[block]; }
-		HWY_INLINE PackedIceBlock<2>& ice() const { return pairs.ice[block]; }
-		HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
-		HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
-		HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
-	};
-
-	template <bool Periodic> HWY_INLINE Gathered gather(const PackedStepView<2>& view, const Place& p)
-	{
-		Rows rows;
-		for (std::size_t k = 0; k < 4; ++k) {
-			const std::size_t l = Rows::row(k), at = Rows::at(k);
-			rows.part[k] = Sub(load(view.motion + p.second()[l] + at), load(view.motion + p.first()[l] + at));
-			if (Periodic) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
-		}
-		const Columns c        = columnsOf(rows);
-		const Many    wr       = sumOfSingles(view.spin, p.first(), p.second());
-		const Many    distance = Sqrt(MulAdd(c.a, c.a, Mul(c.b, c.b)));
-		return { c.a, c.b, c.c, c.d, wr, distance, Div(splat(1.), distance) };
-	}
-
-	/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; G changes sign for the second.
-	template <bool Periodic> HWY_INLINE void scatter(const PackedStepView<2>& view, const Place& p, const Gathered& g, const ContactForces<Many, Many>& f)
-	{
-		const Many nx   = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
-		const Many gx   = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
-		const Rows rows = rowsOf({ gx, gy, f.shear, Mul(Mul(splat(0.5), f.overlap), f.shear) });
-		alignas(32) static constexpr double ofSecond[4] = { -1, -1, 1, 1 };
-		for (std::size_t k = 0; k < 4; ++k) {
-			const std::size_t l = Rows::row(k), at = Rows::at(k);
-			double*           first  = view.force + p.first()[l] + at;
-			double*           second = view.force + p.second()[l] + at;
-			store(Add(load(first), rows.part[k]), first);
-			store(Add(load(second), Mul(rows.part[k], load(ofSecond + at))), second);
-			if (Periodic) {
-				double* sum = view.shiftForce + p.shift()[l] + at;
-				store(Add(load(sum), rows.part[k]), sum);
-			}
-		}
-	}
-
-	/// Hands the contacts that `failed` over to the sample, which settles them.
-	template <class Condition> HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, Condition failed, ContactForces<Many, Many>& f)
-	{
-		alignas(32) double reported[4], overlap[4], trialNormal[4], trialShear[4], increment[4], normal[4], shear[4], iceShear[4];
-		store(IfThenElse(failed, splat(1.), splat(0.)), reported);
-		store(f.overlap, overlap);
-		store(f.trialNormal, trialNormal);
-		store(f.trialShear, trialShear);
-		store(f.increment, increment);
-		store(f.normal, normal);
-		store(f.shear, shear);
-		store(f.iceShear, iceShear);
-		for (std::size_t l = 0; l < laneCount; ++l) {
-			if (reported[l] == 0) continue;
-			PackedBondEvent<2> event { periodic, lane + l, { overlap[l], trialNormal[l], trialShear[l], increment[l], normal[l], shear[l], iceShear[l] } };
-			view.bondEvent(view.owner, &event);
-			normal[l]   = event.forces.normal;
-			shear[l]    = event.forces.shear;
-			iceShear[l] = event.forces.iceShear;
-		}
-		f.normal   = load(normal);
-		f.shear    = load(shear);
-		f.iceShear = load(iceShear);
-	}
-
-	/// Parameters of the contact law, in every lane.
-	struct Constants {
-		ContactFriction<Many> friction;
-		Many                  shearStep; ///< k_s/k_n dt [s]
-	};
-
-	template <bool Bonded, bool Periodic>
-	HWY_INLINE ContactForces<Many, Many> respond(PackedStepView<2>& view, const Place& p, const Constants& c, const Gathered& g)
-	{
-		PackedBlock<2>& block      = p.pair();
-		const Many      sum        = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
-		const Many      overlap    = Sub(sum, g.distance);
-		const Many      nx         = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
-		const Many      tangential = MulSub(g.dvy, nx, Mul(g.dvx, ny));
-		const Many      slip       = MulSub(Mul(sum, g.inverse), tangential, g.wr);
-		const Many      increment  = Mul(Mul(c.shearStep, stiffness), slip);
-		const Many      shear      = load(block.shear[0] + p.lane);
-		ContactForces<Many, Many> f;
-		if constexpr (Bonded) {
-			PackedIceBlock<2>&          ice = p.ice();
-			const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane), load(ice.cohesion + p.lane),
-				                                  load(ice.iceShare + p.lane) };
-			f = bondedForces(contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment, [&](auto failed, auto& forces) HWY_ATTR {
-				reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces);
-			});
-			store(f.iceShear, ice.iceShear[0] + p.lane);
-		} else {
-			f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
-		}
-		store(f.shear, block.shear[0] + p.lane);
-		return f;
-	}
-
-	/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
-	template <bool Bonded> HWY_INLINE bool passedOver(const Place& p, const Gathered& g)
-	{
-#if HWY_TARGET == HWY_SCALAR
-		if (!(g.distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
-		p.pair().shear[0][p.lane] = 0;
-		return true;
-#else
-		(void)p, (void)g;
-		return false;
-#endif
-	}
-
-	// The next pairs are gathered, and their square roots and quotients started, before the law and the sums of the present ones: the
-	// long latencies then run under work that does not need them.
-	template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
-	{
-		const Constants   c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
-		const std::size_t end = 4 / laneCount * pairs.blocks;
-		if (end == 0) return;
-		const auto place  = [&](std::size_t k) HWY_ATTR { return Place { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
-		const auto finish = [&](std::size_t k, const Gathered& gathered) HWY_ATTR __attribute__((always_inline)) {
-			if (passedOver<Bonded>(place(k), gathered)) return;
-			scatter<Periodic>(view, place(k), gathered, respond<Bonded, Periodic>(view, place(k), c, gathered));
+		/// Branch, relative velocity, w_1 r_1 + w_2 r_2 and distance of some pairs.
+		struct Gathered {
+			Many dx, dy, dvx, dvy, wr, distance, inverse;
 		};
-		Gathered    present = gather<Periodic>(view, place(0));
-		std::size_t k       = 0;
-		for (; k + 2 < end; k += 2) {
-			const Gathered next = gather<Periodic>(view, place(k + 1));
-			finish(k, present);
-			present = gather<Periodic>(view, place(k + 2));
-			finish(k + 1, next);
-		}
-		if (k + 1 < end) {
-			const Gathered last = gather<Periodic>(view, place(k + 1));
-			finish(k, present);
-			finish(k + 1, last);
-		} else {
-			finish(k, present);
-		}
-	}
 
-	template <bool Bonded> void contacts(PackedStepView<2>* view)
-	{
-		contactLoop<Bonded, false>(*view, view->inner);
-		contactLoop<Bonded, true>(*view, view->periodic);
-	}
+		/// Some pairs of a block.
+		struct Place {
+			const PackedPairs<2>& pairs;
+			std::size_t           block, lane;
+			HWY_INLINE PackedBlock<2>& pair() const { return pairs.block[block]; }
+			HWY_INLINE PackedIceBlock<2>& ice() const { return pairs.ice[block]; }
+			HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
+			HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
+			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
+		};
 
-	/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
-	HWY_INLINE Many damped(Many acceleration, Many velocity, Many damping, Many halfStep)
-	{
-		const Many power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
-		return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
-	}
-
-	/// Columns of neighbouring rows; Clear: zero is left where they were.
-	template <bool Clear> HWY_INLINE Columns takeColumns(double* from)
-	{
-		Rows rows;
-		for (std::size_t k = 0; k < 4; ++k) {
-			rows.part[k] = load(from + k * laneCount);
-			if (Clear) store(splat(0.), from + k * laneCount);
-		}
-		return columnsOf(rows);
-	}
-
-	/// Numbers of four neighbouring grains; sums over grains are kept by place in the four, so that all vectors give the same sums.
-	struct Quad {
-		static constexpr std::size_t parts = 4 / laneCount;
-		Many                         part[parts];
-		HWY_INLINE Quad()
+		template <bool Periodic> HWY_INLINE Gathered gather(const PackedStepView<2>& view, const Place& p)
 		{
-			for (Many& p : part)
-				p = splat(0.);
-		}
-		HWY_INLINE void numbers(double* four) const
-		{
-			for (std::size_t k = 0; k < parts; ++k)
-				store(part[k], four + k * laneCount);
-		}
-		HWY_INLINE double sum() const
-		{
-			alignas(32) double n[4];
-			numbers(n);
-			return (n[0] + n[1]) + (n[2] + n[3]);
-		}
-		HWY_INLINE double largest() const
-		{
-			alignas(32) double n[4];
-			numbers(n);
-			double most = 0;
-			for (const double number : n)
-				most = number > most ? number : most;
-			return most;
-		}
-	};
-
-	template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
-	{
-		const double* l = view.prevVelGrad;
-		const double  jump[4] = { view.nextVelGrad[0] - l[0], view.nextVelGrad[1] - l[1], view.nextVelGrad[2] - l[2], view.nextVelGrad[3] - l[3] };
-		const Many    lxx = splat(l[0]), lxy = splat(l[1]), lyx = splat(l[2]), lyy = splat(l[3]);
-		const Many    jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
-		const Many    spinJump = splat(-0.5 * (jump[1] - jump[2]));
-		const Many    dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
-		Quad          sxx, sxy, syx, syy, fluctuation;
-		for (std::size_t i = 0; i < view.grains; i += 4)
-			for (std::size_t part = 0; part < Quad::parts; ++part) {
-				const std::size_t g      = i + part * laneCount;
-				const Columns     motion = takeColumns<false>(view.motion + 4 * g), force = takeColumns<true>(view.force + 4 * g);
-				const Many        minusInverseMass = load(view.minusInverseMass + g);
-				const Many        meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
-				Many              ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
-				Many              ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
-				ax = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
-				ay = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
-				Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
-				const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
-				fluctuation.part[part] = Max(fluctuation.part[part], MulAdd(fx, fx, Mul(fy, fy)));
-				if (Jumps) {
-					vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
-					vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
-				}
-				const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
-				const Rows rows = rowsOf({ x, y, vx, vy });
-				for (std::size_t k = 0; k < 4; ++k)
-					store(rows.part[k], view.motion + 4 * g + k * laneCount);
-				if (Stress) {
-					sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
-					sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
-					syx.part[part] = MulAdd(force.b, x, syx.part[part]);
-					syy.part[part] = MulAdd(force.b, y, syy.part[part]);
-				}
-				const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
-				Many       w = load(view.angular + g);
-				w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
-				if (Jumps) w = Add(w, spinJump);
-				store(w, view.angular + g);
-				store(MulAdd(dt, w, load(view.orientation + g)), view.orientation + g);
-				store(Mul(w, radius), view.spin + g);
+			Rows rows;
+			for (std::size_t k = 0; k < 4; ++k) {
+				const std::size_t l = Rows::row(k), at = Rows::at(k);
+				rows.part[k] = Sub(load(view.motion + p.second()[l] + at), load(view.motion + p.first()[l] + at));
+				if (Periodic) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
 			}
-		view.maxFluctuationSquare = fluctuation.largest();
-		if (!Stress) return;
-		view.virial[0] = sxx.sum();
-		view.virial[1] = sxy.sum();
-		view.virial[2] = syx.sum();
-		view.virial[3] = syy.sum();
-	}
+			const Columns c        = columnsOf(rows);
+			const Many    wr       = sumOfSingles(view.spin, p.first(), p.second());
+			const Many    distance = Sqrt(MulAdd(c.a, c.a, Mul(c.b, c.b)));
+			return { c.a, c.b, c.c, c.d, wr, distance, Div(splat(1.), distance) };
+		}
 
-	void integrate(PackedStepView<2>* view)
+		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; G changes sign for the second.
+		template <bool Periodic>
+		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place& p, const Gathered& g, const ContactForces<Many, Many>& f)
+		{
+			const Many                          nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
+			const Many                          gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
+			const Rows                          rows        = rowsOf({ gx, gy, f.shear, Mul(Mul(splat(0.5), f.overlap), f.shear) });
+			alignas(32) static constexpr double ofSecond[4] = { -1, -1, 1, 1 };
+			for (std::size_t k = 0; k < 4; ++k) {
+				const std::size_t l = Rows::row(k), at = Rows::at(k);
+				double*           first  = view.force + p.first()[l] + at;
+				double*           second = view.force + p.second()[l] + at;
+				store(Add(load(first), rows.part[k]), first);
+				store(Add(load(second), Mul(rows.part[k], load(ofSecond + at))), second);
+				if (Periodic) {
+					double* sum = view.shiftForce + p.shift()[l] + at;
+					store(Add(load(sum), rows.part[k]), sum);
+				}
+			}
+		}
+
+		/// Hands the contacts that `failed` over to the sample, which settles them.
+		template <class Condition>
+		HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, Condition failed, ContactForces<Many, Many>& f)
+		{
+			alignas(32) double reported[4], overlap[4], trialNormal[4], trialShear[4], increment[4], normal[4], shear[4], iceShear[4];
+			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
+			store(f.overlap, overlap);
+			store(f.trialNormal, trialNormal);
+			store(f.trialShear, trialShear);
+			store(f.increment, increment);
+			store(f.normal, normal);
+			store(f.shear, shear);
+			store(f.iceShear, iceShear);
+			for (std::size_t l = 0; l < laneCount; ++l) {
+				if (reported[l] == 0) continue;
+				PackedBondEvent<2> event { periodic,
+					                   lane + l,
+					                   { overlap[l], trialNormal[l], trialShear[l], increment[l], normal[l], shear[l], iceShear[l] } };
+				view.bondEvent(view.owner, &event);
+				normal[l]   = event.forces.normal;
+				shear[l]    = event.forces.shear;
+				iceShear[l] = event.forces.iceShear;
+			}
+			f.normal   = load(normal);
+			f.shear    = load(shear);
+			f.iceShear = load(iceShear);
+		}
+
+		/// Parameters of the contact law, in every lane.
+		struct Constants {
+			ContactFriction<Many> friction;
+			Many                  shearStep; ///< k_s/k_n dt [s]
+		};
+
+		template <bool Bonded, bool Periodic>
+		HWY_INLINE ContactForces<Many, Many> respond(PackedStepView<2>& view, const Place& p, const Constants& c, const Gathered& g)
+		{
+			PackedBlock<2>&           block = p.pair();
+			const Many                sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
+			const Many                overlap = Sub(sum, g.distance);
+			const Many                nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
+			const Many                tangential = MulSub(g.dvy, nx, Mul(g.dvx, ny));
+			const Many                slip       = MulSub(Mul(sum, g.inverse), tangential, g.wr);
+			const Many                increment  = Mul(Mul(c.shearStep, stiffness), slip);
+			const Many                shear      = load(block.shear[0] + p.lane);
+			ContactForces<Many, Many> f;
+			if constexpr (Bonded) {
+				PackedIceBlock<2>&          ice = p.ice();
+				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
+					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
+				f = bondedForces(
+				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment,
+				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
+				store(f.iceShear, ice.iceShear[0] + p.lane);
+			} else {
+				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
+			}
+			store(f.shear, block.shear[0] + p.lane);
+			return f;
+		}
+
+		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
+		template <bool Bonded> HWY_INLINE bool passedOver(const Place& p, const Gathered& g)
+		{
+#if HWY_TARGET == HWY_SCALAR
+			if (!(g.distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
+			p.pair().shear[0][p.lane] = 0;
+			return true;
+#else
+			(void)p, (void)g;
+			return false;
+#endif
+		}
+
+		// The next pairs are gathered, and their square roots and quotients started, before the law and the sums of the present ones: the
+		// long latencies then run under work that does not need them.
+		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
+		{
+			const Constants   c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
+			const std::size_t end = 4 / laneCount * pairs.blocks;
+			if (end == 0) return;
+			const auto place  = [&](std::size_t k) HWY_ATTR { return Place { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
+			const auto finish = [&](std::size_t k, const Gathered& gathered) HWY_ATTR __attribute__((always_inline))
+			{
+				if (passedOver<Bonded>(place(k), gathered)) return;
+				scatter<Periodic>(view, place(k), gathered, respond<Bonded, Periodic>(view, place(k), c, gathered));
+			};
+			Gathered    present = gather<Periodic>(view, place(0));
+			std::size_t k       = 0;
+			for (; k + 2 < end; k += 2) {
+				const Gathered next = gather<Periodic>(view, place(k + 1));
+				finish(k, present);
+				present = gather<Periodic>(view, place(k + 2));
+				finish(k + 1, next);
+			}
+			if (k + 1 < end) {
+				const Gathered last = gather<Periodic>(view, place(k + 1));
+				finish(k, present);
+				finish(k + 1, last);
+			} else {
+				finish(k, present);
+			}
+		}
+
+		template <bool Bonded> void contacts(PackedStepView<2>* view)
+		{
+			contactLoop<Bonded, false>(*view, view->inner);
+			contactLoop<Bonded, true>(*view, view->periodic);
+		}
+
+		/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
+		HWY_INLINE Many damped(Many acceleration, Many velocity, Many damping, Many halfStep)
+		{
+			const Many power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
+			return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
+		}
+
+		/// Columns of neighbouring rows; Clear: zero is left where they were.
+		template <bool Clear> HWY_INLINE Columns takeColumns(double* from)
+		{
+			Rows rows;
+			for (std::size_t k = 0; k < 4; ++k) {
+				rows.part[k] = load(from + k * laneCount);
+				if (Clear) store(splat(0.), from + k * laneCount);
+			}
+			return columnsOf(rows);
+		}
+
+		/// Numbers of four neighbouring grains; sums over grains are kept by place in the four, so that all vectors give the same sums.
+		struct Quad {
+			static constexpr std::size_t parts = 4 / laneCount;
+			Many                         part[parts];
+			HWY_INLINE                   Quad()
+			{
+				for (Many& p : part)
+					p = splat(0.);
+			}
+			HWY_INLINE void numbers(double* four) const
+			{
+				for (std::size_t k = 0; k < parts; ++k)
+					store(part[k], four + k * laneCount);
+			}
+			HWY_INLINE double sum() const
+			{
+				alignas(32) double n[4];
+				numbers(n);
+				return (n[0] + n[1]) + (n[2] + n[3]);
+			}
+			HWY_INLINE double largest() const
+			{
+				alignas(32) double n[4];
+				numbers(n);
+				double most = 0;
+				for (const double number : n)
+					most = number > most ? number : most;
+				return most;
+			}
+		};
+
+		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
+		{
+			const double* l       = view.prevVelGrad;
+			const double  jump[4] = { view.nextVelGrad[0] - l[0], view.nextVelGrad[1] - l[1], view.nextVelGrad[2] - l[2],
+				                  view.nextVelGrad[3] - l[3] };
+			const Many    lxx = splat(l[0]), lxy = splat(l[1]), lyx = splat(l[2]), lyy = splat(l[3]);
+			const Many    jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
+			const Many    spinJump = splat(-0.5 * (jump[1] - jump[2]));
+			const Many    dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
+			Quad          sxx, sxy, syx, syy, fluctuation;
+			for (std::size_t i = 0; i < view.grains; i += 4)
+				for (std::size_t part = 0; part < Quad::parts; ++part) {
+					const std::size_t g      = i + part * laneCount;
+					const Columns     motion = takeColumns<false>(view.motion + 4 * g), force = takeColumns<true>(view.force + 4 * g);
+					const Many        minusInverseMass = load(view.minusInverseMass + g);
+					const Many        meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
+					Many              ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
+					Many              ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
+					ax                   = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
+					ay                   = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
+					Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
+					const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
+					fluctuation.part[part] = Max(fluctuation.part[part], MulAdd(fx, fx, Mul(fy, fy)));
+					if (Jumps) {
+						vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
+						vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
+					}
+					const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
+					const Rows rows = rowsOf({ x, y, vx, vy });
+					for (std::size_t k = 0; k < 4; ++k)
+						store(rows.part[k], view.motion + 4 * g + k * laneCount);
+					if (Stress) {
+						sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
+						sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
+						syx.part[part] = MulAdd(force.b, x, syx.part[part]);
+						syy.part[part] = MulAdd(force.b, y, syy.part[part]);
+					}
+					const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
+					Many       w = load(view.angular + g);
+					w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
+					if (Jumps) w = Add(w, spinJump);
+					store(w, view.angular + g);
+					store(MulAdd(dt, w, load(view.orientation + g)), view.orientation + g);
+					store(Mul(w, radius), view.spin + g);
+				}
+			view.maxFluctuationSquare = fluctuation.largest();
+			if (!Stress) return;
+			view.virial[0] = sxx.sum();
+			view.virial[1] = sxy.sum();
+			view.virial[2] = syx.sum();
+			view.virial[3] = syy.sum();
+		}
+
+		void integrate(PackedStepView<2>* view)
+		{
+			bool jumps = false;
+			for (int k = 0; k < 4; ++k)
+				jumps |= view->nextVelGrad[k] != view->prevVelGrad[k];
+			if (jumps) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
+			else view->sampleStress ? integrateGrains<false, true>(*view) : integrateGrains<false, false>(*view);
+		}
+
+	} // namespace
+
+	PackedKernel<2> discKernel(bool bonded)
 	{
-		bool jumps = false;
-		for (int k = 0; k < 4; ++k)
-			jumps |= view->nextVelGrad[k] != view->prevVelGrad[k];
-		if (jumps) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
-		else view->sampleStress ? integrateGrains<false, true>(*view) : integrateGrains<false, false>(*view);
+		if (bonded) return { contacts<true>, integrate, hwy::TargetName(HWY_TARGET) };
+		return { contacts<false>, integrate, hwy::TargetName(HWY_TARGET) };
 	}
-
-} // namespace
-
-PackedKernel<2> discKernel(bool bonded)
-{
-	if (bonded) return { contacts<true>, integrate, hwy::TargetName(HWY_TARGET) };
-	return { contacts<false>, integrate, hwy::TargetName(HWY_TARGET) };
-}
 
 } // namespace HWY_NAMESPACE
 } // namespace talik

@@ -95,9 +95,9 @@ namespace {
 		PackedIceBlock<3>&            ice = pairs.ice[b];
 		const ContactResponse<double> contact { pairs.block[b].stiffness[l], ice.offset[l], ice.floor[l], ice.cohesion[l], ice.iceShare[l] };
 		const auto                    settle = [&](bool, ContactForces<double, Eigen::Vector3d>& forces) {
-            PackedBondEvent<3> event { pairs.shift != nullptr, lane, forces };
-            view.bondEvent(view.owner, &event);
-            forces = event.forces;
+                        PackedBondEvent<3> event { pairs.shift != nullptr, lane, forces };
+                        view.bondEvent(view.owner, &event);
+                        forces = event.forces;
 		};
 		const auto f = bondedForces(contact, { view.friction, view.bondFriction }, overlap, shear, iceShear, increment, settle);
 		setLaneShear<3>(ice.iceShear, l, f.iceShear);
@@ -121,7 +121,7 @@ namespace {
 			double       oldNormal[3];
 			for (int d = 0; d < 3; ++d) {
 				n[d] *= inverse;
-				oldNormal[d]                      = pairs.normals[lane / 4].n[d][l];
+				oldNormal[d]                    = pairs.normals[lane / 4].n[d][l];
 				pairs.normals[lane / 4].n[d][l] = n[d];
 			}
 			const Eigen::Vector3d increment = view.stiffnessRatio * block.stiffness[l] * view.dt * slipVelocity(view, rows, n, sum * inverse);
@@ -156,8 +156,8 @@ namespace {
 	void turnGrain(PackedStepView<3>& view, std::size_t g, const double* spinJump, bool jump)
 	{
 		const double halfStep = 0.5 * view.dt;
-		double* force = view.force + 8 * g;
-		double* w     = view.angular + 3 * g;
+		double*      force    = view.force + 8 * g;
+		double*      w        = view.angular + 3 * g;
 		for (int d = 0; d < 3; ++d) {
 			const double a = force[4 + d] * view.inverseInertia[g];
 			w[d] += view.dt * damped(a, w[d], view.damping, halfStep);
@@ -170,7 +170,7 @@ namespace {
 			const double angle = 0.5 * view.dt * speed, c = std::cos(angle), s = std::sin(angle) / speed;
 			const double x = s * w[0], y = s * w[1], z = s * w[2];
 			const double p[4] = { c * q[0] - x * q[1] - y * q[2] - z * q[3], c * q[1] + x * q[0] + y * q[3] - z * q[2],
-				                  c * q[2] - x * q[3] + y * q[0] + z * q[1], c * q[3] + x * q[2] - y * q[1] + z * q[0] };
+				              c * q[2] - x * q[3] + y * q[0] + z * q[1], c * q[3] + x * q[2] - y * q[1] + z * q[0] };
 			const double norm = 1 / std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
 			for (int d = 0; d < 4; ++d)
 				q[d] = p[d] * norm;
@@ -180,17 +180,17 @@ namespace {
 	void integrate(PackedStepView<3>* view)
 	{
 		constexpr int Dim = 3, strideV = PackedLayout<Dim>::motion, strideF = PackedLayout<Dim>::force;
-		const double  dt = view->dt, halfStep = 0.5 * dt;
+		const double  dt = view->dt, halfStep      = 0.5 * dt;
 		double        jump[Dim * Dim], spinJump[3] = { 0, 0, 0 };
 		bool          jumps = false;
 		for (int k = 0; k < Dim * Dim; ++k) {
 			jump[k] = view->nextVelGrad[k] - view->prevVelGrad[k];
 			jumps |= jump[k] != 0;
 		}
-		spinJump[0] = -0.5 * (jump[5] - jump[7]);
-		spinJump[1] = -0.5 * (jump[6] - jump[2]);
-		spinJump[2] = -0.5 * (jump[1] - jump[3]);
-		const double* gradient = view->prevVelGrad;
+		spinJump[0]                     = -0.5 * (jump[5] - jump[7]);
+		spinJump[1]                     = -0.5 * (jump[6] - jump[2]);
+		spinJump[2]                     = -0.5 * (jump[1] - jump[3]);
+		const double* gradient          = view->prevVelGrad;
 		double        virial[Dim * Dim] = {}, largest = 0;
 		for (std::size_t g = 0; g < view->grains; ++g) {
 			double* x = view->motion + strideV * g;

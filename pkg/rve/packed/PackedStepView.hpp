@@ -48,8 +48,8 @@ template <int Dim> struct PackedPairs {
 
 /// A bond that reached its limit, or a broken one whose force fell below its floor: in come the trial forces, out go those of this step.
 template <int Dim> struct PackedBondEvent {
-	int                                                    periodic;
-	std::size_t                                            lane;
+	int                                                     periodic;
+	std::size_t                                             lane;
 	ContactForces<double, typename PackedTypes<Dim>::Shear> forces;
 };
 
@@ -94,7 +94,7 @@ template <int Dim> struct PackedKernel {
 
 /// The fastest step that the processor at hand knows, or the one that all processors know.
 template <int Dim> PackedKernel<Dim> stepKernel(bool bonded, bool portable);
-template <> PackedKernel<2> stepKernel<2>(bool bonded, bool portable);
-template <> PackedKernel<3> stepKernel<3>(bool bonded, bool portable);
+template <> PackedKernel<2>          stepKernel<2>(bool bonded, bool portable);
+template <> PackedKernel<3>          stepKernel<3>(bool bonded, bool portable);
 
 } // namespace talik

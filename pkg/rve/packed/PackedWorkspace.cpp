@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <Eigen/LU>
 #include <algorithm>
 #include <cstring>
+#include <Eigen/LU>
 #include <pkg/rve/packed/CellReduction.hpp>
 #include <pkg/rve/packed/PackedWorkspaceParts.hpp>
 
 namespace talik {
 
-template <int Dim> PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly) : portable(portableOnly)
+template <int Dim>
+PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly)
+        : portable(portableOnly)
 {
 	std::memset(&view, 0, sizeof(view));
 	view.owner     = this;
@@ -20,9 +22,9 @@ template <int Dim> PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly) : po
 template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
 {
 	static_cast<PackedParameters<Dim>&>(base) = state;
-	grains     = state.grains;
-	grainCount = state.size();
-	rowCount   = (grainCount + 3) / 4 * 4;
+	grains                                    = state.grains;
+	grainCount                                = state.size();
+	rowCount                                  = (grainCount + 3) / 4 * 4;
 	copyMatrix<Dim>(base.hSize, view.hSize);
 	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
 	copyMatrix<Dim>(base.trsf, view.trsf);
@@ -139,9 +141,9 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 
 template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, PackedLists<Dim>* lists) const
 {
-	using Layout = PackedLayout<Dim>;
+	using Layout                               = PackedLayout<Dim>;
 	static_cast<PackedParameters<Dim>&>(state) = parameters();
-	state.grains = grains;
+	state.grains                               = grains;
 	state.position.resize(grainCount);
 	state.velocity.resize(grainCount);
 	state.angularVelocity.resize(grainCount);
@@ -227,7 +229,7 @@ template <int Dim> void PackedWorkspace<Dim>::step()
 
 template <int Dim> void PackedWorkspace<Dim>::run(long steps, long averaged)
 {
-	Matrix    sum   = Matrix::Zero();
+	Matrix     sum   = Matrix::Zero();
 	const long first = steps - std::max(1l, std::min(averaged, steps));
 	for (long k = 0; k < steps; ++k) {
 		if (listsExhausted()) refreshLists();
@@ -269,7 +271,9 @@ template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 			if (square >= allowed * allowed) continue;
 			const double smaller = std::min(view.radius[rows.first / 4], view.radius[rows.second / 4]);
 			if (lanes->block[b].sumRadius[l] - std::sqrt(square) > smaller)
-				throw PackedBlowUp("the overlap of grains " + std::to_string(rows.first / 4) + " and " + std::to_string(rows.second / 4) + " exceeds a radius");
+				throw PackedBlowUp(
+				        "the overlap of grains " + std::to_string(rows.first / 4) + " and " + std::to_string(rows.second / 4)
+				        + " exceeds a radius");
 		}
 }
 
@@ -283,10 +287,10 @@ template <int Dim> bool PackedWorkspace<Dim>::flip(double skew)
 	if (combination == Eigen::Matrix<int, Dim, Dim>::Identity()) return false;
 	PackedState<Dim> state;
 	store(state);
-	state.hSize                                = before * combination.template cast<double>();
-	state.prevHSize                            = state.prevHSize * combination.template cast<double>();
-	const Eigen::Matrix<int, Dim, Dim> unwind  = integerInverse<Dim>(combination);
-	const Matrix                       inverse = state.hSize.inverse();
+	state.hSize                                     = before * combination.template cast<double>();
+	state.prevHSize                                 = state.prevHSize * combination.template cast<double>();
+	const Eigen::Matrix<int, Dim, Dim>      unwind  = integerInverse<Dim>(combination);
+	const Matrix                            inverse = state.hSize.inverse();
 	std::vector<Eigen::Matrix<int, Dim, 1>> image(grainCount);
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		const Vector reduced = inverse * state.position[g];

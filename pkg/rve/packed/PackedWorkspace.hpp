@@ -22,7 +22,7 @@ public:
 	using Shear  = typename PackedTypes<Dim>::Shear;
 
 	explicit PackedWorkspace(bool portable);
-	PackedWorkspace(const PackedWorkspace&) = delete;
+	PackedWorkspace(const PackedWorkspace&)            = delete;
 	PackedWorkspace& operator=(const PackedWorkspace&) = delete;
 
 	/// lists: those that were stored with exactly this state, or nullptr to build them.
@@ -35,19 +35,19 @@ public:
 	/// Throws PackedBlowUp when lists are due and the sample is not healthy.
 	void run(long steps, long averaged = 1);
 
-	double      timeStep() const { return view.dt; }
-	Matrix      velGrad() const { return parameters().velGrad; }
-	double      unbalancedForce() const { return statistics().unbalancedForce; }
-	long        movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const;
-	Matrix      motionPerStep(const Matrix& displacementGradient, long steps) const { return matrixRootIncrement<Dim>(displacementGradient, steps); }
+	double timeStep() const { return view.dt; }
+	Matrix velGrad() const { return parameters().velGrad; }
+	double unbalancedForce() const { return statistics().unbalancedForce; }
+	long   movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const;
+	Matrix motionPerStep(const Matrix& displacementGradient, long steps) const { return matrixRootIncrement<Dim>(displacementGradient, steps); }
 
 	static constexpr long leastStepsOfIce = 0; ///< that a change of ice saturation takes
 	static constexpr bool hasIce() { return true; }
-	double      iceSaturation() const { return base.iceSaturation; }
-	void        setIceSaturation(double iceSaturation);
-	std::size_t bondAll();
-	void        setFriction(double tangent);
-	bool        flip(double skew);
+	double                iceSaturation() const { return base.iceSaturation; }
+	void                  setIceSaturation(double iceSaturation);
+	std::size_t           bondAll();
+	void                  setFriction(double tangent);
+	bool                  flip(double skew);
 
 	/// Throws PackedBlowUp when a number is not finite or grains overlap by more than a radius. Lists are checked before they are built;
 	/// whoever runs steps checks once more when it is done.
@@ -63,8 +63,8 @@ public:
 	bool                  portableOnly() const { return portable; }
 	/// State without arrays of grains and contacts: parameters, cell, step count.
 	const PackedParameters<Dim>& parameters() const;
-	double           meanRadius() const { return averageRadius; }
-	std::size_t      size() const { return grainCount; }
+	double                       meanRadius() const { return averageRadius; }
+	std::size_t                  size() const { return grainCount; }
 
 private:
 	struct alignas(32) Quad {
@@ -72,16 +72,16 @@ private:
 	};
 	using Rows = std::vector<Quad>;
 	struct Lanes {
-		std::size_t                        pairs = 0;
-		std::vector<std::uint64_t>         keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
-		std::vector<PackedBlock<Dim>>      block;
-		std::vector<PackedNormals>         normals;
-		std::vector<PackedIceBlock<Dim>>   ice;
-		std::vector<std::uint32_t>         shift;
-		std::vector<IceBond>               bond;
-		void                               resize(std::size_t number, bool periodic, bool bonded);
-		void                               takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
-		void                               forgetHistory(std::size_t lane);
+		std::size_t                      pairs = 0;
+		std::vector<std::uint64_t>       keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
+		std::vector<PackedBlock<Dim>>    block;
+		std::vector<PackedNormals>       normals;
+		std::vector<PackedIceBlock<Dim>> ice;
+		std::vector<std::uint32_t>       shift;
+		std::vector<IceBond>             bond;
+		void                             resize(std::size_t number, bool periodic, bool bonded);
+		void                             takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
+		void                             forgetHistory(std::size_t lane);
 	};
 	struct Geometry {
 		PackedPairRows<Dim> rows;
@@ -131,9 +131,9 @@ private:
 	void   carryBonds(bool carry);
 	Lanes& lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
-	Geometry geometry(const Lanes& lanes, std::size_t lane) const;
-	ContactStiffness stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
-	BondStrength     strength(const Lanes& lanes, std::size_t lane) const;
+	Geometry                      geometry(const Lanes& lanes, std::size_t lane) const;
+	ContactStiffness              stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
+	BondStrength                  strength(const Lanes& lanes, std::size_t lane) const;
 	template <class Visitor> void forContacts(Visitor&& visit) const;
 
 	mutable PackedParameters<Dim>       base; ///< its cell matrices are brought up to date from the view on request

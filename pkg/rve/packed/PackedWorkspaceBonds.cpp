@@ -13,11 +13,10 @@ template <int Dim> void PackedWorkspace<Dim>::onBondEvent(void* owner, PackedBon
 
 template <int Dim> void PackedWorkspace<Dim>::settleBond(PackedBondEvent<Dim>& event)
 {
-	Lanes&            lanes  = lanesOf(event.periodic != 0);
-	IceBond&          bond   = lanes.bond[event.lane];
-	const bool        thawed = base.ice.melted(base.iceSaturation);
-	const BondFailure failure
-	        = bond.settle(stiffness(lanes, event.lane, iceRatio), strength(lanes, event.lane), view.friction, thawed, event.forces);
+	Lanes&            lanes   = lanesOf(event.periodic != 0);
+	IceBond&          bond    = lanes.bond[event.lane];
+	const bool        thawed  = base.ice.melted(base.iceSaturation);
+	const BondFailure failure = bond.settle(stiffness(lanes, event.lane, iceRatio), strength(lanes, event.lane), view.friction, thawed, event.forces);
 	base.bondsBrokenInTension += failure == BondFailure::tension;
 	base.bondsBrokenInShear += failure == BondFailure::shear;
 	if (event.forces.overlap < 0) bond = IceBond(); // a contact that has opened is forgotten
@@ -51,7 +50,8 @@ template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, 
 				base.bondsMelted += bond.intact();
 				bond.melt(shear, iceShear);
 			} else if (bond.hasIceSpring()) {
-				bond.changeStiffness(stiffness(lanes, lane, iceRatio), stiffness(lanes, lane, newRatio), geometry(lanes, lane).overlap, shear, iceShear);
+				bond.changeStiffness(
+				        stiffness(lanes, lane, iceRatio), stiffness(lanes, lane, newRatio), geometry(lanes, lane).overlap, shear, iceShear);
 			}
 			setLaneShear<Dim>(lanes.block[b].shear, l, shear);
 			setLaneShear<Dim>(lanes.ice[b].iceShear, l, iceShear);
@@ -63,7 +63,8 @@ template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, 
 template <int Dim> bool PackedWorkspace<Dim>::anyBond() const
 {
 	const auto carries = [](const IceBond& bond) { return bond.state != BondState::NONE; };
-	return std::any_of(innerLanes.bond.begin(), innerLanes.bond.end(), carries) || std::any_of(periodicLanes.bond.begin(), periodicLanes.bond.end(), carries);
+	return std::any_of(innerLanes.bond.begin(), innerLanes.bond.end(), carries)
+	        || std::any_of(periodicLanes.bond.begin(), periodicLanes.bond.end(), carries);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::shrinkGrains(double saturationBefore)
@@ -71,8 +72,8 @@ template <int Dim> void PackedWorkspace<Dim>::shrinkGrains(double saturationBefo
 	PackedThawStrain& thaw = base.thawStrain;
 	if (thaw.thawStrain == 0) return;
 	thaw.frozenSaturation = std::max({ thaw.frozenSaturation, saturationBefore, base.iceSaturation });
-	const double lost   = thaw.thawStrain * (1 - base.iceSaturation / thaw.frozenSaturation);
-	const double factor = Dim == 2 ? std::sqrt(1 - lost) : std::cbrt(1 - lost);
+	const double lost     = thaw.thawStrain * (1 - base.iceSaturation / thaw.frozenSaturation);
+	const double factor   = Dim == 2 ? std::sqrt(1 - lost) : std::cbrt(1 - lost);
 	if (factor >= base.radiusFactor) return;
 	base.radiusFactor = factor;
 	scaleRadii();
@@ -132,11 +133,11 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	return true;
 }
 
-template void PackedWorkspace<2>::onBondEvent(void*, PackedBondEvent<2>*);
-template void PackedWorkspace<2>::setIceSaturation(double);
+template void        PackedWorkspace<2>::onBondEvent(void*, PackedBondEvent<2>*);
+template void        PackedWorkspace<2>::setIceSaturation(double);
 template std::size_t PackedWorkspace<2>::bondAll();
-template void PackedWorkspace<3>::onBondEvent(void*, PackedBondEvent<3>*);
-template void PackedWorkspace<3>::setIceSaturation(double);
+template void        PackedWorkspace<3>::onBondEvent(void*, PackedBondEvent<3>*);
+template void        PackedWorkspace<3>::setIceSaturation(double);
 template std::size_t PackedWorkspace<3>::bondAll();
 
 } // namespace talik

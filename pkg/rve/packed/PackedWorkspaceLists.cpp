@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Neighbour lists and the lanes that they fill; contacts in and out of the lanes.
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <Eigen/LU>
 #include <pkg/rve/packed/PackedWorkspaceParts.hpp>
 
 namespace talik {
@@ -17,7 +17,7 @@ namespace {
 template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, bool crosses, bool bonded)
 {
 	const std::size_t blocks = (number + 3) / 4;
-	pairs = number;
+	pairs                    = number;
 	block.resize(blocks);
 	normals.resize(Dim == 3 ? blocks : 0);
 	shift.resize(crosses ? 4 * blocks : 0);
@@ -52,7 +52,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t l
 /// History goes where a rebuild expects it: into the lanes of the "previous" list.
 template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim>& state)
 {
-	const PackedContacts<Dim>& c = state.contacts;
+	const PackedContacts<Dim>&                         c = state.contacts;
 	std::vector<std::pair<std::uint64_t, std::size_t>> order[2];
 	for (std::size_t k = 0; k < c.size(); ++k) {
 		const PairKey<Dim> pair { c.first[k], c.second[k], c.cellDist[k] };
@@ -71,8 +71,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim
 	}
 }
 
-template <int Dim>
-void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
+template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
 {
 	const std::size_t b = lane / 4, l = lane % 4;
 	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
@@ -150,8 +149,8 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
 		for (const std::uint32_t lane : kept[crosses]) {
 			const std::size_t b = lane / 4, l = lane % 4;
-			c.first[k]    = std::uint16_t(lanes.block[b].first[l] / 4);
-			c.second[k]   = std::uint16_t(lanes.block[b].second[l] / 4);
+			c.first[k]  = std::uint16_t(lanes.block[b].first[l] / 4);
+			c.second[k] = std::uint16_t(lanes.block[b].second[l] / 4);
 			for (int d = 0; d < Dim; ++d)
 				c.cellDist[k][d] = crosses ? shiftCell[lanes.shift[lane] / 4 * Dim + d] : std::int8_t(0);
 			c.shear[k] = laneShear<Dim>(lanes.block[b].shear, l);
@@ -302,8 +301,7 @@ template <int Dim> void PackedWorkspace<Dim>::lanesChanged()
 }
 
 /// A bond may open wider than the skin while it stretches: it stays in the list whatever the distance.
-template <int Dim>
-void PackedWorkspace<Dim>::keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const
+template <int Dim> void PackedWorkspace<Dim>::keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const
 {
 	std::size_t       at    = 0;
 	const std::size_t found = keys.size();
@@ -404,11 +402,11 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 	const IceBond&                bond    = lanes.bond[lane];
 	const ContactResponse<double> contact = bond.response(k, strength(lanes, lane));
 	block.stiffness[l]                    = contact.stiffness;
-	PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
-	ice.offset[l]            = contact.offset;
-	ice.floor[l]             = contact.floor;
-	ice.cohesion[l]          = contact.cohesion;
-	ice.iceShare[l]          = contact.iceShare;
+	PackedIceBlock<Dim>& ice              = lanes.ice[lane / 4];
+	ice.offset[l]                         = contact.offset;
+	ice.floor[l]                          = contact.floor;
+	ice.cohesion[l]                       = contact.cohesion;
+	ice.iceShare[l]                       = contact.iceShare;
 	if (bond.hasIceSpring()) return;
 	Shear none;
 	clearShear(none);
@@ -436,27 +434,27 @@ template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
 	}
 }
 
-template void PackedWorkspace<2>::loadContacts(const PackedState<2>&);
-template void PackedWorkspace<2>::loadListed(const PackedContacts<2>&, const PackedLists<2>&);
-template void PackedWorkspace<2>::storeContacts(PackedContacts<2>&, PackedLists<2>*) const;
-template bool PackedWorkspace<2>::listsExhausted() const;
-template void PackedWorkspace<2>::accumulateTravel();
-template void PackedWorkspace<2>::refreshLists();
-template void PackedWorkspace<2>::rebuildLists(double);
+template void             PackedWorkspace<2>::loadContacts(const PackedState<2>&);
+template void             PackedWorkspace<2>::loadListed(const PackedContacts<2>&, const PackedLists<2>&);
+template void             PackedWorkspace<2>::storeContacts(PackedContacts<2>&, PackedLists<2>*) const;
+template bool             PackedWorkspace<2>::listsExhausted() const;
+template void             PackedWorkspace<2>::accumulateTravel();
+template void             PackedWorkspace<2>::refreshLists();
+template void             PackedWorkspace<2>::rebuildLists(double);
 template ContactStiffness PackedWorkspace<2>::stiffness(const Lanes&, std::size_t, double) const;
-template BondStrength PackedWorkspace<2>::strength(const Lanes&, std::size_t) const;
-template void PackedWorkspace<2>::setResponse(Lanes&, std::size_t);
-template void PackedWorkspace<2>::updateShiftRows();
-template void PackedWorkspace<3>::loadContacts(const PackedState<3>&);
-template void PackedWorkspace<3>::loadListed(const PackedContacts<3>&, const PackedLists<3>&);
-template void PackedWorkspace<3>::storeContacts(PackedContacts<3>&, PackedLists<3>*) const;
-template bool PackedWorkspace<3>::listsExhausted() const;
-template void PackedWorkspace<3>::accumulateTravel();
-template void PackedWorkspace<3>::refreshLists();
-template void PackedWorkspace<3>::rebuildLists(double);
+template BondStrength     PackedWorkspace<2>::strength(const Lanes&, std::size_t) const;
+template void             PackedWorkspace<2>::setResponse(Lanes&, std::size_t);
+template void             PackedWorkspace<2>::updateShiftRows();
+template void             PackedWorkspace<3>::loadContacts(const PackedState<3>&);
+template void             PackedWorkspace<3>::loadListed(const PackedContacts<3>&, const PackedLists<3>&);
+template void             PackedWorkspace<3>::storeContacts(PackedContacts<3>&, PackedLists<3>*) const;
+template bool             PackedWorkspace<3>::listsExhausted() const;
+template void             PackedWorkspace<3>::accumulateTravel();
+template void             PackedWorkspace<3>::refreshLists();
+template void             PackedWorkspace<3>::rebuildLists(double);
 template ContactStiffness PackedWorkspace<3>::stiffness(const Lanes&, std::size_t, double) const;
-template BondStrength PackedWorkspace<3>::strength(const Lanes&, std::size_t) const;
-template void PackedWorkspace<3>::setResponse(Lanes&, std::size_t);
-template void PackedWorkspace<3>::updateShiftRows();
+template BondStrength     PackedWorkspace<3>::strength(const Lanes&, std::size_t) const;
+template void             PackedWorkspace<3>::setResponse(Lanes&, std::size_t);
+template void             PackedWorkspace<3>::updateShiftRows();
 
 } // namespace talik

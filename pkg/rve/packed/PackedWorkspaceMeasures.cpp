@@ -27,7 +27,8 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 			const IceBond  bond = carriesBonds ? lanes->bond[lane].relaxed(now.overlap) : IceBond();
 			if (now.overlap < 0 && !bond.intact()) continue;
 			const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
-			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, laneShear<Dim>(lanes->block[lane / 4].shear, lane % 4), bond);
+			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, laneShear<Dim>(lanes->block[lane / 4].shear, lane % 4),
+			      bond);
 		}
 }
 
@@ -52,13 +53,13 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 		result.bondsBroken += bond.state == BondState::BROKEN;
 		if (now.overlap <= 0) return;
 		overlaps += now.overlap / now.sumRadius;
-		result.maxOverlapRatio
-		        = std::max(result.maxOverlapRatio, now.overlap / std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]));
+		result.maxOverlapRatio = std::max(
+		        result.maxOverlapRatio, now.overlap / std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]));
 	});
 	double solid = 0, imbalance = 0;
 	for (std::size_t g = 0; g < grainCount; ++g) {
-		const double* x = view.motion + g * PackedLayout<Dim>::motion;
-		const double  r = view.radius[g];
+		const double* x      = view.motion + g * PackedLayout<Dim>::motion;
+		const double  r      = view.radius[g];
 		double        square = 0, spinSquare = 0;
 		for (int d = 0; d < Dim; ++d) {
 			double v = x[Dim + d];
@@ -113,10 +114,10 @@ template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 }
 
 template PackedWorkspace<2>::Geometry PackedWorkspace<2>::geometry(const Lanes&, std::size_t) const;
-template PackedStatistics<2> PackedWorkspace<2>::statistics() const;
-template PackedTangent<2> PackedWorkspace<2>::tangent() const;
+template PackedStatistics<2>          PackedWorkspace<2>::statistics() const;
+template PackedTangent<2>             PackedWorkspace<2>::tangent() const;
 template PackedWorkspace<3>::Geometry PackedWorkspace<3>::geometry(const Lanes&, std::size_t) const;
-template PackedStatistics<3> PackedWorkspace<3>::statistics() const;
-template PackedTangent<3> PackedWorkspace<3>::tangent() const;
+template PackedStatistics<3>          PackedWorkspace<3>::statistics() const;
+template PackedTangent<3>             PackedWorkspace<3>::tangent() const;
 
 } // namespace talik

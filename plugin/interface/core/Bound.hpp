@@ -14,7 +14,7 @@ public:
 	Vector3r min;
 	Vector3r max;
 
-	Bound() { }
+	Bound() {}
 	virtual ~Bound();
 	string                getBaseClassName(unsigned int = 0) const override;
 	int                   getBaseClassNumber() const override;
@@ -27,4 +27,3 @@ public:
 	TALIK_STOCK_INDEX_COUNTER()
 };
 } // namespace yade
-

@@ -6,22 +6,20 @@
 #include <core/Scene.hpp>
 
 namespace yade {
-#define TALIK_STOCK_FUNCTOR(Class)                                                                                             \
-	Class() { }                                                                                                            \
-	virtual ~Class();                                                                                                      \
-	string                getBaseClassName(unsigned int = 0) const override;                                               \
-	int                   getBaseClassNumber() const override;                                                             \
-	string                getClassName() const override;                                                                   \
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;                          \
-	::boost::python::dict pyDict() const override;                                                                         \
-	void                  callPostLoad() override;                                                                         \
+#define TALIK_STOCK_FUNCTOR(Class)                                                                    \
+	Class() {}                                                                                    \
+	virtual ~Class();                                                                             \
+	string                getBaseClassName(unsigned int = 0) const override;                      \
+	int                   getBaseClassNumber() const override;                                    \
+	string                getClassName() const override;                                          \
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override; \
+	::boost::python::dict pyDict() const override;                                                \
+	void                  callPostLoad() override;                                                \
 	void                  pyRegisterClass(::boost::python::object) override;
 
-class IPhysFunctor : public Functor2D<
-                             Material,
-                             Material,
-                             void,
-                             boost::mpl::vector<const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&>> {
+class IPhysFunctor
+        : public Functor2D<
+                  Material, Material, void, boost::mpl::vector<const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&>> {
 public:
 	TALIK_STOCK_FUNCTOR(IPhysFunctor)
 };

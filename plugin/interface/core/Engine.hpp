@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <lib/serialization/Serializable.hpp>
 #include <core/Omega.hpp>
 #include <core/Timing.hpp>
+#include <lib/serialization/Serializable.hpp>
 
 namespace yade {
 class Scene;

@@ -5,7 +5,7 @@
 namespace yade {
 class GlobalEngine : public Engine {
 public:
-	GlobalEngine() { }
+	GlobalEngine() {}
 	virtual ~GlobalEngine();
 	string                getBaseClassName(unsigned int = 0) const override;
 	int                   getBaseClassNumber() const override;

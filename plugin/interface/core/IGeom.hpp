@@ -7,8 +7,7 @@ namespace yade {
 
 class IGeom : public Serializable, public Indexable {
 public:
-
-	IGeom() { }
+	IGeom() {}
 	virtual ~IGeom();
 	string                getBaseClassName(unsigned int = 0) const override;
 	int                   getBaseClassNumber() const override;
@@ -21,4 +20,3 @@ public:
 	TALIK_STOCK_INDEX_COUNTER()
 };
 } // namespace yade
-

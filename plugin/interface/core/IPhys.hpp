@@ -7,8 +7,7 @@ namespace yade {
 
 class IPhys : public Serializable, public Indexable {
 public:
-
-	IPhys() { }
+	IPhys() {}
 	virtual ~IPhys();
 	string                getBaseClassName(unsigned int = 0) const override;
 	int                   getBaseClassNumber() const override;
@@ -21,4 +20,3 @@ public:
 	TALIK_STOCK_INDEX_COUNTER()
 };
 } // namespace yade
-

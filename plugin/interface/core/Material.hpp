@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <core/State.hpp>
 #include <lib/multimethods/Indexable.hpp>
 #include <lib/serialization/Serializable.hpp>
-#include <core/State.hpp>
 
 namespace yade {
 class Scene;
@@ -13,18 +13,17 @@ public:
 	string label;
 	Real   density = 1000;
 
-	Material() { }
+	Material() {}
 	virtual ~Material();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
+	string                    getBaseClassName(unsigned int = 0) const override;
+	int                       getBaseClassNumber() const override;
+	string                    getClassName() const override;
+	void                      pySetAttr(const std::string&, const ::boost::python::object&) override;
+	::boost::python::dict     pyDict() const override;
+	void                      callPostLoad() override;
+	void                      pyRegisterClass(::boost::python::object) override;
 	virtual shared_ptr<State> newAssocState() const;
 	virtual bool              stateTypeOk(State*) const;
 	TALIK_STOCK_INDEX_COUNTER()
 };
 } // namespace yade
-

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <boost/date_time/posix_time/ptime.hpp>
 #include <lib/base/Math.hpp>
 #include <lib/base/Singleton.hpp>
-#include <boost/date_time/posix_time/ptime.hpp>
 #include <mutex>
 
 namespace yade {

@@ -43,14 +43,14 @@ public:
 	vector<string>             tags;
 	vector<shared_ptr<Engine>> engines, _nextEngines;
 
-	shared_ptr<BodyContainer>                     bodies;
-	shared_ptr<InteractionContainer>              interactions;
-	shared_ptr<EnergyTracker>                     energy;
-	vector<shared_ptr<Material>>                  materials;
-	shared_ptr<Bound>                             bound;
-	shared_ptr<Cell>                              cell;
-	vector<shared_ptr<Serializable>>              miscParams;
-	vector<shared_ptr<DisplayParameters>>         dispParams;
+	shared_ptr<BodyContainer>             bodies;
+	shared_ptr<InteractionContainer>      interactions;
+	shared_ptr<EnergyTracker>             energy;
+	vector<shared_ptr<Material>>          materials;
+	shared_ptr<Bound>                     bound;
+	shared_ptr<Cell>                      cell;
+	vector<shared_ptr<Serializable>>      miscParams;
+	vector<shared_ptr<DisplayParameters>> dispParams;
 
 	Scene();
 	virtual ~Scene();

@@ -15,7 +15,7 @@ public:
 	bool                             wire      = false;
 	bool                             highlight = false;
 
-	Shape() { }
+	Shape() {}
 	virtual ~Shape();
 	string                getBaseClassName(unsigned int = 0) const override;
 	int                   getBaseClassNumber() const override;
@@ -28,4 +28,3 @@ public:
 	TALIK_STOCK_INDEX_COUNTER()
 };
 } // namespace yade
-

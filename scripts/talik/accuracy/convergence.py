@@ -195,7 +195,11 @@ def march(settings):
 	return {
 		"history": [[_rounded(value) for value in look] for look in looks if look[0] % every == 0 or look[0] == days],
 		"firstEvent": _rounded(firstEvent(mpm, looks, settings["follows motion"])),
-		"cpu": watch.cpu, "wall": watch.wall, "points": mpm.pointCount, "steps": O.iter, "build": build(),
+		"cpu": watch.cpu,
+		"wall": watch.wall,
+		"points": mpm.pointCount,
+		"steps": O.iter,
+		"build": build(),
 		**({"shortfall": f"day {looks[-1][0]} of {days} after {allowed:.3g} s of motion"} if looks[-1][0] < days else {}),
 	}
 

@@ -59,7 +59,9 @@ def printReport(rows, results, folder):
 		sweeps = convergencepage.measured(case, there)
 		if sweeps:
 			print(f"\n{convergence.cases[case].title}")
-			print(f"u largest displacement, V volume displaced by more than {convergence.moved:g} m; in brackets the difference to the finest value of the knob")
+			print(
+				f"u largest displacement, V volume displaced by more than {convergence.moved:g} m; in brackets the difference to the finest value of the knob"
+			)
 			report.printAligned(convergencepage.tableOf(case, sweeps))
 			print("\nThe two finest values of each knob differ, at most over these days, by")
 			report.printAligned(convergencepage.verdictOf(case, sweeps))

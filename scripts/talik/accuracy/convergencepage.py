@@ -75,7 +75,9 @@ def verdictOf(case, sweepsThere):
 		apart = convergence.twoFinest(case, rows)
 		met = all(one is not None and one <= aim for one in (apart["displacement"], apart["volume"]))
 		pair = " and ".join(knobs[sweep.knob].text(value) for value in values[-2:])
-		lines.append([groundOf(sweep), knobOf(sweep), pair, *(_percent(apart[name]) for name in ("displacement", "volume", "first event")), "yes" if met else "no"])
+		lines.append(
+			[groundOf(sweep), knobOf(sweep), pair, *(_percent(apart[name]) for name in ("displacement", "volume", "first event")), "yes" if met else "no"]
+		)
 	return lines
 
 

@@ -6,7 +6,13 @@ import math
 from yade import wrapper
 
 standard = {"points per cell": 4, "time-step fraction": 0.4, "transfer": "flip", "PIC time over sqrt(h/g)": 1.0, "shape function": "quadraticBSpline"}
-sweeps = {"points per cell": (1, 9), "time-step fraction": (0.1,), "transfer": ("apic", "tpic"), "PIC time over sqrt(h/g)": (0.1,), "shape function": ("gimp", "linear")}
+sweeps = {
+	"points per cell": (1, 9),
+	"time-step fraction": (0.1,),
+	"transfer": ("apic", "tpic"),
+	"PIC time over sqrt(h/g)": (0.1,),
+	"shape function": ("gimp", "linear"),
+}
 quick = {**sweeps, "time-step fraction": (0.2, 0.55), "PIC time over sqrt(h/g)": (1e6, 10.0)}
 
 

@@ -50,7 +50,9 @@ def advice(problem, rows):
 			best = min((r["error [-]"] for r in usable(rows)), default=math.nan)
 			parts.append(f"{level:.0%} is not reached (best {best:.1%})")
 		else:
-			parts.append(f"for {level:.0%} take {row['varied']}: {row[cost]:.2g} s of computing ({row['wall time [s]']:.2g} s of wall time), {row['memory [MB]']:.2g} MB")
+			parts.append(
+				f"for {level:.0%} take {row['varied']}: {row[cost]:.2g} s of computing ({row['wall time [s]']:.2g} s of wall time), {row['memory [MB]']:.2g} MB"
+			)
 	return f"{problem.name}: " + "; ".join(parts) + "."
 
 
@@ -68,7 +70,13 @@ def misses(problem, rows):
 def saveStudy(tables, path, quick=False):
 	"""JSON: of each problem norm, reference, advice and rows; null where there is no number."""
 	study = {
-		problem.name: {"title": problem.title, "norm": problem.norm, "reference": problem.referenceName(quick), "advice": advice(problem, rows), "rows": [_numbersOrNull(row) for row in rows]}
+		problem.name: {
+			"title": problem.title,
+			"norm": problem.norm,
+			"reference": problem.referenceName(quick),
+			"advice": advice(problem, rows),
+			"rows": [_numbersOrNull(row) for row in rows],
+		}
 		for problem, rows in tables.items()
 	}
 	writeWhole(path, json.dumps(study, indent="\t", allow_nan=False))
@@ -137,8 +145,11 @@ def drawCurves(axes, problem, rows):
 	axes.step(column(front, cost), _percent(front), where="post", color="black", linewidth=3, alpha=0.25, label="Pareto front")
 	axes.set_xscale("log")
 	axes.set_yscale("log")
-	for axis, limits, between, room in ((axes.xaxis, axes.get_xlim(), (1, 3), 2.3), (axes.yaxis, axes.get_ylim(), (1, 2, 5), 4)):  # decades with room for ticks between
-		axis.set_major_locator(LogLocator(subs=between if limits[1] / limits[0] < 10**room else (1,)))
+	for axis, limits, between, room in (
+		(axes.xaxis, axes.get_xlim(), (1, 3), 2.3),
+		(axes.yaxis, axes.get_ylim(), (1, 2, 5), 4),
+	):  # decades with room for ticks between
+		axis.set_major_locator(LogLocator(subs=between if limits[1] / limits[0] < 10 ** room else (1,)))
 		axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 		axis.set_minor_formatter(NullFormatter())
 	axes.grid(color="0.92")

@@ -25,11 +25,24 @@ def warmBase(start):
 
 
 standard = {
-	"grid spacing": 0.5, "grains": 100, "sample tolerance": 2e-5, "inertial number": 5e-3, "tolerance": 0.0, "time-step fraction": 0.4,
-	"transfer": "flip", "bulk modulus of water": 2.2e7, "thermal time scale": 8.64e5, "days of heat": 60,
+	"grid spacing": 0.5,
+	"grains": 100,
+	"sample tolerance": 2e-5,
+	"inertial number": 5e-3,
+	"tolerance": 0.0,
+	"time-step fraction": 0.4,
+	"transfer": "flip",
+	"bulk modulus of water": 2.2e7,
+	"thermal time scale": 8.64e5,
+	"days of heat": 60,
 }
 scene = {
-	"boundaries": warmAir, "skeleton": "samples", "realisations": 1, "thawed cohesion": 0.0, "thaw strain": 0.0, "follows motion": False,
+	"boundaries": warmAir,
+	"skeleton": "samples",
+	"realisations": 1,
+	"thawed cohesion": 0.0,
+	"thaw strain": 0.0,
+	"follows motion": False,
 	"motion tolerance": thawslump.Ground.motionTolerance,
 }  # what the problem below leaves as it is
 
@@ -39,8 +52,12 @@ def slump(settings, folder):
 	s = {**standard, **scene, **settings}
 	preset = thawslump.Preset(s["grid spacing"], s["grains"], s["days of heat"], strainTolerance=s["sample tolerance"], realisations=s["realisations"])
 	ground = thawslump.Ground(
-		thermalTimeScale=s["thermal time scale"], bulkModulus=s["bulk modulus of water"], thawedCohesion=s["thawed cohesion"], thawStrain=s["thaw strain"],
-		followsMotion=s["follows motion"], motionTolerance=s["motion tolerance"],
+		thermalTimeScale=s["thermal time scale"],
+		bulkModulus=s["bulk modulus of water"],
+		thawedCohesion=s["thawed cohesion"],
+		thawStrain=s["thaw strain"],
+		followsMotion=s["follows motion"],
+		motionTolerance=s["motion tolerance"],
 	)
 	case = thawslump.ThawSlump("accuracy", s["boundaries"], preset, folder, ground, skeleton=s["skeleton"])
 	case.mpm.courantNumber, case.mpm.transfer = s["time-step fraction"], s["transfer"]
@@ -74,20 +91,39 @@ problem = Problem(
 	reference="finest affordable run",
 	standard=standard,
 	sweeps={
-		"grid spacing": (0.25,), "grains": (200, 400), "sample tolerance": (5e-6,), "inertial number": (5e-4,), "tolerance": (0.01,), "time-step fraction": (0.2,),
-		"transfer": ("apic",), "bulk modulus of water": (2.2e8,), "thermal time scale": (2.16e5,),
+		"grid spacing": (0.25,),
+		"grains": (200, 400),
+		"sample tolerance": (5e-6,),
+		"inertial number": (5e-4,),
+		"tolerance": (0.01,),
+		"time-step fraction": (0.2,),
+		"transfer": ("apic",),
+		"bulk modulus of water": (2.2e8,),
+		"thermal time scale": (2.16e5,),
 	},
 	quick={
-		"grains": (60, 200), "sample tolerance": (2e-4,), "inertial number": (1e-3,), "tolerance": (0.1, 0.03), "time-step fraction": (0.55,),
-		"transfer": ("tpic",), "bulk modulus of water": (5e6,), "thermal time scale": (1.728e6,),
+		"grains": (60, 200),
+		"sample tolerance": (2e-4,),
+		"inertial number": (1e-3,),
+		"tolerance": (0.1, 0.03),
+		"time-step fraction": (0.55,),
+		"transfer": ("tpic",),
+		"bulk modulus of water": (5e6,),
+		"thermal time scale": (1.728e6,),
 	},
 	pairs=(("grid spacing", "grains"), ("grains", "tolerance"), ("inertial number", "sample tolerance")),
 	togetherInFull=(
 		{"sample tolerance": 0.0},
 		{"bulk modulus of water": 2.2e8, "thermal time scale": 2.16e5},
-		*({"grid spacing": spacing, "grains": grains, "tolerance": tolerance} for spacing, grains, tolerance in (
-			(0.25, 200, 0.1), (0.25, 200, 0.03), (0.25, 400, 0.03), (0.2, 400, 0.1),
-		)),
+		*(
+			{"grid spacing": spacing, "grains": grains, "tolerance": tolerance}
+			for spacing, grains, tolerance in (
+				(0.25, 200, 0.1),
+				(0.25, 200, 0.03),
+				(0.25, 400, 0.03),
+				(0.2, 400, 0.1),
+			)
+		),
 	),
 	run=run,
 	error=largestRelative,

@@ -81,18 +81,20 @@ def table(problem, results, quick=False):
 		knobs = [name for name, value in settings.items() if value != problem.standard[name]]
 		usable = not row.get("failure") and reference is not None
 		names = [f"{r.example} {r.preset}" for r in presets if r.problem == problem.name and {**problem.standard, **r.settings} == settings]
-		lines.append({
-			"problem": problem.name,
-			"varied": varied(settings, problem.standard),
-			"knob": "pair" if len(knobs) > 1 else knobs[0] if knobs else "standard",
-			"error [-]": problem.error(row["answer"], reference) if usable else math.nan,
-			"wall time [s]": row.get("wall", math.nan),
-			"CPU time [s]": row.get("cpu", math.nan),
-			"memory [MB]": row.get("memory", math.nan) / 1e6,
-			"points": row.get("points"),
-			"steps": row.get("steps"),
-			"runs": row.get("repeats"),
-			"presets": "; ".join(names),
-			"failure": row.get("failure", ""),
-		})
+		lines.append(
+			{
+				"problem": problem.name,
+				"varied": varied(settings, problem.standard),
+				"knob": "pair" if len(knobs) > 1 else knobs[0] if knobs else "standard",
+				"error [-]": problem.error(row["answer"], reference) if usable else math.nan,
+				"wall time [s]": row.get("wall", math.nan),
+				"CPU time [s]": row.get("cpu", math.nan),
+				"memory [MB]": row.get("memory", math.nan) / 1e6,
+				"points": row.get("points"),
+				"steps": row.get("steps"),
+				"runs": row.get("repeats"),
+				"presets": "; ".join(names),
+				"failure": row.get("failure", ""),
+			}
+		)
 	return lines

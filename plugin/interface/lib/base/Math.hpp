@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 /// Numeric types of stock YADE 2023.02a in double precision, under YADE's own names.
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <boost/lexical_cast.hpp>
 #include <boost/shared_ptr.hpp>
 #include <cmath>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <limits>
 #include <map>
 #include <set>
@@ -19,9 +19,9 @@
 
 namespace yade {
 using boost::shared_ptr;
+using std::runtime_error;
 using std::string;
 using std::vector;
-using std::runtime_error;
 
 using Real        = double;
 using Vector2r    = Eigen::Matrix<Real, 2, 1>;

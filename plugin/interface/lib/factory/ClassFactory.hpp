@@ -37,8 +37,8 @@ class ClassFactory : public Singleton<ClassFactory> {
 		CreatePureCustomFnPtr       createPureCustom;
 	};
 
-	DynLibManager                             dlm;
-	std::map<string, FactorableCreators>      map;
+	DynLibManager                        dlm;
+	std::map<string, FactorableCreators> map;
 	ClassFactory();
 	virtual ~ClassFactory();
 
@@ -46,32 +46,32 @@ public:
 	std::list<string> pluginClasses;
 
 	shared_ptr<Factorable> createShared(string name);
-	bool registerFactorable(string name, CreateFactorableFnPtr, CreateSharedFactorableFnPtr, CreatePureCustomFnPtr);
-	void registerPluginClasses(const char* fileAndClasses[]);
-	virtual string getClassName() const;
-	virtual string getBaseClassName(int) const;
+	bool                   registerFactorable(string name, CreateFactorableFnPtr, CreateSharedFactorableFnPtr, CreatePureCustomFnPtr);
+	void                   registerPluginClasses(const char* fileAndClasses[]);
+	virtual string         getClassName() const;
+	virtual string         getBaseClassName(int) const;
 };
 } // namespace yade
 
-#define REGISTER_FACTORABLE(Name)                                                                                              \
-	inline shared_ptr<Factorable> CreateShared##Name() { return shared_ptr<Name>(new Name); }                              \
-	inline Factorable* Create##Name() { return new Name; }                                                                 \
-	inline void* CreatePureCustom##Name() { return new Name; }                                                             \
-	const bool registered##Name __attribute__((unused))                                                                    \
-	        = ClassFactory::instance().registerFactorable(#Name, Create##Name, CreateShared##Name, CreatePureCustom##Name);
+#define REGISTER_FACTORABLE(Name)                                                                                             \
+	inline shared_ptr<Factorable> CreateShared##Name() { return shared_ptr<Name>(new Name); }                             \
+	inline Factorable*            Create##Name() { return new Name; }                                                     \
+	inline void*                  CreatePureCustom##Name() { return new Name; }                                           \
+	const bool                    registered##Name __attribute__((unused)) = ClassFactory::instance().registerFactorable( \
+	                           #Name, Create##Name, CreateShared##Name, CreatePureCustom##Name);
 
 #define TALIK_PLUGIN_NAME(r, data, Name) BOOST_PP_STRINGIZE(Name),
 #define TALIK_PLUGIN_EXPORT(r, data, Name) BOOST_CLASS_EXPORT_IMPLEMENT(yade::Name)
 
 /// YADE_PLUGIN((ClassA)(ClassB)) inside namespace yade, once per source file.
-#define YADE_PLUGIN(classes)                                                                                                   \
-	namespace {                                                                                                            \
-		__attribute__((constructor)) void BOOST_PP_CAT(announce_, BOOST_PP_SEQ_HEAD(classes))()                        \
-		{                                                                                                              \
-			const char* names[] = { __FILE__, BOOST_PP_SEQ_FOR_EACH(TALIK_PLUGIN_NAME, ~, classes) nullptr };      \
-			ClassFactory::instance().registerPluginClasses(names);                                                 \
-		}                                                                                                              \
-	}                                                                                                                      \
-	}                                                                                                                      \
-	BOOST_PP_SEQ_FOR_EACH(TALIK_PLUGIN_EXPORT, ~, classes)                                                                 \
+#define YADE_PLUGIN(classes)                                                                                              \
+	namespace {                                                                                                       \
+		__attribute__((constructor)) void BOOST_PP_CAT(announce_, BOOST_PP_SEQ_HEAD(classes))()                   \
+		{                                                                                                         \
+			const char* names[] = { __FILE__, BOOST_PP_SEQ_FOR_EACH(TALIK_PLUGIN_NAME, ~, classes) nullptr }; \
+			ClassFactory::instance().registerPluginClasses(names);                                            \
+		}                                                                                                         \
+	}                                                                                                                 \
+	}                                                                                                                 \
+	BOOST_PP_SEQ_FOR_EACH(TALIK_PLUGIN_EXPORT, ~, classes)                                                            \
 	namespace yade {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <lib/serialization/Serializable.hpp>
 #include <boost/mpl/at.hpp>
 #include <boost/mpl/vector.hpp>
+#include <lib/serialization/Serializable.hpp>
 
 namespace yade {
 /// Second base of every functor: its table has go() and goReverse() of one to seven arguments. All bodies are stock YADE's.
@@ -10,7 +10,7 @@ template <class Result, class Arguments> class FunctorWrapper {
 	template <int i> using Arg = typename boost::mpl::at_c<Arguments, i>::type;
 
 public:
-	virtual ~FunctorWrapper() { }
+	virtual ~FunctorWrapper() {}
 	virtual string checkOrder() const;
 	virtual Result go(Arg<0>);
 	virtual Result go(Arg<0>, Arg<1>);

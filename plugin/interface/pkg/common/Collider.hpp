@@ -22,7 +22,7 @@ public:
 	void                            pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict&) override;
 	virtual std::vector<Body::id_t> probeBoundingVolume(const Bound&);
 	/// Everything known of bounds and pairs is forgotten and found anew in the next run.
-	virtual void                    invalidatePersistentData();
+	virtual void invalidatePersistentData();
 
 private:
 	Collider();

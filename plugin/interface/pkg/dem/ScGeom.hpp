@@ -23,8 +23,8 @@ public:
 	::boost::python::dict pyDict() const override;
 	void                  callPostLoad() override;
 	void                  pyRegisterClass(::boost::python::object) override;
-	Vector3r&       rotate(Vector3r& tangentVector) const;
-	const Vector3r& shearIncrement() const { return shearInc; }
+	Vector3r&             rotate(Vector3r& tangentVector) const;
+	const Vector3r&       shearIncrement() const { return shearInc; }
 	TALIK_STOCK_INDEX()
 };
 } // namespace yade
