@@ -152,7 +152,7 @@ template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
 		double trace = g[0][p];
 		for (int a = 1; a < D; ++a)
 			trace += g[a * D + a][p];
-		const double replace = (means.mean(p) - trace) * (1.0 / D);
+		const double replace = (means.mean(p, trace) - trace) * (1.0 / D);
 		for (int a = 0; a < D; ++a)
 			g[a * D + a][p] += replace;
 	}
@@ -217,7 +217,7 @@ template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool
 		        double trace = 0.0, density = 0.0;
 		        for (int a = 0; a < D; ++a)
 			        trace += g[a * D + a][p];
-		        const double missing = replace ? (cells->mean(p) - trace) * (1.0 / D) : 0.0;
+		        const double missing = replace ? (cells->mean(p, trace) - trace) * (1.0 / D) : 0.0;
 		        for (int i = 0; i < D; ++i)
 			        for (int j = 0; j < D; ++j)
 				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
@@ -235,7 +235,7 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 		        double trace = 0.0;
 		        for (int a = 0; a < D; ++a)
 			        trace += g[a * D + a][p];
-		        return volume[p] * pressure[p] * (replace ? cells->mean(p) : trace);
+		        return volume[p] * pressure[p] * (replace ? cells->mean(p, trace) : trace);
 	        });
 }
 
@@ -327,23 +327,23 @@ template <int D> void Ground<D>::p2g()
 	if (g.allRests()) return;
 	g.clearNodes();
 	g.cost.lap(g.base());
-	if (g.cells) {
-		g.locateInCells();
-		g.cost.lap(CostMeter::cells);
-	}
-	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	if (g.front) {
 		g.front->find(g.grid, g.clock.range, g.momentum->mirrors(), g.momentum->freeLiquid());
 		g.findFrontStiffness();
 		g.cost.lap(CostMeter::front);
 	}
+	if (g.cells) {
+		g.locateInCells();
+		g.cost.lap(CostMeter::cells);
+	}
+	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;
 	const double* const share = conducts ? g.heat->carriedShare() : nullptr;
 	g.scatterSampled([&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
 		if (g.motion) {
 			if (average)
 				for (int k = 0; k < w.count; ++k)
-					g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k);
+					g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k, g.motion->meanStress[w.first + k]);
 			else if (g.water) g.useMeanStress(w.first, w.count);
 			g.motion->map(g.grid, w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
 			sample.lap(CostMeter::motion);

@@ -125,7 +125,7 @@ template <int D> double stressPairError()
 		g.cells.add(p, volume[p] * mean(p));
 	g.cells.finish(g.range);
 	for (int p = 0; p < g.points.count(); ++p)
-		g.motion.meanStress[p] = g.cells.mean(p);
+		g.motion.meanStress[p] = g.cells.mean(p, 0.0);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.motion.map(g.grid, w); });
 	g.randomVelocities(g.motion.solved);
 	double power = 0.0, size = 0.0;
@@ -147,7 +147,7 @@ template <int D> double stressPairError()
 		g.cells.add(p, volume[p] * trace(p));
 	g.cells.finish(g.range);
 	for (int p = 0; p < g.points.count(); ++p) {
-		const double replace = (g.cells.mean(p) - trace(p)) / D;
+		const double replace = (g.cells.mean(p, 0.0) - trace(p)) / D;
 		for (int i = 0; i < D; ++i)
 			for (int j = 0; j < D; ++j) {
 				const double total = g.motion.stress[stressIndex<D>(i, j)][p] - (i == j ? g.water.pressure[p] : 0.0);

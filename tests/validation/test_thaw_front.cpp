@@ -33,6 +33,14 @@ std::string label(const std::string& what, const Slab& s)
 
 double slideOf(const Slab& slab) { return SlabScene(slab).slide(0.5); }
 
+/// As slideOf(), of all rows of the layer in place of its surface.
+double meanSlideOf(const Slab& slab)
+{
+	SlabScene scene(slab);
+	scene.slide(0.5);
+	return scene.displacementBetween(0.0, slab.depth()) / (0.5 * slab.acceleration() * 0.25);
+}
+
 void expectSlide(const std::string& what, const Slab& slab, double tolerance)
 {
 	citing(slab.dilation > 0.0 ? "Coulomb" : "Davis 1968");
@@ -97,8 +105,7 @@ TEST(ThawFront, LayerOfAnyThicknessSlidesWhereverTheFrontLies_slow)
 			const bool singleRow = thickness == 0.5 && above == 0.75;
 			expectSlide("along the grid", layer(thickness, above), 5e-2);
 			expectSlide("along the grid, saturated", wet(layer(thickness, above)), singleRow ? 1e-1 : 5e-2);
-			// dilating ground at the front has now more pressure than its reaction, now less: about two thirds of these rows are within 5 %
-			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), singleRow ? 4e-1 : thickness < 2.0 ? 1.6e-1 : 1e-1);
+			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), thickness < 1.0 ? 7e-2 : 5e-2);
 		}
 }
 
@@ -106,9 +113,19 @@ TEST(ThawFront, LayerOnAFrontInclinedToTheGridSlides_slow)
 {
 	for (const double thickness : { 0.5, 1.0, 2.0, 4.0 }) {
 		expectSlide("front at 45 degrees to the grid", inclined(thickness, 45.0), 1e-1);
-		// at 30 degrees 0.12 g drive the layer against 0.38 g of friction: an error of the friction counts threefold
-		expectSlide("front at 30 degrees to the grid", inclined(thickness, 30.0), thickness < 2.0 ? 1e-1 : 3e-1);
+		// at 30 degrees 0.12 g drive the layer against 0.38 g of friction: an error of the friction counts threefold. A thick layer shears
+		// in itself: its surface runs ahead of its base, its mean slides as far as it should
+		expectSlide("front at 30 degrees to the grid", inclined(thickness, 30.0), thickness < 4.0 ? 1e-1 : 3e-1);
 	}
+}
+
+TEST(ThawFront, MeanOfALayerOnAFrontInclinedToTheGridSlides_slow)
+{
+	citing("Davis 1968");
+	for (const double thickness : { 2.0, 4.0 })
+		expectRelative(
+		        label("front at 30 degrees to the grid, mean of all rows", inclined(thickness, 30.0)), meanSlideOf(inclined(thickness, 30.0)), 1.0,
+		        5e-2);
 }
 
 TEST(ThawFront, EveryTransferAndShapeFunctionLetsTheLayerSlide)
@@ -122,10 +139,10 @@ TEST(ThawFront, EveryTransferAndShapeFunctionLetsTheLayerSlide)
 
 namespace {
 
-/// Path at nine tenths of the angle of friction, in half a second after the layer has settled, over its thickness.
+/// Path at nine tenths of the angle of friction, or of sin(phi) where that is the strength (no dilation), in half a second after the layer has settled, over its thickness.
 double creepOf(Slab s)
 {
-	s.slope      = 0.9 * s.friction;
+	s.slope      = s.dilation > 0.0 ? 0.9 * s.friction : std::atan(0.9 * s.ratio()) / Slab::radians(1.0);
 	s.wallToWall = true;
 	SlabScene  scene(s);
 	Ground<2>& ground = scene.ground();
@@ -140,30 +157,34 @@ double creepOf(Slab s)
 
 void expectStanding(const Slab& slab, double bound)
 {
-	citing("Coulomb");
+	citing(slab.dilation > 0.0 ? "Coulomb" : "Davis 1968");
 	char text[160];
 	std::snprintf(
-	        text, sizeof(text), "slab on a frozen base, nine tenths of the angle of friction: X/h = %.1f, front %.2f h above a node, path in 0.5 s over X",
-	        slab.thickness, slab.above);
+	        text, sizeof(text), "slab on a frozen base, nine tenths of %s: X/h = %.1f, front %.2f h above a node, path in 0.5 s over X",
+	        slab.dilation > 0.0 ? "the angle of friction" : "sin(phi)", slab.thickness, slab.above);
 	expectSmall(text, creepOf(slab), bound);
 }
 
 } // namespace
 
-// With psi = phi: without dilation the layer slides from tan(beta) = sin(phi) on, a hundredth above nine tenths of phi.
+// Without dilation the layer slides from tan(beta) = sin(phi) on, a hundredth above nine tenths of phi: it is held at nine tenths of that.
 TEST(ThawFront, LayerThatFrictionHoldsStays)
 {
 	expectStanding(dilating(layer(0.5, 0.25)), 1e-3);
 	expectStanding(dilating(layer(1.0, 0.5)), 1e-3);
 	expectStanding(dilating(layer(2.0, 0.25)), 1e-3);
+	expectStanding(layer(1.0, 0.25), 1e-3);
 }
 
-TEST(ThawFront, LayerThatFrictionHoldsHardlyCreepsWhereverTheFrontLies_slow)
+TEST(ThawFront, LayerThatFrictionHoldsStaysWhereverTheFrontLies_slow)
 {
-	// normal forces between the sides swing where cell means of the stress join points of different depths: it creeps
 	for (const double thickness : { 0.5, 1.0, 2.0 })
-		for (const double above : { 0.0, 0.25, 0.5, 0.75 })
-			expectStanding(dilating(layer(thickness, above)), 4e-2);
+		for (const double above : { 0.0, 0.25, 0.5, 0.75 }) {
+			// a single row in the middle of a cell sinks into the front by 5e-4 m in a second, and slips as it does
+			const bool sinks = thickness == 0.5 && above == 0.5;
+			expectStanding(dilating(layer(thickness, above)), sinks ? 3e-3 : 1e-3);
+			expectStanding(layer(thickness, above), sinks ? 3e-3 : 1e-3);
+		}
 }
 
 TEST(ThawFront, CohesionHoldsALayerUpToItsClosedFormThickness)

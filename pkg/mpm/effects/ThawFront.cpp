@@ -186,6 +186,12 @@ template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange&
 	work_.assign(nodes_.size(), 0.0);
 }
 
+template <int D> void ThawFront<D>::leaveOutOfMeans(CellMeans<D>& cells, int first, int last) const
+{
+	for (int p = first; p < last; ++p)
+		cells.leaveOut(p, near(p));
+}
+
 template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vector<int>& places)
 {
 	chosen_.clear();
@@ -416,6 +422,14 @@ template <int D> double ThawFront<D>::shearScale(const Meeting& m, double shear,
 	return std::clamp(1.0 + std::min(m.slope, shear / pressure) * (reaction - pressure) / shear, 0.0, largestScale);
 }
 
+/// Shear stress at the front of thawed ground that has lost all its stress, as ground does that stretches while it slides: its strength at
+/// the reaction. Such ground has no ratio of stresses to scale.
+template <int D> double ThawFront<D>::strengthWithoutStress(const Meeting& m, double pressure)
+{
+	const double lacking = m.reaction / m.area - std::max(0.0, pressure);
+	return m.slope < largestScale ? std::max(0.0, m.slope * lacking) : 0.0;
+}
+
 /// Friction as the thawed points carry it, and the jump that is left. Returns the work that the force between the sides takes up.
 template <int D> double ThawFront<D>::slide(int slot, double dt)
 {
@@ -428,14 +442,19 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 		shear[i] = m.traction[i] + pressure * m.normal[i];
 		square += shear[i] * shear[i];
 	}
-	const double scale = m.area * shearScale(m, std::sqrt(square), pressure);
-	Vec<D>       friction;
-	double       slipping = 0.0, held = 0.0;
+	Vec<D> slip;
+	double slipping = 0.0, held = 0.0;
 	for (int i = 0; i < D; ++i) {
-		friction[i]    = -dt * scale * shear[i];
-		const double t = m.jump[i] - opening * m.normal[i];
-		slipping += t * t;
-		held -= friction[i] * t;
+		slip[i] = m.jump[i] - opening * m.normal[i];
+		slipping += slip[i] * slip[i];
+	}
+	const double scale = dt * m.area * shearScale(m, std::sqrt(square), pressure);
+	// without stress of its own the ground's strength acts against the slip; pore pressure of a row of points is too rough for that
+	const double against = square > 0.0 || water_ || !(slipping > 0.0) ? 0.0 : dt * m.area * strengthWithoutStress(m, pressure) / std::sqrt(slipping);
+	Vec<D>       friction;
+	for (int i = 0; i < D; ++i) {
+		friction[i] = -scale * shear[i] - against * slip[i];
+		held -= friction[i] * slip[i];
 	}
 	// Against the slip never more than what stops it. Stress that springs back pushes along with the slip; where a node has only a trace of
 	// thawed ground, that ground cannot push with the area of the front.

@@ -45,6 +45,9 @@ public:
 	/// they are folded: a node and its mirror image belong together. freeLiquid: nodes where the sides move together, as the liquid of a
 	/// ghost is not folded there.
 	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	/// Leaves points near the front out of the means of cells. What shears and dilates there would otherwise strain the rows beside it, and
+	/// the normal force between the sides would swing. Not for saturated ground, whose pressure is that of cells.
+	void leaveOutOfMeans(CellMeans<D>& cells, int first, int last) const;
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
 	int  nodeCount() const { return static_cast<int>(nodes_.size()); }
@@ -127,6 +130,7 @@ private:
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
+	static double strengthWithoutStress(const Meeting& meeting, double pressure);
 	static double shearScale(const Meeting& meeting, double shear, double pressure);
 	double        slide(int slot, double dt);
 	double        lackingPressure(const Meeting& meeting) const;

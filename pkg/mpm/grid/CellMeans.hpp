@@ -10,7 +10,8 @@
 namespace talik {
 
 /// Volume-weighted means over the points of a grid cell: the projection that keeps low-order ground from locking.
-/// As it is symmetric in the volume-weighted product, the mean of div v and the mean of pressure are transposes.
+/// As it is symmetric in the volume-weighted product, the mean of div v and the mean of pressure are transposes. Points that are left
+/// out, all of a cell or none, keep their own values in both.
 template <int D> class CellMeans {
 public:
 	void allocate(const Grid<D>& grid, int points)
@@ -18,7 +19,16 @@ public:
 		cell_.assign(points, 0);
 		volume_.assign(grid.cellCount(), 0.0);
 		sum_.assign(grid.cellCount(), 0.0);
+		averaged_ = cell_.data();
 	}
+	/// From now on points may be left out.
+	void allowLeavingOut()
+	{
+		averagedOrNot_.assign(cell_.size(), 0);
+		averaged_ = averagedOrNot_.data();
+	}
+	/// Whether a located point keeps its own values; needs allowLeavingOut().
+	void leaveOut(int place, bool leftOut) { averagedOrNot_[place] = leftOut ? noCell : cell_[place]; }
 
 	/// Finds the cells of points first .. last and adds up their volumes; call within MaterialPoints::strips().scatter.
 	void locate(const Grid<D>& grid, const MaterialPoints<D>& points, int first, int last)
@@ -55,12 +65,16 @@ public:
 				sum_[c] = volume_[c] > 0.0 ? sum_[c] / volume_[c] : 0.0;
 		});
 	}
-	double mean(int place) const { return sum_[cell_[place]]; }
+	/// The mean that holds for a point whose own value is given.
+	double mean(int place, double own) const { return averaged_[place] == noCell ? own : sum_[averaged_[place]]; }
 	/// Volume of the points in a cell [m^D].
 	double cellVolume(int cell) const { return volume_[cell]; }
 
 private:
-	std::vector<int>    cell_;
+	static constexpr int noCell = -1;
+
+	std::vector<int>    cell_, averagedOrNot_;
+	const int*          averaged_ = nullptr; ///< by place: the cell whose mean holds for the point, or noCell
 	std::vector<double> volume_, sum_;
 };
 
