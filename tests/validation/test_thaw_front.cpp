@@ -139,7 +139,8 @@ TEST(ThawFront, EveryTransferAndShapeFunctionLetsTheLayerSlide)
 
 namespace {
 
-/// Path at nine tenths of the angle of friction, or of sin(phi) where that is the strength (no dilation), in half a second after the layer has settled, over its thickness.
+/// Path at nine tenths of the angle of friction, or of sin(phi) where that is the strength (no dilation), in half a second after the
+/// layer has settled, over its thickness.
 double creepOf(Slab s)
 {
 	s.slope      = s.dilation > 0.0 ? 0.9 * s.friction : std::atan(0.9 * s.ratio()) / Slab::radians(1.0);
