@@ -169,7 +169,7 @@ void expectClosedSeasons(const char* law, const Seasons& scene)
 		char label[48];
 		std::snprintf(label, sizeof label, ": left after thaw %d over the heave", thawed < 2.0 ? 1 : 2);
 		ASSERT_EQ(sumOf(ground, "iceSaturation"), 0.0);
-		expectScaled(name + label, riseOf(ground) - start, 0.0, heave, 0.03);
+		expectScaled(name + label, riseOf(ground) - start, 0.0, heave, 0.02);
 	}
 }
 

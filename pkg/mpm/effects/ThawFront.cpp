@@ -34,6 +34,8 @@ namespace {
 	/// between the axes, which is of the reaction's size. Without a bound it would undo compression that the nodes go on with, until
 	/// the pores of the point are crushed.
 	constexpr double mostLed = 2.0;
+	/// Normal force that ties the sides outside frozen ground, over the one with which they press at the nodes beside, in ground without water.
+	constexpr double mostTied = 3.0;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
 	constexpr double insideShare = 0.25;
 } // namespace
@@ -405,7 +407,9 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 	}
 	if (!(area > 0.0)) return;
 	// at the end of a layer the area is that of frozen ground alone: never more than what would tie the sides
-	m.impulse  = std::clamp(dt * force / area * m.area, 0.0, std::max(0.0, -m.reducedMass * dot<D>(m.jump, m.normal)));
+	const double tie = std::max(0.0, -m.reducedMass * dot<D>(m.jump, m.normal)), beside = dt * force / area * m.area;
+	// a layer that rests needs a little more than that at some nodes and less at others; pore pressure bears the difference by itself
+	m.impulse  = tie <= (water_ ? 1.0 : mostTied) * beside ? tie : std::max(0.0, beside);
 	m.reaction = m.impulse / dt;
 }
 
