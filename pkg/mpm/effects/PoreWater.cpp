@@ -482,8 +482,15 @@ void PoreWater<D>::gather(
 	}
 }
 
+/// Mobility with which water at rest flows at the end of a step: its inertia holds it back where drag does not.
+template <int D> double PoreWater<D>::reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity)
+{
+	const double volume = cells.cellVolume(cell), steady = mobility(cell, volume, liquidDensity);
+	return steady > 0.0 ? 1.0 / (1.0 / steady + liquidDensity * liquidDensity * volume / (cellRecord(cell)[0] * dt)) : 0.0;
+}
+
 template <int D>
-void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
+void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity)
 {
 	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
 	for (int a = 0; a < D; ++a) {
@@ -493,8 +500,7 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 				Face& face = faces_[a][c];
 				face       = {};
 				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
-				const double here  = mobility(c, cells.cellVolume(c), liquidDensity),
-				             there = mobility(c + stride, cells.cellVolume(c + stride), liquidDensity);
+				const double here = reachedMobility(c, cells, dt, liquidDensity), there = reachedMobility(c + stride, cells, dt, liquidDensity);
 				if (!(here > 0.0 && there > 0.0)) continue;
 				face.conductance = perSpacing * 2.0 * here * there / (here + there);
 				face.flow = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());
@@ -517,7 +523,7 @@ void PoreWater<D>::levelCells(
         const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
         const EnthalpyModel* enthalpy)
 {
-	findFaces(grid, range, cells, gravity, liquidDensity);
+	findFaces(grid, range, cells, gravity, dt, liquidDensity);
 	const auto compliance = [&](int c) { return cellRecord(c)[0] / (liquidDensity * settings->state.liquidBulkModulus); };
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int c = firstCell; c < lastCell; ++c) {

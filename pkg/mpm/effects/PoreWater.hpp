@@ -157,7 +157,8 @@ private:
 	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity);
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
-	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
+	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
+	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
 	std::array<std::vector<Face>, D> faces_;
 	double*                          cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
