@@ -14,7 +14,7 @@ namespace {
 
 constexpr double porosity = 0.4, spacing = 0.1, height = 0.4, load = 1e5, thawedModulus = 1e7, frozenModulus = 1e8;
 constexpr double stableFrozen = 1.5e-4;          ///< time step for the waves of frozen ground [s]
-constexpr double scale = 2e7, seasonScale = 4e6; ///< calendar time over time of motion [-]
+constexpr double scale = 2e7, seasonScale = 2e6; ///< calendar time over time of motion [-]
 
 /// A table of the calendar from times of motion [s].
 TimeTable inMotion(double perSecond, std::vector<double> times, std::vector<double> values)
@@ -98,7 +98,8 @@ TEST(ThawSettlement, ColumnLoadedFrozenUnloadedAndThawedReturnsToItsHeight)
 
 namespace {
 
-/// Saturated column of 1 m that weather of the surface freezes and thaws every two seconds, its surface drained.
+/// Saturated column of 1 m that weather of the surface freezes and thaws every four seconds, its surface drained. Twice as
+/// fast its cells drop as they thaw, and ground that flies for a moment yields: a per cent of the heave stays then.
 struct Seasons {
 	std::shared_ptr<SkeletonModel<2>> skeleton;
 
@@ -120,9 +121,8 @@ struct Seasons {
 		s.skeletons.push_back(skeleton);
 		std::vector<double> times, values;
 		for (int year = 0; year < years; ++year)
-			for (const auto& [time, value] :
-			     { std::pair { 0.0, 2.0 }, { 0.3, 2.0 }, { 0.35, -8.0 }, { 1.15, -8.0 }, { 1.2, 20.0 }, { 1.95, 20.0 } }) {
-				times.push_back(2.0 * year + time);
+			for (const auto& [time, value] : { std::pair { 0.0, 2.0 }, { 0.6, 2.0 }, { 0.7, -8.0 }, { 2.3, -8.0 }, { 2.4, 20.0 }, { 3.9, 20.0 } }) {
+				times.push_back(4.0 * year + time);
 				values.push_back(value);
 			}
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), inMotion(seasonScale, times, values));
@@ -157,19 +157,19 @@ void expectClosedSeasons(const char* law, const Seasons& scene)
                 while (ground.time() < instant)
                         ground.step(std::min(ground.stableTimeStep().step, 5e-4));
 	};
-	march(0.3);
+	march(0.6);
 	const double start = riseOf(ground);
-	march(1.15);
+	march(2.3);
 	const double heave = riseOf(ground) - start;
 	std::printf("%s: heave %.2f mm at a mean ice saturation of %.2f\n", name.c_str(), 1e3 * heave, meanIce(ground));
 	// seven tenths of the water freeze and push nine per cent of it up, less what leaves through the surface
 	expectScaled(name + ": heave frozen over expansion of the ice", heave, 0.0989 * porosity * meanIce(ground), 0.0989 * porosity * meanIce(ground), 0.2);
-	for (const double thawed : { 1.95, 3.95 }) {
+	for (const double thawed : { 3.9, 7.9 }) {
 		march(thawed);
 		char label[48];
-		std::snprintf(label, sizeof label, ": left after thaw %d over the heave", thawed < 2.0 ? 1 : 2);
+		std::snprintf(label, sizeof label, ": left after thaw %d over the heave", thawed < 4.0 ? 1 : 2);
 		ASSERT_EQ(sumOf(ground, "iceSaturation"), 0.0);
-		expectScaled(name + label, riseOf(ground) - start, 0.0, heave, 0.02);
+		expectScaled(name + label, riseOf(ground) - start, 0.0, heave, 0.01);
 	}
 }
 
