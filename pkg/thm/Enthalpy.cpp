@@ -36,7 +36,7 @@ EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurveP
 
 void EnthalpyModel::setTolerance(double tolerance)
 {
-	requireProperty(tolerance > 0.0 && tolerance <= 1e-6, "enthalpyTolerance", tolerance, "must lie in (0, 1e-6]; 1e-12 is the default");
+	requireSetting(tolerance > 0.0 && tolerance <= 1e-6, "enthalpyTolerance", tolerance, "must lie in (0, 1e-6]; 1e-12 is the default");
 	tolerance_ = tolerance;
 }
 

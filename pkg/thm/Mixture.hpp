@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/thm/Errors.hpp>
+
 #include <string>
 #include <vector>
 
@@ -76,8 +78,5 @@ struct MixtureProperties {
 	/// Throws std::invalid_argument naming the attribute, its value and the valid range.
 	void validate() const;
 };
-
-/// Throws std::invalid_argument "<attribute> = <value>: <remedy>" unless valid.
-void requireProperty(bool valid, const std::string& attribute, double value, const std::string& remedy);
 
 } // namespace talik

@@ -47,8 +47,8 @@ public:
 	void finishPressure(const ActiveRange& range);
 	/// Pressure that drives the liquid of each cell of ground that freezes. A cell in which ground thaws from one side is a thawed layer
 	/// on a frozen one: p = phi u + (1 - phi) p_f, with the part phi that has thawed since it was like its most frozen neighbour and that
-	/// neighbour's pressure p_f. Its liquid feels u. Felt was the mean, the load that the ice of the whole cell bore would leave at once
-	/// as soon as the cell conducts, and the pressure behind the front would pulse from cell to cell.
+	/// neighbour's pressure p_f. Its liquid feels u. If it felt the mean, the load that the ice of the whole cell bore would leave as soon
+	/// as the cell conducts, and the pressure behind the front would pulse from cell to cell.
 	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 
 	/// cells null: without cell means.
