@@ -30,13 +30,8 @@ const std::vector<std::string>& conductivityMeanNames()
 
 ConductivityMean conductivityMeanFromName(const std::string& name)
 {
-	if (name == "arithmetic") return ConductivityMean::arithmetic;
-	if (name == "geometric") return ConductivityMean::geometric;
-	if (name == "harmonic") return ConductivityMean::harmonic;
-	throw std::invalid_argument("conductivityMean = '" + name + "': choose arithmetic, geometric or harmonic");
+	return static_cast<ConductivityMean>(placeOfName("conductivityMean", name, conductivityMeanNames()));
 }
-
-const char* nameOf(ConductivityMean mean) { return conductivityMeanNames()[static_cast<int>(mean)].c_str(); }
 
 double MixtureProperties::conductivity(const VolumeFractions& n) const
 {

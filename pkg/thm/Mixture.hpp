@@ -13,7 +13,6 @@ enum class ConductivityMean { arithmetic, geometric, harmonic };
 
 /// Name of a mean as scripts write it; throws std::invalid_argument listing the valid names.
 ConductivityMean                conductivityMeanFromName(const std::string& name);
-const char*                     nameOf(ConductivityMean mean);
 const std::vector<std::string>& conductivityMeanNames();
 
 /// Intrinsic properties of one phase (soil grains, ice or liquid water) at the reference temperature.

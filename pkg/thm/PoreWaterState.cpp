@@ -76,18 +76,10 @@ double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, co
 
 // ---- permeability -------------------------------------------------------------------------------------------------------
 
-namespace {
-	constexpr const char* lawNames[] = { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" };
-}
-
 RelativeConductivity relativeConductivityFromName(const std::string& name)
 {
-	for (int k = 0; k < 4; ++k)
-		if (name == lawNames[k]) return static_cast<RelativeConductivity>(k);
-	throw std::invalid_argument("relativeConductivity = '" + name + "': choose impedance, vanGenuchtenMualem, power or iceAsGrain");
+	return static_cast<RelativeConductivity>(placeOfName("relativeConductivity", name, { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" }));
 }
-
-const char* nameOf(RelativeConductivity law) { return lawNames[static_cast<int>(law)]; }
 
 void Permeability::validate() const
 {
