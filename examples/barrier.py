@@ -64,7 +64,7 @@ class Record:
 
 	def run(self, endTime):
 		while O.time < endTime:
-			talik._talik.runSerially(1)
+			talik.runSerially(1)
 			forces = np.array([O.forces.f(body) for body in self.ids])[:, :2]
 			self.impulse += forces.sum(axis=0) * O.dt
 			self.times.append(O.time)

@@ -83,7 +83,7 @@ class Record:
 
 	def run(self, endTime):
 		while O.time < endTime:
-			talik._talik.runSerially(1)
+			talik.runSerially(1)
 			self.force = sum((np.array(O.forces.f(member.id))[:2] for member in self.members), np.zeros(2))
 			self.impulse += self.force * O.dt
 			self.rows.append((O.time, self.stone.state.displ()[0], self.stone.state.displ()[1], *self.force))

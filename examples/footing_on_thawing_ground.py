@@ -71,7 +71,7 @@ class Record:
 	def run(self, endTime, samples=100):
 		for instant in np.linspace(O.time, endTime, samples + 1)[1:]:
 			while O.time < instant:
-				talik._talik.runSerially(1 + int((instant - O.time) / O.dt * 0.9))
+				talik.runSerially(1 + int((instant - O.time) / O.dt * 0.9))
 			thawed = self.mpm.field("volume")[self.mpm.field("iceSaturation") < 0.5].sum() / width
 			self.rows.append((O.time, self.block.state.displ()[1], O.forces.f(self.block.id)[1], thawed))
 

@@ -14,7 +14,7 @@ import numpy as np
 
 import talik
 from talik import output, packing, plots
-from talik.thawslump import runUntil
+from talik.running import runUntil
 
 presets = {"test": (40, 1.0), "draft": (150, 6.0)}  # grains of a sample, end time [s]
 
@@ -31,7 +31,7 @@ mpm = MpmEngine(
 	upper=(4, 3),
 	gravity=(0, -9.81),
 	damping=0.1,
-	skeleton=RveSkeleton(samples=[talik.slope.pack(talik.rve.prepare(grains=grains))]),
+	skeleton=RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=grains))]),
 	heat=HeatTransfer(thermalTimeScale=8.64e5),
 	freezing=FreezingCurve(),
 	boundaries=[

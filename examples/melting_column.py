@@ -145,7 +145,7 @@ def run(column):
 		ice = iceSaturation(temperatureOfLayers(max(steps - loadSteps, 0) / column.meltSteps, column.layers))
 		for material, saturation in zip(layers, ice):
 			material.iceSaturation = float(saturation)
-		talik._talik.runSerially(5)
+		talik.runSerially(5)
 		steps += 5
 		if math.isnan(torn) and law.brokenBonds > 0:
 			torn, stop = layers[0].iceSaturation, min(stop, steps + column.fallSteps)

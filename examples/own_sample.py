@@ -19,7 +19,7 @@ from yade import Matrix3, O, Vector3, pack, utils, wrapper
 import talik
 from talik import output, packing, plots
 from talik.files import writableFolder
-from talik.thawslump import runUntil
+from talik.running import runUntil
 
 presets = {"test": (20, 0.5, 0.02, 10), "draft": (24, 0.25, 0.45, 100)}  # grains, grid spacing [m], end time [s], calls that are timed
 

@@ -17,16 +17,28 @@ all four, with what each costs.
 The page of figures is page.png; what to expect is described in examples/README.md.
 """
 
+import sys
+from pathlib import Path
+
 import talik
-from talik import thawslump
+
+sys.path.insert(0, str(Path(sys.argv[0]).parent))
+from thaw_slump_surface import frozenSlope, outline  # noqa: E402: beside this script
+from thawslump import Case, commandline  # noqa: E402
 
 days = {"draft": 600.0, "standard": 600.0, "paper": 600.0}  # of the thaw
 
 
-def warmBase(start):
-	"""Base patch at -5 °C, from `start` [s of the calendar] on warming to +10 °C within ten days."""
-	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[start, start + 10 * talik.day], values=[-5, 10])]
+def warmBase(run, start):
+	"""The slope of Case I over a patch of the base that warms within ten days from `start` [s of the calendar] on."""
+	mpm, ground = frozenSlope(run), run.ground
+	times, values = [start, start + 10 * talik.day], [ground.temperature, ground.warm]
+	mpm.boundaries = [*mpm.boundaries, WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=times, values=values)]
+	return mpm
 
 
-options = thawslump.arguments(__doc__.splitlines()[0], "output/thaw_slump_base", thawStrain=0.03)
-slump = thawslump.runCase("Case II: thaw from the base", warmBase, options, days.get(options.preset))
+case = Case("Case II: thaw from the base", outline, warmBase)
+
+if __name__ == "__main__":
+	options = commandline.arguments(__doc__.splitlines()[0], "output/thaw_slump_base", thawStrain=0.03)
+	slump = commandline.runCase(case, options, days.get(options.preset))

@@ -10,18 +10,63 @@ Ours, where the paper is silent: the outline of the slope (a 45° face, 3 m high
 base; the air warms within ten days and acts on the moving surface; freezing curve gauss with W = 0.5 K and S_r = 0.05; sample thickness
 0.1 m; a numerical bulk modulus of water of 2.2e7 Pa; ice in the samples as bonds only (bookkeeping of grain size); samples brought
 to the geostatic stress in bands of 0.5 m before they freeze; lateral stress ratio 0.7; local damping 0.02 during failure.
-See talik.thawslump for each of them. The page of figures is page.png; what to expect is described in examples/README.md.
+This script is the scene. How it is run, drawn and compared is in the folder thawslump beside it, the values in thawslump/settings.py.
+The page of figures is page.png; what to expect is described in examples/README.md.
 --compare skeleton also runs a Mohr-Coulomb law calibrated on the same sample, side by side with both wall times.
 """
 
+import sys
+from pathlib import Path
+
 import talik
-from talik import thawslump
+
+sys.path.insert(0, str(Path(sys.argv[0]).parent))
+from thawslump import Case, commandline  # noqa: E402: the folder beside this script
+
+outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]  # [m]
 
 
-def warmAir(start):
-	"""Air at -5 °C, from `start` [s of the calendar] on warming to +10 °C within ten days."""
-	return [SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[-5, 10])]
+def frozenSlope(run):
+	"""The slope as it comes to rest under its weight: frozen, its surface drained. `run` (thawslump.ThawSlump) has preset and ground."""
+	h, ground = run.preset.gridSpacing, run.ground
+	position, volume = talik.geometry.fillPolygon(outline, h, pointsPerCell=4, origin=(0.0, 0.0))
+	skeleton, atRest = run.skeletonAtRest(position)
+	mpm = MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(10, h * round(4 / h + 4)),
+		gravity=(0, -9.81),
+		damping=ground.restDamping,
+		skeleton=skeleton,
+		heat=HeatTransfer(followsMotion=ground.followsMotion, motionTolerance=ground.motionTolerance),  # in nature's time until the slope rests
+		freezing=FreezingCurve(curve="gauss", width=ground.freezingWidth, residualSaturation=ground.residualSaturation),
+		water=PoreWater(
+			conductivity=ground.conductivity,
+			bulkModulus=ground.bulkModulus,
+			zetaActive=ground.zetaActive,
+			hydraulicTimeScale=1,  # hastened seepage drains frozen pores beside a front until they cool
+		),
+	)
+	mpm.addPoints(position=position, volume=volume, porosity=ground.porosity, temperature=ground.temperature, **atRest)
+	mpm.boundaries = [
+		RollerBoundary(region="left"),
+		RollerBoundary(region="right"),
+		FixedBoundary(region="bottom"),
+		DrainedBoundary(region="surface", recharge=False),
+	]
+	return mpm
 
 
-options = thawslump.arguments(__doc__.splitlines()[0], "output/thaw_slump_surface")
-slump = thawslump.runCase("Case I: thaw from the surface", warmAir, options)
+def warmSurface(run, start):
+	"""The slope under air that warms within ten days from `start` [s of the calendar] on."""
+	mpm, ground = frozenSlope(run), run.ground
+	air = SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[ground.temperature, ground.warm])
+	mpm.boundaries = [*mpm.boundaries, air]
+	return mpm
+
+
+case = Case("Case I: thaw from the surface", outline, warmSurface)
+
+if __name__ == "__main__":
+	options = commandline.arguments(__doc__.splitlines()[0], "output/thaw_slump_surface")
+	slump = commandline.runCase(case, options)

@@ -137,8 +137,9 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 	const int p = g.points->place(id);
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
 	g.contentSettled = false;
-	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id));
-	if (g.content->update(p, p + 1) != p + 1) throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->whyImpossible(p));
+	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id), g.contentOf());
+	if (g.content->update(p, p + 1, g.contentOf()) != p + 1)
+		throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->whyImpossible(p, g.heat.get()));
 }
 
 template <int D> std::vector<StateArray> Ground<D>::state()

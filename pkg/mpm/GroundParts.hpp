@@ -7,6 +7,7 @@
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
+#include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
@@ -109,15 +110,18 @@ template <int D> struct Ground<D>::Parts {
 	void   declareFields();
 	void   placePoints();
 	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
+	void   shareRecords();
 	void   checkFreeSurface();
 	void   listSkeletons();
 	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	/// True if a boundary acts where the ground faces bodies.
-	bool                facesBodies() const;
-	bool                hasContent() const { return settings.heat || settings.water; }
-	bool                hasFront() const;
-	bool                averaging() const { return motion && motion->settings->bBar; }
-	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
+	bool facesBodies() const;
+	bool hasContent() const { return settings.heat || settings.water; }
+	bool hasFront() const;
+	/// The effects whose points the content of the pores changes.
+	typename PoreContent<D>::Effects contentOf() const { return { motion.get(), heat.get(), water.get() }; }
+	bool                             averaging() const { return motion && motion->settings->bBar; }
+	const CellMeans<D>*              averagingCells() const { return averaging() ? cells.get() : nullptr; }
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------
 	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.

@@ -13,14 +13,7 @@ std::vector<std::string> velocityTransferNames() { return { "flip", "apic", "tpi
 
 VelocityTransfer velocityTransferFromName(const std::string& name)
 {
-	std::string known;
-	int         at = 0;
-	for (const std::string& entry : velocityTransferNames()) {
-		if (name == entry) return static_cast<VelocityTransfer>(at);
-		known += (known.empty() ? "" : ", ") + entry;
-		++at;
-	}
-	throw std::invalid_argument("transfer = '" + name + "': choose one of " + known);
+	return static_cast<VelocityTransfer>(placeOfName("transfer", name, velocityTransferNames()));
 }
 
 double keptFraction(double picTime, double dt) { return std::exp(-dt / picTime); }

@@ -59,7 +59,7 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 	if (water)
 		for (int a = 0; a < D; ++a)
 			water->velocity[a][p] = in.velocity[a];
-	if (content) content->fill(p, in.porosity, in.temperature, in.pressure, fill);
+	if (content) content->fill(p, in.porosity, in.temperature, in.pressure, fill, contentOf());
 }
 
 template <int D> void Ground<D>::Parts::placePoints()
@@ -76,12 +76,12 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (heat) heat->bind(*points, grid);
 	if (content) {
-		content->bind(*points, motion.get(), heat.get(), water.get());
+		content->bind(*points);
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
 	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass);
 	if (calendar) calendar->bind(*points, *motion, *heat);
-	if (heat) heat->shareRecords(motion.get(), water.get());
+	shareRecords();
 	if (surface) {
 		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
 		surface->setBoundaries(settings.boundaries, grid, bool(settings.motion));
@@ -101,11 +101,30 @@ template <int D> void Ground<D>::Parts::placePoints()
 	scratch.assign(n, 0.0);
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
 	if (content) {
-		const int failed = content->update(0, n);
-		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed));
+		const int failed = content->update(0, n, contentOf());
+		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed, heat.get()));
 	}
 	if (heat) heat->chooseSmoothing(grid, n);
 	if (front) front->start();
+}
+
+/// In the plane the nodal numbers of heat lie in the records of other effects, so that one pass over the points serves all.
+template <int D> void Ground<D>::Parts::shareRecords()
+{
+	using Columns = NodeColumns<D>;
+	if constexpr (Columns::shared) {
+		if (!heat) return;
+		if (motion) {
+			motion->nodes.shareColumns(heat->nodes, Columns::Moving::capacity);
+			heat->carriedByMotion();
+		}
+		if (water) {
+			water->nodal.shareColumns(heat->nodal, Columns::Driving::temperature);
+			water->force.shareColumns(heat->energy, Columns::Driven::heat);
+			water->force.shareColumns(heat->noise, Columns::Driven::unseen);
+			water->exchange.shareColumns(heat->rise, Columns::Gathered::rise);
+		} else heat->receiveInOneRecord(grid);
+	}
 }
 
 template <int D> void Ground<D>::Parts::checkFreeSurface()

@@ -111,7 +111,7 @@ template <int D> void Ground<D>::Parts::seep()
 	if (settings.energyLedger) {
 		double work = 0.0;
 		for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
-			work += water->pressureAtNode(i) * water->exchange[i][0];
+			work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
 		clock.porePressureWork += startShare() * work / liquidDensity();
 	}
 	water->finishExchange(clock.range);
@@ -469,7 +469,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 			sample.lap(CostMeter::record);
 		}
 		if (!g.content) return;
-		const int failed = g.content->update(first, last, cells, sample);
+		const int failed = g.content->update(first, last, g.contentOf(), cells, sample);
 		if (failed < last) g.bad[strip] = failed;
 	};
 	if (cells) g.points->strips().scatter(update);
@@ -491,7 +491,7 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 		const int p = failed;
 		std::fill(bad.begin(), bad.end(), -1);
 		throw std::runtime_error(
-		        whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p)
+		        whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p, heat.get())
 		        + "; the step has ended half way: go on from a checkpoint with other settings");
 	}
 }

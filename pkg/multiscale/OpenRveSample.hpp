@@ -30,7 +30,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(OpenRveSample,Serializable,"A periodic YADE scene of any grains and contact law as a sample, advanced by its own engines; "
 			"for those of discs RveSample does the same, faster. Works on a copy of the scene given. Example: "
-			"s=OpenRveSample(source=talik.slope.openScene(talik.rve.prepare(grains=40))); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1)['stress'].",
+			"s=OpenRveSample(source=talik.rve.openScene(talik.rve.prepare(grains=40))); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1)['stress'].",
 		((shared_ptr<Scene>,source,,,"Scene that the sample is a copy of, taken when it is first used."))
 		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))

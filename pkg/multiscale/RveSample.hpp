@@ -44,9 +44,6 @@ public:
 	/// Another one whenever the state has changed; empty sample: null.
 	std::shared_ptr<const talik::PackedState<2>> stateNow() const { return state; }
 	void                                         setPacked(talik::PackedState<2>);
-	/// The YADE scene that this sample opens into, without its present state; empty if it never had one.
-	const string& templateScene() const { return sceneBytes; }
-	void          setTemplateScene(const string& bytes) { sceneBytes = bytes; }
 
 	void preSave(RveSample&);
 	void postLoad(RveSample&);

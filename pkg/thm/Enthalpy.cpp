@@ -9,17 +9,10 @@ namespace talik {
 
 EnthalpyForm enthalpyFormFromName(const std::string& name)
 {
-	if (name == "stateFunction") return EnthalpyForm::stateFunction;
-	if (name == "capacityIntegral") return EnthalpyForm::capacityIntegral;
-	throw std::invalid_argument("enthalpyForm = '" + name + "': choose stateFunction (default) or capacityIntegral");
+	return static_cast<EnthalpyForm>(placeOfName("enthalpyForm", name, { "stateFunction", "capacityIntegral" }));
 }
 
-LatentDensity latentDensityFromName(const std::string& name)
-{
-	if (name == "ice") return LatentDensity::ice;
-	if (name == "liquid") return LatentDensity::liquid;
-	throw std::invalid_argument("latentDensity = '" + name + "': choose ice (default) or liquid");
-}
+LatentDensity latentDensityFromName(const std::string& name) { return static_cast<LatentDensity>(placeOfName("latentDensity", name, { "ice", "liquid" })); }
 
 EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurvePtr curve, EnthalpyForm form, LatentDensity latentDensity)
         : curve_(curve ? std::move(curve) : unfrozenCurve())
@@ -36,7 +29,7 @@ EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurveP
 
 void EnthalpyModel::setTolerance(double tolerance)
 {
-	requireProperty(tolerance > 0.0 && tolerance <= 1e-6, "enthalpyTolerance", tolerance, "must lie in (0, 1e-6]; 1e-12 is the default");
+	requireSetting(tolerance > 0.0 && tolerance <= 1e-6, "enthalpyTolerance", tolerance, "must lie in (0, 1e-6]; 1e-12 is the default");
 	tolerance_ = tolerance;
 }
 

@@ -108,7 +108,7 @@ namespace {
 	double positive(const CurveParameters& given, const std::string& curve, const std::string& name, const std::string& unit)
 	{
 		const double value = given.at(name);
-		requireProperty(std::isfinite(value) && value > 0.0, "freezingCurve." + curve + "." + name, value, "must be positive, in " + unit);
+		requireSetting(std::isfinite(value) && value > 0.0, "freezingCurve." + curve + "." + name, value, "must be positive, in " + unit);
 		return value;
 	}
 
@@ -117,7 +117,7 @@ namespace {
 	double undercooling(const CurveParameters& given, const std::string& curve, const std::string& name)
 	{
 		const double value = given.at(name);
-		requireProperty(
+		requireSetting(
 		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value,
 		        "must be positive, at least 1e-9, in K (for a jump choose the curve sharp)");
 		return value;
@@ -142,10 +142,10 @@ CurveBase::CurveBase(const CurveParameters& given)
 	if (given.empty()) return;
 	freezingTemperature = given.at("freezingTemperature");
 	residualSaturation  = given.at("residualSaturation");
-	requireProperty(
+	requireSetting(
 	        freezingTemperature > -50.0 && freezingTemperature < 50.0, "freezingCurve.freezingTemperature", freezingTemperature,
 	        "must be a temperature in degC between -50 and 50 (pure water: 0)");
-	requireProperty(
+	requireSetting(
 	        residualSaturation >= 0.0 && residualSaturation < 1.0, "freezingCurve.residualSaturation", residualSaturation,
 	        "must lie in [0, 1); 0.01 or more keeps the liquid defined in frozen ground");
 }
@@ -183,7 +183,7 @@ PowerCurve::PowerCurve(const CurveParameters& given)
         , scale(undercooling(given, name(), "scale"))
         , exponent(given.at("exponent"))
 {
-	requireProperty(std::isfinite(exponent) && exponent > 1.0, "freezingCurve.power.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
+	requireSetting(std::isfinite(exponent) && exponent > 1.0, "freezingCurve.power.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
 }
 
 std::vector<CurveParameter> LinearCurve::parameters()
@@ -194,7 +194,7 @@ LinearCurve::LinearCurve(const CurveParameters& given)
         : CurveBase(given)
         , frozenTemperature(given.at("frozenTemperature"))
 {
-	requireProperty(
+	requireSetting(
 	        frozenTemperature <= freezingTemperature - narrowest && frozenTemperature > -100.0, "freezingCurve.linear.frozenTemperature", frozenTemperature,
 	        "must lie below freezingTemperature, in degC (for a jump choose the curve sharp)");
 }
@@ -214,7 +214,7 @@ VanGenuchtenCurve::VanGenuchtenCurve(const CurveParameters& given)
         , suctionCoefficient(positive(given, name(), "suctionCoefficient", "Pa"))
         , freezingKelvin(freezingTemperature + zeroCelsius)
 {
-	requireProperty(lambda > 0.0 && lambda < 1.0, "freezingCurve.vanGenuchten.lambda", lambda, "must lie in (0, 1)");
+	requireSetting(lambda > 0.0 && lambda < 1.0, "freezingCurve.vanGenuchten.lambda", lambda, "must lie in (0, 1)");
 	knots_.push_back(0.0);
 	integrals_.push_back(0.0);
 	const auto saturation = [this](double theta) { return liquidSaturation(freezingTemperature - theta); };

@@ -2,8 +2,6 @@
 #include <pkg/thm/Mixture.hpp>
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
 namespace talik {
 
@@ -12,26 +10,17 @@ namespace {
 	void validatePhase(const Phase& phase, const std::string& name)
 	{
 		const auto positive = [&](double value, const char* attribute, const char* unit) {
-			requireProperty(std::isfinite(value) && value > 0.0, name + "." + attribute, value, std::string("must be positive, in ") + unit);
+			requireSetting(std::isfinite(value) && value > 0.0, name + "." + attribute, value, std::string("must be positive, in ") + unit);
 		};
 		positive(phase.density, "density", "kg/m^3");
 		positive(phase.specificHeat, "specificHeat", "J/(kg K)");
 		positive(phase.conductivity, "conductivity", "W/(m K)");
-		requireProperty(
+		requireSetting(
 		        std::abs(phase.expansivity) < 1e-2, name + ".expansivity", phase.expansivity,
 		        "must be a volumetric expansivity below 1e-2 in size, in 1/K");
 	}
 
 } // namespace
-
-void requireProperty(bool valid, const std::string& attribute, double value, const std::string& remedy)
-{
-	if (valid) return;
-	std::ostringstream text;
-	text.precision(10);
-	text << attribute << " = " << value << ": " << remedy;
-	throw std::invalid_argument(text.str());
-}
 
 const std::vector<std::string>& conductivityMeanNames()
 {
@@ -41,13 +30,8 @@ const std::vector<std::string>& conductivityMeanNames()
 
 ConductivityMean conductivityMeanFromName(const std::string& name)
 {
-	if (name == "arithmetic") return ConductivityMean::arithmetic;
-	if (name == "geometric") return ConductivityMean::geometric;
-	if (name == "harmonic") return ConductivityMean::harmonic;
-	throw std::invalid_argument("conductivityMean = '" + name + "': choose arithmetic, geometric or harmonic");
+	return static_cast<ConductivityMean>(placeOfName("conductivityMean", name, conductivityMeanNames()));
 }
-
-const char* nameOf(ConductivityMean mean) { return conductivityMeanNames()[static_cast<int>(mean)].c_str(); }
 
 double MixtureProperties::conductivity(const VolumeFractions& n) const
 {
@@ -72,11 +56,11 @@ void MixtureProperties::validate() const
 	validatePhase(solid, "solid");
 	validatePhase(ice, "ice");
 	validatePhase(liquid, "liquid");
-	requireProperty(ice.density <= liquid.density, "ice.density", ice.density, "must not exceed liquid.density");
-	requireProperty(
+	requireSetting(ice.density <= liquid.density, "ice.density", ice.density, "must not exceed liquid.density");
+	requireSetting(
 	        ice.specificHeat <= liquid.specificHeat, "ice.specificHeat", ice.specificHeat, "must not exceed liquid.specificHeat, or H(T) is not monotone");
-	requireProperty(std::isfinite(latentHeat) && latentHeat > 0.0, "latentHeat", latentHeat, "must be positive, in J/kg (water: 334e3)");
-	requireProperty(
+	requireSetting(std::isfinite(latentHeat) && latentHeat > 0.0, "latentHeat", latentHeat, "must be positive, in J/kg (water: 334e3)");
+	requireSetting(
 	        std::isfinite(referenceTemperature) && std::abs(referenceTemperature) < 100.0, "referenceTemperature", referenceTemperature,
 	        "must be a temperature in degC near the melting point (0)");
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/thm/Errors.hpp>
+
 #include <string>
 #include <vector>
 
@@ -11,7 +13,6 @@ enum class ConductivityMean { arithmetic, geometric, harmonic };
 
 /// Name of a mean as scripts write it; throws std::invalid_argument listing the valid names.
 ConductivityMean                conductivityMeanFromName(const std::string& name);
-const char*                     nameOf(ConductivityMean mean);
 const std::vector<std::string>& conductivityMeanNames();
 
 /// Intrinsic properties of one phase (soil grains, ice or liquid water) at the reference temperature.
@@ -76,8 +77,5 @@ struct MixtureProperties {
 	/// Throws std::invalid_argument naming the attribute, its value and the valid range.
 	void validate() const;
 };
-
-/// Throws std::invalid_argument "<attribute> = <value>: <remedy>" unless valid.
-void requireProperty(bool valid, const std::string& attribute, double value, const std::string& remedy);
 
 } // namespace talik

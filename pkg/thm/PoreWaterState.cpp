@@ -10,21 +10,21 @@ namespace talik {
 
 void PoreWaterState::validate() const
 {
-	requireProperty(
+	requireSetting(
 	        std::isfinite(liquidBulkModulus) && liquidBulkModulus > 0.0, "liquidBulkModulus", liquidBulkModulus, "must be positive, in Pa (water: 2.2e9)");
-	requireProperty(iceBulkModulus > 0.0, "iceBulkModulus", iceBulkModulus, "must be positive, in Pa (ice: 8.8e9; infinity leaves ice storage out)");
-	requireProperty(
+	requireSetting(iceBulkModulus > 0.0, "iceBulkModulus", iceBulkModulus, "must be positive, in Pa (ice: 8.8e9; infinity leaves ice storage out)");
+	requireSetting(
 	        std::isfinite(cavitationPressure) && cavitationPressure <= 0.0 && cavitationPressure > -0.1 * liquidBulkModulus, "cavitationPressure",
 	        cavitationPressure, "must be zero or negative and small against liquidBulkModulus, in Pa");
 }
 
 double PoreWaterState::waterMass(const MixtureProperties& m, double pressure, double liquidSaturation, double poreVolume, double temperature) const
 {
-	requireProperty(
+	requireSetting(
 	        pressure >= cavitationPressure && pressure < 0.1 * liquidBulkModulus, "initial pore pressure", pressure,
 	        "must lie between cavitationPressure and a tenth of liquidBulkModulus, in Pa");
-	requireProperty(liquidSaturation >= 0.0 && liquidSaturation <= 1.0, "liquidSaturation", liquidSaturation, "must lie in [0, 1]");
-	requireProperty(std::isfinite(poreVolume) && poreVolume > 0.0, "poreVolume", poreVolume, "must be positive, in m^3");
+	requireSetting(liquidSaturation >= 0.0 && liquidSaturation <= 1.0, "liquidSaturation", liquidSaturation, "must lie in [0, 1]");
+	requireSetting(std::isfinite(poreVolume) && poreVolume > 0.0, "poreVolume", poreVolume, "must be positive, in m^3");
 	// each phase takes its unstressed volume, less what the pressure compresses
 	const double     liquidPerMass = (1.0 - pressure / liquidBulkModulus) / m.densityAt(m.liquid, temperature);
 	const double     icePerMass    = (1.0 - pressure / iceBulkModulus) / poreIceDensity(m, temperature);
@@ -76,30 +76,22 @@ double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, co
 
 // ---- permeability -------------------------------------------------------------------------------------------------------
 
-namespace {
-	constexpr const char* lawNames[] = { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" };
-}
-
 RelativeConductivity relativeConductivityFromName(const std::string& name)
 {
-	for (int k = 0; k < 4; ++k)
-		if (name == lawNames[k]) return static_cast<RelativeConductivity>(k);
-	throw std::invalid_argument("relativeConductivity = '" + name + "': choose impedance, vanGenuchtenMualem, power or iceAsGrain");
+	return static_cast<RelativeConductivity>(placeOfName("relativeConductivity", name, { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" }));
 }
-
-const char* nameOf(RelativeConductivity law) { return lawNames[static_cast<int>(law)]; }
 
 void Permeability::validate() const
 {
 	const auto inside = [](double value, double low, double high) { return value > low && value < high; };
-	requireProperty(inside(referenceConductivity, 0.0, 1e3), "referenceConductivity", referenceConductivity, "must be positive, in m/s (sand: 1e-4)");
-	requireProperty(inside(referencePorosity, 0.0, 1.0), "referencePorosity", referencePorosity, "must lie in (0, 1)");
-	requireProperty(impedance >= 0.0 && impedance < 100.0, "impedance", impedance, "must lie in [0, 100), usually 4 to 10");
-	requireProperty(inside(exponent, 0.0, 100.0), "exponent", exponent, "must lie in (0, 100), usually 3 to 9");
-	requireProperty(inside(lambda, 0.0, 1.0), "lambda", lambda, "must lie in (0, 1)");
-	requireProperty(residualSaturation >= 0.0 && residualSaturation < 1.0, "residualSaturation", residualSaturation, "must lie in [0, 1)");
-	requireProperty(floor > 0.0 && floor <= 1.0, "floor", floor, "must lie in (0, 1], default 1e-6");
-	requireProperty(inside(hydraulicTimeScale, 1e-12, 1e12), "hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
+	requireSetting(inside(referenceConductivity, 0.0, 1e3), "referenceConductivity", referenceConductivity, "must be positive, in m/s (sand: 1e-4)");
+	requireSetting(inside(referencePorosity, 0.0, 1.0), "referencePorosity", referencePorosity, "must lie in (0, 1)");
+	requireSetting(impedance >= 0.0 && impedance < 100.0, "impedance", impedance, "must lie in [0, 100), usually 4 to 10");
+	requireSetting(inside(exponent, 0.0, 100.0), "exponent", exponent, "must lie in (0, 100), usually 3 to 9");
+	requireSetting(inside(lambda, 0.0, 1.0), "lambda", lambda, "must lie in (0, 1)");
+	requireSetting(residualSaturation >= 0.0 && residualSaturation < 1.0, "residualSaturation", residualSaturation, "must lie in [0, 1)");
+	requireSetting(floor > 0.0 && floor <= 1.0, "floor", floor, "must lie in (0, 1], default 1e-6");
+	requireSetting(inside(hydraulicTimeScale, 1e-12, 1e12), "hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
 }
 
 } // namespace talik

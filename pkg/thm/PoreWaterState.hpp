@@ -113,7 +113,6 @@ double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, co
 enum class RelativeConductivity { impedance, vanGenuchtenMualem, power, iceAsGrain };
 
 RelativeConductivity relativeConductivityFromName(const std::string& name);
-const char*          nameOf(RelativeConductivity law);
 
 /// Eq. (5.1): hydraulic conductivity k = f_H k_ref KC(n)/KC(n_ref) max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2 (Kozeny-Carman).
 struct Permeability {

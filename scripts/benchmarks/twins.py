@@ -10,7 +10,7 @@ from yade import FrictMat, Matrix3, O, Vector3, utils, wrapper
 from yade import log as yadeLog
 
 import talik
-from talik import rve, slope
+from talik import rve
 
 yadeLog.setLevel("NewtonIntegrator", 1)  # it warns, whenever it is saved, that densityScaling is not in use
 
@@ -90,12 +90,12 @@ class Twin:
 
 def frictional(grains):
 	"""A dense sample of FrictMat discs at 100 kPa, prepared by stock YADE, packed."""
-	return slope.pack(rve.prepare(grains=grains, pressure=pressure, ice=False))
+	return rve.pack(rve.prepare(grains=grains, pressure=pressure, ice=False))
 
 
 def bonded(grains, iceSaturation=1.0):
 	"""The same of IceBondMat discs, frozen: every contact carries a bond."""
-	sample = slope.pack(rve.prepare(grains=grains, pressure=pressure, ice=True))
+	sample = rve.pack(rve.prepare(grains=grains, pressure=pressure, ice=True))
 	sample.freeze(iceSaturation)
 	return sample
 

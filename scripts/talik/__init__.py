@@ -125,25 +125,33 @@ _submodules = (
 	"progress",
 	"realisation",
 	"refinement",
+	"running",
 	"rve",
-	"shearband",
 	"slope",
-	"slumppage",
-	"thawslump",
 	"weather",
 )
 
 
+_functions = {
+	"refine": "refinement",
+	"coarsen": "refinement",
+	"atRest": "running",
+	"runSerially": "running",
+	"runUntil": "running",
+	"runUntilDay": "running",
+}  # and their modules
+
+
 def __getattr__(name):
 	"""Submodules are loaded when they are first used: the import itself stays in milliseconds."""
-	if name in ("refine", "coarsen"):
-		from . import refinement
+	import importlib
 
-		return getattr(refinement, name)
+	if name in _functions:
+		return getattr(importlib.import_module("talik." + _functions[name]), name)
 	if name in _submodules:
-		import importlib
-
 		return importlib.import_module("talik." + name)
+	if name in ("thawslump", "slumppage", "shearband"):
+		raise AttributeError(f"talik.{name} is in the folder thawslump of the examples now, beside thaw_slump_surface.py")
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
 
 

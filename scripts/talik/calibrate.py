@@ -24,7 +24,7 @@ import time
 import numpy as np
 from yade import Matrix3
 
-from talik import plots, rve, slope
+from talik import plots, rve
 from talik.files import writableFolder, writeWhole
 
 iceSaturations = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
@@ -219,7 +219,7 @@ def scatter(grains=(60, 100, 200, 400), realisations=8, seed=1, strain=0.02, tol
 	told(scatterHead)
 	table = []
 	for number in grains:
-		table.append(scatterOf(slope.pack(rve.prepare(grains=number, realisations=realisations, seed=seed, ice=True, **prepared)), strain=strain))
+		table.append(scatterOf(rve.pack(rve.prepare(grains=number, realisations=realisations, seed=seed, ice=True, **prepared)), strain=strain))
 		told(table[-1].row())
 	return table
 
@@ -390,7 +390,7 @@ def main():
 		scatter(options.grains or (60, 100, 200, 400), options.realisations, told=lambda line: (lines.append(line), print(line, flush=True)))
 		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
 		return
-	result = calibrate(slope.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)))
+	result = calibrate(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)))
 	print(result.report())
 	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")

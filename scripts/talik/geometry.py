@@ -12,6 +12,8 @@ import math
 
 import numpy as np
 from matplotlib.path import Path
+from shapely.geometry import Polygon, box
+from shapely.validation import make_valid
 
 smallestPart = 0.2  # parts smaller than this fraction of a lattice square join the nearest point
 
@@ -139,31 +141,10 @@ def _touchedByOutline(corners, centres, side):
 
 def _parts(corners, centres, side):
 	"""Centroid and area of the parts of lattice squares inside the polygon; empty ones left out."""
-	found = [polygonArea(part) for part in (_clip(corners, centre, side) for centre in centres) if len(part) >= 3]
-	found = [(area, centroid) for area, centroid in found if area > 1e-9 * side * side]
+	ground, half = make_valid(Polygon(corners)), 0.5 * side
+	parts = [ground.intersection(box(x - half, y - half, x + half, y + half)) for x, y in centres]
+	found = [(part.area, (part.centroid.x, part.centroid.y)) for part in parts if part.area > 1e-9 * side * side]
 	return np.array([c for _, c in found]).reshape(-1, 2), np.array([a for a, _ in found])
-
-
-def _clip(corners, centre, side):
-	"""Sutherland-Hodgman: the polygon cut to one lattice square."""
-	part = [tuple(corner) for corner in corners]
-	for axis in (0, 1):
-		for sign in (1, -1):
-			part = _cutHalfPlane(part, axis, sign, sign * centre[axis] + 0.5 * side)
-	return part
-
-
-def _cutHalfPlane(part, axis, sign, limit):
-	"""The part of a polygon where sign * coordinate <= limit."""
-	kept = []
-	for a, b in zip(part, part[1:] + part[:1]):
-		da, db = limit - sign * a[axis], limit - sign * b[axis]
-		if da >= 0:
-			kept.append(a)
-		if (da > 0 > db) or (da < 0 < db):
-			share = da / (da - db)
-			kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
-	return kept
 
 
 def _joinSmallParts(positions, volumes, smallest):

@@ -100,7 +100,7 @@ def advance(steps):
 
 	>>> with talik.inspect(packed.open()):
 	...     talik.packing.advance(10)"""
-	talik._talik.runSerially(steps)
+	talik.runSerially(steps)
 
 
 # --- measuring -----------------------------------------------------------------------------------------------------------
@@ -320,7 +320,7 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
 	refused when the strain passes `maxStrain`.
 
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
-	>>> with talik.inspect(talik.slope.openScene(sample)):
+	>>> with talik.inspect(talik.rve.openScene(sample)):
 	...     talik.packing.servoStress(grains, (-95e3, -100e3, 0), tolerance=0.02)"""
 	goal = np.asarray(goal, dtype=float)
 	pressure = max(-0.5 * (goal[0] + goal[1]), 1.0)

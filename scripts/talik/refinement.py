@@ -39,13 +39,13 @@ def refine(mpm, where, sample, **attributes):
 	the ground is then as before.
 
 	>>> law = talik.refine(elastic, where=lambda x, y: y > 0.5, sample=packed)"""
-	from talik import slope
+	from talik import rve
 
 	laws, numbers = _laws(mpm), _numbers(mpm)
 	chosen = [int(i) for i in _ids(mpm, where) if not isinstance(laws[numbers[i]], _class("RveSkeleton"))]
 	if not chosen:
 		raise ValueError("refine: where names no point that is without a sample; choose others")
-	prototype = sample if hasattr(sample, "apply") else slope.pack(sample)
+	prototype = sample if hasattr(sample, "apply") else rve.pack(sample)
 	samples, sampleOf = _broughtToPoints(mpm, prototype, chosen)
 	law = _class("RveSkeleton")(samples=samples, sampleOf=sampleOf, **attributes)
 	numbers[chosen] = len(laws)

@@ -24,7 +24,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from yade import O
+from yade import O, wrapper
 
 import talik
 from talik import packing, realisation
@@ -432,9 +432,30 @@ def _grainsOf(sample):
 
 
 def pack(sample):
-	"""Packed form (RveSample) of a sample, a scene file or a YADE Scene, of a list of them a list, see talik.slope.pack.
+	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object; of a list of them a list.
 
-	>>> packed = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19))"""
-	from talik import slope
+	The time step is lowered to what the contacts need when they are stiffened by full ice saturation, and the work of the
+	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed.
 
-	return slope.pack(sample)
+	>>> packed = talik.rve.pack(sample)"""
+	if isinstance(sample, (list, tuple)):
+		return [pack(one) for one in sample]
+	if isinstance(sample, wrapper.Scene):
+		return wrapper.RveSample.fromScene(sample)
+	path = getattr(sample, "path", sample)
+	with talik.scratchScene():
+		openFile(str(path))
+		return wrapper.RveSample.fromScene(O._sceneObj)
+
+
+def openScene(sample):
+	"""YADE Scene of a prepared sample or a scene file, for RveSkeleton(scenes=[…]) and OpenRveSample: samples of any grains and law.
+
+	The time step is lowered as pack() does it.
+
+	>>> skeleton = RveSkeleton(scenes=[talik.rve.openScene(sample)], form="open")"""
+	path = getattr(sample, "path", sample)
+	with talik.scratchScene():
+		openFile(str(path))
+		O.dt = talik._talik.timeStepForIce(O._sceneObj)
+		return O._sceneObj

@@ -7,40 +7,7 @@ bands while they are still frictional; they are frozen afterwards, by the first 
 
 import numpy as np
 
-from yade import O, wrapper
-
-import talik
-from talik import rve
-
-
-def pack(sample):
-	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object; of a list of them a list.
-
-	The time step is lowered to what the contacts need when they are stiffened by full ice saturation, and the work of the
-	neighbour search is left to the packed form. ValueError tells why a scene cannot be packed.
-
-	>>> packed = talik.slope.pack(sample)"""
-	if isinstance(sample, (list, tuple)):
-		return [pack(one) for one in sample]
-	if isinstance(sample, wrapper.Scene):
-		return wrapper.RveSample.fromScene(sample)
-	path = getattr(sample, "path", sample)
-	with talik.scratchScene():
-		rve.openFile(str(path))
-		return wrapper.RveSample.fromScene(O._sceneObj)
-
-
-def openScene(sample):
-	"""YADE Scene of a prepared sample or a scene file, for RveSkeleton(scenes=[…]) and OpenRveSample: samples of any grains and law.
-
-	The time step is lowered as pack() does it.
-
-	>>> skeleton = RveSkeleton(scenes=[talik.slope.openScene(sample)], form="open")"""
-	path = getattr(sample, "path", sample)
-	with talik.scratchScene():
-		rve.openFile(str(path))
-		O.dt = talik._talik.timeStepForIce(O._sceneObj)
-		return O._sceneObj
+from yade import wrapper
 
 
 def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3, load=0.0):
@@ -129,3 +96,9 @@ def _broughtTo(sample, goal, band):
 	if not banded.servo(*goal):
 		raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {band}; choose a lateralRatio nearer to 1")
 	return banded
+
+
+def __getattr__(name):
+	if name in ("pack", "openScene"):
+		raise AttributeError(f"talik.slope.{name} is talik.rve.{name} now")
+	raise AttributeError(f"module 'talik.slope' has no attribute '{name}'")

@@ -87,7 +87,7 @@ def test_a_damaged_cached_scene_is_made_anew_with_a_word_and_found_from_then_on(
 	print(said.strip())
 	assert "is made anew" in said and str(scene) in said and abs(made.porosity - 0.19) < 0.005
 	assert found(cache) == made and capsys.readouterr().err == ""
-	assert talik.slope.pack(made).statistics()["contacts"] > 30
+	assert talik.rve.pack(made).statistics()["contacts"] > 30
 
 
 def test_a_scene_of_another_stress_under_the_key_of_this_one_is_not_taken(cache, sampleCache, capsys):

@@ -12,7 +12,7 @@ from talik import rve
 
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
-	return talik.slope.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
+	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
 
 
 def loop(parameters=None, laws=None):

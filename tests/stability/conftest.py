@@ -9,4 +9,4 @@ from talik import rve
 @pytest.fixture(scope="session")
 def sample(sampleCache):
 	"""Thirty grains, packed."""
-	return talik.slope.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))
+	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))

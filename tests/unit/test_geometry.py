@@ -55,6 +55,14 @@ def test_concave_and_clockwise_outlines_are_filled_alike():
 	assert abs(forward[1].sum() - geometry.polygonArea(corners)[0]) < 1e-12
 
 
+def test_an_outline_with_a_cut_to_a_hole_is_filled_around_the_hole():
+	outline = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0), (1, 1), (1, 3), (3, 3), (3, 1), (1, 1)]
+	position, volume = geometry.fillPolygon(outline, 0.13, 4)
+	inHole = ((position > 1) & (position < 3)).all(axis=1)
+	print(f"{volume.sum():.14f} m2 of {16 - 4}, {inHole.sum()} points in the hole")
+	assert abs(volume.sum() - 12) < 1e-12 and not inHole.any()
+
+
 class Recorder:
 	gridSpacing = 0.5
 

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+import sys
+from pathlib import Path
+
 import pytest
 from fixtures import emptyScene, sampleCache  # noqa: F401: pytest finds them here
 
 from talik import rve
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "examples"))  # scenes, and what they share
 
 
 @pytest.fixture(scope="session")

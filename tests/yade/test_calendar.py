@@ -8,7 +8,8 @@ import pytest
 from yade import O, wrapper
 
 import talik
-from talik import checkpoint, output, plots, thawslump
+from talik import checkpoint, output, plots, running
+from thawslump import commandline
 
 height = 1.0
 
@@ -61,12 +62,12 @@ def test_a_run_that_reaches_its_day_while_it_is_paused_for_a_checkpoint_does_not
 		omega.wait()
 
 	def pauseOnce():
-		with thawslump.atRest():
+		with talik.atRest():
 			pass
-		monkeypatch.setattr(thawslump, "awaitEndOfStep", lambda omega: None)
+		monkeypatch.setattr(running, "awaitEndOfStep", lambda omega: None)
 
-	monkeypatch.setattr(thawslump, "awaitEndOfStep", endMeanwhile)
-	thawslump.runUntilDay(mpm, 300, pauseOnce, longest=1e3)
+	monkeypatch.setattr(running, "awaitEndOfStep", endMeanwhile)
+	talik.runUntilDay(mpm, 300, pauseOnce, longest=1e3)
 	print(f"ended on day {mpm.calendar['day']:.2f} for 300")
 	assert 300 <= mpm.calendar["day"] < 300.1
 
@@ -104,7 +105,7 @@ def test_a_flight_is_an_event_of_the_calendar_in_summaries_pictures_and_series(t
 	axes = plots.figure(5, 3).subplots()
 	plots.calendarHistory(axes, history, mpm.events())
 	assert axes.get_xlabel() == "day" and len(axes.patches) == 1 and [text.get_text() for text in axes.texts] == ["1 m²"]
-	assert list(thawslump.eventLines(mpm.events())) == [
+	assert list(commandline.eventLines(mpm.events())) == [
 		f"day 0.0: 1.00 m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m, and go on"
 	]
 

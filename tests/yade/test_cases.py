@@ -12,14 +12,17 @@ import pytest
 from yade import Matrix3, O
 
 import talik
-from talik import calibrate, output, plots, rve, shearband, slope, slumppage, thawslump
+import thawslump
+from talik import calibrate, output, plots, running, rve
+from thaw_slump_base import case
+from thawslump import commandline, page, shearband
 
 rest = Matrix3.Zero
 
 
 @pytest.fixture(scope="module")
 def sample():
-	return slope.pack(rve.prepare(grains=100, ice=True))
+	return rve.pack(rve.prepare(grains=100, ice=True))
 
 
 # ---- ice-rich samples -----------------------------------------------------------------------------------------------------
@@ -96,9 +99,9 @@ def thawedColumn(sample, thawStrain, duration=5.0):
 	)
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2 * h, top), temperature=-5)
 	O.engines = [mpm]
-	thawslump.runUntil(0.3)
+	talik.runUntil(0.3)
 	mpm.resetDisplacement()
-	thawslump.runUntil(duration)
+	talik.runUntil(duration)
 	fields = {
 		name: mpm.field(name)
 		for name in (
@@ -264,10 +267,6 @@ def test_calibration_of_a_frozen_sample_or_at_one_pressure_is_refused(sample):
 # ---- the cases ------------------------------------------------------------------------------------------------------------
 
 
-def warmBase(start):
-	return [WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[start, start + 10 * talik.day], values=[-5, 10])]
-
-
 def labels(figure):
 	"""Every label of axes and colour bars, subfigures included."""
 	return {text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel()) if text}
@@ -304,24 +303,24 @@ def summaries(folder):
 
 def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatch):
 	monkeypatch.setattr(sys, "argv", ["example", "--thaw-strain", "full", "--compare", "thaw-strain", "--skeleton", "MohrCoulomb"])
-	options = thawslump.arguments("example", "output", thawStrain=0.03)
+	options = commandline.arguments("example", "output", thawStrain=0.03)
 	assert (options.thaw_strain, options.compare, options.skeleton) == ("full", "thaw-strain", "MohrCoulomb")
 	monkeypatch.setattr(sys, "argv", ["example"])
-	assert thawslump.arguments("example", "output", thawStrain=0.03).thaw_strain == 0.03
+	assert commandline.arguments("example", "output", thawStrain=0.03).thaw_strain == 0.03
 	runs = {
-		name: list(thawslump.comparison(argparse.Namespace(compare=name, skeleton="samples", thaw_strain=0.05)).values())
+		name: list(commandline.comparison(argparse.Namespace(compare=name, skeleton="samples", thaw_strain=0.05)).values())
 		for name in (None, "thaw-strain", "skeleton", "both")
 	}
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
 	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
 	grounds = {
-		name: thawslump.groundOf(asCommanded("", skeleton=name, **given), dict(skeleton=name, thawStrain=0.0))
+		name: commandline.groundOf(asCommanded("", skeleton=name, **given), dict(skeleton=name, thawStrain=0.0))
 		for name, given in (("samples", {}), ("MohrCoulomb", {}))
 	}
 	assert not grounds["samples"].followsMotion and grounds["samples"].thawedCohesion == 0
 	assert grounds["MohrCoulomb"].followsMotion and grounds["MohrCoulomb"].thawedCohesion == 2000
-	compared = thawslump.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
+	compared = commandline.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
 	assert compared.followsMotion and compared.thawedCohesion == 0
 	for wrong in (
 		["--days", "-5"],
@@ -337,19 +336,17 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
 		with pytest.raises(SystemExit):
-			thawslump.arguments("example", "output")
+			commandline.arguments("example", "output")
 	with pytest.raises(FileNotFoundError, match="holds no frames.npz to draw from"):
-		thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, redraw=True))
+		commandline.runCase(case, asCommanded(tmp_path, redraw=True))
 	with pytest.raises(ValueError, match="skeleton is 'Cam-Clay'; choose one of samples, MohrCoulomb"):
-		thawslump.ThawSlump("Case II", warmBase, "test", skeleton="Cam-Clay")
+		thawslump.ThawSlump(case, "test", skeleton="Cam-Clay")
 
 
 def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
 	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
-	preset = thawslump._presetOf(options, None)
-	slump = {
-		name: thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons
-	}
+	preset = commandline.presetOf(options, None)
+	slump = {name: thawslump.ThawSlump(case, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons}
 	samples, cohesions = slump["samples"].skeleton.samples, slump["MohrCoulomb"].skeleton.cohesions
 	strength, measured = slump["samples"].thawed["strength of bonds [Pa]"], slump["samples"].thawed["cohesion measured [Pa]"]
 	slump["samples"].mpm.initialise()
@@ -365,13 +362,13 @@ def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and
 
 def test_compare_skeleton_runs_samples_and_the_law_calibrated_on_the_same_sample_and_shows_both_bills_slow(tmp_path, monkeypatch):
 	figures = []
-	sideBySide = slumppage.sideBySide
-	monkeypatch.setattr(slumppage, "sideBySide", lambda *given: figures.append(sideBySide(*given)) or figures[-1])
-	thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, compare="skeleton", thaw_strain=0.0))
+	sideBySide = page.sideBySide
+	monkeypatch.setattr(page, "sideBySide", lambda *given: figures.append(sideBySide(*given)) or figures[-1])
+	commandline.runCase(case, asCommanded(tmp_path, compare="skeleton", thaw_strain=0.0))
 	runs = summaries(tmp_path)
 	for skeleton in thawslump.skeletons:
 		summary = runs[skeleton]
-		print(f"{skeleton}: {thawslump.bill(summary)}; largest displacement {1e3 * summary['largest displacement [m]']:.4f} mm")
+		print(f"{skeleton}: {commandline.bill(summary)}; largest displacement {1e3 * summary['largest displacement [m]']:.4f} mm")
 		assert summary["largest displacement [m]"] < 1e-3
 		assert (tmp_path / skeleton / "page.png").stat().st_size > 10000
 	assert runs["samples"]["sample calls"] > 0 and runs["samples"]["sample memory [MB]"] > 0 and runs["samples"]["bondsFormed"] > 0
@@ -382,12 +379,12 @@ def test_compare_skeleton_runs_samples_and_the_law_calibrated_on_the_same_sample
 	assert any("MohrCoulomb: " in title and "calibration" in title for title in titles)
 	drawn = (tmp_path / "skeleton.png").read_bytes()
 	(tmp_path / "skeleton.png").unlink()
-	thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, compare="skeleton", thaw_strain=0.0, redraw=True))
+	commandline.runCase(case, asCommanded(tmp_path, compare="skeleton", thaw_strain=0.0, redraw=True))
 	assert len(drawn) > 10000 and (tmp_path / "skeleton.png").read_bytes() == drawn
 
 
 def test_compare_thaw_strain_runs_none_a_few_per_cent_and_all_of_it_slow(tmp_path):
-	thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, compare="thaw-strain"))
+	commandline.runCase(case, asCommanded(tmp_path, compare="thaw-strain"))
 	runs = summaries(tmp_path)
 	print({name: summary["ground.thawStrain"] for name, summary in runs.items()})
 	assert {name: summary["ground.thawStrain"] for name, summary in runs.items()} == {
@@ -401,7 +398,7 @@ def test_compare_thaw_strain_runs_none_a_few_per_cent_and_all_of_it_slow(tmp_pat
 def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_bonds_that_reaches_the_top_slow(tmp_path):
 	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=600.0)  # the roof breaks between day 430 and more than 500
 	with talik.scratchScene():
-		slump = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path, thawslump.Ground(thawStrain="full"))
+		slump = thawslump.ThawSlump(case, preset, tmp_path, thawslump.Ground(thawStrain="full"))
 		summary = slump.run()
 		last, watched, band, surface = slump.frames.frames[-1], slump.watchedPoints(), slump.band(), slump.slipSurface()
 	print(shearband.describe(band), shearband.describe(surface, "all"), f"largest displacement {summary['largest displacement [m]']:.2f} m", sep="\n")
@@ -418,7 +415,7 @@ def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_b
 def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
 	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=200.0)
 	with talik.scratchScene():
-		slump = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path)
+		slump = thawslump.ThawSlump(case, preset, tmp_path)
 		summary = slump.run()
 	print(f"largest displacement {1e3 * summary['largest displacement [m]']:.2f} mm, thawed part {summary['thawed part [-]']:.2f}")
 	assert summary["thawed part [-]"] > 0.1 and summary["largest displacement [m]"] < 0.01
@@ -427,18 +424,18 @@ def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
 
 def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points_and_is_drawn_anew_from_the_folder(tmp_path, monkeypatch, capsys):
 	with talik.scratchScene():
-		slump = thawslump.runCase("Case II", warmBase, asCommanded(tmp_path))
+		slump = commandline.runCase(case, asCommanded(tmp_path))
 		frames = slump.frames.frames
-		sample = slumppage.sampleOf(slump.skeleton, 0)
-		slumppage.saveSamples(tmp_path / slumppage.samplesName, {"A": sample, "B": sample}, {"A": 0, "B": 1})
-	figure = slumppage.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, f"Case II; {slumppage.slipSurfaces(frames[-1], thawslump.outline)}")
+		sample = page.sampleOf(slump.skeleton, 0)
+		page.saveSamples(tmp_path / page.samplesName, {"A": sample, "B": sample}, {"A": 0, "B": 1})
+	figure = page.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, f"{case.name}; {page.slipSurfaces(frames[-1], case.outline)}")
 	fields = [axes for axes in figure.axes if axes.collections and axes.name == "rectilinear"]
 	roses = [axes for axes in figure.axes if axes.name == "polar"]
 	wanted = Path(plots.save(figure, tmp_path / "wanted.png", dpi=80)).read_bytes()
 	(tmp_path / "page.png").unlink()
 	told = capsys.readouterr().out.splitlines()[-3:]
-	monkeypatch.setattr(thawslump, "ThawSlump", None)  # no run
-	thawslump.runCase("Case II", warmBase, asCommanded(tmp_path, redraw=True))
+	monkeypatch.setattr(commandline, "ThawSlump", None)  # no run
+	commandline.runCase(case, asCommanded(tmp_path, redraw=True))
 	assert capsys.readouterr().out.splitlines()[-3:] == told
 	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}; the page drawn anew has the same {len(wanted)} bytes")
 	assert len(roses) == 2 and len(fields) >= 12 + 2
@@ -454,9 +451,9 @@ def test_a_slump_of_another_version_is_named_not_half_read(tmp_path):
 
 
 def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_and_beyond_its_end(tmp_path, monkeypatch):
-	monkeypatch.setattr(thawslump, "seriesLength", 4)  # a checkpoint is due between two states more often than at one
+	monkeypatch.setattr(thawslump.slump, "seriesLength", 4)  # a checkpoint is due between two states more often than at one
 	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=1.0, strainTolerance=5e-5, bandThickness=1.0, restTime=0.05)
-	whole = thawslump.ThawSlump("Case II", warmBase, preset, tmp_path / "whole")
+	whole = thawslump.ThawSlump(case, preset, tmp_path / "whole")
 	whole.run()
 	wanted, counted = output.allFields(whole.mpm), whole.counters()
 	O.reset()
@@ -470,17 +467,17 @@ def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_a
 		kept.append(O.time)
 		stockKeep(slump)
 
-	stockWrite, stockKeep, stockSleep, kept = output.ParaViewSeries.write, thawslump.ThawSlump._keep, thawslump.time.sleep, []
+	stockWrite, stockKeep, stockSleep, kept = output.ParaViewSeries.write, thawslump.ThawSlump._keep, running.time.sleep, []
 	with monkeypatch.context() as patched:
 		patched.setattr(output.ParaViewSeries, "write", writeUntilThePowerFails)
 		patched.setattr(thawslump.ThawSlump, "_keep", count)
-		patched.setattr(thawslump, "checkpointInterval", 0)
-		patched.setattr(thawslump.runUntil, "__defaults__", (None, 0.002))  # looks often, however fast the steps are
-		patched.setattr(thawslump.time, "sleep", lambda seconds: stockSleep(min(seconds, 0.001)))
+		patched.setattr(thawslump.slump, "checkpointInterval", 0)
+		patched.setattr(running.runUntil, "__defaults__", (None, 0.002))  # looks often, however fast the steps are
+		patched.setattr(running.time, "sleep", lambda seconds: stockSleep(min(seconds, 0.001)))
 		with pytest.raises(SystemError):
-			thawslump.ThawSlump("Case II", warmBase, preset, tmp_path / "stopped").run()
+			thawslump.ThawSlump(case, preset, tmp_path / "stopped").run()
 	O.reset()
-	slump = thawslump.runCase("Case II", warmBase, asCommanded(tmp_path / "stopped", resume=True))
+	slump = commandline.runCase(case, asCommanded(tmp_path / "stopped", resume=True))
 	found = output.allFields(slump.mpm)
 	different = sum(int(np.sum(~((found[name] == wanted[name]) | (np.isnan(found[name]) & np.isnan(wanted[name]))))) for name in wanted)
 	print(

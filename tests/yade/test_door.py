@@ -404,7 +404,7 @@ def fieldsOf(mpm):
 
 @pytest.fixture(scope="module")
 def packedSample(tmp_path_factory):
-	return talik.slope.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
+	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
 
 
 skeletons = {

@@ -17,7 +17,7 @@ import talik
 from talik import plots, rve
 
 ourClasses = sorted({cls for cls in vars(talik).values() if inspect.isclass(cls) and issubclass(cls, wrapper.Serializable)}, key=lambda cls: cls.__name__)
-programs = {"accuracy", "files", "shearband", "slumppage", "thawslump"}  # of commands and examples, not tools for scenes of one's own
+programs = {"accuracy", "files"}  # of commands, not tools for scenes of one's own
 tools = sorted(set(talik._submodules) - programs | {"bodies", "inspection"})
 dimensional = re.compile(r"^(vector<)?(Real|Vector2r|Vector3r|Matrix3r)>?$")
 
@@ -78,7 +78,7 @@ def names(sample, tmp_path, sampleCache, monkeypatch):
 	"""What an example finds: a ground in mid-run in O, a sample in both forms, a picture to draw into, a folder."""
 	monkeypatch.chdir(tmp_path)
 	monkeypatch.setenv("XDG_CACHE_HOME", str(sampleCache))
-	packed = talik.slope.pack(sample)
+	packed = talik.rve.pack(sample)
 	mpm, elastic = thawingGround(packed), compressedGround()
 	elastic.initialise()
 	O.engines = [mpm]

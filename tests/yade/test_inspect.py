@@ -22,7 +22,7 @@ same = talik._talik.sameObject
 
 @pytest.fixture(scope="module")
 def sample(sampleCache):
-	return talik.slope.pack(rve.prepare(grains=40, cache=sampleCache))
+	return talik.rve.pack(rve.prepare(grains=40, cache=sampleCache))
 
 
 def thawingGround(sample, form="packed"):
@@ -396,7 +396,7 @@ def test_a_sample_saved_while_shown_opens_tomorrow_in_another_yade(ice, sample, 
 	if ice:
 		mpm = running(sample)
 	else:
-		frictional = talik.slope.pack(rve.prepare(grains=40, ice=False, cache=sampleCache))
+		frictional = talik.rve.pack(rve.prepare(grains=40, ice=False, cache=sampleCache))
 		mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[frictional]))
 		mpm.addPoints(position=[(0.25, 0.25)], volume=0.25, velocity=(0.01, 0))
 		O.reset()
@@ -422,7 +422,7 @@ def test_a_sample_saved_while_shown_opens_tomorrow_in_another_yade(ice, sample, 
 meanwhile = """
 import talik
 from yade import O, wrapper, Matrix3
-sample = talik.slope.pack({file!r})
+sample = talik.rve.pack({file!r})
 mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[sample], form={form!r}))
 mpm.addPoints(position=[(0.25, 0.25), (0.75, 0.25)], volume=0.25, velocity=[(0.01, 0), (-0.01, 0)])
 O.engines = [mpm]
@@ -450,7 +450,7 @@ def test_shown_samples_run_with_all_threads_of_yade_and_yade_may_end_while_one_i
 fewerThreads = """
 import talik
 from yade import Matrix3, O, wrapper
-sample = wrapper.OpenRveSample(source=talik.slope.openScene({file!r}))
+sample = wrapper.OpenRveSample(source=talik.rve.openScene({file!r}))
 sample.apply(Matrix3(0, 1e-4, 0, 0, 0, 0, 0, 0, 0), 0)
 try:
 	talik.inspect(sample.scene)
@@ -719,7 +719,7 @@ import talik
 from yade import Matrix3, O, qt, wrapper
 from yade.qt.Inspector import SimulationInspector
 
-sample = talik.slope.pack({file!r})
+sample = talik.rve.pack({file!r})
 sample.freeze(1)
 mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[sample]))
 mpm.addPoints(position=[(0.25, 0.25)], volume=0.25)

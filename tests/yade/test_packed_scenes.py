@@ -10,7 +10,7 @@ import pytest
 from yade import Matrix3, O, wrapper
 
 import talik
-from talik import rve, slope
+from talik import rve
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def still(sample, saturation=1.0, steps=2000):
 
 
 def test_plain_grains_stay_frictional_when_water_freezes_packed_as_open(plainFile):
-	packed, opened = slope.pack(plainFile), wrapper.OpenRveSample(source=slope.openScene(plainFile))
+	packed, opened = rve.pack(plainFile), wrapper.OpenRveSample(source=rve.openScene(plainFile))
 	contacts, before = packed.statistics()["contacts"], np.array(packed.stress)
 	statistics = still(packed)
 	opened.freeze(1)
@@ -43,7 +43,7 @@ def test_plain_grains_stay_frictional_when_water_freezes_packed_as_open(plainFil
 	assert statistics["bondsFormed"] == opened.statistics()["bondsFormed"] == 0
 	assert statistics["contacts"] == contacts and np.allclose(packed.stress, before, atol=1)
 	bothWays = dict(minSteps=200, maxStrainPerStep=1.0, maxInertialNumber=1e9)
-	packed, opened = slope.pack(plainFile), wrapper.OpenRveSample(source=slope.openScene(plainFile), **bothWays)
+	packed, opened = rve.pack(plainFile), wrapper.OpenRveSample(source=rve.openScene(plainFile), **bothWays)
 	for name, value in bothWays.items():
 		setattr(packed, name, value)
 	strain = 1e-3 * Matrix3(0.2, 1, 0, -0.4, -0.5, 0, 0, 0, 0)
@@ -55,8 +55,8 @@ def test_plain_grains_stay_frictional_when_water_freezes_packed_as_open(plainFil
 
 def test_bonds_hold_in_a_sample_at_rest_however_its_scene_became_one(icyFile):
 	ways = {
-		"pack(file)": lambda scene: slope.pack(icyFile),
-		"pack(Scene)": slope.pack,
+		"pack(file)": lambda scene: rve.pack(icyFile),
+		"pack(Scene)": rve.pack,
 		"RveSample.fromScene": wrapper.RveSample.fromScene,
 		"RveSkeleton(scenes=)": lambda scene: behindPoint(scene),
 	}
@@ -93,7 +93,7 @@ def test_bonds_hold_in_an_open_sample_made_of_a_scene(icyFile):
 
 
 def test_a_time_step_lowered_for_ice_is_not_lowered_again(icyFile):
-	packed = slope.pack(icyFile)
+	packed = rve.pack(icyFile)
 	again = wrapper.RveSample.fromScene(packed.open())
 	with talik.scratchScene():
 		rve.openFile(icyFile.path)
@@ -122,7 +122,7 @@ wrong = {
 
 @pytest.mark.parametrize("case", wrong)
 def test_values_without_sense_are_refused_by_name(icyFile, case):
-	sample = slope.pack(icyFile)
+	sample = rve.pack(icyFile)
 	before = sample.stateBytes
 	act, sentence = wrong[case]
 	with pytest.raises(ValueError) as refusal:
@@ -140,7 +140,7 @@ def pickled(thing):
 
 @pytest.mark.parametrize("copied", (copy.deepcopy, copy.copy, pickled))
 def test_a_copied_sample_goes_on_as_the_original_bit_for_bit(icyFile, copied):
-	sample = slope.pack(icyFile)
+	sample = rve.pack(icyFile)
 	sample.freeze(0.6)
 	sample.minSteps = 20
 	other = copied(sample)
@@ -160,7 +160,7 @@ def test_a_copied_engine_goes_on_as_the_original_bit_for_bit(icyFile, copied, st
 		lower=(0, 0),
 		upper=(1, 1.5),
 		gravity=(0, -9.81),
-		skeleton=wrapper.RveSkeleton(samples=[slope.pack(icyFile)]),
+		skeleton=wrapper.RveSkeleton(samples=[rve.pack(icyFile)]),
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
 		freezing=wrapper.FreezingCurve(),
 		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
@@ -181,7 +181,7 @@ def test_a_copied_engine_goes_on_as_the_original_bit_for_bit(icyFile, copied, st
 
 
 def test_a_damaged_pickle_is_refused(icyFile):
-	data = bytearray(pickle.dumps(slope.pack(icyFile)))
+	data = bytearray(pickle.dumps(rve.pack(icyFile)))
 	data[len(data) // 2] ^= 1
 	with pytest.raises(ValueError, match="RveSample .* damaged"):
 		pickle.loads(bytes(data))
@@ -195,7 +195,7 @@ settings = dict(minSteps=300, maxStrainPerStep=1.0, maxInertialNumber=1e9)  # th
 
 def icy(icyFile, thawedStrength):
 	"""Bonds weak enough to break early."""
-	with talik.inspect(slope.pack(icyFile).open()):
+	with talik.inspect(rve.pack(icyFile).open()):
 		material = O.materials[0]
 		material.iceTensileStrength = material.iceShearStrength = 2e6
 		material.tensileStrength = material.shearStrength = 1e5

@@ -7,7 +7,7 @@ import pytest
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
-from talik import packing, rve, slope
+from talik import packing, rve
 
 loading = Matrix3(0.2, 1, 0, -0.4, -0.5, 0, 0, 0, 0)  # stretch, shear and spin at once, times a strain
 
@@ -20,13 +20,13 @@ def relative(a, b):
 
 @pytest.fixture(scope="module")
 def frictional(sampleCache):
-	return slope.pack(rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache))
 
 
 @pytest.fixture(scope="module")
 def icy(sampleCache):
 	"""Grains that can carry ice, with bonds weak enough to break early; without ice yet."""
-	strong = slope.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+	strong = rve.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
 	with talik.inspect(strong.open()):
 		O.materials[0].iceTensileStrength = O.materials[0].iceShearStrength = 2e6
 		O.materials[0].tensileStrength = O.materials[0].shearStrength = 1e5

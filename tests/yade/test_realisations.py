@@ -35,7 +35,7 @@ def test_realisations_are_a_list_of_samples_that_differ_and_each_meets_the_toler
 
 def test_a_realisation_is_the_sample_that_its_seed_gives_alone_made_here_or_by_a_yade_of_its_own(several, tmp_path):
 	alone = rve.prepare(**settings, seed=1004, cache=tmp_path)
-	one, other = slope.pack(alone), slope.pack(several[1])
+	one, other = rve.pack(alone), rve.pack(several[1])
 	assert one.stateBytes == other.stateBytes
 
 
@@ -91,7 +91,7 @@ def ground(several, order=None, **skeleton):
 		lower=(0, 0),
 		upper=(2, 1.5),
 		gravity=(0, -9.81),
-		skeleton=wrapper.RveSkeleton(samples=slope.pack(several), **skeleton),
+		skeleton=wrapper.RveSkeleton(samples=rve.pack(several), **skeleton),
 		boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 2, 1), 0.25)
@@ -148,7 +148,7 @@ def test_what_was_dealt_lasts_through_a_checkpoint_to_the_last_bit(several, tmp_
 def test_depth_bands_deal_realisations_within_every_band(several):
 	outline = [(0, 0), (4, 0), (4, 2), (0, 2)]
 	position, _ = talik.geometry.fillPolygon(outline, 0.5)
-	samples, sampleOf = slope.depthBands(position, outline, slope.pack(several), 2000, bandThickness=1.0)
+	samples, sampleOf = slope.depthBands(position, outline, rve.pack(several), 2000, bandThickness=1.0)
 	numbers = np.array(wrapper.RveSkeleton.deal(position, 3, 1))
 	stress = np.array([samples[k].stress[1] for k in sampleOf])
 	top = position[:, 1] > 1
@@ -156,4 +156,4 @@ def test_depth_bands_deal_realisations_within_every_band(several):
 	assert len(samples) == 6 and np.allclose(stress[top], -9810, rtol=0.01) and np.allclose(stress[~top], -29430, rtol=0.01)
 	for k in range(3):
 		assert len({sampleOf[p] for p in np.flatnonzero(top & (numbers == k))}) == 1
-	assert slope.depthBands(position, outline, slope.pack(several[0]), 2000, bandThickness=1.0)[1] == [0 if upper else 1 for upper in top]
+	assert slope.depthBands(position, outline, rve.pack(several[0]), 2000, bandThickness=1.0)[1] == [0 if upper else 1 for upper in top]

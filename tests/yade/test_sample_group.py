@@ -5,14 +5,14 @@ import pytest
 from yade import Matrix3
 
 import talik
-from talik import rve, slope
+from talik import rve
 
 shear = Matrix3(2e-5, 1e-5, 0, 0, -2e-5, 0, 0, 0, 0)
 
 
 @pytest.fixture(scope="module")
 def sample(sampleCache):
-	return slope.pack(rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache))
 
 
 def test_copies_of_a_group_do_what_a_single_sample_does_with_the_same_bits(sample):

@@ -10,7 +10,7 @@ import pytest
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
-from talik import packing, rve, slope
+from talik import packing, rve
 
 forms = ("packed", "open")
 
@@ -18,7 +18,7 @@ forms = ("packed", "open")
 @pytest.fixture(scope="module")
 def sample(sampleCache):
 	"""60 grains without ice, packed."""
-	return slope.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
 
 
 @pytest.fixture(scope="module")
@@ -217,7 +217,7 @@ def biaxial(packed, lateral, strain, sign=-1, perCall=1e-5):
 
 @pytest.fixture(scope="module")
 def paper(paperSample):
-	return slope.pack(paperSample)
+	return rve.pack(paperSample)
 
 
 @pytest.mark.parametrize("lateral, indication", [(-100e3, 20), (-5e3, 19)])
@@ -375,7 +375,7 @@ O.dt = 2e-4
 O.step()
 O.bodies.erase(2)
 O.step()
-packed = slope.pack(sys.argv[1])
+packed = rve.pack(sys.argv[1])
 packed.freeze(1)
 mpm = block(skeletonOf(form, packed, threads=threads), cells=2)
 O.engines = O.engines + [mpm]
@@ -530,7 +530,7 @@ def test_ground_on_scenes_that_cannot_be_packed_saves_and_loads(suffix, tmp_path
 def test_a_prepared_sample_given_as_a_scene_runs_packed_as_the_packed_one_does(sampleCache, sample):
 	prepared = rve.prepare(grains=60, porosity=0.19, cache=sampleCache)
 	stresses = []
-	for skeleton in (wrapper.RveSkeleton(samples=[sample]), wrapper.RveSkeleton(scenes=[slope.openScene(prepared)])):
+	for skeleton in (wrapper.RveSkeleton(samples=[sample]), wrapper.RveSkeleton(scenes=[rve.openScene(prepared)])):
 		mpm = runBlock(skeleton, steps=5)
 		assert skeleton.counters["form"] == "packed" and skeleton.counters["calls"] > 0
 		stresses.append(mpm.field("stress"))

@@ -11,14 +11,14 @@ import pytest
 from yade import Matrix3, O, wrapper
 
 from stock_paths import Packed, Path, Stock, across, difference, mean, twins
-from talik import packing, rve, slope
+from talik import packing, rve
 
 meanRadius, thickness = 5e-3, 0.1  # [m]
 stiffness = {False: 0.6e9 * meanRadius / thickness, True: 3.6e9 * meanRadius / thickness}  # of contacts, thawed and frozen [Pa]
 
 
 def prepared(grains, ice, cache):
-	sample = slope.pack(rve.prepare(grains=grains, ice=ice, cache=cache))
+	sample = rve.pack(rve.prepare(grains=grains, ice=ice, cache=cache))
 	if ice:
 		sample.freeze(1)
 		sample.advance(Matrix3.Zero, 2000)
@@ -140,7 +140,7 @@ def savedByStock(tmp_path_factory):
 
 
 def test_a_sample_of_yades_own_recipe_saved_without_talik_packs_and_moves_as_under_stock_yade(savedByStock):
-	sample = slope.pack(savedByStock)
+	sample = rve.pack(savedByStock)
 	radii, stress = sample.arrays()["radius"], np.array(sample.stress)
 	print(
 		f"\n{len(radii)} discs of radius {1e3 * radii.min():.2f} to {1e3 * radii.max():.2f} mm, stress "
@@ -163,7 +163,7 @@ def test_a_sample_of_yades_own_recipe_saved_without_talik_packs_and_moves_as_und
 
 
 def test_a_sample_of_yades_own_recipe_shears_as_under_stock_yade_slow(savedByStock):
-	start = slope.pack(savedByStock)
+	start = rve.pack(savedByStock)
 	path = Path("simple shear", strain=0.03, stiffness=stiffness[False], interval=3e-3)
 	packed, stock, twin = path.walk(Packed(start)), path.walk(Stock(start)), path.walk(Stock(twins(start, 2)[1]))
 	print(

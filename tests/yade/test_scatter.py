@@ -4,12 +4,12 @@
 import numpy as np
 import pytest
 
-from talik import calibrate, rve, slope
+from talik import calibrate, rve
 
 
 @pytest.fixture(scope="module")
 def several(sampleCache):
-	return slope.pack(rve.prepare(grains=40, realisations=3, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=40, realisations=3, cache=sampleCache))
 
 
 def test_scatter_over_realisations_is_that_of_their_own_tests(several):

@@ -14,7 +14,7 @@ load = 20e3
 
 @pytest.fixture(scope="module")
 def packed(sampleCache):
-	return slope.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
 
 
 def column(packed, **settings):

@@ -7,7 +7,10 @@ from thaw_column import ThawColumn
 from yade import O
 
 import talik
-from talik import accuracy, shearband, thawslump
+import thawslump
+from thaw_slump_surface import case
+from talik import accuracy
+from thawslump import shearband
 
 atRest = 5e-3  # ground that has moved less has not yet moved [m]
 plateau = 1.5  # width of the column far from the face [m]
@@ -19,13 +22,9 @@ def air(time):
 	return -5 + 15 * min(max(time / (10 * talik.day), 0.0), 1.0)
 
 
-def warmAir(start):
-	return [SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[-5, 10])]
-
-
 def slump(folder, **options):
 	preset = thawslump.presets["draft"]
-	run = thawslump.ThawSlump("Case I", warmAir, "draft", folder, frameDays=np.linspace(0, preset.days, 17), **options)
+	run = thawslump.ThawSlump(case, "draft", folder, frameDays=np.linspace(0, preset.days, 17), **options)
 	run.run()
 	return run
 
@@ -40,9 +39,7 @@ def standing(tmp_path_factory):
 	"""The same slope of ground whose thawed cohesion holds the face: it stands while it thaws."""
 	preset = thawslump.presets["draft"]
 	folder = tmp_path_factory.mktemp("standing")
-	run = thawslump.ThawSlump(
-		"Case I", warmAir, "draft", folder, thawslump.Ground(thawedCohesion=30e3), frameDays=np.linspace(0, preset.days, 17), skeleton="MohrCoulomb"
-	)
+	run = thawslump.ThawSlump(case, "draft", folder, thawslump.Ground(thawedCohesion=30e3), frameDays=np.linspace(0, preset.days, 17), skeleton="MohrCoulomb")
 	run.run()
 	return run
 
@@ -106,7 +103,7 @@ def test_front_on_a_fine_column_of_the_same_ground_is_within_five_per_cent():
 	initialIce = mpm.field("iceSaturation").max()
 	reference = ThawColumn(top, 160, air, timeScale=1.0)
 	for time in (8.0, 12.0, 16.0, 20.0):
-		thawslump.runUntil(time)
+		talik.runUntil(time)
 		reference.march(mpm.calendar["day"] * talik.day)
 		state = {name: mpm.field(name) for name in ("iceSaturation", "volume")}
 		front, exact = thawedDepth(state, slice(None), 2 * h, initialIce), reference.front()

@@ -11,14 +11,16 @@ import pytest
 from yade import O, wrapper
 
 import talik
-from talik import rve, slope, thawslump
+import thaw_slump_surface
+import thawslump
+from talik import rve
 
 instants = 40
 
 
 @pytest.fixture(scope="module")
 def sample(sampleCache):
-	return slope.pack(rve.prepare(grains=60, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, cache=sampleCache))
 
 
 def at(sample, lateral, vertical):
@@ -165,15 +167,14 @@ def slumped(folder, tolerance, heavier=0.0, days=40):
 	heavier: part by which gravity differs, for twins."""
 	O.reset()
 	preset = replace(thawslump.presets["draft"], days=days)
-	air = lambda start: [wrapper.SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[-5, 10])]
-	case = thawslump.ThawSlump("tolerance", air, preset, folder)
+	case = thawslump.ThawSlump(thaw_slump_surface.case, preset, folder)
 	mpm, O.engines = case.mpm, [case.mpm]
 	mpm.tolerance, mpm.gravity = tolerance, mpm.gravity * (1 + heavier)
 	if tolerance == 0:
 		case.skeleton.strainTolerance = case.skeleton.saturationTolerance = 0
 	case.rest()
 	frozen = mpm.field("iceSaturation").max()
-	thawslump.runUntilDay(mpm, preset.days)
+	talik.runUntilDay(mpm, preset.days)
 	runOut = np.linalg.norm(mpm.field("displacement"), axis=1).max()
 	return runOut, np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume")), case.counters()["calls"]
 

@@ -8,7 +8,7 @@ from validation_report import Report
 from yade import Matrix3, O, wrapper
 
 import talik
-from talik import rve, slope, thawslump
+from talik import rve, slope
 
 confinement = 100e3  # [Pa]
 
@@ -16,7 +16,7 @@ confinement = 100e3  # [Pa]
 @pytest.fixture(scope="module")
 def sample(sampleCache):
 	"""60 grains without ice at 100 kPa, packed."""
-	return slope.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
 
 
 def strained(xx, yy):
@@ -71,7 +71,7 @@ def test_ground_under_a_year_of_weather_from_a_file_follows_the_damped_wave(tmp_
 	mpm.initialise()
 	below, curves = -mpm.field("position")[:, 1], []
 	for season in (0.25, 0.5, 0.75, 1.0):
-		thawslump.runUntil(season * 365 * day)
+		talik.runUntil(season * 365 * day)
 		temperature = mpm.field("temperature")
 		error = np.abs(temperature - exact(below, mpm.time)).max() / amplitude
 		report.expectScaled(
@@ -147,7 +147,7 @@ def test_column_of_samples_loaded_frozen_unloaded_and_thawed_returns_to_its_heig
 	O.engines = [mpm]
 	path, names = [], ("start", "loaded", "frozen", "unloaded", "thawed")
 	for instant in (0.1, 0.25, 0.7, 0.85, 1.3):
-		thawslump.runUntil(instant)
+		talik.runUntil(instant)
 		stress, ice = mpm.field("stress").mean(axis=0), mpm.field("iceSaturation").mean()
 		path.append((1 - mpm.field("volume").sum() / (h * height), stress[0], stress[1], ice))
 		print(f"\n{names[len(path) - 1]}: strain {path[-1][0]:.4e}, stress {stress[0]:.1f} | {stress[1]:.1f} Pa, S_i {ice:.3f}", end="")
@@ -211,7 +211,7 @@ def test_homogeneous_block_under_biaxial_compression_follows_its_sample(sample):
 	middle = (start[:, 1] < 0.2) & (start[:, 0] < 0.2)
 	path = [(0.0, -confinement, -confinement)]
 	for instant in np.linspace(0.1, rampTime, 5):
-		thawslump.runUntil(instant)
+		talik.runUntil(instant)
 		stress, gradient = mpm.field("stress"), mpm.field("deformationGradient")
 		path.append((1 - gradient[middle][:, 3].mean(), stress[middle][:, 0].mean(), stress[middle][:, 1].mean()))
 	strain, lateral, vertical = np.array(path).T
@@ -256,7 +256,7 @@ def collapse(sample, cells, instants):
 	O.engines = [mpm]
 	fall, toes = np.sqrt(width / 9.81), [0.0]
 	for instant in instants[1:]:
-		thawslump.runUntil(instant * fall)
+		talik.runUntil(instant * fall)
 		toes.append(np.quantile(mpm.field("position")[:, 0], 0.999) / width - 1)  # a few points may roll ahead of the deposit
 	balance = mpm.balance()
 	O.reset()
@@ -334,7 +334,7 @@ def slideOfLayer(samples, thickness, h, density, beta, duration):
 	)
 	mpm.addPoints(position=position, volume=volume, porosity=0.4, temperature=np.where(thawed, 5.0, -10.0))
 	O.engines = [mpm]
-	thawslump.runUntil(duration)
+	talik.runUntil(duration)
 	slide = mpm.field("displacement")[thawed & (abs(position[:, 0] - width / 2) < 1.1 * h), 0].mean()
 	O.reset()
 	return slide
@@ -343,7 +343,7 @@ def slideOfLayer(samples, thickness, h, density, beta, duration):
 @pytest.fixture(scope="module")
 def realisations(sampleCache):
 	"""Four times 60 grains without ice: points of one and the same sample would all be at their weakest at once."""
-	return slope.pack(rve.prepare(grains=60, porosity=0.19, realisations=4, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, realisations=4, cache=sampleCache))
 
 
 @pytest.mark.parametrize("thickness", [1, 2, 4])

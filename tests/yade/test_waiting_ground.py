@@ -6,12 +6,12 @@ import pytest
 from yade import Matrix3, O, wrapper
 
 import talik
-from talik import rve, slope
+from talik import rve
 
 
 @pytest.fixture(scope="module")
 def packed(sampleCache):
-	return slope.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))
 
 
 def column(**settings):

@@ -1,7 +1,194 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-// All boundary conditions; a new one adds its line here.
-#include <pkg/mpm/boundary/HydraulicBoundaries.hpp>
-#include <pkg/mpm/boundary/MechanicalBoundaries.hpp>
-#include <pkg/mpm/boundary/ThermalBoundaries.hpp>
+#include <pkg/mpm/boundary/Boundary.hpp>
+
+namespace talik {
+
+// ---- mechanical ------------------------------------------------------------------------------------------------------------
+
+/// Rough, impermeable wall: v_s = v_l = 0 on a side or on the nodes of a box.
+template <int D> class FixedBoundary final : public Boundary<D> {
+public:
+	explicit FixedBoundary(const Region<D>& region)
+	        : Boundary<D>(region, "FixedBoundary", "motion")
+	{}
+	void validate(const Grid<D>& grid) const override;
+	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+};
+
+/// Frictionless, impermeable wall: v_s.n = v_l.n = 0 on a side. The wall is a plane of symmetry: the ghost nodes mirror.
+template <int D> class RollerBoundary final : public Boundary<D> {
+public:
+	explicit RollerBoundary(const Region<D>& region)
+	        : Boundary<D>(region, "RollerBoundary", "motion")
+	{}
+	void validate(const Grid<D>& grid) const override;
+	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+};
+
+/// Load on the free surface, a side or a line of nodes: traction vector plus pressure against the outward normal [Pa].
+template <int D> class Traction final : public Boundary<D> {
+public:
+	/// pressure [Pa] pushes onto the surface; traction [Pa] one table per component, empty for none. On a node box, which has
+	/// no normal, only the traction counts and each node carries one cell face (half at the ends of the box).
+	explicit Traction(const Region<D>& region, const TimeTable& pressure, const std::vector<TimeTable>& traction = {})
+	        : Boundary<D>(region, "Traction", "motion")
+	        , pressure_(pressure)
+	        , traction_(traction)
+	{}
+	void   validate(const Grid<D>& grid) const override;
+	bool   usesSurface() const override { return true; }
+	bool   loads() const override { return true; }
+	Vec<D> traction(double time, const Vec<D>& normal) const override;
+
+private:
+	TimeTable              pressure_;
+	std::vector<TimeTable> traction_;
+};
+
+// ---- hydraulic -------------------------------------------------------------------------------------------------------------
+
+/// Water crosses a side or the free surface freely against a prescribed pressure. Where no such boundary is, nothing leaves.
+/// On a side with a roller or a fixed wall the solid stays held and the water passes.
+template <int D> class DrainedBoundary final : public Boundary<D> {
+public:
+	/// pressure outside [Pa]; recharge false: water leaves but none comes in.
+	explicit DrainedBoundary(const Region<D>& region, const TimeTable& pressure = 0.0, bool recharge = true)
+	        : Boundary<D>(region, "DrainedBoundary", "water")
+	        , pressure_(pressure)
+	        , recharge_(recharge)
+	{}
+	void   validate(const Grid<D>& grid) const override;
+	void   constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	bool   usesSurface() const override { return true; }
+	bool   drains() const override { return true; }
+	double pressure(double time) const override { return pressure_.at(time); }
+	bool   recharges() const override { return recharge_; }
+
+private:
+	TimeTable pressure_;
+	bool      recharge_;
+};
+
+/// Water does not cross: v_l.n = v_s.n on a side whose solid is free to move.
+template <int D> class ImpermeableBoundary final : public Boundary<D> {
+public:
+	explicit ImpermeableBoundary(const Region<D>& region)
+	        : Boundary<D>(region, "ImpermeableBoundary", "water")
+	{}
+	void validate(const Grid<D>& grid) const override;
+	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+};
+
+/// Water that is fed through a side or the free surface at a prescribed rate (infiltration, a spring, a well), positive into the
+/// ground; negative values draw it out. On a side with a roller or a fixed wall the solid stays held and the water passes. It
+/// arrives with the velocity of the water that is there.
+template <int D> class WaterFlux final : public Boundary<D> {
+public:
+	/// flux [m^3 of water per m^2 and s], scaled by the hydraulic time scale like the conductivity; temperature [degC] of water
+	/// that enters, NaN (default): that of the ground where it enters.
+	explicit WaterFlux(const Region<D>& region, const TimeTable& flux, double temperature = std::numeric_limits<double>::quiet_NaN())
+	        : Boundary<D>(region, "WaterFlux", "water")
+	        , flux_(flux)
+	        , temperature_(temperature)
+	{}
+	void   validate(const Grid<D>& grid) const override;
+	void   constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	bool   usesSurface() const override { return true; }
+	bool   feeds() const override { return true; }
+	double inflow(double time) const override { return flux_.at(time); }
+	double inflowTemperature() const override { return temperature_; }
+
+private:
+	TimeTable flux_;
+	double    temperature_;
+};
+
+// ---- thermal ---------------------------------------------------------------------------------------------------------------
+
+/// Temperature of the moving free surface, or of air that exchanges heat with it.
+template <int D> class SurfaceTemperature final : public Boundary<D> {
+public:
+	/// temperature [degC]; heatTransferCoefficient [W/(m^2 K)]: infinite (default) prescribes the temperature of the surface
+	/// itself, a finite one that of the air. Scaled by the thermal time scale like conduction.
+	explicit SurfaceTemperature(
+	        const Region<D>& region, const TimeTable& temperature, double heatTransferCoefficient = std::numeric_limits<double>::infinity())
+	        : Boundary<D>(region, "SurfaceTemperature", "heat")
+	        , temperature_(temperature)
+	        , heatTransferCoefficient_(heatTransferCoefficient)
+	{}
+	void        validate(const Grid<D>& grid) const override;
+	bool        usesSurface() const override { return true; }
+	bool        heats() const override { return true; }
+	SurfaceHeat heat(double time) const override;
+
+private:
+	TimeTable temperature_;
+	double    heatTransferCoefficient_;
+};
+
+/// Temperature of a side, which lies on nodes and is met exactly, or of a box or disc in the ground (a pipe), by the share of each
+/// node that lies in it; of a flat box, the nodes in it.
+template <int D> class WallTemperature final : public Boundary<D> {
+public:
+	/// temperature [degC]
+	explicit WallTemperature(const Region<D>& region, const TimeTable& temperature)
+	        : Boundary<D>(region, "WallTemperature", "heat")
+	        , temperature_(temperature)
+	{}
+	void   validate(const Grid<D>& grid) const override;
+	bool   takesVolumes() const override { return true; }
+	bool   prescribesTemperature() const override { return true; }
+	double temperature(double time) const override { return temperature_.at(time); }
+
+private:
+	TimeTable temperature_;
+};
+
+/// Temperature of rigid bodies: heat crosses where ground faces them, and moves along with them.
+template <int D> class BodyTemperature final : public Boundary<D> {
+public:
+	/// bodies: numbers of bodies or of their groups; temperature [degC] inside; resistance of the body's wall, 1/U [m^2 K/W], 0: the
+	/// ground that it touches has the temperature itself. The resistance is divided by the thermal time scale.
+	BodyTemperature(const std::vector<int>& bodies, const TimeTable& temperature, double resistance = 0.0)
+	        : Boundary<D>(Region<D>::facing(bodies), "BodyTemperature", "heat")
+	        , temperature_(temperature)
+	        , resistance_(resistance)
+	{}
+	void        validate(const Grid<D>& grid) const override;
+	bool        usesSurface() const override { return true; }
+	bool        heats() const override { return true; }
+	SurfaceHeat heat(double time) const override;
+
+private:
+	TimeTable temperature_;
+	double    resistance_;
+};
+
+/// Heat flux through the free surface or a side, positive into the ground [W/m^2]; scaled by the thermal time scale.
+template <int D> class HeatFlux final : public Boundary<D> {
+public:
+	explicit HeatFlux(const Region<D>& region, const TimeTable& flux)
+	        : Boundary<D>(region, "HeatFlux", "heat")
+	        , flux_(flux)
+	{}
+	void        validate(const Grid<D>& grid) const override;
+	bool        usesSurface() const override { return true; }
+	bool        heats() const override { return true; }
+	SurfaceHeat heat(double time) const override;
+
+private:
+	TimeTable flux_;
+};
+
+/// No heat crosses. This is what happens where no thermal boundary acts; the object states the intention and is refused
+/// where another boundary heats the same side.
+template <int D> class InsulatedBoundary final : public Boundary<D> {
+public:
+	explicit InsulatedBoundary(const Region<D>& region)
+	        : Boundary<D>(region, "InsulatedBoundary", "heat")
+	{}
+};
+
+} // namespace talik

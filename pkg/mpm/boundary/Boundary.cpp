@@ -166,6 +166,18 @@ template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
 	        "holds no node of the grid; boxes must reach at least one node");
 }
 
+template <int D> void Boundary<D>::requireRegion(bool possible, const char* remedy) const
+{
+	requireSetting(possible, name_ + ".region", region_.describe(), remedy);
+}
+
+template <int D> void Boundary<D>::requireTemperatures(const TimeTable& temperature) const
+{
+	temperature.validate(name_ + ".temperature");
+	for (double t : temperature.values())
+		requireSetting(t > -100.0 && t < 100.0, name_ + ".temperature", t, "must lie between -100 and 100 degC");
+}
+
 template <int D> Vec<D> Boundary<D>::traction(double, const Vec<D>&) const { return Vec<D> {}; }
 
 template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>& region)

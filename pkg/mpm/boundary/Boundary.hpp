@@ -146,14 +146,11 @@ struct TemperatureNode {
 /// see "How to add a boundary" in pkg/mpm/README.md.
 template <int D> class Boundary {
 public:
-	explicit Boundary(const Region<D>& region)
-	        : region_(region)
-	{}
 	virtual ~Boundary() = default;
 
-	virtual std::string name() const = 0;
+	const std::string& name() const { return name_; }
 	/// Effect that must be present: "motion", "heat" or "water".
-	virtual std::string effect() const = 0;
+	const std::string& effect() const { return effect_; }
 	/// Throws std::invalid_argument naming attribute, value and remedy.
 	virtual void validate(const Grid<D>& grid) const;
 
@@ -186,7 +183,23 @@ public:
 	virtual double inflowTemperature() const { return std::numeric_limits<double>::quiet_NaN(); }
 
 protected:
+	Boundary(const Region<D>& region, const char* name, const char* effect)
+	        : region_(region)
+	        , name_(name)
+	        , effect_(effect)
+	{}
+	bool onSide() const { return region_.kind == Region<D>::Kind::side; }
+	/// From a node on its side to the one in front of it.
+	int inward(const Grid<D>& grid) const { return region_.on.upper ? -grid.nodeStride(region_.on.axis) : grid.nodeStride(region_.on.axis); }
+	/// Throws with this remedy unless its region is possible.
+	void requireRegion(bool possible, const char* remedy) const;
+	/// Throws unless all temperatures lie between -100 and 100 degC.
+	void requireTemperatures(const TimeTable& temperature) const;
+
 	Region<D> region_;
+
+private:
+	std::string name_, effect_;
 };
 
 /// A node and the share of its shape function's integral that lies in a region.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/HeatTransfer.hpp>
-#include <pkg/mpm/effects/PoreWater.hpp>
-#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/NodeColumns.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -45,22 +44,12 @@ template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Gri
 		field->allocate(grid.nodeCount());
 }
 
-template <int D> void HeatTransfer<D>::shareRecords([[maybe_unused]] SolidMotion<D>* motion, [[maybe_unused]] PoreWater<D>* water)
+template <int D> void HeatTransfer<D>::receiveInOneRecord(const Grid<D>& grid)
 {
-	if constexpr (D == 2) {
-		carried_ = motion;
-		if (motion) motion->nodes.shareColumns(nodes, motion->freeAt);
-		if (water) {
-			water->nodal.shareColumns(nodal, 3);
-			water->force.shareColumns(energy, 2);
-			water->force.shareColumns(noise, 3);
-			water->exchange.shareColumns(rise, 6);
-		} else {
-			received_.allocate(static_cast<int>(capacity.bytes() / sizeof(double)));
-			received_.shareColumns(energy, 0);
-			received_.shareColumns(noise, 1);
-		}
-	}
+	using Conducted = typename NodeColumns<D>::Conducted;
+	received_.allocate(grid.nodeCount());
+	received_.shareColumns(energy, Conducted::heat);
+	received_.shareColumns(noise, Conducted::unseen);
 }
 
 template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int points)
@@ -288,10 +277,7 @@ template <int D> void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const S
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double capacity = nodes[n.node][0];
 		if (capacity <= 0.0) continue;
-		double area = 0.0;
-		for (int i = 0; i < D; ++i)
-			area += n.area[i] * n.area[i];
-		area = std::sqrt(area);
+		const double area = lengthOf<D>(n.area);
 		// resistance of a quarter of a cell between the surface and the node that stands for it, that of the air in series
 		const double ground      = 4.0 * surface.conductivity(n.node) / spacing;
 		const double coefficient = scale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));

@@ -14,17 +14,16 @@
 
 namespace talik {
 
-template <int D> class PoreWater;
-template <int D> class SolidMotion;
-
 /// Heat: enthalpy on the points, conduction on the nodes, eqs. (9.3) to (9.6). Nodal heat is handed to the points by partition weights, so that the
 /// sum over points changes by exactly what boundaries and sources supply.
 template <int D> class HeatTransfer {
 public:
 	HeatTransfer(PointFields& fields, const HeatSettings& settings, bool freezing);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
-	/// In 2-D nodal numbers lie in the records of other effects (null: absent), so that one pass serves all. Call when all are bound.
-	void shareRecords(SolidMotion<D>* motion, PoreWater<D>* water);
+	/// Its numbers are mapped along by motion, whose record holds them.
+	void carriedByMotion() { carried_ = true; }
+	/// In the plane, where no water has a record for both, conducted heat and noise lie in one record of its own.
+	void receiveInOneRecord(const Grid<D>& grid);
 
 	/// Collects the nodes with prescribed temperature.
 	void constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);

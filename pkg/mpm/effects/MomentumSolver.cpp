@@ -68,7 +68,7 @@ template <int D> void MomentumSolver<D>::addGravity(const ActiveRange& range, So
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
 			double*      r = motion.nodes[i];
-			const double m = r[motion.massAt] + (water ? water->nodes[i][0] : 0.0);
+			const double m = r[motion.massAt] + (water ? water->nodes[i][water->massAt] : 0.0);
 			for (int a = 0; a < D; ++a)
 				r[motion.forceAt + a] += m * b[a];
 		}
@@ -78,10 +78,7 @@ template <int D> void MomentumSolver<D>::addGravity(const ActiveRange& range, So
 template <int D> void MomentumSolver<D>::addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
-		double area = 0.0;
-		for (int a = 0; a < D; ++a)
-			area += n.area[a] * n.area[a];
-		area = std::sqrt(area);
+		const double area = lengthOf<D>(n.area);
 		if (area == 0.0 || motion.nodes[n.node][motion.massAt] <= 0.0) continue;
 		Vec<D> normal;
 		for (int a = 0; a < D; ++a)
@@ -274,7 +271,7 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(SolidMotion<D>& motio
 		for (int a = 0; a < D; ++a) {
 			const bool fixed = constraints_.solidFixed(i, a), tied = constraints_.liquidTied(i, a);
 			if (!fixed && !tied) continue;
-			const double ms = r[motion.massAt], ml = water.nodes[i][0];
+			const double ms = r[motion.massAt], ml = water.nodes[i][water.massAt];
 			const double vs = r[motion.momentumAt + a] / ms, vl = water.start[i][a];
 			const double common     = fixed ? 0.0 : vs + dt * r[motion.forceAt + a] / (ms + ml);
 			motion.solved[i][D + a] = common;
@@ -321,7 +318,7 @@ template <int D> void MomentumSolver<D>::findFlux(const ActiveRange& range, cons
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				water.flux[i][a] = water.nodal[i][1] * (water.flux[i][a] - motion.solved[i][D + a]);
+				water.flux[i][a] = water.nodal[i][PoreWater<D>::Driving::liquidFraction] * (water.flux[i][a] - motion.solved[i][D + a]);
 	});
 }
 
@@ -354,8 +351,8 @@ void MomentumSolver<D>::keepAccount(
 					if (!isWall_[i]) sum[a] += dt * damping_[i][a];
 					sum[D] -= dt * damping_[i][a] * motion.solved[i][D + a];
 				}
-				if (keepWorks && water && water->nodal[i][1] > 0.0) {
-					const double w = water->flux[i][a] / water->nodal[i][1];
+				if (keepWorks && water && water->nodal[i][PoreWater<D>::Driving::liquidFraction] > 0.0) {
+					const double w = water->flux[i][a] / water->nodal[i][PoreWater<D>::Driving::liquidFraction];
 					sum[D + 1] += dt * water->nodes[i][PoreWater<D>::dragAt] * w * w;
 				}
 			}

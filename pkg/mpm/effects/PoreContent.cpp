@@ -50,7 +50,7 @@ PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settin
 	}
 }
 
-template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points, SolidMotion<D>* motion, HeatTransfer<D>* heat, PoreWater<D>* water)
+template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points)
 {
 	PointFields& f = points.fields();
 	solidMass      = f.component(solidMass_);
@@ -61,15 +61,12 @@ template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points, SolidMotio
 	lastVolume_    = f.component(lastVolumeField_);
 	lastWater_     = f.component(lastWaterField_);
 	volume_        = points.volume();
-	motion_        = motion;
-	heat_          = heat;
-	water_         = water;
 }
 
-template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill)
+template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill, const Effects& of)
 {
 	const MixtureProperties& mixture = settings_->mixture;
-	const double             t       = heat_ ? givenTemperature : mixture.referenceTemperature;
+	const double             t       = of.heat ? givenTemperature : mixture.referenceTemperature;
 	const double             sl      = enthalpyModel_.curve().liquidSaturation(t);
 	const double             vp      = givenPorosity * volume_[p];
 	const PoreWaterState     state   = settings_->water ? settings_->water->state : PoreWaterState {};
@@ -79,29 +76,29 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 	waterMass[p] = poreFill * state.waterMass(mixture, settings_->water ? pressure : 0.0, sl, vp, t);
 
 	const ThermalState thermal = enthalpyModel_.stateAt({ solidMass[p], waterMass[p], vp }, t);
-	if (heat_) {
-		heat_->temperature[p]  = t;
-		heat_->enthalpy[p]     = enthalpyModel_.enthalpy({ solidMass[p], waterMass[p], vp }, t);
-		heat_->heatCapacity[p] = thermal.heatCapacity;
+	if (of.heat) {
+		of.heat->temperature[p]  = t;
+		of.heat->enthalpy[p]     = enthalpyModel_.enthalpy({ solidMass[p], waterMass[p], vp }, t);
+		of.heat->heatCapacity[p] = thermal.heatCapacity;
 	}
 	if (iceMass) {
 		iceMass[p]       = thermal.iceMass;
 		iceSaturation[p] = 1.0 - thermal.liquidSaturation;
 	}
-	if (water_) {
-		water_->pressure[p]       = pressure;
-		water_->liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
+	if (of.water) {
+		of.water->pressure[p]       = pressure;
+		of.water->liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
 	}
 	if (lastVolume_) {
 		lastVolume_[p] = volume_[p];
 		lastWater_[p]  = waterMass[p];
 	}
-	if (motion_) motion_->mass[p] = solidMass[p] + (water_ ? thermal.iceMass : waterMass[p]);
+	if (of.motion) of.motion->mass[p] = solidMass[p] + (of.water ? thermal.iceMass : waterMass[p]);
 }
 
-template <int D> void PoreContent<D>::load(Block& b) const
+template <int D> void PoreContent<D>::load(Block& b, const HeatTransfer<D>* heat) const
 {
-	if (heat_) std::copy_n(heat_->temperature + b.first, b.count, b.temperature);
+	if (heat) std::copy_n(heat->temperature + b.first, b.count, b.temperature);
 	else std::fill_n(b.temperature, b.count, settings_->mixture.referenceTemperature);
 	if (iceMass) {
 		std::copy_n(iceMass + b.first, b.count, b.ice);
@@ -128,29 +125,29 @@ template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
 		b.poreVolume[k] = volume[k] - solid[k] / m.densityAt(m.solid, b.temperature[k]);
 }
 
-template <int D> void PoreContent<D>::solveTemperature(Block& b) const
+template <int D> void PoreContent<D>::solveTemperature(Block& b, HeatTransfer<D>& heat) const
 {
 	EnthalpyBatch batch;
 	batch.count            = b.count;
-	batch.enthalpy         = heat_->enthalpy + b.first;
+	batch.enthalpy         = heat.enthalpy + b.first;
 	batch.solidMass        = solidMass + b.first;
 	batch.waterMass        = waterMass + b.first;
 	batch.poreVolume       = b.poreVolume;
 	batch.temperature      = b.temperature;
 	batch.liquidSaturation = b.liquidSaturation;
 	batch.iceMass          = b.ice;
-	batch.heatCapacity     = heat_->heatCapacity + b.first;
-	batch.apparentCapacity = iceMass ? heat_->share + b.first : nullptr;
+	batch.heatCapacity     = heat.heatCapacity + b.first;
+	batch.apparentCapacity = iceMass ? heat.share + b.first : nullptr;
 	enthalpyModel_.temperatures(batch);
-	if (iceMass) heat_->limitShares(b.first, b.count);
+	if (iceMass) heat.limitShares(b.first, b.count);
 }
 
-template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) const
+template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const
 {
-	int                 changes = 0;
-	const double* const solids  = solidMass + b.first;
-	const double* const water   = waterMass + b.first;
-	double* const       mass    = motion_->mass + b.first;
+	int                 changes  = 0;
+	const double* const solids   = solidMass + b.first;
+	const double* const contents = waterMass + b.first;
+	double* const       mass     = motion.mass + b.first;
 	for (int k = 0; k < b.count; ++k)
 		changes |= b.iceBefore[k] != b.ice[k];
 	if (!changes) return;
@@ -159,13 +156,13 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) cons
 	for (int k = 0; k < b.count; ++k) {
 		const double melt     = b.iceBefore[k] - b.ice[k];
 		const double toLiquid = std::max(melt, 0.0), toSolid = std::max(-melt, 0.0);
-		liquidShare[k] = toLiquid / (water[k] - b.iceBefore[k] + toLiquid);
+		liquidShare[k] = toLiquid / (contents[k] - b.iceBefore[k] + toLiquid);
 		solidShare[k]  = toSolid / (solids[k] + b.iceBefore[k] + toSolid);
 		mass[k]        = solids[k] + b.ice[k];
 	}
 	for (int i = 0; i < D; ++i) {
-		double* const liquid = water_->velocity[i] + b.first;
-		double* const solid  = motion_->velocity[i] + b.first;
+		double* const liquid = water.velocity[i] + b.first;
+		double* const solid  = motion.velocity[i] + b.first;
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k) {
 			const double w = liquid[k] - solid[k];
@@ -175,15 +172,15 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b) cons
 	}
 }
 
-template <int D> void PoreContent<D>::updatePressure(const Block& b) const
+template <int D> void PoreContent<D>::updatePressure(const Block& b, PoreWater<D>& water) const
 {
 	const MixtureProperties m        = settings_->mixture;
 	const PoreWaterState    state    = settings_->water->state;
-	const double* const     water    = waterMass + b.first;
-	double* const           pressure = water_->pressure + b.first;
+	const double* const     contents = waterMass + b.first;
+	double* const           pressure = water.pressure + b.first;
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
-		pressure[k] = state.pressure(m, water[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
+		pressure[k] = state.pressure(m, contents[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
 }
 
 template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
@@ -199,15 +196,15 @@ template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[
 	}
 }
 
-template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells) const
+template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water) const
 {
 	double excess[blockSize], compliance[blockSize];
 	findFill(b, excess, compliance);
 	for (int k = 0; k < b.count; ++k)
-		water_->addFill(cells.cell(b.first + k), excess[k], compliance[k]);
+		water.addFill(cells.cell(b.first + k), excess[k], compliance[k]);
 }
 
-template <int D> void PoreContent<D>::updatePressureRate(const Block& b) const
+template <int D> void PoreContent<D>::updatePressureRate(const Block& b, PoreWater<D>& water)
 {
 	const MixtureProperties& m     = settings_->mixture;
 	const PoreWaterState&    state = settings_->water->state;
@@ -222,21 +219,21 @@ template <int D> void PoreContent<D>::updatePressureRate(const Block& b) const
 		        - m.expansivity(n, b.liquidSaturation[k], b.temperature[k]) * (b.temperature[k] - b.temperatureBefore[k]);
 		const PressureCoefficients c      = state.coefficients(m, { n, b.liquidSaturation[k], 0.0, b.temperature[k] });
 		const double               change = -(freed + c.undrained() * strain - inflow) / c.storage;
-		water_->pressure[p]               = std::max(water_->pressure[p] + change, state.cavitationPressure);
+		water.pressure[p]                 = std::max(water.pressure[p] + change, state.cavitationPressure);
 		lastVolume_[p]                    = volume_[p];
 		lastWater_[p]                     = waterMass[p];
 	}
 }
 
-template <int D> void PoreContent<D>::updateCoefficients(const Block& b) const
+template <int D> void PoreContent<D>::updateCoefficients(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water)
 {
 	updatePorosity(b);
-	if (heat_) updateConductivity(b);
+	if (heat) updateConductivity(b, *heat);
 	if (iceMass) updateIce(b);
-	if (water_) updateDrag(b);
+	if (water) updateDrag(b, *water);
 }
 
-template <int D> void PoreContent<D>::updatePorosity(const Block& b) const
+template <int D> void PoreContent<D>::updatePorosity(const Block& b)
 {
 	const double* const volume = volume_ + b.first;
 	double* const       n      = porosity + b.first;
@@ -245,11 +242,11 @@ template <int D> void PoreContent<D>::updatePorosity(const Block& b) const
 		n[k] = b.poreVolume[k] / volume[k];
 }
 
-template <int D> void PoreContent<D>::updateConductivity(const Block& b) const
+template <int D> void PoreContent<D>::updateConductivity(const Block& b, HeatTransfer<D>& heat) const
 {
 	const MixtureProperties m     = settings_->mixture;
 	const double* const     n     = porosity + b.first;
-	double* const           kappa = heat_->conductivity + b.first;
+	double* const           kappa = heat.conductivity + b.first;
 	if (m.conductivityMean == ConductivityMean::arithmetic) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
@@ -260,7 +257,7 @@ template <int D> void PoreContent<D>::updateConductivity(const Block& b) const
 		kappa[k] = m.conductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
 }
 
-template <int D> void PoreContent<D>::updateIce(const Block& b) const
+template <int D> void PoreContent<D>::updateIce(const Block& b)
 {
 	double* const saturation = iceSaturation + b.first;
 	std::copy_n(b.ice, b.count, iceMass + b.first);
@@ -271,40 +268,40 @@ template <int D> void PoreContent<D>::updateIce(const Block& b) const
 
 /// Where water has left a gap, less of it flows, and through narrower ways: conductivity falls with the cube of the fill (Corey). Ground
 /// that drains then runs dry ever more slowly, and nothing flows that is not there.
-template <int D> void PoreContent<D>::updateDrag(const Block& b) const
+template <int D> void PoreContent<D>::updateDrag(const Block& b, PoreWater<D>& water) const
 {
 	Permeability law = settings_->water->permeability;
-	law.hydraulicTimeScale *= water_->scale;
+	law.hydraulicTimeScale *= water.scale;
 	const double        perDensity = 1.0 / settings_->mixture.liquid.density, floor = law.floor;
-	const double* const water          = waterMass + b.first;
+	const double* const contents       = waterMass + b.first;
 	const double* const n              = porosity + b.first;
 	const double* const volume         = volume_ + b.first;
-	double* const       liquidFraction = water_->liquidFraction + b.first;
-	double* const       drag           = water_->drag + b.first;
+	double* const       liquidFraction = water.liquidFraction + b.first;
+	double* const       drag           = water.drag + b.first;
 	double              open[blockSize];
 	// that of the mass that moves: from n S_l, which it is in full pores with density change, seepage would carry another mass than
 	// weight and pressure act on
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k) {
-		liquidFraction[k] = (water[k] - b.ice[k]) * perDensity / volume[k];
+		liquidFraction[k] = (contents[k] - b.ice[k]) * perDensity / volume[k];
 		const double fill = std::min(1.0, liquidFraction[k] / (n[k] * b.liquidSaturation[k]));
 		open[k]           = std::max(floor, fill * fill * fill);
 	}
 	if (law.law == RelativeConductivity::impedance) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
-			drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.impededConductivity(n[k], b.liquidSaturation[k]));
+			drag[k] = law.dragAt(contents[k] - b.ice[k], liquidFraction[k], open[k] * law.impededConductivity(n[k], b.liquidSaturation[k]));
 		return;
 	}
 	for (int k = 0; k < b.count; ++k)
-		drag[k] = law.dragAt(water[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
+		drag[k] = law.dragAt(contents[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
 }
 
 template <int D> bool PoreContent<D>::allPossible(const Block& b) const
 {
 	const double* const volume = volume_ + b.first;
 	const double* const water  = waterMass + b.first;
-	const double        least  = water_ ? 0.0 : -std::numeric_limits<double>::infinity();
+	const double        least  = settings_->water ? 0.0 : -std::numeric_limits<double>::infinity();
 	int                 bad    = 0;
 	for (int k = 0; k < b.count; ++k) {
 		const bool hasPores = b.poreVolume[k] >= smallestPorosity * volume[k];
@@ -329,54 +326,54 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 	return b.first + b.count;
 }
 
-template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells) const
+template <int D> int PoreContent<D>::update(int first, int last, const Effects& of)
 {
 	std::array<double, CostMeter::entries> unused {};
 	CostMeter::Sample                      sample(unused);
-	return update(first, last, cells, sample);
+	return update(first, last, of, nullptr, sample);
 }
 
-template <int D> int PoreContent<D>::update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const
+template <int D> int PoreContent<D>::update(int first, int last, const Effects& of, const CellMeans<D>* cells, CostMeter::Sample& sample)
 {
-	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : heat_ ? CostMeter::heat : CostMeter::water;
+	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : of.heat ? CostMeter::heat : CostMeter::water;
 	for (int start = first; start < last; start += blockSize) {
 		sample.beginBlock();
 		Block b;
 		b.first = start;
 		b.count = std::min(blockSize, last - start);
-		load(b);
+		load(b, of.heat);
 		findPoreVolume(b);
-		if (heat_) solveTemperature(b);
+		if (of.heat) solveTemperature(b, *of.heat);
 		const int bad = firstImpossible(b);
 		if (bad < start + b.count) return bad;
-		if (heat_) {
-			std::copy_n(b.temperature, b.count, heat_->temperature + start);
+		if (of.heat) {
+			std::copy_n(b.temperature, b.count, of.heat->temperature + start);
 			findPoreVolume(b);
-			if (iceMass && water_) exchangePhaseMomentum(b);
+			if (iceMass && of.water) exchangePhaseMomentum(b, *of.motion, *of.water);
 		}
 		sample.lap(thermal);
-		updateCoefficients(b);
-		if (!water_) {
+		updateCoefficients(b, of.heat, of.water);
+		if (!of.water) {
 			sample.lap(CostMeter::heat);
 			continue;
 		}
-		if (lastVolume_) updatePressureRate(b);
-		else if (cells) collectPressure(b, *cells);
-		else updatePressure(b);
+		if (lastVolume_) updatePressureRate(b, *of.water);
+		else if (cells) collectPressure(b, *cells, *of.water);
+		else updatePressure(b, *of.water);
 		sample.lap(CostMeter::water);
 	}
 	return last;
 }
 
-template <int D> std::string PoreContent<D>::whyImpossible(int p) const
+template <int D> std::string PoreContent<D>::whyImpossible(int p, const HeatTransfer<D>* heat) const
 {
 	const MixtureProperties& m = settings_->mixture;
 	std::ostringstream       text;
-	const double             t    = heat_ ? heat_->temperature[p] : m.referenceTemperature;
+	const double             t    = heat ? heat->temperature[p] : m.referenceTemperature;
 	const double             pore = volume_[p] - solidMass[p] / m.densityAt(m.solid, t);
 	text << "volume " << volume_[p] << ", porosity " << pore / volume_[p] << ", water mass " << waterMass[p] << " kg";
 	if (iceMass) text << ", ice mass " << iceMass[p] << " kg";
-	if (heat_) text << ", enthalpy " << heat_->enthalpy[p] << " J, temperature " << t << " degC";
+	if (heat) text << ", enthalpy " << heat->enthalpy[p] << " J, temperature " << t << " degC";
 	if (!(pore >= smallestPorosity * volume_[p])) text << ": the pores are crushed; use a stiffer skeleton or a smaller time step";
 	else text << ": no possible state; use a smaller time step";
 	return text.str();

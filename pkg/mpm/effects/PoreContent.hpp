@@ -19,20 +19,27 @@ template <int D> class SolidMotion;
 template <int D> class PoreContent {
 public:
 	PoreContent(PointFields& fields, const GroundSettings<D>& settings);
-	void bind(MaterialPoints<D>& points, SolidMotion<D>* motion, HeatTransfer<D>* heat, PoreWater<D>* water);
+	/// The effects to whose points it gives mass, temperature and pressure; null: absent from the scene.
+	struct Effects {
+		SolidMotion<D>*  motion;
+		HeatTransfer<D>* heat;
+		PoreWater<D>*    water;
+	};
+
+	void bind(MaterialPoints<D>& points);
 
 	/// Masses and enthalpy of a point of given porosity, temperature and pressure; its derived state follows from update().
-	void fill(int place, double porosity, double temperature, double pressure, double poreFill);
+	void fill(int place, double porosity, double temperature, double pressure, double poreFill, const Effects& of);
 
 	/// State of points first .. last after their volume, water mass and enthalpy changed. Returns the place of the first point in
 	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
 	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
 	/// PoreWater::shareCellPressure (call within MaterialPoints::strips().scatter).
 	/// sample: of the time that each effect takes.
-	int update(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample) const;
-	int update(int first, int last, const CellMeans<D>* cells = nullptr) const;
-	/// Why a point is in an impossible state.
-	std::string whyImpossible(int place) const;
+	int update(int first, int last, const Effects& of, const CellMeans<D>* cells, CostMeter::Sample& sample);
+	int update(int first, int last, const Effects& of);
+	/// Why a point is in an impossible state; heat may be null.
+	std::string whyImpossible(int place, const HeatTransfer<D>* heat) const;
 
 	const EnthalpyModel& enthalpyModel() const { return enthalpyModel_; }
 
@@ -42,28 +49,25 @@ public:
 
 private:
 	struct Block;
-	void                          load(Block& b) const;
+	void                          load(Block& b, const HeatTransfer<D>* heat) const;
 	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
-	void                          solveTemperature(Block& b) const;
-	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b) const;
-	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b) const;
-	void                          collectPressure(const Block& b, const CellMeans<D>& cells) const;
+	void                          solveTemperature(Block& b, HeatTransfer<D>& heat) const;
+	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const;
+	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b, PoreWater<D>& water) const;
+	void                          collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water) const;
 	TALIK_PROCESSOR_VERSIONS void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
-	void                          updatePressureRate(const Block& b) const;
-	void                          updateCoefficients(const Block& b) const;
-	TALIK_PROCESSOR_VERSIONS void updatePorosity(const Block& b) const;
-	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b) const;
-	TALIK_PROCESSOR_VERSIONS void updateIce(const Block& b) const;
-	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b) const;
+	void                          updatePressureRate(const Block& b, PoreWater<D>& water);
+	void                          updateCoefficients(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water);
+	TALIK_PROCESSOR_VERSIONS void updatePorosity(const Block& b);
+	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b, HeatTransfer<D>& heat) const;
+	TALIK_PROCESSOR_VERSIONS void updateIce(const Block& b);
+	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b, PoreWater<D>& water) const;
 	TALIK_PROCESSOR_VERSIONS bool allPossible(const Block& b) const;
 	int                           firstImpossible(const Block& b) const;
 
 	const GroundSettings<D>* settings_;
 	EnthalpyModel            enthalpyModel_;
 	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
-	SolidMotion<D>*          motion_     = nullptr;
-	HeatTransfer<D>*         heat_       = nullptr;
-	PoreWater<D>*            water_      = nullptr;
 	double*                  volume_     = nullptr;
 	double*                  lastVolume_ = nullptr; ///< of the last update, in the rate form of pressure only
 	double*                  lastWater_  = nullptr;

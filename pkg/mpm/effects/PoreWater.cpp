@@ -8,6 +8,8 @@
 
 namespace talik {
 
+static_assert(PlaneLoops::potentialSize == NodeColumns<2>::Driving::size && NodeColumns<2>::Driving::pressure == 0, "loops and records agree");
+
 namespace {
 	/// Part of its liquid that a cell gives away in a step at most.
 	constexpr double largestLoss = 0.5;
@@ -48,37 +50,40 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
 	open_.assign(grid.nodeCount(), 0);
-	if constexpr (D == 2) exchange.shareColumns(solved, exchangeSize);
+	if constexpr (Columns::shared) exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
 }
 
 template <int D> void PoreWater<D>::allocateCells(int cells)
 {
-	cells_.assign(static_cast<std::size_t>(cells) * cellSize, 0.0);
+	cells_.assign(cells, {});
 	if (!iceMass_) return;
+	freezing_.assign(cells, {});
 	for (auto& faces : faces_)
 		faces.assign(cells, {});
 }
 
 template <int D> void PoreWater<D>::clearCells(int first, int last)
 {
-	if (!cells_.empty()) std::fill(cellRecord(first), cellRecord(last), 0.0);
+	if (!cells_.empty()) std::fill(cells_.begin() + first, cells_.begin() + last, Cell {});
+	if (!freezing_.empty()) std::fill(freezing_.begin() + first, freezing_.begin() + last, FreezingCell {});
 }
 
 template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int first, int last)
 {
 	for (int p = first; p < last; ++p) {
-		double*      r = cellRecord(cells.cell(p));
-		const double m = liquidMass(p);
-		r[0] += m;
-		r[1] += m * pressure[p];
-		r[heightAt] += m * potential(p);
+		Cell&        cell = cells_[cells.cell(p)];
+		const double m    = liquidMass(p);
+		cell.liquidMass += m;
+		cell.pressure += m * pressure[p];
+		cell.height += m * potential(p);
 		if (!iceMass_) continue;
-		r[resistanceAt] += drag[p];
-		r[contentAt] += waterMass_[p];
-		r[warmthAt] += m * temperature_[p];
+		FreezingCell& more = freezing_[cells.cell(p)];
+		more.drag += drag[p];
+		more.contentMass += waterMass_[p];
+		more.warmth += m * temperature_[p];
 		for (int i = 0; i < D; ++i)
-			r[carriedAt + i] += m * velocity[i][p];
+			more.carried[i] += m * velocity[i][p];
 	}
 }
 
@@ -86,35 +91,35 @@ template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
-			double* r = cellRecord(c);
-			if (!(r[0] > 0.0)) continue;
-			r[1] /= r[0];
-			r[drivingAt] = r[1];
-			r[heightAt] /= r[0];
+			Cell& cell = cells_[c];
+			if (!(cell.liquidMass > 0.0)) continue;
+			cell.pressure /= cell.liquidMass;
+			cell.driving = cell.pressure;
+			cell.height /= cell.liquidMass;
 		}
 	});
 }
 
 /// V n_l^2/Q
-template <int D> double PoreWater<D>::mobility(int cell, double volume, double liquidDensity)
+template <int D> double PoreWater<D>::mobility(int cell, double volume, double liquidDensity) const
 {
-	const double* r      = cellRecord(cell);
-	const double  liquid = r[0] / liquidDensity;
-	return r[resistanceAt] > 0.0 ? liquid * liquid / (volume * r[resistanceAt]) : 0.0;
+	const double liquid = cells_[cell].liquidMass / liquidDensity, resistance = freezing_[cell].drag;
+	return resistance > 0.0 ? liquid * liquid / (volume * resistance) : 0.0;
 }
 
 template <int D>
 double PoreWater<D>::thawedPressure(
-        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity)
+        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity) const
 {
-	const double* r      = cellRecord(cell);
-	const double  thawed = r[0] / r[contentAt], mean = r[1], conducts = tight * mobility(cell, cells.cellVolume(cell), liquidDensity);
-	double        frozen = thawed, frozenPressure = mean, lowest = mean;
+	const auto   liquidPart = [&](int c) { return cells_[c].liquidMass / freezing_[c].contentMass; };
+	const double thawed = liquidPart(cell), mean = cells_[cell].pressure;
+	const double conducts = tight * mobility(cell, cells.cellVolume(cell), liquidDensity);
+	double       frozen = thawed, frozenPressure = mean, lowest = mean;
 	for (int a = 0; a < D; ++a)
 		for (const int side : { -1, 1 }) {
 			const int at = cell / grid.cellStride(a) % grid.cells(a) + side, next = cell + side * grid.cellStride(a);
-			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cellRecord(next)[0] > 0.0)) continue;
-			const double pressure = cellRecord(next)[1] - side * weight[a], liquid = cellRecord(next)[0] / cellRecord(next)[contentAt];
+			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cells_[next].liquidMass > 0.0)) continue;
+			const double pressure = cells_[next].pressure - side * weight[a], liquid = liquidPart(next);
 			lowest = std::min(lowest, pressure);
 			if (liquid >= frozen || mobility(next, cells.cellVolume(next), liquidDensity) > conducts) continue;
 			frozen         = liquid;
@@ -135,7 +140,7 @@ void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& r
 		weight[a] = liquidDensity * gravity[a] * grid.spacing();
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
-			if (cellRecord(c)[0] > 0.0) cellRecord(c)[drivingAt] = thawedPressure(grid, range, cells, c, weight, liquidDensity);
+			if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, cells, c, weight, liquidDensity);
 	});
 }
 
@@ -188,7 +193,7 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 	if (cells)
 		for (int k = 0; k < w.count; ++k) {
 			driving[k] = drivingPressure(cells->cell(w.first + k));
-			height[k]  = cellRecord(cells->cell(w.first + k))[heightAt];
+			height[k]  = cells_[cells->cell(w.first + k)].height;
 		}
 	if constexpr (D == 2) {
 		double values[8][blockSize];
@@ -222,9 +227,11 @@ template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
 			const double* r = nodes[i];
-			nodal[i][2]     = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
-			nodal[i][0]     = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
-			nodal[i][1]     = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
+			double*       n = nodal[i];
+
+			n[Driving::perLiquidMass]  = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
+			n[Driving::pressure]       = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
+			n[Driving::liquidFraction] = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
 			for (int a = 0; a < D; ++a)
 				force[i][a] = 0.0;
 			for (int a = 0; a < exchangeSize; ++a)
@@ -262,7 +269,7 @@ void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, c
 			atNode *= r[massAt];
 			const double carried = open ? 0.0 : 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0));
 			r[potentialAt]       = atNode + carried * (r[potentialAt] - atNode);
-			nodal[i][0] += r[potentialAt] * nodal[i][2];
+			nodal[i][Driving::pressure] += r[potentialAt] * nodal[i][Driving::perLiquidMass];
 		}
 	});
 }
@@ -276,7 +283,7 @@ template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const Wei
 	for (int k = 0; k < w.count; ++k) {
 		Vec<D> slope {};
 		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
-			const double p = nodal[node][0];
+			const double p = nodal[node][Driving::pressure];
 			for (int i = 0; i < D; ++i)
 				slope[i] += g[i] * p;
 		});
@@ -294,7 +301,7 @@ template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				force[i][a] *= -nodal[i][1];
+				force[i][a] *= -nodal[i][Driving::liquidFraction];
 	});
 }
 
@@ -302,7 +309,7 @@ template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, d
 {
 	for (const SurfaceNode<D>& n : patch.nodes)
 		for (int a = 0; a < D; ++a)
-			force[n.node][a] += nodal[n.node][1] * (pressureAtNode(n.node) - outside) * n.area[a];
+			force[n.node][a] += nodal[n.node][Driving::liquidFraction] * (pressureAtNode(n.node) - outside) * n.area[a];
 }
 
 template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
@@ -348,10 +355,10 @@ template <int D> void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<
 			for (int i = 0; i < D; ++i)
 				m += g[i] * q[i];
 			double* r = exchange[node];
-			r[0] += m;
-			r[1] += heat * m;
+			r[Gathered::water] += m;
+			r[Gathered::enthalpy] += heat * m;
 			for (int i = 0; i < D; ++i)
-				r[2 + i] += v[i] * m;
+				r[Gathered::momentum + i] += v[i] * m;
 		});
 	}
 }
@@ -361,7 +368,7 @@ void PoreWater<D>::drain(
         const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
-		if (nodal[n.node][2] == 0.0) continue;
+		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
 		double m = 0.0;
 		for (int a = 0; a < D; ++a)
 			m += flux[n.node][a] * n.area[a];
@@ -379,11 +386,8 @@ void PoreWater<D>::feed(
 {
 	const double scaled = inflow * scale * dt * liquidDensity;
 	for (const SurfaceNode<D>& n : patch.nodes) {
-		if (nodal[n.node][2] == 0.0) continue;
-		double area = 0.0;
-		for (int a = 0; a < D; ++a)
-			area += n.area[a] * n.area[a];
-		const double m    = scaled * std::sqrt(area);
+		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
+		const double m    = scaled * lengthOf<D>(n.area);
 		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
 		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
 		leave(n.node, -m, -heat);
@@ -406,13 +410,13 @@ template <int D> double PoreWater<D>::usedScale(double f) const
 template <int D> void PoreWater<D>::leave(int node, double mass, double heat)
 {
 	double* r = exchange[node];
-	r[0] -= mass;
-	r[1] -= heat;
+	r[Gathered::water] -= mass;
+	r[Gathered::enthalpy] -= heat;
 	waterOut += mass;
 	enthalpyOut += heat;
 	for (int a = 0; a < D; ++a) {
 		const double momentum = mass * start[node][a];
-		r[2 + a] -= momentum;
+		r[Gathered::momentum + a] -= momentum;
 		momentumOut[a] += momentum;
 	}
 }
@@ -422,41 +426,41 @@ template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
 			for (int a = 0; a < exchangeSize; ++a)
-				exchange[i][a] *= nodal[i][2];
+				exchange[i][a] *= nodal[i][Driving::perLiquidMass];
 		}
 	});
 }
 
-template <int D> void PoreWater<D>::take(int p, const double* share, double diluted, double* waterMass, double* enthalpy)
+template <int D> void PoreWater<D>::take(int p, const double* share, double dilution, double* waterMass, double* enthalpy)
 {
 	// momentum comes with the water
 	for (int i = 0; i < D; ++i)
-		velocity[i][p] = (velocity[i][p] + share[2 + i]) * diluted;
+		velocity[i][p] = (velocity[i][p] + share[Gathered::momentum + i]) * dilution;
 	const double liquid = liquidMass(p);
-	waterMass[p] += liquid * share[0];
-	if (enthalpy) enthalpy[p] += liquid * share[1];
+	waterMass[p] += liquid * share[Gathered::water];
+	if (enthalpy) enthalpy[p] += liquid * share[Gathered::enthalpy];
 }
 
 template <int D>
 void PoreWater<D>::gather(
-        const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* gained)
+        const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* rise)
 {
 	if constexpr (D == 2) {
-		double got[gatheredSize][blockSize];
+		double got[Gathered::size][blockSize];
 		planeLoops().gatherEight(w, exchange[0], got);
-		if (gained) std::copy(got[6], got[6] + w.count, gained);
+		if (rise) std::copy_n(got[Gathered::rise], w.count, rise);
 		for (int i = 0; i < 2; ++i)
-			accelerate(i, w.first, w.count, got[exchangeSize + i]);
+			accelerate(i, w.first, w.count, got[Gathered::velocity + i]);
 		for (int k = 0; k < w.count; ++k) {
 			const int p = w.first + k;
 			if (cells) {
-				double*      r      = cellRecord(cells->cell(p));
-				const double liquid = liquidMass(p);
+				double* const received = cells_[cells->cell(p)].exchange;
+				const double  liquid   = liquidMass(p);
 				for (int i = 0; i < exchangeSize; ++i)
-					r[2 + i] += liquid * got[i][k];
+					received[i] += liquid * got[i][k];
 			} else {
 				const double share[exchangeSize] = { got[0][k], got[1][k], got[2][k], got[3][k] };
-				take(p, share, 1.0 / (1.0 + share[0]), waterMass, enthalpy);
+				take(p, share, 1.0 / (1.0 + share[Gathered::water]), waterMass, enthalpy);
 			}
 		}
 		return;
@@ -474,11 +478,11 @@ void PoreWater<D>::gather(
 		for (int i = 0; i < D; ++i)
 			velocity[i][p] = kept * velocity[i][p] + change[i];
 		if (cells) {
-			double*      r      = cellRecord(cells->cell(p));
-			const double liquid = liquidMass(p);
+			double* const received = cells_[cells->cell(p)].exchange;
+			const double  liquid   = liquidMass(p);
 			for (int i = 0; i < exchangeSize; ++i)
-				r[2 + i] += liquid * got[i];
-		} else take(p, got, 1.0 / (1.0 + got[0]), waterMass, enthalpy);
+				received[i] += liquid * got[i];
+		} else take(p, got, 1.0 / (1.0 + got[Gathered::water]), waterMass, enthalpy);
 	}
 }
 
@@ -486,7 +490,7 @@ void PoreWater<D>::gather(
 template <int D> double PoreWater<D>::reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity)
 {
 	const double volume = cells.cellVolume(cell), steady = mobility(cell, volume, liquidDensity);
-	return steady > 0.0 ? 1.0 / (1.0 / steady + liquidDensity * liquidDensity * volume / (cellRecord(cell)[0] * dt)) : 0.0;
+	return steady > 0.0 ? 1.0 / (1.0 / steady + liquidDensity * liquidDensity * volume / (cells_[cell].liquidMass * dt)) : 0.0;
 }
 
 template <int D>
@@ -524,11 +528,11 @@ void PoreWater<D>::levelCells(
         const EnthalpyModel* enthalpy)
 {
 	findFaces(grid, range, cells, gravity, dt, liquidDensity);
-	const auto compliance = [&](int c) { return cellRecord(c)[0] / (liquidDensity * settings->state.liquidBulkModulus); };
+	const auto compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int c = firstCell; c < lastCell; ++c) {
-			double* r = cellRecord(c);
-			if (!(r[0] > 0.0)) continue;
+			Cell& cell = cells_[c];
+			if (!(cell.liquidMass > 0.0)) continue;
 			for (int a = 0; a < D; ++a) {
 				const int stride = grid.cellStride(a), at = c / stride % grid.cells(a), last = grid.cells(a) - 1;
 				for (const bool ahead : { false, true }) {
@@ -539,14 +543,16 @@ void PoreWater<D>::levelCells(
 					        faces_[a].data(), from, stride, place == 0 || from - stride < range.firstCell,
 					        place + 1 == last || from + 2 * stride >= range.lastCell);
 					if (unseen == 0.0) continue;
-					const double  least  = std::min(compliance(from), compliance(from + stride));
-					const double  mass   = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
-					const double* donor  = cellRecord(mass > 0.0 ? from : from + stride);
-					const double  gained = ahead ? -mass : mass, share = gained / donor[0];
-					r[2] += gained;
-					if (enthalpy) r[3] += gained * enthalpy->liquidEnthalpy(donor[warmthAt] / donor[0]);
+					const double least  = std::min(compliance(from), compliance(from + stride));
+					const double mass   = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
+					const int    donor  = mass > 0.0 ? from : from + stride;
+					const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
+					cell.exchange[Gathered::water] += gained;
+					if (enthalpy)
+						cell.exchange[Gathered::enthalpy] += gained
+						        * enthalpy->liquidEnthalpy(freezing_[donor].warmth / cells_[donor].liquidMass);
 					for (int i = 0; i < D; ++i)
-						r[4 + i] += share * donor[carriedAt + i];
+						cell.exchange[Gathered::momentum + i] += share * freezing_[donor].carried[i];
 				}
 			}
 		}
@@ -557,16 +563,16 @@ void PoreWater<D>::levelCells(
 template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range)
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
-		double* r = cellRecord(c);
-		if (!(r[0] > 0.0) || r[2] >= -largestLoss) continue;
-		const double given = -largestLoss / r[2];
-		waterOut += r[0] * (1.0 - given) * r[2];
-		enthalpyOut += r[0] * (1.0 - given) * r[3];
+		Cell& cell = cells_[c];
+		if (!(cell.liquidMass > 0.0) || cell.exchange[Gathered::water] >= -largestLoss) continue;
+		const double given = -largestLoss / cell.exchange[Gathered::water];
+		waterOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::water];
+		enthalpyOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::enthalpy];
 		for (int a = 0; a < D; ++a)
-			momentumOut[a] += r[0] * (1.0 - given) * r[4 + a];
-		for (int k = 0; k < exchangeSize; ++k)
-			r[2 + k] *= given;
-		r[1] = 1.0 / (1.0 + r[2]);
+			momentumOut[a] += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::momentum + a];
+		for (double& share : cell.exchange)
+			share *= given;
+		cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 	}
 }
 
@@ -574,12 +580,12 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
-			double* r = cellRecord(c);
-			if (!(r[0] > 0.0)) continue;
-			const double perMass = 1.0 / r[0];
+			Cell& cell = cells_[c];
+			if (!(cell.liquidMass > 0.0)) continue;
+			const double perMass = 1.0 / cell.liquidMass;
 			for (int i = 0; i < exchangeSize; ++i)
-				r[2 + i] *= perMass;
-			if (r[2] >= -largestLoss) r[1] = 1.0 / (1.0 + r[2]);
+				cell.exchange[i] *= perMass;
+			cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 		}
 	});
 	keepLastWater(range);
@@ -588,8 +594,8 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
 {
 	for (int p = first; p < last; ++p) {
-		const double* r = cellRecord(cells.cell(p));
-		take(p, r + 2, r[1], waterMass, enthalpy);
+		const Cell& cell = cells_[cells.cell(p)];
+		take(p, cell.exchange, cell.dilution, waterMass, enthalpy);
 	}
 }
 
@@ -597,8 +603,8 @@ template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
-			double* r = cellRecord(c);
-			if (r[complianceAt] > 0.0) r[excessAt] = std::max(r[excessAt] / r[complianceAt], settings->state.cavitationPressure);
+			Cell& cell = cells_[c];
+			if (cell.compliance > 0.0) cell.fillPressure = std::max(cell.excess / cell.compliance, settings->state.cavitationPressure);
 		}
 	});
 }
@@ -606,16 +612,14 @@ template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
 template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells, int first, int last)
 {
 	for (int p = first; p < last; ++p)
-		pressure[p] = cellRecord(cells.cell(p))[excessAt];
+		pressure[p] = cells_[cells.cell(p)].fillPressure;
 }
 
 template <int D> double PoreWater<D>::seepageWork(int firstCell, int lastCell) const
 {
 	double work = 0.0;
-	for (int c = firstCell; c < lastCell; ++c) {
-		const double* r = cells_.data() + static_cast<std::size_t>(c) * cellSize;
-		if (r[0] > 0.0) work += r[excessAt] * (r[0] * r[2]);
-	}
+	for (int c = firstCell; c < lastCell; ++c)
+		if (cells_[c].liquidMass > 0.0) work += cells_[c].fillPressure * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
 	return work;
 }
 

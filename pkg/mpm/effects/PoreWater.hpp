@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
@@ -20,13 +21,16 @@ template <int D> class SolidMotion;
 /// partition weights, so that none is made.
 template <int D> class PoreWater {
 public:
+	using Columns = NodeColumns<D>;
 	/// Record of a node: liquid mass, its momentum, volume, volume of liquid, mass times pressure, drag, mass times gravity's potential.
-	static constexpr int mapSize = 6 + D;
-	static constexpr int massAt = 0, momentumAt = 1, volumeAt = 1 + D, liquidVolumeAt = 2 + D, pressureAt = 3 + D, dragAt = 4 + D, potentialAt = 5 + D;
-	/// Exchange by seepage: mass, enthalpy, momentum; first sums, then per liquid mass of the node.
-	static constexpr int exchangeSize = 2 + D;
-	/// In 2-D records are as long as the vectors of the plane loops: the columns that water does not need hold nodal values of heat.
-	static constexpr int nodalSize = D == 2 ? 4 : 3, forceSize = D == 2 ? 4 : D, gatheredSize = D == 2 ? 8 : exchangeSize;
+	using Liquid                = typename Columns::Liquid;
+	static constexpr int massAt = Liquid::mass, momentumAt = Liquid::momentum, volumeAt = Liquid::volume, liquidVolumeAt = Liquid::liquidVolume,
+	                     pressureAt = Liquid::pressure, dragAt = Liquid::drag, potentialAt = Liquid::potential;
+	/// What is nodal and what drives.
+	using Driving = typename Columns::Driving;
+	/// Exchange by seepage.
+	using Gathered                    = typename Columns::Gathered;
+	static constexpr int exchangeSize = Gathered::exchange;
 
 	PoreWater(PointFields& fields, const WaterSettings& settings);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass);
@@ -43,8 +47,8 @@ public:
 	void finishPressure(const ActiveRange& range);
 	/// Pressure that drives the liquid of each cell of ground that freezes. A cell in which ground thaws from one side is a thawed layer
 	/// on a frozen one: p = phi u + (1 - phi) p_f, with the part phi that has thawed since it was like its most frozen neighbour and that
-	/// neighbour's pressure p_f. Its liquid feels u. Felt was the mean, the load that the ice of the whole cell bore would leave at once
-	/// as soon as the cell conducts, and the pressure behind the front would pulse from cell to cell.
+	/// neighbour's pressure p_f. Its liquid feels u. If it felt the mean, the load that the ice of the whole cell bore would leave as soon
+	/// as the cell conducts, and the pressure behind the front would pulse from cell to cell.
 	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 
 	/// cells null: without cell means.
@@ -77,8 +81,8 @@ public:
 	        const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
-	/// gained (2-D, may be null): sum S of the number of the record that heat borrows.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* gained = nullptr);
+	/// rise (may be null): receives the sums S rise of heat, whose column lies in the same record.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* rise = nullptr);
 	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
 	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
 	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
@@ -94,9 +98,8 @@ public:
 	/// Adds to a cell the unstressed volume of a point's liquid and ice less its pore volume [m^D], and their compliance [m^D/Pa].
 	void addFill(int cell, double excess, double compliance)
 	{
-		double* r = cellRecord(cell);
-		r[excessAt] += excess;
-		r[complianceAt] += compliance;
+		cells_[cell].excess += excess;
+		cells_[cell].compliance += compliance;
 	}
 	/// Pressure of each cell from what fills it, when all points were added.
 	void findCellPressure(const ActiveRange& range);
@@ -114,14 +117,14 @@ public:
 	std::array<double*, D> velocity; ///< of the liquid
 	double *               pressure, *liquidFraction, *drag;
 
-	NodeField<mapSize>      nodes;
-	NodeField<nodalSize>    nodal; ///< p - rho_l g.x, liquid fraction n_I, inverse liquid mass as mapped
-	double                  pressureAtNode(int node) const { return nodal[node][0] - nodes[node][potentialAt] * nodal[node][2]; }
-	NodeField<forceSize>    force;  ///< on the liquid
-	NodeField<D>            solved; ///< chi dt a + (1 - chi) v
-	NodeField<D>            flux;   ///< n_I (v_l - v_s) of the solved velocities
-	NodeField<D>            start;  ///< v_l at the start of the step
-	NodeField<gatheredSize> exchange;
+	NodeField<Liquid::size>  nodes;
+	NodeField<Driving::size> nodal; ///< p - rho_l g.x, liquid fraction n_I, inverse liquid mass as mapped
+	double pressureAtNode(int node) const { return nodal[node][Driving::pressure] - nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass]; }
+	NodeField<Columns::Driven::size> force;  ///< on the liquid
+	NodeField<D>                     solved; ///< chi dt a + (1 - chi) v
+	NodeField<D>                     flux;   ///< n_I (v_l - v_s) of the solved velocities
+	NodeField<D>                     start;  ///< v_l at the start of the step
+	NodeField<Gathered::size>        exchange;
 
 	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
 	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
@@ -140,27 +143,35 @@ public:
 	Vec<D> momentumOut {};
 
 private:
-	/// Record of a cell: liquid mass, mass times pressure, then mean pressure, then what dilutes the momentum; exchange, then per liquid
-	/// mass; excess volume and compliance of the pore content, then pressure; drag, liquid mass times temperature and times velocity,
-	/// mass of ice and liquid, driving pressure; liquid mass times gravity's potential.
-	static constexpr int cellSize = 9 + D + exchangeSize, excessAt = 2 + exchangeSize, complianceAt = 3 + exchangeSize, resistanceAt = 4 + exchangeSize,
-	                     warmthAt = 5 + exchangeSize, carriedAt = 6 + exchangeSize, contentAt = 6 + D + exchangeSize, drivingAt = 7 + D + exchangeSize,
-	                     heightAt = 8 + D + exchangeSize;
+	/// What the points of a cell sum up to, and what follows from it in a step. Means are sums first, until all points were added.
+	struct Cell {
+		double liquidMass;             ///< [kg]
+		double pressure, height;       ///< means over the liquid of pressure and of gravity's potential
+		double driving;                ///< pressure: at a thaw front that of the thawed layer, the mean anywhere else [Pa]
+		double exchange[exchangeSize]; ///< what seepage brings (mass, enthalpy, momentum), mean over the liquid
+		double dilution;               ///< of the momentum that a point has, by the water that it receives [-]
+		double excess, compliance;     ///< of what fills the pores at the end of the step, see addFill
+		double fillPressure;           ///< that follows from them [Pa]
+	};
+	/// More of a cell in ground that freezes: sums of drag, mass of liquid and ice, liquid mass times temperature and times velocity.
+	struct FreezingCell {
+		double drag, contentMass, warmth, carried[D];
+	};
 	/// Between a cell and the next one along an axis: conductance [m^D/(Pa s)] and what Darcy's law would let through [m^D/s].
 	struct Face {
 		double conductance, flow;
 	};
-	double drivingPressure(int cell) { return cellRecord(cell)[drivingAt]; }
+	double drivingPressure(int cell) const { return cells_[cell].driving; }
 	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
-	double mobility(int cell, double volume, double liquidDensity);
+	double mobility(int cell, double volume, double liquidDensity) const;
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
-	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity);
+	double thawedPressure(
+	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity) const;
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
 	std::array<std::vector<Face>, D> faces_;
-	double*                          cellRecord(int cell) { return cells_.data() + static_cast<std::size_t>(cell) * cellSize; }
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
 	void leave(int node, double mass, double heat);
@@ -177,11 +188,11 @@ private:
 	}
 	TALIK_PROCESSOR_VERSIONS void accelerate(int axis, int first, int count, const double* change);
 	double                        liquidMass(int p) const { return waterMass_[p] - (iceMass_ ? iceMass_[p] : 0.0); }
-	/// share: exchange per liquid mass of the point,
-	/// and what the momentum is diluted by.
-	void take(int p, const double* share, double diluted, double* waterMass, double* enthalpy);
+	/// share: exchange per liquid mass of the point; dilution: of the momentum that it has.
+	void take(int p, const double* share, double dilution, double* waterMass, double* enthalpy);
 
-	std::vector<double>          cells_;
+	std::vector<Cell>            cells_;
+	std::vector<FreezingCell>    freezing_;
 	std::vector<char>            open_; ///< nodes through whose surface water may cross in this step
 	PointFields::Handle          velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};

@@ -4,6 +4,8 @@
 
 namespace talik {
 
+static_assert(PlaneLoops::motionSize == NodeColumns<2>::Moving::size, "loops and records agree");
+
 template <int D>
 SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool replacesMean)
         : settings(&motion)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/NodeField.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
@@ -12,10 +13,9 @@ namespace talik {
 template <int D> class SolidMotion {
 public:
 	static constexpr int S = stressSize<D>;
-	/// Record of a node: mass that moves with the solid, its momentum, force on the mixture (from the fifth number on); in 2-D two
-	/// numbers more, which heat borrows.
-	static constexpr int mapSize = 8;
-	static constexpr int massAt = 0, momentumAt = 1, forceAt = 4, freeAt = 6;
+	/// Record of a node: mass that moves with the solid, its momentum, force on the mixture.
+	using Record                = typename NodeColumns<D>::Moving;
+	static constexpr int massAt = Record::mass, momentumAt = Record::momentum, forceAt = Record::force;
 
 	/// replacesMean: a mean stress other than that of the stress enters the momentum balance.
 	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool replacesMean = true);
@@ -38,8 +38,8 @@ public:
 	double*                    initialVolume;
 	double*                    meanStress; ///< total mean stress that the momentum balance uses [Pa]; null: that of the stress
 
-	NodeField<mapSize> nodes;
-	NodeField<2 * D>   solved; ///< chi dt a + (1 - chi) v, then v
+	NodeField<Record::size> nodes;
+	NodeField<2 * D>        solved; ///< chi dt a + (1 - chi) v, then v
 
 private:
 	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, meanStress_ = -1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -128,12 +129,7 @@ std::vector<std::string> shapeFunctionNames()
 
 template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::string& name)
 {
-	std::string known;
-	for (const auto& entry : table<D>()) {
-		if (name == entry.first) return entry.second();
-		known += std::string(known.empty() ? "" : ", ") + entry.first;
-	}
-	throw std::invalid_argument("shapeFunction = '" + name + "': choose one of " + known);
+	return table<D>()[placeOfName("shapeFunction", name, shapeFunctionNames())].second();
 }
 
 template <int D>

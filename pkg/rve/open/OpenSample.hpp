@@ -74,7 +74,6 @@ public:
 	Eigen::Matrix3d  deformation() const { return scene->cell->trsf; }
 	bool             hasIce() const { return !iceMaterials.empty(); }
 	double           iceSaturation() const; ///< 0 without IceBondMat
-	bool             planar() const { return discs; }
 	StiffnessBound   stiffnessBound() const;
 
 	const boost::shared_ptr<yade::Scene>& yadeScene() const { return scene; }

@@ -3,6 +3,7 @@
 
 	study        runs what is planned, row by row into a file; table gives the rows with their errors
 	problem      what a problem is; one file each: neumann, terzaghi, biaxial, wave, collapse, slump
+	examples     folder of the examples, or the sentence that says where the study runs
 	presets      presets of the examples as rows
 	ground       knobs of the march and the column of those that move
 	report       tables, Pareto front, advice, pictures, misses
@@ -10,6 +11,7 @@
 
 A new problem is one file and its entry in `problems`."""
 
+from talik.accuracy import examples  # first: those below import scenes from its folder
 from talik.accuracy import biaxial, collapse, neumann, slump, terzaghi, wave
 from talik.accuracy.neumann import neumannFront
 from talik.accuracy.presets import presetRows, presetsOf

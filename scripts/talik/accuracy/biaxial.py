@@ -10,7 +10,7 @@ import functools
 import numpy as np
 from yade import Matrix3
 
-from talik import rve, slope
+from talik import rve
 from talik.accuracy.problem import Problem, Run, Stopwatch, relativeRootMeanSquare
 
 pressure, strain = 50e3, 0.1  # [Pa], [-]
@@ -21,7 +21,7 @@ stiffness = 30e6  # order of magnitude of a thawed sample's, for the control of 
 
 @functools.lru_cache(maxsize=None)
 def packed(grains, seed):
-	return slope.pack(rve.prepare(grains=grains, seed=seed))
+	return rve.pack(rve.prepare(grains=grains, seed=seed))
 
 
 def path(sample, inertialNumber, strainOfCall):

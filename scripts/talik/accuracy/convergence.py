@@ -19,7 +19,8 @@ from tqdm import tqdm
 from yade import O
 
 import talik
-from talik import thawslump
+import thaw_slump_base
+import thaw_slump_surface
 from talik.accuracy import slump
 from talik.accuracy.problem import Stopwatch, key
 
@@ -31,15 +32,15 @@ motionAllowed = 10  # times the motion of a run at constant scale; a calendar th
 @dataclass(frozen=True)
 class Case:
 	title: str
-	boundaries: object  # function of the start of the warming -> thermal boundaries
+	scene: object  # thawslump.Case
 	days: int  # of the thaw
 	tableDays: tuple
 	thawStrain: float  # of the samples
 
 
 cases = {
-	"surface": Case("Case I, thaw from the surface", slump.warmAir, 150, (30, 60, 100, 150), 0.0),
-	"base": Case("Case II, thaw from the base", slump.warmBase, 600, (150, 300, 450, 600), 0.03),
+	"surface": Case("Case I, thaw from the surface", thaw_slump_surface.case, 150, (30, 60, 100, 150), 0.0),
+	"base": Case("Case II, thaw from the base", thaw_slump_base.case, 600, (150, 300, 450, 600), 0.03),
 }
 
 
@@ -125,7 +126,7 @@ def _sampleSweeps(cohesion):
 
 def rowSettings(case, sweep, value):
 	"""Everything that a row depends on, by name; numbers and words only, so that it names the row in a file."""
-	plain = {name: given for name, given in draft.items() if name not in ("boundaries", "thaw strain")}
+	plain = {name: given for name, given in draft.items() if name not in ("scene", "thaw strain")}
 	return {**plain, **sweep.settings(value), "case": case, "days of heat": cases[case].days}
 
 
@@ -182,12 +183,12 @@ def march(settings):
 	case, watch, looks, days = cases[settings["case"]], Stopwatch(), [(0, 0.0, 0.0)], settings["days of heat"]
 	allowed = motionAllowed * days * talik.day / settings["thermal time scale"]
 	with tempfile.TemporaryDirectory() as folder:
-		slope = slump.slump({**settings, "boundaries": case.boundaries, "thaw strain": case.thawStrain}, folder)
+		slope = slump.slump({**settings, "scene": case.scene, "thaw strain": case.thawStrain}, folder)
 	mpm = slope.mpm
 	with watch:
 		slope.rest()
 		for day in range(1, days + 1):
-			thawslump.runUntilDay(mpm, day, longest=slope.preset.restTime + allowed)
+			talik.runUntilDay(mpm, day, longest=slope.preset.restTime + allowed)
 			if mpm.calendar["day"] < day:
 				break
 			looks.append((day, *motion(mpm)))

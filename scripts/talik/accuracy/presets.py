@@ -7,9 +7,8 @@ import ast
 from dataclasses import dataclass
 from pathlib import Path
 
-from talik import thawslump
-
-examples = Path(__file__).resolve().parents[3] / "examples"
+import thawslump
+from talik.accuracy.examples import folder as examples
 
 
 @dataclass(frozen=True)

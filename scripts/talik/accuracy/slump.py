@@ -7,21 +7,12 @@ Errors of rows that change one of these four say how far the reference itself is
 import tempfile
 
 import numpy as np
-from yade import O, wrapper
-
 import talik
-from talik import thawslump
+import thaw_slump_surface
+import thawslump
+from yade import O
+
 from talik.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
-
-
-def warmAir(start):
-	"""Air at -5 °C, warm within ten days."""
-	return [wrapper.SurfaceTemperature(region="surface", times=[start, start + 10 * talik.day], values=[-5, 10])]
-
-
-def warmBase(start):
-	"""Patch of the base at -5 °C, warm within ten days."""
-	return [wrapper.WallTemperature(region="bottom", lower=(2, -1), upper=(6, 1), times=[start, start + 10 * talik.day], values=[-5, 10])]
 
 
 standard = {
@@ -37,7 +28,7 @@ standard = {
 	"days of heat": 60,
 }
 scene = {
-	"boundaries": warmAir,
+	"scene": thaw_slump_surface.case,
 	"skeleton": "samples",
 	"realisations": 1,
 	"thawed cohesion": 0.0,
@@ -59,7 +50,7 @@ def slump(settings, folder):
 		followsMotion=s["follows motion"],
 		motionTolerance=s["motion tolerance"],
 	)
-	case = thawslump.ThawSlump("accuracy", s["boundaries"], preset, folder, ground, skeleton=s["skeleton"])
+	case = thawslump.ThawSlump(s["scene"], preset, folder, ground, skeleton=s["skeleton"])
 	case.mpm.courantNumber, case.mpm.transfer = s["time-step fraction"], s["transfer"]
 	case.mpm.tolerance = s["tolerance"]
 	if s["skeleton"] == "samples":
@@ -78,7 +69,7 @@ def run(settings):
 		case.rest()
 	frozen = mpm.field("iceSaturation").max()
 	with watch:
-		thawslump.runUntilDay(mpm, case.preset.days)
+		talik.runUntilDay(mpm, case.preset.days)
 	runOut = np.linalg.norm(mpm.field("displacement"), axis=1).max()
 	thawed = np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume"))
 	return groundRun(mpm, (runOut, thawed), watch, O.iter)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The shear band of a slump: which points belong to it, where it lies, and what became of the bonds in it.
 
-	band = talik.shearband.measure(frame, outline)       # frame of talik.output.Frames
-	print(talik.shearband.describe(band))
+	band = shearband.measure(frame, outline)       # frame of talik.output.Frames
+	print(shearband.describe(band))
 
 A band is where a mass that moved borders on ground that stayed. Displacement tells the two apart, by Otsu's threshold; the band is the
 line across which it passes half way between their means, in the position of the points before they moved. Strain alone does not tell:

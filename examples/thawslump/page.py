@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 import talik
-from talik import output, packing, plots, shearband
+from talik import output, packing, plots
+from thawslump import shearband
 
 pageTimes = 4
 framesName, samplesName, summaryName = "frames.npz", "samples.npz", "summary.json"  # what a run leaves in its folder to be drawn from
@@ -52,7 +53,7 @@ def summaryOf(folder):
 def draw(folder, outline, threshold=0.2):
 	"""slope.png, page.png and calendar.png from frames.npz, samples.npz and summary.json in the folder of a run.
 
-	outline, threshold  as for talik.shearband.measure
+	outline, threshold  as for shearband.measure
 	FileNotFoundError where no run left its results."""
 	folder = Path(folder)
 	if not (folder / framesName).exists():

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a thaw slump can be told: size of the job, ground, and the values that both cases share."""
+
+import math
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Preset:
+	"""Size of a job."""
+
+	gridSpacing: float  # [m]; the paper's is 0.2
+	grains: int  # in each sample; the paper's is 400
+	days: float  # of thaw
+	strainTolerance: float = 2e-5
+	bandThickness: float = 0.5  # of samples at the same initial stress [m]
+	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
+	realisations: int = 1  # of the sample, dealt to the points by chance
+	seed: int = 1  # of the samples and of that chance
+	longestMotion: float = math.inf  # of the thaw [s]: a run whose ground never rests ends here
+	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
+
+
+skeletons = ("samples", "MohrCoulomb")
+calendars = ("follows-motion", "constant")
+fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
+
+presets = {
+	"test": Preset(
+		gridSpacing=0.5,
+		grains=60,
+		days=6.0,
+		strainTolerance=5e-5,
+		bandThickness=1.0,
+		restTime=0.2,
+		calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3)),
+	),
+	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0),
+	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0),
+	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
+}
+
+
+@dataclass
+class Ground:
+	"""Settings of the ground; (P) the paper's, (O) ours where it is silent."""
+
+	temperature: float = -5.0  # initial [degC] (P)
+	warm: float = 10.0  # [degC] (P)
+	porosity: float = 0.4  # (P)
+	conductivity: float = 1e-4  # k [m/s] (P)
+	thermalTimeScale: float = 8.64e5  # f_T, one second is ten days of heat (P)
+	followsMotion: bool = False  # the scale of slow time falls to movingTimeScale while the ground moves (O); False: constant (P)
+	movingTimeScale: float = 1.0  # f_m, while it moves (O)
+	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
+	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
+	freezingWidth: float = 0.5  # W of the gauss freezing curve [K] (O)
+	residualSaturation: float = 0.05  # S_r (O)
+	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
+	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
+	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
+	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
+	damping: float = 0.02  # local damping during failure (O)
+	restDamping: float = 0.7  # local damping while the slope comes to rest (O)

@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One run of a thaw slump: rest, thaw, checkpoint, results.
+
+A frozen slope with a 45 degree face stands behind a bench. Every material point has a sample of grains with ice bonds; the samples
+of each depth band are brought to the geostatic stress first and frozen then. The slope comes to rest, then heat comes in, and the
+slope thaws, loses its bonds and fails.
+"""
+
+import base64
+import json
+import time
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+import talik
+from talik import calibrate, checkpoint, output, rve, slope
+from talik.files import writableFolder
+from talik.progress import Progress
+from thawslump import page, shearband
+from thawslump.page import framesName, samplesName, summaryName
+from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons
+from yade import O, wrapper
+
+seriesLength = 40  # states in the ParaView series
+checkpointName, memoryTag = "slope.checkpoint", "thawSlump"
+checkpointInterval = 60  # wall time [s]
+remembered = (
+	"name",
+	"outline",
+	"presetName",
+	"skeletonName",
+	"thaws",
+	"frameDays",
+	"restKineticEnergy",
+	"calibrationSeconds",
+	"thawed",
+	"reached",
+	"history",
+)  # attributes of a run
+frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames
+never = 1e12  # [s of calendar time]
+bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
+frozenDensity = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)  # [kg/m3]
+
+
+@dataclass(frozen=True)
+class Case:
+	"""A slope and where its heat comes from."""
+
+	name: str  # used in titles
+	outline: list  # corners of the slope [m]
+	scene: object  # function (run, start) -> MpmEngine whose boundaries begin to warm at `start` [s of calendar time]
+
+
+class ThawSlump:
+	"""One run of a slump: build, bring to rest, thaw, draw.
+
+	case        the scene
+	preset      a name in presets or a Preset
+	folder      for the results
+	frameDays   days of the thaw at which all fields are kept; default five
+	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.calibrate"""
+
+	def __init__(self, case, preset="draft", folder="output", ground=None, thaw=True, frameDays=None, skeleton="samples"):
+		if skeleton not in skeletons:
+			raise ValueError(f"skeleton is {skeleton!r}; choose one of {', '.join(skeletons)}")
+		self.skeletonName = skeleton
+		self.name, self.outline, self.thaws = case.name, case.outline, thaw
+		self.presetName = preset if isinstance(preset, str) else "own"
+		self.preset = presets[preset] if isinstance(preset, str) else preset
+		self.ground = ground or Ground()
+		self.frameDays = [part * self.preset.days for part in frameParts] if frameDays is None else sorted(frameDays)
+		self.folder = writableFolder(folder)
+		self.wallStart, self.cpuStart = time.monotonic(), time.process_time()
+		self.calibrationSeconds, self.thawed = None, {}
+		self.mpm = case.scene(self, 0.0 if thaw else never)
+		self.skeleton = self.mpm.skeleton
+		self.frames = self._frames()
+		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.day)
+		self.reached = None  # last day of the thaw whose state was kept
+		self.history = []  # [day, time of motion [s], largest displacement [m]]
+
+	@classmethod
+	def resumed(cls, folder):
+		"""The run whose checkpoint lies in `folder`, as it was then; run() goes on with it, to the same last bit as if it had not been stopped."""
+		run, folder = cls.__new__(cls), writableFolder(folder)
+		run.folder, run.wallStart, run.cpuStart = folder, time.monotonic(), time.process_time()
+		run.mpm = checkpoint.resume(folder / checkpointName)
+		run.skeleton = run.mpm.skeleton
+		run._recall(json.loads(base64.b64decode(O.tags[memoryTag])))
+		return run
+
+	def _recall(self, memory):
+		try:
+			self._remember(memory)
+		except (KeyError, TypeError) as missing:
+			raise ValueError(
+				f"{self.folder / checkpointName}: another version of Talik wrote this slump ({missing}); go on with that version, or start anew without --resume"
+			) from missing
+
+	def _frames(self):
+		return output.Frames(self.mpm, self.frameDays, clock=self.thawTime, days=True)
+
+	def endAt(self, days):
+		"""The thaw ends on day `days` in place of the preset's: for a run to be gone on with. Frames taken stay."""
+		self.preset = replace(self.preset, days=days)
+		taken, untaken = self.frameDays[: len(self.frames.frames)], self.frameDays[len(self.frames.frames) :]
+		self.frameDays = self.frames.times = taken + [day for day in untaken if day < days] + [days]
+
+	# ---- building
+
+	def skeletonAtRest(self, position):
+		"""(skeleton, further columns of addPoints) at the geostatic stress of points at `position` [m]: samples keep their stress
+		themselves, a law takes that of the points."""
+		p, g = self.preset, self.ground
+		several = rve.pack(rve.prepare(grains=p.grains, ice=True, realisations=p.realisations, seed=p.seed))
+		if self.skeletonName == "samples":
+			self._keepCohesion(several)
+			for sample in several:
+				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
+			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
+			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance), {}
+		calibration = calibrate.calibrate(several, **p.calibration)
+		self.calibrationSeconds = calibration.seconds
+		law = calibration.parameters()
+		law["cohesions"] = [max(cohesion, g.thawedCohesion) for cohesion in law["cohesions"]]
+		depths = [slope.surfaceHeight(self.outline, x) - y for x, y in position]
+		across, down = np.transpose([slope.geostaticStress(depth, frozenDensity, lateralRatio=g.lateralRatio) for depth in depths])
+		return wrapper.MohrCoulombSkeleton(**law), {"stress": np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1)}
+
+	def _keepCohesion(self, samples):
+		"""Bonds that outlast their ice, of the strength that gives the samples the thawed cohesion."""
+		strength, self.thawed["cohesion measured [Pa]"] = calibrate.thawedStrength(samples, self.ground.thawedCohesion)
+		self.thawed["strength of bonds [Pa]"] = strength
+		for sample in samples:
+			sample.thawedStrength = strength
+
+	# ---- running
+
+	def run(self):
+		"""Rest, thaw, results. Returns the summary.
+
+		A checkpoint is kept in the folder every minute, and when the run is interrupted by Ctrl-C: see resumed()."""
+		if self.reached is None:
+			self.rest()
+		progress = Progress(endDay=self.preset.days, calendar=lambda: self.mpm.calendar, clock=self.thawTime, details=self._details)
+		try:
+			self._thaw(progress.update)
+		except KeyboardInterrupt:
+			self._keep()
+			raise
+		finally:
+			progress.close()
+			summary = self._results()
+		return summary
+
+	def rest(self):
+		"""The slope comes to rest in nature's time; then the calendar begins on day 0 and follows the motion."""
+		O.engines = [self.mpm]
+		self.initialBalance = self.mpm.balance()
+		self.mpm.setDay(-1)
+		talik.runUntil(self.preset.restTime)
+		self.restKineticEnergy = self.mpm.balance()["kineticEnergy"]
+		self.mpm.resetDisplacement()
+		self.mpm.damping = self.ground.damping
+		self.mpm.heat.thermalTimeScale, self.mpm.heat.movingTimeScale = self.ground.thermalTimeScale, self.ground.movingTimeScale
+		self.mpm.setDay(0)
+		self.reached = -1.0
+
+	def _thaw(self, look):
+		seriesDays, self._kept = np.linspace(0, self.preset.days, seriesLength + 1), time.monotonic()
+
+		def lookAndKeep():
+			look()
+			self._keepWhenDue()
+
+		longest = self.preset.restTime + self.preset.longestMotion
+		for day in np.union1d(seriesDays, self.frameDays):
+			if day <= self.reached:
+				continue
+			talik.runUntilDay(self.mpm, day, lookAndKeep, longest=longest)
+			self.history.append([self.day(), self.thawTime(), self._largestDisplacement()])
+			if day in seriesDays:
+				self.series.write()
+			self.frames.take()
+			self.reached = float(day)
+			self._keepWhenDue()
+			if O.time >= longest:
+				self.frames.takeNow()
+				break
+
+	# ---- stopped and gone on with
+
+	def _keepWhenDue(self):
+		if time.monotonic() < self._kept + checkpointInterval:
+			return
+		with talik.atRest():
+			self._keep()
+		self._kept = time.monotonic()
+
+	def _keep(self):
+		"""Frames first: a checkpoint never lacks one."""
+		self.frames.save(self.folder / framesName)
+		O.tags[memoryTag] = base64.b64encode(json.dumps(self._memory()).encode()).decode()
+		checkpoint.write(self.folder / checkpointName)
+
+	def _memory(self):
+		"""What a run knows beside its scene."""
+		return {
+			**{name: getattr(self, name) for name in remembered},
+			"preset": asdict(self.preset),
+			"ground": asdict(self.ground),
+			"initialBalance": output.plain(self.initialBalance),
+			"series": self.series.entries,
+			"seconds": time.monotonic() - self.wallStart,
+			"cpuSeconds": time.process_time() - self.cpuStart,
+		}
+
+	def _remember(self, memory):
+		for name in remembered:
+			setattr(self, name, memory[name])
+		self.preset, self.ground = Preset(**memory["preset"]), Ground(**memory["ground"])
+		self.initialBalance = memory["initialBalance"]
+		self.wallStart -= memory["seconds"]
+		self.cpuStart -= memory["cpuSeconds"]
+		self.frames = self._frames()
+		self.frames.frames = [frame for frame in output.loadFrames(self.folder / framesName) if frame["time"] <= self.thawTime()]
+		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.day)
+		self.series.entries = [tuple(entry) for entry in memory["series"]]
+
+	def thawTime(self):
+		"""Time of motion since the start of the thaw [s]."""
+		return self.mpm.time - self.preset.restTime
+
+	def day(self):
+		"""Day of the thaw."""
+		return self.mpm.calendar["day"]
+
+	def _largestDisplacement(self):
+		return float(np.linalg.norm(self.mpm.field("displacement"), axis=1).max())
+
+	def _details(self):
+		return {**({"events": len(self.events())} if self.ground.followsMotion else {}), "sample calls": self.counters()["calls"]}
+
+	def events(self):
+		"""None where the scale does not follow the motion: nobody looks for them."""
+		return self.mpm.events() if self.ground.followsMotion else []
+
+	def counters(self):
+		"""Calls, DEM steps, seconds and bytes of the samples; zeros where there are none."""
+		return self.skeleton.counters if self.skeletonName == "samples" else {"calls": 0, "steps": 0, "seconds": 0.0, "bytes": 0}
+
+	# ---- results
+
+	def _results(self):
+		summary = self.summary()
+		output.writeSummary(self.folder / summaryName, **summary)
+		if len(self.frames.frames) > 1:
+			watched = self.watchedPoints()
+			self.frames.save(self.folder / framesName)
+			page.saveSamples(self.folder / samplesName, {letter: page.sampleOf(self.skeleton, point) for letter, point in watched.items()}, watched)
+			page.draw(self.folder, self.outline, bandStrain)
+		return summary
+
+	def watchedPoints(self):
+		"""{"A": id, "B": id} at the end of the run; empty without samples."""
+		return shearband.watchedPoints(self.frames.frames[-1], self.outline, bandStrain) if self.skeletonName == "samples" else {}
+
+	def band(self):
+		"""The shear band in frozen ground at the end (shearband.ShearBand) or None."""
+		return shearband.measure(self.frames.frames[-1], self.outline, bandStrain)
+
+	def slipSurface(self):
+		"""The shear band in frozen and thawed ground together at the end, or None."""
+		return shearband.measure(self.frames.frames[-1], self.outline, bandStrain, among=True)
+
+	def summary(self):
+		"""Named results of the run so far."""
+		mpm = self.mpm
+		counters = self.counters()
+		fields = ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted") if self.skeletonName == "samples" else ()
+		bonds = {name: int(np.nansum(mpm.field(name))) for name in fields}
+		return {
+			"case": self.name,
+			"preset": self.presetName,
+			"skeleton": self.skeletonName,
+			**{f"preset.{k}": v for k, v in asdict(self.preset).items()},
+			**{f"ground.{k}": v for k, v in asdict(self.ground).items()},
+			"wallTime [s]": time.monotonic() - self.wallStart,
+			"processor time [s]": time.process_time() - self.cpuStart,
+			"threads": O.numThreads if hasattr(O, "numThreads") else None,
+			"points": mpm.pointCount,
+			"steps": O.iter,
+			"time step [s]": O.dt,
+			"thaw time [s]": self.thawTime(),
+			"day": self.day(),
+			"events": self.events(),
+			"history": self.history,
+			**{f"calendar.{k}": v for k, v in mpm.calendar.items()},
+			"sample calls": counters["calls"],
+			"sample DEM steps": counters["steps"],
+			"sample wall time [s]": counters["seconds"],
+			"sample memory [MB]": counters["bytes"] / 1e6,
+			"calibration [s]": self.calibrationSeconds,
+			**{f"thawed.{k}": v for k, v in self.thawed.items()},
+			"largest displacement [m]": self._largestDisplacement(),
+			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
+			**bonds,
+			**self._bandSummary(),
+			"SkemptonB [-]": mpm.skemptonB(),
+			"kinetic energy after rest [J/m]": self.restKineticEnergy,
+			**{f"closure.{k}": v for k, v in self.closures().items()},
+			**{f"balance.{k}": v for k, v in mpm.balance().items()},
+		}
+
+	def _bandSummary(self):
+		if not self.frames.frames:
+			return {}
+		bands, watched, summary = {"frozen": self.band(), "all": self.slipSurface()}, self.watchedPoints(), {}
+		for ground, band in bands.items():
+			summary[f"band in {ground} ground"] = shearband.describe(band, ground)
+			if band is not None:
+				measures = {name: value for name, value in vars(band).items() if name != "points"}
+				summary.update({f"band in {ground} ground.{name}": value for name, value in measures.items()})
+		last = self.frames.frames[-1]
+		for letter, point in watched.items():
+			formed, intact, broken, melted = (int(last[name][point]) for name in ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted"))
+			summary[f"point {letter}"] = {"id": point, "bonds formed": formed, "intact": intact, "broken": broken, "melted": melted}
+		return summary
+
+	def closures(self):
+		"""What is missing in each balance since the start after all that crossed the boundary, over the size of its terms [-]."""
+		now, start = self.mpm.balance(), self.initialBalance
+		mass = now["solidMass"] + now["waterMass"]
+		momentum = np.subtract(now["momentum"], now["impulse"]) - np.subtract(start["momentum"], start["impulse"])
+		gained = now["enthalpy"] - start["enthalpy"]
+		return {
+			"solid": (now["solidMass"] - start["solidMass"]) / start["solidMass"],
+			"water": (now["waterMass"] + now["waterOut"] - start["waterMass"]) / start["waterMass"],
+			"heat": (gained + now["enthalpyOut"] - now["heatIn"]) / max(abs(start["enthalpy"]), abs(now["heatIn"])),
+			"momentum": np.linalg.norm(momentum) / (mass * 9.81 * now["time"]),
+		}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/Errors.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+// ---- mechanical ------------------------------------------------------------------------------------------------------------
+
+template <int D> void FixedBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> void FixedBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+{
+	const int axis = this->region_.on.axis, inward = this->inward(grid);
+	Vec<D>    sign;
+	sign.fill(-1.0);
+	for (int node : wallNodes(grid, this->region_)) {
+		for (int a = 0; a < D; ++a) {
+			constraints.fixSolid(node, a);
+			constraints.tieLiquid(node, a);
+		}
+		if (this->onSide()) constraints.mirror(node - inward, node + inward, sign);
+	}
+}
+
+template class FixedBoundary<2>;
+template class FixedBoundary<3>;
+
+template <int D> void RollerBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->onSide(), "must be a side of the box, which has a normal; use FixedBoundary for other nodes");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> void RollerBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+{
+	const int axis = this->region_.on.axis, inward = this->inward(grid);
+	Vec<D>    sign;
+	sign.fill(1.0);
+	sign[axis] = -1.0;
+	for (int node : wallNodes(grid, this->region_)) {
+		constraints.fixSolid(node, axis);
+		constraints.tieLiquid(node, axis);
+		constraints.mirror(node - inward, node + inward, sign);
+	}
+}
+
+template class RollerBoundary<2>;
+template class RollerBoundary<3>;
+
+template <int D> void Traction<D>::validate(const Grid<D>& grid) const
+{
+	pressure_.validate("Traction.pressure");
+	requireSetting(
+	        traction_.empty() || traction_.size() == D, "Traction.traction", std::to_string(traction_.size()) + " components",
+	        "must have one component per dimension, or none");
+	for (const TimeTable& t : traction_)
+		t.validate("Traction.traction");
+	requireSetting(
+	        this->region_.kind != Region<D>::Kind::nodeBox || pressure_.isZero(), "Traction.pressure", pressure_.values().front(),
+	        "must be zero on a box of nodes, which has no normal; give the traction vector");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> Vec<D> Traction<D>::traction(double time, const Vec<D>& normal) const
+{
+	const double p = pressure_.at(time);
+	Vec<D>       t;
+	for (int a = 0; a < D; ++a)
+		t[a] = -p * normal[a] + (traction_.empty() ? 0.0 : traction_[a].at(time));
+	return t;
+}
+
+template class Traction<2>;
+template class Traction<3>;
+
+// ---- hydraulic -------------------------------------------------------------------------------------------------------------
+
+template <int D> void DrainedBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be a side of the box or the free surface");
+	pressure_.validate("DrainedBoundary.pressure");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> void DrainedBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+{
+	if (this->onSide()) constraints.releaseLiquid(grid, this->region_);
+}
+
+template class DrainedBoundary<2>;
+template class DrainedBoundary<3>;
+
+template <int D> void ImpermeableBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->onSide(), "must be a side of the box; the free surface is impermeable where no DrainedBoundary is");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> void ImpermeableBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+{
+	const int axis = this->region_.on.axis, inward = this->inward(grid);
+	for (int node : wallNodes(grid, this->region_)) {
+		constraints.tieLiquid(node, axis);
+		constraints.tieLiquid(node - inward, axis);
+	}
+}
+
+template class ImpermeableBoundary<2>;
+template class ImpermeableBoundary<3>;
+
+template <int D> void WaterFlux<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be a side of the box or the free surface");
+	flux_.validate("WaterFlux.flux");
+	requireSetting(
+	        std::isnan(temperature_) || (temperature_ >= 0.0 && temperature_ < 100.0), "WaterFlux.temperature", temperature_,
+	        "must lie between 0 and 100 degC; leave it out for water as warm as the ground where it enters");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> void WaterFlux<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+{
+	if (this->onSide()) constraints.releaseLiquid(grid, this->region_);
+}
+
+template class WaterFlux<2>;
+template class WaterFlux<3>;
+
+// ---- thermal ---------------------------------------------------------------------------------------------------------------
+
+template <int D> void SurfaceTemperature<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use WallTemperature for nodes");
+	this->requireTemperatures(temperature_);
+	requireSetting(
+	        heatTransferCoefficient_ >= 0.0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient_,
+	        "must not be negative, in W/(m^2 K); leave it out to prescribe the temperature of the surface");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> SurfaceHeat SurfaceTemperature<D>::heat(double time) const
+{
+	SurfaceHeat h;
+	h.ambient   = temperature_.at(time);
+	h.atSurface = std::isinf(heatTransferCoefficient_);
+	if (!h.atSurface) h.coefficient = heatTransferCoefficient_;
+	return h;
+}
+
+template class SurfaceTemperature<2>;
+template class SurfaceTemperature<3>;
+
+template <int D> void WallTemperature<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(
+	        this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes; use SurfaceTemperature for the free surface");
+	this->requireTemperatures(temperature_);
+	Boundary<D>::validate(grid);
+}
+
+template class WallTemperature<2>;
+template class WallTemperature<3>;
+
+template <int D> void BodyTemperature<D>::validate(const Grid<D>& grid) const
+{
+	const std::vector<int>& ids = this->region_.ids;
+	if (ids.empty()) throw std::invalid_argument("BodyTemperature.bodies = []: names no body; give the numbers of bodies, e.g. [0]");
+	for (int id : ids)
+		requireSetting(id >= 0, "BodyTemperature.bodies", id, "must be numbers of bodies, 0 or more");
+	this->requireTemperatures(temperature_);
+	requireSetting(
+	        std::isfinite(resistance_) && resistance_ >= 0.0, "BodyTemperature.resistance", resistance_,
+	        "must not be negative, in m^2 K/W; 0: none; a body that no heat enters needs no BodyTemperature");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> SurfaceHeat BodyTemperature<D>::heat(double time) const
+{
+	SurfaceHeat h;
+	h.ambient   = temperature_.at(time);
+	h.atSurface = resistance_ == 0.0;
+	if (!h.atSurface) h.coefficient = 1.0 / resistance_;
+	return h;
+}
+
+template class BodyTemperature<2>;
+template class BodyTemperature<3>;
+
+template <int D> void HeatFlux<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box");
+	flux_.validate("HeatFlux.flux");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> SurfaceHeat HeatFlux<D>::heat(double time) const
+{
+	SurfaceHeat h;
+	h.flux = flux_.at(time);
+	return h;
+}
+
+template class HeatFlux<2>;
+template class HeatFlux<3>;
+
+template class InsulatedBoundary<2>;
+template class InsulatedBoundary<3>;
+
+} // namespace talik

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Running the scene of O from a script: until a time or a day, step by step, or paused for a look.
+
+	talik.runUntil(10.0)                        # [s] of O.time
+	talik.runUntilDay(mpm, 30)                  # of the calendar of an MpmEngine
+	talik.runSerially(5)                        # steps, in this thread
+"""
+
+import math
+import time
+from contextlib import contextmanager
+
+from yade import O
+
+from talik import _talik
+from talik.console import awaitEndOfStep
+
+
+def runSerially(steps):
+	"""Does `steps` steps of O in the calling thread and with one thread: faster than O.run for scenes of some hundred points or bodies,
+	and the same bits whatever yade -j says. RuntimeError while O runs.
+
+	>>> talik.runSerially(2)"""
+	_talik.runSerially(steps)
+
+
+def runUntil(instant, look=None, interval=0.2):
+	"""Runs O until its time reaches `instant` [s], calling `look` every `interval` seconds of wall time.
+
+	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene.
+
+	>>> talik.runUntil(O.time + 2 * O.dt)"""
+	if O.time >= instant:
+		return
+	O.stopAtTime, O.stopAtIter = instant, 0
+	O.run()
+	pause, nextLook = 0.002, time.monotonic() + interval
+	try:
+		while O.running:
+			time.sleep(pause)
+			pause = min(1.5 * pause, 0.05)
+			if look is not None and time.monotonic() > nextLook:
+				look()
+				nextLook = time.monotonic() + interval
+	except KeyboardInterrupt:
+		O.pause()
+		awaitEndOfStep(O)
+		raise
+	O.wait()
+
+
+def runUntilDay(mpm, day, look=None, longest=math.inf):
+	"""As runUntil, until the calendar of `mpm` reaches `day`, but at most until O.time is `longest` [s].
+
+	>>> talik.runUntilDay(mpm, mpm.calendar["day"], longest=O.time + 1)"""
+	if mpm.calendar["day"] >= day:
+		return
+	mpm.stopAtDay = day
+	runUntil(longest, look)
+
+
+@contextmanager
+def atRest():
+	"""O rests between two steps for the block; a run goes on afterwards.
+
+	>>> with talik.atRest():
+	...     everything = mpm.field("position"), mpm.field("velocity")
+	"""
+	running = O.running
+	if running:
+		O.pause()
+		awaitEndOfStep(O)
+	ended = O.stopAtIter < 0  # it stopped by itself in the meantime: YADE marks that so
+	yield
+	if running and O.time < O.stopAtTime and not ended:
+		O.run()
