@@ -117,25 +117,12 @@ namespace HWY_NAMESPACE {
 			return f;
 		}
 
-		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
-		template <bool Bonded> HWY_INLINE bool passedOver(const Place<2>& p, const Gathered& g)
-		{
-#if HWY_TARGET == HWY_SCALAR
-			if (!(g.distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
-			p.pair().shear[0][p.lane] = 0;
-			return true;
-#else
-			(void)p, (void)g;
-			return false;
-#endif
-		}
-
 		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
 		{
 			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
 			const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
 			const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
-                                if (passedOver<Bonded>(p, gathered)) return;
+                                if (passedOver<Bonded>(p, gathered.distance)) return;
                                 scatter<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
 			};
 			inPipeline(pairs, gatherAt, finish);

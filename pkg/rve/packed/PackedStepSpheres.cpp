@@ -44,11 +44,29 @@ namespace HWY_NAMESPACE {
 			store(v.z, rows[2] + lane);
 		}
 
-		/// Of some pairs: second less first.
+		/// A vector in space, kept.
+		struct KeptVector {
+			Kept              x, y, z;
+			HWY_INLINE Vector operator()() const { return { x(), y(), z() }; }
+			HWY_INLINE void   operator=(const Vector& v)
+			{
+				x = v.x;
+				y = v.y;
+				z = v.z;
+			}
+		};
+
+		/// Of some pairs.
 		struct Gathered {
-			Vector branch;
-			Many   rimX; ///< of w_1 r_1 + w_2 r_2
-			Many   distance, inverse;
+			KeptVector n;
+			Kept       rimX; ///< of w_1 r_1 + w_2 r_2
+			Kept       distance, inverse;
+		};
+
+		/// What a contact gives the sums.
+		struct Response {
+			Kept       normal;
+			KeptVector shear;
 		};
 
 		/// Columns of second + sign first, four numbers of the rows.
@@ -66,25 +84,27 @@ namespace HWY_NAMESPACE {
 
 		alignas(32) static constexpr double lessButLast[4] = { -1, -1, -1, 1 }, plus[4] = { 1, 1, 1, 1 };
 
-		template <bool Periodic> HWY_INLINE Gathered gather(const PackedStepView<3>& view, const Place<3>& p)
+		template <bool Periodic> HWY_INLINE void gather(const PackedStepView<3>& view, const Place<3>& p, Gathered& g)
 		{
 			const Columns x = gatherColumns<Periodic>(view, p, 0, lessButLast);
 			const Vector  branch { x.a, x.b, x.c };
-			const Many    distance = Sqrt(dot(branch, branch));
-			return { branch, x.d, distance, Div(splat(1.), distance) };
+			const Many    distance = Sqrt(dot(branch, branch)), inverse = Div(splat(1.), distance);
+			g.n        = scaled(branch, inverse);
+			g.rimX     = x.d;
+			g.distance = distance;
+			g.inverse  = inverse;
 		}
 
 		/// Adds G to the first grains' rows and subtracts it from the second ones'; moments of s on the arms r - u_n/2 to both.
-		template <bool Periodic>
-		HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Vector& n, Many distance, const Forces& f)
+		template <bool Periodic> HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const Response& f)
 		{
-			const Vector m    = cross(n, f.shear);
-			const Many   half = Mul(splat(0.5), distance), difference = load(p.pair().halfDifference + p.lane);
+			const Vector n = g.n(), shear = f.shear(), m = cross(n, shear);
+			const Many   normal = f.normal();
+			const Many   half = Mul(splat(0.5), g.distance()), difference = load(p.pair().halfDifference + p.lane);
 			const Vector ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
-			const Rows   forces = rowsOf(
-			          { MulAdd(f.normal, n.x, f.shear.x), MulAdd(f.normal, n.y, f.shear.y), MulAdd(f.normal, n.z, f.shear.z), splat(0.) });
-			const Rows firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
-			const Rows secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
+			const Rows   forces = rowsOf({ MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), splat(0.) });
+			const Rows   firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
+			const Rows   secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
 			for (std::size_t k = 0; k < 4; ++k) {
 				const std::size_t l = Rows::row(k), at = Rows::at(k);
 				double*           first  = view.motion + p.first()[l] + at;
@@ -151,15 +171,16 @@ namespace HWY_NAMESPACE {
 		};
 
 		template <bool Bonded, bool Periodic>
-		HWY_INLINE Forces respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, const Vector& n)
+		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Response& r)
 		{
+			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
 			const Columns   v     = gatherColumns<Periodic>(view, p, Layout::velocity, lessButLast);
 			const Columns   w     = gatherColumns<false>(view, p, Layout::spin, plus);
-			const Vector    velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX, v.d, w.d };
+			const Vector    velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
 			const Many      sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
-			const Many      overlap   = Sub(sum, g.distance);
-			const Vector    moving    = crossAdd(n, rim, scaled(velocity, Mul(sum, g.inverse)));
+			const Many      overlap   = Sub(sum, g.distance());
+			const Vector    moving    = crossAdd(n, rim, scaled(velocity, Mul(sum, g.inverse())));
 			const Vector    slip      = NegMulAdd(dot(moving, n), n, moving);
 			const Vector    increment = scaled(slip, Mul(c.shearStep, stiffness));
 			const Turn      turn { cross(load3(block.normal, p.lane), n), n, Mul(c.halfStep, dot(n, spin)) };
@@ -178,18 +199,17 @@ namespace HWY_NAMESPACE {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
 			}
 			store3(f.shear, block.shear, p.lane);
-			return f;
+			r.normal = f.normal;
+			r.shear  = f.shear;
 		}
 
 		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
 		{
 			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(0.5 * view.dt) };
-			const auto gatherAt = [&](const Place<3>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
-			const auto finish   = [&](const Place<3>& p, const Gathered& g) HWY_ATTR TALIK_INLINED {
-                                const Vector n = scaled(g.branch, g.inverse);
-                                scatter<Periodic>(view, p, n, g.distance, respond<Bonded, Periodic>(view, p, c, g, n));
-			};
-			inPipeline(pairs, gatherAt, finish);
+			inStages<Gathered, Response, Bonded>(
+			        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
+			        [&](const Place<3>& p, const Gathered& g, Response& r) HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic>(view, p, c, g, r); },
+			        [&](const Place<3>& p, const Gathered& g, const Response& r) HWY_ATTR TALIK_INLINED { scatter<Periodic>(view, p, g, r); });
 		}
 
 		template <bool Bonded> void contacts(PackedStepView<3>* view)

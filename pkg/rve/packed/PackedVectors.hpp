@@ -41,6 +41,13 @@ namespace HWY_NAMESPACE {
 		HWY_INLINE void store(Many value, double* to) { hn::Store(value, lanes, to); }
 #endif
 
+		/// A vector that is kept in memory between two stages of a loop. Compilers copy structures of vectors, and not always as they were stored.
+		struct alignas(32) Kept {
+			double          number[laneCount];
+			HWY_INLINE Many operator()() const { return load(number); }
+			HWY_INLINE void operator=(Many value) { store(value, number); }
+		};
+
 		/// Four numbers of laneCount grains, each in a vector of its own.
 		struct Columns {
 			Many a, b, c, d;
@@ -121,6 +128,20 @@ namespace HWY_NAMESPACE {
 			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
 		};
 
+		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
+		template <bool Bonded, int Dim> HWY_INLINE bool passedOver(const Place<Dim>& p, Many distance)
+		{
+#if HWY_TARGET == HWY_SCALAR
+			if (!(distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
+			for (auto& component : p.pair().shear)
+				component[p.lane] = 0;
+			return true;
+#else
+			(void)p, (void)distance;
+			return false;
+#endif
+		}
+
 		// The next pairs are gathered, and their square roots and quotients started, before the law and the sums of the present ones: the
 		// long latencies then run under work that does not need them.
 		template <int Dim, class Gather, class Finish> HWY_INLINE void inPipeline(const PackedPairs<Dim>& pairs, Gather gather, Finish finish)
@@ -142,6 +163,29 @@ namespace HWY_NAMESPACE {
 				finish(place(k + 1), last);
 			} else {
 				finish(place(k), present);
+			}
+		}
+
+		/// The same for work that is too long for two places to be under way at once: each of three stages is done for a few places before the next
+		/// one begins.
+		template <class Gathered, class Response, bool Bonded, int Dim, class Gather, class Respond, class Scatter>
+		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Respond respond, Scatter scatter)
+		{
+			constexpr std::size_t chunk = 8;
+			const std::size_t     end   = 4 / laneCount * pairs.blocks;
+			Gathered              gathered[chunk];
+			Response              responses[chunk];
+			bool                  idle[chunk];
+			const auto place = [&](std::size_t k) HWY_ATTR { return Place<Dim> { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
+			for (std::size_t from = 0; from < end; from += chunk) {
+				const std::size_t count = HWY_MIN(chunk, end - from);
+				for (std::size_t k = 0; k < count; ++k)
+					gather(place(from + k), gathered[k]);
+				for (std::size_t k = 0; k < count; ++k)
+					if (!(idle[k] = passedOver<Bonded>(place(from + k), gathered[k].distance())))
+						respond(place(from + k), gathered[k], responses[k]);
+				for (std::size_t k = 0; k < count; ++k)
+					if (!idle[k]) scatter(place(from + k), gathered[k], responses[k]);
 			}
 		}
 
