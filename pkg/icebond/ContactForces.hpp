@@ -35,10 +35,12 @@ namespace HWY_NAMESPACE {
 	HWY_INLINE bool   Or(bool a, bool b) { return a || b; }
 	HWY_INLINE double IfThenElse(bool condition, double yes, double no) { return condition ? yes : no; }
 
-	/// Zero of the kind of `number`, and whether a condition on such numbers holds in some lane.
+	/// Zero and one of the kind of a number, and whether a condition on such numbers holds in some lane.
 	HWY_INLINE double                                   zeroLike(double) { return 0; }
 	HWY_INLINE bool                                     holdsSomewhere(double, bool condition) { return condition; }
 	template <class Vector> HWY_INLINE Vector           zeroLike(Vector) { return hwy::HWY_NAMESPACE::Zero(hwy::HWY_NAMESPACE::DFromV<Vector>()); }
+	HWY_INLINE double                                   oneLike(double) { return 1; }
+	template <class Vector> HWY_INLINE Vector           oneLike(Vector) { return hwy::HWY_NAMESPACE::Set(hwy::HWY_NAMESPACE::DFromV<Vector>(), 1.); }
 	template <class Vector, class Mask> HWY_INLINE bool holdsSomewhere(Vector, Mask condition)
 	{
 		return !hwy::HWY_NAMESPACE::AllFalse(hwy::HWY_NAMESPACE::DFromV<Vector>(), condition);
@@ -48,8 +50,47 @@ namespace HWY_NAMESPACE {
 	/// The ice's part of a shear force that slides from `trial` to `shear`.
 	template <class Number> HWY_INLINE Number slidIce(Number iceShear, Number shear, Number trial) { return Mul(iceShear, Div(shear, trial)); }
 
+	/// A shear force in space, its components numbers of any kind.
+	template <class Number> struct InSpace {
+		Number x, y, z;
+	};
+	template <class Number> HWY_INLINE Number dot(const InSpace<Number>& a, const InSpace<Number>& b)
+	{
+		return MulAdd(a.x, b.x, MulAdd(a.y, b.y, Mul(a.z, b.z)));
+	}
+	template <class Number> HWY_INLINE InSpace<Number> scaled(const InSpace<Number>& a, Number factor)
+	{
+		return { Mul(a.x, factor), Mul(a.y, factor), Mul(a.z, factor) };
+	}
+	template <class Number> HWY_INLINE InSpace<Number> Sub(const InSpace<Number>& a, const InSpace<Number>& b)
+	{
+		return { Sub(a.x, b.x), Sub(a.y, b.y), Sub(a.z, b.z) };
+	}
+	template <class Number> HWY_INLINE InSpace<Number> NegMulAdd(Number a, const InSpace<Number>& b, const InSpace<Number>& c)
+	{
+		return { NegMulAdd(a, b.x, c.x), NegMulAdd(a, b.y, c.y), NegMulAdd(a, b.z, c.z) };
+	}
+	template <class Number> HWY_INLINE auto Ne(const InSpace<Number>& a, const InSpace<Number>& b)
+	{
+		return Or(Or(Ne(a.x, b.x), Ne(a.y, b.y)), Ne(a.z, b.z));
+	}
+	template <class Condition, class Number>
+	HWY_INLINE InSpace<Number> IfThenElse(Condition condition, const InSpace<Number>& yes, const InSpace<Number>& no)
+	{
+		return { IfThenElse(condition, yes.x, no.x), IfThenElse(condition, yes.y, no.y), IfThenElse(condition, yes.z, no.z) };
+	}
+	template <class Number> HWY_INLINE InSpace<Number> limitedShear(const InSpace<Number>& trial, Number limit)
+	{
+		const Number norm = Sqrt(dot(trial, trial));
+		return scaled(trial, IfThenElse(Lt(limit, norm), Div(limit, norm), oneLike(norm)));
+	}
+	template <class Number> HWY_INLINE InSpace<Number> slidIce(const InSpace<Number>& iceShear, const InSpace<Number>& shear, const InSpace<Number>& trial)
+	{
+		return scaled(iceShear, Sqrt(Div(dot(shear, shear), dot(trial, trial))));
+	}
+
 #if HWY_TARGET == HWY_STATIC_TARGET
-	// The same for a shear force in space.
+	// The same for a shear force of YADE's.
 	using Spatial = Eigen::Matrix<double, 3, 1>;
 	HWY_INLINE Spatial Sub(const Spatial& a, const Spatial& b) { return a - b; }
 	HWY_INLINE Spatial NegMulAdd(double a, const Spatial& b, const Spatial& c) { return c - a * b; }

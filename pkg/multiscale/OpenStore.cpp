@@ -10,53 +10,68 @@
 namespace talik {
 namespace {
 
-	Eigen::Matrix3d inSpace(const PackedTypes<2>::Matrix& inPlane)
+	template <int Dim> Eigen::Matrix3d inSpace(const typename PackedTypes<Dim>::Matrix& m)
 	{
-		Eigen::Matrix3d m       = Eigen::Matrix3d::Zero();
-		m.topLeftCorner<2, 2>() = inPlane;
-		return m;
+		Eigen::Matrix3d all                    = Eigen::Matrix3d::Zero();
+		all.template topLeftCorner<Dim, Dim>() = m;
+		return all;
 	}
 
-	PackedUpdateResult<2> inPlane(const OpenUpdateResult& all)
+	template <int Dim> typename PackedTypes<Dim>::Matrix part(const Eigen::Matrix3d& m) { return m.template topLeftCorner<Dim, Dim>(); }
+
+	/// The tangent of the first Dim directions.
+	template <int Dim> PackedTangent<Dim> part(const PackedTangent<3>& c)
 	{
-		PackedUpdateResult<2> result;
-		result.stress  = all.stress.topLeftCorner<2, 2>();
+		PackedTangent<Dim> result;
+		for (int i = 0; i < Dim; i++)
+			for (int j = 0; j < Dim; j++)
+				for (int k = 0; k < Dim; k++)
+					for (int l = 0; l < Dim; l++)
+						result[((i * Dim + j) * Dim + k) * Dim + l] = c[((i * 3 + j) * 3 + k) * 3 + l];
+		return result;
+	}
+
+	template <int Dim> PackedUpdateResult<Dim> part(const OpenUpdateResult& all)
+	{
+		PackedUpdateResult<Dim> result;
+		result.stress  = part<Dim>(all.stress);
 		result.steps   = all.steps;
 		result.flipped = all.flipped;
 		result.blewUp  = all.blewUp;
 		result.reason  = all.reason;
-		result.tangent = all.tangent;
+		result.tangent = part<Dim>(all.tangent);
 		return result;
 	}
 
 } // namespace
 
-OpenSample OpenStore::Beginning::makeSample() const
+template <int Dim> OpenSample OpenStore<Dim>::Beginning::makeSample() const
 {
 	OpenSample sample(scene);
 	sample.setBondCounts(bondCounts);
 	return sample;
 }
 
-OpenStore::BeginningPointer OpenStore::describe(OpenSample& sample)
+template <int Dim> typename OpenStore<Dim>::BeginningPointer OpenStore<Dim>::describe(OpenSample& sample)
 {
 	auto beginning           = std::make_shared<Beginning>();
 	beginning->scene         = sceneToBytes(sample.yadeScene());
 	beginning->bondCounts    = sample.bondCounts();
 	beginning->iceSaturation = sample.iceSaturation();
 	beginning->hasIce        = sample.hasIce();
-	beginning->start.stress  = sample.stress().topLeftCorner<2, 2>();
-	beginning->start.tangent = sample.tangent();
+	beginning->start.stress  = part<Dim>(sample.stress());
+	beginning->start.tangent = part<Dim>(sample.tangent());
 	beginning->statistics    = sample.statistics();
 	beginning->stiffness     = sample.stiffnessBound();
 	return beginning;
 }
 
-OpenStore::OpenStore(const std::vector<std::string>& scenes)
+template <int Dim> OpenStore<Dim>::OpenStore(const std::vector<std::string>& scenes)
 {
 	for (std::size_t k = 0; k < scenes.size(); k++) {
 		try {
 			OpenSample sample(scenes[k]);
+			if (Dim == 3 && sample.planar()) throw std::invalid_argument("its grains are discs, and the ground is in space: give spheres.");
 			prototypes.push_back(describe(sample));
 		} catch (const std::invalid_argument& problem) {
 			throw std::invalid_argument("RveSkeleton, sample " + std::to_string(k) + ": " + problem.what());
@@ -64,7 +79,8 @@ OpenStore::OpenStore(const std::vector<std::string>& scenes)
 	}
 }
 
-OpenStore::BeginningPointer OpenStore::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
+template <int Dim>
+typename OpenStore<Dim>::BeginningPointer OpenStore<Dim>::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
 {
 	const BeginningPointer prepared = prototypes.at(prototype);
 	if (!prepared->hasIce || prepared->iceSaturation == iceSaturation) return prepared;
@@ -75,7 +91,7 @@ OpenStore::BeginningPointer OpenStore::frozen(int prototype, double iceSaturatio
 	return describe(sample);
 }
 
-const SampleStart& OpenStore::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
+template <int Dim> const SampleStart<Dim>& OpenStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
 {
 	auto& beginning = beginnings[{ prototype, iceSaturation }];
 	if (!beginning) beginning = frozen(prototype, iceSaturation, options);
@@ -83,16 +99,16 @@ const SampleStart& OpenStore::add(int prototype, double iceSaturation, const Pac
 	return beginning->start;
 }
 
-OpenStore::Sample& OpenStore::at(std::size_t sample)
+template <int Dim> typename OpenStore<Dim>::Sample& OpenStore<Dim>::at(std::size_t sample)
 {
 	if (sample >= samples.size()) throw std::invalid_argument("open samples: sample " + std::to_string(sample) + " of " + std::to_string(samples.size()));
 	return samples[sample];
 }
 
-const OpenStore::Sample& OpenStore::at(std::size_t sample) const { return const_cast<OpenStore*>(this)->at(sample); }
+template <int Dim> const typename OpenStore<Dim>::Sample& OpenStore<Dim>::at(std::size_t sample) const { return const_cast<OpenStore*>(this)->at(sample); }
 
 /// Scenes are made and archived by one thread: YADE's constructors ask the system for names.
-void OpenStore::prepare(const std::vector<PackedRequest<2>>& requests)
+template <int Dim> void OpenStore<Dim>::prepare(const std::vector<PackedRequest<Dim>>& requests)
 {
 	forbidRedirection();
 	std::set<std::size_t> asked;
@@ -109,19 +125,20 @@ void OpenStore::prepare(const std::vector<PackedRequest<2>>& requests)
 	}
 }
 
-std::vector<PackedUpdateResult<2>> OpenStore::update(const std::vector<PackedRequest<2>>& requests, const PackedUpdateOptions& options, int threads)
+template <int Dim>
+std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
 {
 	prepare(requests);
-	std::vector<PackedUpdateResult<2>> results(requests.size());
-	std::vector<std::exception_ptr>    failures(requests.size());
-	const int                          workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
+	std::vector<PackedUpdateResult<Dim>> results(requests.size());
+	std::vector<std::exception_ptr>      failures(requests.size());
+	const int                            workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
 #pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
 	for (long k = 0; k < long(requests.size()); k++) {
 		const auto&            request = requests[std::size_t(k)];
 		const StepGate::Helper helper;
 		try {
-			results[std::size_t(k)] = inPlane(
-			        samples[request.sample].running->apply(inSpace(request.displacementGradient), request.iceSaturation, options));
+			results[std::size_t(k)] = part<Dim>(
+			        samples[request.sample].running->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, options));
 		} catch (...) {
 			failures[std::size_t(k)] = std::current_exception();
 		}
@@ -133,7 +150,7 @@ std::vector<PackedUpdateResult<2>> OpenStore::update(const std::vector<PackedReq
 	return results;
 }
 
-std::vector<double> OpenStore::measure(std::size_t number, const std::string& name) const
+template <int Dim> std::vector<double> OpenStore<Dim>::measure(std::size_t number, const std::string& name) const
 {
 	const Sample&        sample     = at(number);
 	const OpenStatistics statistics = sample.running ? sample.running->statistics() : sample.beginning->statistics;
@@ -145,17 +162,17 @@ std::vector<double> OpenStore::measure(std::size_t number, const std::string& na
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
 	if (name == "samplePorosity") return { statistics.porosity };
 	if (name == "sampleIceSaturation") return { sample.running ? sample.running->iceSaturation() : sample.beginning->iceSaturation };
-	if (name == "fabric") return { statistics.fabric(0, 0), statistics.fabric(1, 1), statistics.fabric(0, 1) };
+	if (name == "fabric") return components<Dim>(part<Dim>(statistics.fabric));
 	refuseMeasure(name);
 }
 
-const void* OpenStore::identity(std::size_t sample) const
+template <int Dim> const void* OpenStore<Dim>::identity(std::size_t sample) const
 {
 	const Sample& s = at(sample);
 	return s.running ? static_cast<const void*>(s.running.get()) : static_cast<const void*>(s.beginning.get());
 }
 
-std::size_t OpenStore::distinctStates() const
+template <int Dim> std::size_t OpenStore<Dim>::distinctStates() const
 {
 	std::set<const void*> distinct;
 	for (std::size_t s = 0; s < samples.size(); s++)
@@ -163,7 +180,7 @@ std::size_t OpenStore::distinctStates() const
 	return distinct.size();
 }
 
-std::size_t OpenStore::bytes() const
+template <int Dim> std::size_t OpenStore<Dim>::bytes() const
 {
 	std::size_t                sum = 0;
 	std::set<const Beginning*> counted;
@@ -174,13 +191,13 @@ std::size_t OpenStore::bytes() const
 	return sum;
 }
 
-boost::shared_ptr<yade::Scene> OpenStore::scene(std::size_t number) const
+template <int Dim> boost::shared_ptr<yade::Scene> OpenStore<Dim>::scene(std::size_t number) const
 {
 	const Sample& sample = at(number);
 	return sceneForView(sample.running ? sceneToBytes(sample.running->yadeScene()) : sample.beginning->scene);
 }
 
-void OpenStore::setScene(std::size_t number, const boost::shared_ptr<yade::Scene>& scene)
+template <int Dim> void OpenStore<Dim>::setScene(std::size_t number, const boost::shared_ptr<yade::Scene>& scene)
 {
 	auto    replacement = std::make_unique<OpenSample>(sceneToBytes(scene));
 	Sample& sample      = at(number);
@@ -194,7 +211,7 @@ void OpenStore::setScene(std::size_t number, const boost::shared_ptr<yade::Scene
 }
 
 // Sleeping samples name one of the shared beginnings (number + 1), the others are written out (0).
-void OpenStore::save(ByteWriter& writer) const
+template <int Dim> void OpenStore<Dim>::save(ByteWriter& writer) const
 {
 	std::map<const Beginning*, std::uint64_t> numbers;
 	std::vector<const Beginning*>             shared;
@@ -216,7 +233,7 @@ void OpenStore::save(ByteWriter& writer) const
 	}
 }
 
-void OpenStore::restore(ByteReader& reader)
+template <int Dim> void OpenStore<Dim>::restore(ByteReader& reader)
 {
 	const auto makeSample = [&] {
 		auto                         sample = std::make_unique<OpenSample>(reader.block());
@@ -237,5 +254,8 @@ void OpenStore::restore(ByteReader& reader)
 		else sample.running = makeSample();
 	}
 }
+
+template class OpenStore<2>;
+template class OpenStore<3>;
 
 } // namespace talik

@@ -7,7 +7,7 @@
 namespace talik {
 
 /// Samples in the open form: a Scene of its own behind each point, made when the sample is asked for the first time.
-class OpenStore final : public SampleStore {
+template <int Dim> class OpenStore final : public SampleStoreOf<Dim> {
 public:
 	/// Scenes as bytes (sceneToBytes). Throws std::invalid_argument naming the scene that cannot be a sample.
 	explicit OpenStore(const std::vector<std::string>& prototypes);
@@ -15,18 +15,18 @@ public:
 	int    prototypeCount() const override { return int(prototypes.size()); }
 	double prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
 	double oedometricModulus(int prototype, double iceSaturation) const override { return prototypes.at(prototype)->stiffness.modulus(iceSaturation); }
-	const SampleStart&                 add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
-	void                               release(std::size_t sample) override { at(sample) = Sample { prototypes.front(), nullptr }; }
-	std::size_t                        size() const override { return samples.size(); }
-	void                               clear() override { samples.clear(); }
-	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;
-	bool                               comparesRates() const override { return false; }
-	std::vector<double>                measure(std::size_t sample, const std::string& name) const override;
-	const void*                        identity(std::size_t sample) const override;
-	std::size_t                        distinctStates() const override;
-	std::size_t                        bytes() const override; ///< of the archived states; a running Scene holds about a megabyte more
-	void                               save(ByteWriter&) const override;
-	void                               restore(ByteReader&) override;
+	const SampleStart<Dim>&              add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                                 release(std::size_t sample) override { at(sample) = Sample { prototypes.front(), nullptr }; }
+	std::size_t                          size() const override { return samples.size(); }
+	void                                 clear() override { samples.clear(); }
+	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) override;
+	bool                                 comparesRates() const override { return false; }
+	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
+	const void*                          identity(std::size_t sample) const override;
+	std::size_t                          distinctStates() const override;
+	std::size_t                          bytes() const override; ///< of the archived states; a running Scene holds about a megabyte more
+	void                                 save(ByteWriter&) const override;
+	void                                 restore(ByteReader&) override;
 
 	/// A copy of the scene behind a point.
 	boost::shared_ptr<yade::Scene> scene(std::size_t sample) const;
@@ -39,7 +39,7 @@ private:
 		std::array<std::uint64_t, 2> bondCounts {};
 		double                       iceSaturation = 0;
 		bool                         hasIce        = false;
-		SampleStart                  start;
+		SampleStart<Dim>             start;
 		OpenStatistics               statistics;
 		StiffnessBound               stiffness;
 		OpenSample                   makeSample() const;
@@ -51,7 +51,7 @@ private:
 	};
 	static BeginningPointer describe(OpenSample&);
 	BeginningPointer        frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;
-	void                    prepare(const std::vector<PackedRequest<2>>&);
+	void                    prepare(const std::vector<PackedRequest<Dim>>&);
 	Sample&                 at(std::size_t sample);
 	const Sample&           at(std::size_t sample) const;
 

@@ -7,13 +7,11 @@
 
 namespace talik {
 
-using Matrix = PackedTypes<2>::Matrix;
-
 namespace {
 	bool same(const PackedGrains& a, const PackedGrains& b) { return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id; }
 
 	/// Samples of one preparation hold its constants once, as they did before they were saved.
-	void shareGrains(PackedState<2>& state, std::vector<std::shared_ptr<const PackedGrains>>& known)
+	template <int Dim> void shareGrains(PackedState<Dim>& state, std::vector<std::shared_ptr<const PackedGrains>>& known)
 	{
 		for (const auto& grains : known)
 			if (same(*grains, *state.grains)) {
@@ -32,7 +30,7 @@ namespace {
 		if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), bytes.data(), array.size() * sizeof(T));
 	}
 
-	bool belongTogether(const PackedLists<2>& lists, std::size_t grains)
+	template <int Dim> bool belongTogether(const PackedLists<Dim>& lists, std::size_t grains)
 	{
 		if (lists.second.size() != lists.size() || lists.inside + lists.cellDist.size() != lists.size()) return false;
 		for (std::size_t k = 0; k < lists.size(); ++k)
@@ -41,34 +39,34 @@ namespace {
 	}
 
 	/// The neighbour lists go along: lists made anew sum the same forces in another order.
-	void saveSample(ByteWriter& writer, const ParkedSample<2>& sample)
+	template <int Dim> void saveSample(ByteWriter& writer, const ParkedSample<Dim>& sample)
 	{
-		PackedState<2> state;
-		PackedLists<2> lists;
-		const bool     listed = sample.unpark(state, lists);
+		PackedState<Dim> state;
+		PackedLists<Dim> lists;
+		const bool       listed = sample.unpark(state, lists);
 		writer.block(state.toBytes());
 		writer.number(listed);
 		if (!listed) return;
-		writer.block(static_cast<const PackedListUse<2>*>(&lists), sizeof(PackedListUse<2>));
+		writer.block(static_cast<const PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
 		writer.number(lists.inside);
 		saveArray(writer, lists.first);
 		saveArray(writer, lists.second);
 		saveArray(writer, lists.cellDist);
 	}
 
-	SamplePool<2>::Parked restoreSample(ByteReader& reader, std::vector<std::shared_ptr<const PackedGrains>>& known)
+	template <int Dim> typename SamplePool<Dim>::Parked restoreSample(ByteReader& reader, std::vector<std::shared_ptr<const PackedGrains>>& known)
 	{
-		auto state = PackedState<2>::fromBytes(reader.block());
+		auto state = PackedState<Dim>::fromBytes(reader.block());
 		shareGrains(state, known);
-		if (!reader.number()) return std::make_shared<ParkedSample<2>>(state);
-		PackedLists<2> lists;
-		reader.block(static_cast<PackedListUse<2>*>(&lists), sizeof(PackedListUse<2>));
+		if (!reader.number()) return std::make_shared<ParkedSample<Dim>>(state);
+		PackedLists<Dim> lists;
+		reader.block(static_cast<PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
 		lists.inside = reader.number();
 		restoreArray(reader, lists.first);
 		restoreArray(reader, lists.second);
 		restoreArray(reader, lists.cellDist);
 		if (!belongTogether(lists, state.size())) throw std::runtime_error("the archive's neighbour lists do not belong to its samples; it is damaged");
-		return std::make_shared<ParkedSample<2>>(state, &lists);
+		return std::make_shared<ParkedSample<Dim>>(state, &lists);
 	}
 } // namespace
 
@@ -79,7 +77,8 @@ void refuseMeasure(const std::string& name)
 	        + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, samplePorosity, sampleIceSaturation or fabric.");
 }
 
-PackedStore::PackedStore(std::vector<StatePointer> p)
+template <int Dim>
+PackedStore<Dim>::PackedStore(std::vector<StatePointer> p)
         : prototypes(std::move(p))
 {
 	for (const auto& state : prototypes) {
@@ -90,29 +89,30 @@ PackedStore::PackedStore(std::vector<StatePointer> p)
 	}
 }
 
-// stiffness of grains and ice in contact, k_n/t_z: holds also for samples that have lost their contacts for a moment
-double PackedStore::oedometricModulus(int prototype, double iceSaturation) const
+// stiffness of grains and ice in contact, k_n/t_z or k_n/r: holds also for samples that have lost their contacts for a moment
+template <int Dim> double PackedStore<Dim>::oedometricModulus(int prototype, double iceSaturation) const
 {
-	const auto& state = *prototypes.at(prototype);
-	return 1.1 * state.ice.young(iceSaturation) * meanRadius[prototype] / state.thickness;
+	const auto&  state = *prototypes.at(prototype);
+	const double young = state.ice.young(iceSaturation);
+	return Dim == 2 ? 1.1 * young * meanRadius[prototype] / state.thickness : 0.8 * young;
 }
 
-PackedStore::Beginning PackedStore::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
+template <int Dim> typename PackedStore<Dim>::Beginning PackedStore<Dim>::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
 {
-	PackedSample<2> sample(*prototypes.at(prototype));
+	PackedSample<Dim> sample(*prototypes.at(prototype));
 	if (prototypes[prototype]->iceSaturation != iceSaturation) {
-		const auto result = sample.apply(Matrix::Zero(), iceSaturation, options);
+		const auto result = sample.apply(PackedTypes<Dim>::Matrix::Zero(), iceSaturation, options);
 		if (result.blewUp)
 			throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
 	}
 	Beginning beginning;
-	beginning.sample        = std::make_shared<ParkedSample<2>>(sample.state());
+	beginning.sample        = std::make_shared<ParkedSample<Dim>>(sample.state());
 	beginning.start.stress  = sample.stress();
 	beginning.start.tangent = sample.tangent();
 	return beginning;
 }
 
-const SampleStart& PackedStore::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
+template <int Dim> const SampleStart<Dim>& PackedStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
 {
 	auto found = beginnings.find({ prototype, iceSaturation });
 	if (found == beginnings.end()) found = beginnings.emplace(std::make_pair(prototype, iceSaturation), frozen(prototype, iceSaturation, options)).first;
@@ -120,14 +120,15 @@ const SampleStart& PackedStore::add(int prototype, double iceSaturation, const P
 	return found->second.start;
 }
 
-std::vector<PackedUpdateResult<2>> PackedStore::update(const std::vector<PackedRequest<2>>& requests, const PackedUpdateOptions& options, int threads)
+template <int Dim>
+std::vector<PackedUpdateResult<Dim>> PackedStore<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
 {
 	return pool.update(requests, options, threads);
 }
 
-std::vector<double> PackedStore::measure(std::size_t sample, const std::string& name) const
+template <int Dim> std::vector<double> PackedStore<Dim>::measure(std::size_t sample, const std::string& name) const
 {
-	const PackedState<2> s = pool.state(sample);
+	const PackedState<Dim> s = pool.state(sample);
 	if (name == "bondsFormed") return { double(s.bondsFormed) };
 	if (name == "bondsBroken") return { double(s.bondsBrokenInTension + s.bondsBrokenInShear) };
 	if (name == "bondsMelted") return { double(s.bondsMelted) };
@@ -140,39 +141,42 @@ std::vector<double> PackedStore::measure(std::size_t sample, const std::string& 
 		return { intact };
 	}
 	if (name != "coordinationNumber" && name != "samplePorosity" && name != "fabric") refuseMeasure(name);
-	const auto statistics = PackedSample<2>(s).statistics();
+	const auto statistics = PackedSample<Dim>(s).statistics();
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
 	if (name == "samplePorosity") return { statistics.porosity };
-	return { statistics.fabric(0, 0), statistics.fabric(1, 1), statistics.fabric(0, 1) };
+	return components<Dim>(statistics.fabric);
 }
 
-void PackedStore::save(ByteWriter& writer) const
+template <int Dim> void PackedStore<Dim>::save(ByteWriter& writer) const
 {
 	std::unordered_map<const void*, std::size_t> number;
 	std::vector<std::size_t>                     distinct; // a sample of each state
 	std::vector<std::uint64_t>                   which;
 	for (std::size_t s = 0; s < pool.size(); s++) {
-		const auto added = number.emplace(identity(s), distinct.size());
+		const auto added = number.emplace(this->identity(s), distinct.size());
 		if (added.second) distinct.push_back(s);
 		which.push_back(added.first->second);
 	}
 	writer.number(distinct.size());
 	for (const auto s : distinct)
-		saveSample(writer, *pool.parked(s));
+		saveSample<Dim>(writer, *pool.parked(s));
 	writer.number(which.size());
 	for (const auto w : which)
 		writer.number(w);
 }
 
-void PackedStore::restore(ByteReader& reader)
+template <int Dim> void PackedStore<Dim>::restore(ByteReader& reader)
 {
-	std::vector<SamplePool<2>::Parked>               distinct(reader.number());
+	std::vector<typename SamplePool<Dim>::Parked>    distinct(reader.number());
 	std::vector<std::shared_ptr<const PackedGrains>> known;
 	for (auto& sample : distinct)
-		sample = restoreSample(reader, known);
+		sample = restoreSample<Dim>(reader, known);
 	pool.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)
 		pool.add(distinct.at(reader.number()));
 }
+
+template class PackedStore<2>;
+template class PackedStore<3>;
 
 } // namespace talik

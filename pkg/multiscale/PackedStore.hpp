@@ -6,41 +6,41 @@
 namespace talik {
 
 /// Samples in the packed form.
-class PackedStore final : public SampleStore {
+template <int Dim> class PackedStore final : public SampleStoreOf<Dim> {
 public:
-	using StatePointer = std::shared_ptr<const PackedState<2>>;
+	using StatePointer = std::shared_ptr<const PackedState<Dim>>;
 	explicit PackedStore(std::vector<StatePointer> prototypes);
 
-	int                                prototypeCount() const override { return int(prototypes.size()); }
-	double                             prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
-	double                             oedometricModulus(int prototype, double iceSaturation) const override;
-	const SampleStart&                 add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
-	void                               release(std::size_t sample) override { pool.share(sample, beginnings.begin()->second.sample); }
-	std::size_t                        size() const override { return pool.size(); }
-	void                               clear() override { pool.clear(); }
-	std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) override;
-	bool                               comparesRates() const override { return true; }
-	std::vector<double>                measure(std::size_t sample, const std::string& name) const override;
-	const void*                        identity(std::size_t sample) const override { return pool.parked(sample).get(); }
-	std::size_t                        distinctStates() const override { return pool.distinctStates(); }
-	std::size_t                        bytes() const override { return pool.bytes(); }
-	void                               save(ByteWriter&) const override;
-	void                               restore(ByteReader&) override;
+	int                                  prototypeCount() const override { return int(prototypes.size()); }
+	double                               prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
+	double                               oedometricModulus(int prototype, double iceSaturation) const override;
+	const SampleStart<Dim>&              add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                                 release(std::size_t sample) override { pool.share(sample, beginnings.begin()->second.sample); }
+	std::size_t                          size() const override { return pool.size(); }
+	void                                 clear() override { pool.clear(); }
+	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) override;
+	bool                                 comparesRates() const override { return true; }
+	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
+	const void*                          identity(std::size_t sample) const override { return pool.parked(sample).get(); }
+	std::size_t                          distinctStates() const override { return pool.distinctStates(); }
+	std::size_t                          bytes() const override { return pool.bytes(); }
+	void                                 save(ByteWriter&) const override;
+	void                                 restore(ByteReader&) override;
 
-	StatePointer state(std::size_t sample) const { return std::make_shared<const PackedState<2>>(pool.state(sample)); }
+	StatePointer state(std::size_t sample) const { return std::make_shared<const PackedState<Dim>>(pool.state(sample)); }
 	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, *state); }
 
 private:
 	struct Beginning {
-		SamplePool<2>::Parked sample;
-		SampleStart           start;
+		typename SamplePool<Dim>::Parked sample;
+		SampleStart<Dim>                 start;
 	};
 	Beginning frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;
 
 	std::vector<StatePointer>                   prototypes;
 	std::vector<double>                         meanRadius; ///< of each prototype [m]
 	std::map<std::pair<int, double>, Beginning> beginnings;
-	SamplePool<2>                               pool;
+	SamplePool<Dim>                             pool;
 };
 
 } // namespace talik

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/RveSample.hpp>
+#include <pkg/multiscale/SampleStore.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 
 #include <boost/python/numpy.hpp>
@@ -12,32 +13,88 @@ namespace np = boost::python::numpy;
 namespace yade {
 YADE_PLUGIN((RveSample));
 
-using InPlane = talik::PackedTypes<2>::Matrix;
 using talik::PackedSample;
 using talik::PackedState;
 
-const PackedState<2>& RveSample::packed() const
+namespace {
+	template <int Dim> typename talik::PackedTypes<Dim>::Matrix part(const Matrix3r& m) { return m.topLeftCorner<Dim, Dim>(); }
+
+	py::tuple tupleOf(const std::vector<double>& values)
+	{
+		py::list list;
+		for (const double value : values)
+			list.append(value);
+		return py::tuple(list);
+	}
+} // namespace
+
+std::shared_ptr<const void> RveSample::stateNow() const
 {
-	if (!state) throw std::runtime_error("RveSample is empty: make it by talik.rve.pack(sample) or RveSample.fromScene(scene).");
-	return *state;
+	return std::visit([](const auto& pointer) { return std::shared_ptr<const void>(pointer); }, state);
 }
 
-void RveSample::setPacked(PackedState<2> s) { state = std::make_shared<PackedState<2>>(std::move(s)); }
+int RveSample::dimension() const
+{
+	if (!stateNow()) throw std::runtime_error("RveSample is empty: make it by talik.rve.pack(sample) or RveSample.fromScene(scene).");
+	return state.index() == 0 ? 2 : 3;
+}
+
+template <int Dim> const PackedState<Dim>& RveSample::packed() const
+{
+	if (dimension() != Dim)
+		throw std::invalid_argument(
+		        Dim == 2 ? "The sample has spheres and the ground is in the plane: give samples of discs."
+		                 : "The sample has discs and the ground is in space: give samples of spheres, see talik.rve.prepare(dimension=3).");
+	return *std::get<StatePointer<Dim>>(state);
+}
+
+template <int Dim> void RveSample::setPacked(PackedState<Dim> s) { state = std::make_shared<const PackedState<Dim>>(std::move(s)); }
+
+template const PackedState<2>& RveSample::packed<2>() const;
+template const PackedState<3>& RveSample::packed<3>() const;
+template void                  RveSample::setPacked<2>(PackedState<2>);
+template void                  RveSample::setPacked<3>(PackedState<3>);
+
+namespace {
+	/// The dimension of a state.
+	template <class State> constexpr int dimensionOf = int(State::Vector::RowsAtCompileTime);
+	template <class State> using SampleOf            = PackedSample<dimensionOf<std::decay_t<State>>>;
+} // namespace
+
+Real RveSample::iceSaturation() const
+{
+	return withState([](const auto& s) { return s.iceSaturation; });
+}
+Real RveSample::timeStep() const
+{
+	return withState([](const auto& s) { return s.dt; });
+}
+Real RveSample::thawStrain() const
+{
+	return withState([](const auto& s) { return s.thawStrain.thawStrain; });
+}
+Real RveSample::thawedStrength() const
+{
+	return withState([](const auto& s) { return s.ice.thawedStrength; });
+}
+string RveSample::path() const
+{
+	return withState([](const auto& s) { return string(SampleOf<decltype(s)>(s).path()); });
+}
 
 void RveSample::action()
 {
 	const talik::StepGate gate;
-	PackedSample<2>       sample(packed());
-	sample.advance(InPlane(scene->cell->velGrad.topLeftCorner<2, 2>()), 1);
-	setPacked(sample.state());
+	advance(scene->cell->velGrad, 1);
 }
 
 shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 {
 	if (!scene) throw std::invalid_argument("RveSample.fromScene: the scene is None.");
 	shared_ptr<RveSample> sample(new RveSample);
-	sample->setPacked(talik::packScene(*scene));
-	const Real overlap = PackedSample<2>(sample->packed()).statistics().maxOverlapRatio;
+	if (talik::packedDimension(*scene) == 2) sample->setPacked(talik::packScene<2>(*scene));
+	else sample->setPacked(talik::packScene<3>(*scene));
+	const Real overlap = sample->withState([](const auto& s) { return SampleOf<decltype(s)>(s).statistics().maxOverlapRatio; });
 	if (!(overlap < 1))
 		throw std::invalid_argument(
 		        "RveSample.fromScene: grains of the scene overlap by " + boost::lexical_cast<string>(overlap)
@@ -52,14 +109,14 @@ shared_ptr<Scene> RveSample::open() const
 {
 	if (sceneBytes.empty()) throw std::runtime_error("RveSample.open: this sample was not packed from a scene.");
 	const auto scene = talik::sceneForView(sceneBytes);
-	talik::openInto(*scene, packed());
+	withState([&](const auto& s) { talik::openInto(*scene, s); });
 	return scene;
 }
 
 void RveSample::repack(const shared_ptr<Scene>& scene)
 {
 	if (!scene) throw std::invalid_argument("RveSample.repack: the scene is None: give the Scene that open() returned.");
-	setPacked(talik::packScene(*scene, state.get()));
+	withState([&](const auto& s) { setPacked(talik::packScene<dimensionOf<std::decay_t<decltype(s)>>>(*scene, &s)); });
 }
 
 namespace {
@@ -74,15 +131,20 @@ namespace {
 py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
 {
 	requireSaturation("RveSample.apply", iceSaturation);
+	return dimension() == 2 ? applied<2>(displacementGradient, iceSaturation) : applied<3>(displacementGradient, iceSaturation);
+}
+
+template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradient, Real iceSaturation)
+{
 	talik::PackedUpdateOptions options;
 	options.maxInertialNumber = maxInertialNumber;
 	options.maxStrainPerStep  = maxStrainPerStep;
 	options.minSteps          = minSteps;
-	PackedSample<2> sample(packed());
-	const auto      result = sample.apply(displacementGradient.topLeftCorner<2, 2>(), iceSaturation, options);
+	PackedSample<Dim> sample(packed<Dim>());
+	const auto        result = sample.apply(part<Dim>(displacementGradient), iceSaturation, options);
 	if (!result.blewUp) setPacked(sample.state());
 	py::dict d;
-	d["stress"]  = py::make_tuple(result.stress(0, 0), result.stress(1, 1), result.stress(0, 1));
+	d["stress"]  = tupleOf(talik::components<Dim>(result.stress));
 	d["steps"]   = result.steps;
 	d["flipped"] = result.flipped;
 	d["blewUp"]  = result.blewUp;
@@ -92,9 +154,11 @@ py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturati
 
 void RveSample::advance(const Matrix3r& velGrad, long steps)
 {
-	PackedSample<2> sample(packed());
-	sample.advance(InPlane(velGrad.topLeftCorner<2, 2>()), steps);
-	setPacked(sample.state());
+	withState([&](const auto& s) {
+		SampleOf<decltype(s)> sample(s);
+		sample.advance(part<dimensionOf<std::decay_t<decltype(s)>>>(velGrad), steps);
+		setPacked(sample.state());
+	});
 }
 
 void RveSample::freeze(Real iceSaturation)
@@ -103,45 +167,56 @@ void RveSample::freeze(Real iceSaturation)
 	apply(Matrix3r::Zero(), iceSaturation);
 }
 
-bool RveSample::servo(Real stressX, Real stressY)
+bool RveSample::servo(Real stressX, Real stressY, const py::object& stressZ)
 {
-	for (const auto& [name, stress] : { std::make_pair("stressX", stressX), std::make_pair("stressY", stressY) })
-		if (!std::isfinite(stress) || !(stress < 0))
+	const bool discs = dimension() == 2;
+	if (discs != stressZ.is_none())
+		throw std::invalid_argument(
+		        discs ? "RveSample.servo: stressZ is given and the sample has discs: leave it out."
+		              : "RveSample.servo: stressZ is missing: the sample has spheres.");
+	const Real stresses[3] = { stressX, stressY, discs ? 0 : py::extract<Real>(stressZ)() };
+	const char axes[4]     = "XYZ";
+	for (int d = 0; d < dimension(); d++)
+		if (!std::isfinite(stresses[d]) || !(stresses[d] < 0))
 			throw std::invalid_argument(
-			        string("RveSample.servo: ") + name + " is " + boost::lexical_cast<string>(stress)
+			        string("RveSample.servo: stress") + axes[d] + " is " + boost::lexical_cast<string>(stresses[d])
 			        + " Pa: give a compression, that is a negative number.");
-	talik::PackedServoOptions<2> options;
-	options.principalStress = talik::PackedTypes<2>::Vector(stressX, stressY);
-	PackedSample<2> sample(packed());
-	const bool      reached = sample.servo(options);
-	setPacked(sample.state());
-	return reached;
+	return withState([&](const auto& s) {
+		constexpr int                  dim = dimensionOf<std::decay_t<decltype(s)>>;
+		talik::PackedServoOptions<dim> options;
+		for (int d = 0; d < dim; d++)
+			options.principalStress[d] = stresses[d];
+		PackedSample<dim> sample(s);
+		const bool        reached = sample.servo(options);
+		setPacked(sample.state());
+		return reached;
+	});
 }
 
 py::tuple RveSample::stress() const
 {
-	const InPlane& s = packed().stress;
-	return py::make_tuple(s(0, 0), s(1, 1), 0.5 * (s(0, 1) + s(1, 0)));
+	return withState([](const auto& s) { return tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(s.stress)); });
 }
 
 py::dict RveSample::statistics() const
 {
-	const auto& s     = packed();
-	const auto  stats = PackedSample<2>(s).statistics();
-	py::dict    d;
-	d["contacts"]             = stats.contacts;
-	d["bondsIntact"]          = stats.bondsIntact;
-	d["bondsBroken"]          = stats.bondsBroken;
-	d["bondsFormed"]          = s.bondsFormed;
-	d["bondsBrokenInTension"] = s.bondsBrokenInTension;
-	d["bondsBrokenInShear"]   = s.bondsBrokenInShear;
-	d["bondsMelted"]          = s.bondsMelted;
-	d["coordinationNumber"]   = stats.coordinationNumber;
-	d["porosity"]             = stats.porosity;
-	d["fabric"]               = py::make_tuple(stats.fabric(0, 0), stats.fabric(1, 1), stats.fabric(0, 1));
-	d["unbalancedForce"]      = stats.unbalancedForce;
-	d["kineticEnergy"]        = stats.kineticEnergy;
-	return d;
+	return withState([](const auto& s) {
+		const auto stats = SampleOf<decltype(s)>(s).statistics();
+		py::dict   d;
+		d["contacts"]             = stats.contacts;
+		d["bondsIntact"]          = stats.bondsIntact;
+		d["bondsBroken"]          = stats.bondsBroken;
+		d["bondsFormed"]          = s.bondsFormed;
+		d["bondsBrokenInTension"] = s.bondsBrokenInTension;
+		d["bondsBrokenInShear"]   = s.bondsBrokenInShear;
+		d["bondsMelted"]          = s.bondsMelted;
+		d["coordinationNumber"]   = stats.coordinationNumber;
+		d["porosity"]             = stats.porosity;
+		d["fabric"]               = tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(stats.fabric));
+		d["unbalancedForce"]      = stats.unbalancedForce;
+		d["kineticEnergy"]        = stats.kineticEnergy;
+		return d;
+	});
 }
 
 namespace {
@@ -156,19 +231,26 @@ namespace {
 	}
 } // namespace
 
+namespace {
+	double shearComponent(double shear, int) { return shear; }
+	double shearComponent(const Vector3r& shear, int c) { return shear[c]; }
+} // namespace
+
 py::dict RveSample::arrays() const
 {
-	const auto& s = packed();
-	const auto& k = s.contacts;
-	py::dict    d;
-	d["position"] = table(s.size(), 2, [&](std::size_t i, int c) { return s.position[i][c]; });
-	d["radius"]   = table(s.size(), 1, [&](std::size_t i, int) { return s.grains->radius[i] * s.radiusFactor; });
-	d["contact"]  = table(k.size(), 2, [&](std::size_t i, int c) { return c ? k.second[i] : k.first[i]; });
-	d["cellDist"] = table(k.size(), 2, [&](std::size_t i, int c) { return k.cellDist[i][c]; });
-	d["shear"]    = table(k.size(), 1, [&](std::size_t i, int) { return k.shear[i]; });
-	d["bond"]     = table(k.size(), 1, [&](std::size_t i, int) { return k.bond.empty() ? 0 : k.bond[i] & 3; });
-	d["hSize"]    = table(2, 2, [&](std::size_t i, int c) { return s.hSize(int(i), c); });
-	return d;
+	return withState([](const auto& s) {
+		constexpr int dim = dimensionOf<std::decay_t<decltype(s)>>;
+		const auto&   k   = s.contacts;
+		py::dict      d;
+		d["position"] = table(s.size(), dim, [&](std::size_t i, int c) { return s.position[i][c]; });
+		d["radius"]   = table(s.size(), 1, [&](std::size_t i, int) { return s.grains->radius[i] * s.radiusFactor; });
+		d["contact"]  = table(k.size(), 2, [&](std::size_t i, int c) { return c ? k.second[i] : k.first[i]; });
+		d["cellDist"] = table(k.size(), dim, [&](std::size_t i, int c) { return k.cellDist[i][c]; });
+		d["shear"]    = table(k.size(), dim == 2 ? 1 : 3, [&](std::size_t i, int c) { return shearComponent(k.shear[i], c); });
+		d["bond"]     = table(k.size(), 1, [&](std::size_t i, int) { return k.bond.empty() ? 0 : k.bond[i] & 3; });
+		d["hSize"]    = table(dim, dim, [&](std::size_t i, int c) { return s.hSize(int(i), c); });
+		return d;
+	});
 }
 
 shared_ptr<RveSample> RveSample::copy() const
@@ -178,13 +260,14 @@ shared_ptr<RveSample> RveSample::copy() const
 	other->maxStrainPerStep  = maxStrainPerStep;
 	other->minSteps          = minSteps;
 	other->sceneBytes        = sceneBytes;
-	other->setPacked(packed());
+	dimension(); // none of an empty sample
+	other->state = state;
 	return other;
 }
 
 py::object RveSample::stateBytes() const
 {
-	const string bytes = packed().toBytes();
+	const string bytes = withState([](const auto& s) { return s.toBytes(); });
 	return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
 }
 
@@ -192,54 +275,64 @@ void RveSample::setTimeStep(Real dt)
 {
 	if (!(dt > 0) || !std::isfinite(dt))
 		throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
-	PackedState<2> s = packed();
-	s.dt             = dt;
-	setPacked(std::move(s));
+	withState([&](auto s) {
+		s.dt = dt;
+		setPacked(std::move(s));
+	});
 }
 
 void RveSample::setThawStrain(Real strain)
 {
-	PackedState<2> s        = packed();
-	const Real     porosity = PackedSample<2>(s).statistics().porosity;
-	if (!(strain >= 0 && strain <= porosity))
-		throw std::invalid_argument(
-		        "RveSample.thawStrain is " + boost::lexical_cast<string>(strain) + ": it must lie between 0 and the porosity of the sample, "
-		        + boost::lexical_cast<string>(porosity) + ", which is all of eq. (8).");
-	if (s.iceSaturation > 0)
-		throw std::invalid_argument(
-		        "RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation)
-		        + "): set it before the sample freezes.");
-	s.thawStrain.thawStrain = strain;
-	setPacked(std::move(s));
+	withState([&](auto s) {
+		const Real porosity = SampleOf<decltype(s)>(s).statistics().porosity;
+		if (!(strain >= 0 && strain <= porosity))
+			throw std::invalid_argument(
+			        "RveSample.thawStrain is " + boost::lexical_cast<string>(strain) + ": it must lie between 0 and the porosity of the sample, "
+			        + boost::lexical_cast<string>(porosity) + ", which is all of eq. (8).");
+		if (s.iceSaturation > 0)
+			throw std::invalid_argument(
+			        "RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation)
+			        + "): set it before the sample freezes.");
+		s.thawStrain.thawStrain = strain;
+		setPacked(std::move(s));
+	});
 }
 
 void RveSample::setThawedStrength(Real strength)
 {
 	if (!(strength >= 0) || !std::isfinite(strength))
 		throw std::invalid_argument("RveSample.thawedStrength is " + boost::lexical_cast<string>(strength) + ": give a strength in Pa, 0 or more.");
-	PackedState<2> s = packed();
-	if (!s.ice.formsBondsEver())
-		throw std::invalid_argument("RveSample.thawedStrength is set on a sample whose grains carry no ice bonds: prepare it with ice=True.");
-	s.ice.thawedStrength = strength;
-	setPacked(std::move(s));
+	withState([&](auto s) {
+		if (!s.ice.formsBondsEver())
+			throw std::invalid_argument("RveSample.thawedStrength is set on a sample whose grains carry no ice bonds: prepare it with ice=True.");
+		s.ice.thawedStrength = strength;
+		setPacked(std::move(s));
+	});
 }
 
 Matrix3r RveSample::deformation() const
 {
-	Matrix3r m              = Matrix3r::Identity();
-	m.topLeftCorner<2, 2>() = packed().trsf;
-	return m;
+	return withState([](const auto& s) {
+		constexpr int dim                    = dimensionOf<std::decay_t<decltype(s)>>;
+		Matrix3r      m                      = Matrix3r::Identity();
+		m.template topLeftCorner<dim, dim>() = s.trsf;
+		return m;
+	});
 }
 
 void RveSample::preSave(RveSample&)
 {
-	saved      = state ? talik::toBase64(state->toBytes()) : "";
+	saved      = stateNow() ? talik::toBase64(withState([](const auto& s) { return s.toBytes(); })) : "";
 	savedScene = sceneBytes.empty() ? "" : talik::toBase64(sceneBytes);
 }
 
 void RveSample::postLoad(RveSample&)
 {
-	if (!saved.empty()) setPacked(PackedState<2>::fromBytes(talik::fromBase64(saved)));
+	if (!saved.empty()) {
+		const string bytes = talik::fromBase64(saved);
+		if (talik::packedDimension(bytes) == 2) setPacked(PackedState<2>::fromBytes(bytes));
+		else setPacked(PackedState<3>::fromBytes(bytes));
+	}
 	if (!savedScene.empty()) sceneBytes = talik::fromBase64(savedScene);
 	saved.clear();
 	savedScene.clear();

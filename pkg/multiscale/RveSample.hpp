@@ -4,6 +4,7 @@
 #include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
+#include <variant>
 
 namespace yade {
 
@@ -23,40 +24,49 @@ public:
 	::boost::python::dict   apply(const Matrix3r& displacementGradient, Real iceSaturation);
 	void                    advance(const Matrix3r& velGrad, long steps);
 	void                    freeze(Real iceSaturation);
-	bool                    servo(Real stressX, Real stressY);
+	bool                    servo(Real stressX, Real stressY, const ::boost::python::object& stressZ);
 	::boost::python::tuple  stress() const;
 	::boost::python::dict   statistics() const;
 	::boost::python::dict   arrays() const;
 	shared_ptr<RveSample>   copy() const;
-	Real                    iceSaturation() const { return packed().iceSaturation; }
-	Real                    timeStep() const { return packed().dt; }
+	Real                    iceSaturation() const;
+	Real                    timeStep() const;
 	void                    setTimeStep(Real);
-	Real                    thawStrain() const { return packed().thawStrain.thawStrain; }
+	Real                    thawStrain() const;
 	void                    setThawStrain(Real);
-	Real                    thawedStrength() const { return packed().ice.thawedStrength; }
+	Real                    thawedStrength() const;
 	void                    setThawedStrength(Real);
 	Matrix3r                deformation() const;
 	::boost::python::object stateBytes() const;
-	string                  path() const { return talik::PackedSample<2>(packed()).path(); }
+	string                  path() const;
 	static void             usePortablePath(bool portable) { talik::PackedSample<2>::forcePortable(portable); }
 
-	const talik::PackedState<2>& packed() const;
+	/// 2 for discs, 3 for spheres. Throws std::runtime_error on an empty sample.
+	int dimension() const;
+	/// Throws std::invalid_argument on a sample of the other dimension.
+	template <int Dim> const talik::PackedState<Dim>& packed() const;
 	/// Another one whenever the state has changed; empty sample: null.
-	std::shared_ptr<const talik::PackedState<2>> stateNow() const { return state; }
-	void                                         setPacked(talik::PackedState<2>);
+	std::shared_ptr<const void> stateNow() const;
+	template <int Dim> void     setPacked(talik::PackedState<Dim>);
 
 	void preSave(RveSample&);
 	void postLoad(RveSample&);
 
 private:
-	std::shared_ptr<talik::PackedState<2>> state;
-	string                                 sceneBytes;
+	template <int Dim> using StatePointer = std::shared_ptr<const talik::PackedState<Dim>>;
+	/// Calls it with the state.
+	template <class Visitor> decltype(auto) withState(Visitor&& visitor) const { return dimension() == 2 ? visitor(packed<2>()) : visitor(packed<3>()); }
+	template <int Dim>::boost::python::dict applied(const Matrix3r& displacementGradient, Real iceSaturation);
+
+	std::variant<StatePointer<2>, StatePointer<3>> state;
+	string                                         sceneBytes;
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs with optional ice bonds: the form that stands behind the material "
-			"points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE scene back. Stress in Pa, "
-			"tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs, or of spheres, with optional ice bonds: the form that stands "
+			"behind the material points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE "
+			"scene back. Stress in Pa, tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); "
+			"s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
 		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
@@ -69,20 +79,21 @@ public:
 		.def("open",&RveSample::open,"A new ordinary YADE scene in the sample's state: bodies, interactions, bonds, engines. See talik.inspect.")
 		.def("repack",&RveSample::repack,(::boost::python::arg("scene")),"Take over the state of an opened scene.")
 		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) "
-				"F_old (3x3, in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress (xx,yy,xy), steps, flipped, blewUp, "
-				"reason.")
+				"F_old (3x3; of discs the in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress as below, "
+				"steps, flipped, blewUp, reason.")
 		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, "
-				"DEM time] (3x3, in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
+				"DEM time] (3x3; of discs the in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
 		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation, 0 to 1: bonds and ice springs form "
 				"stress-free.")
-		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY")),"Bring the sample to principal stresses [Pa], both "
-				"negative; True when they were reached.")
+		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY"),::boost::python::arg("stressZ")=::boost::python::object()),
+				"Bring the sample to principal stresses [Pa], all negative; stressZ for spheres only. True when they were reached.")
 		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, "
-				"bondsMelted, coordinationNumber, porosity, fabric (xx,yy,xy), unbalancedForce, kineticEnergy.")
-		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays: position (n,2), radius (n,), contact (m,2) grain indices, cellDist (m,2), bond (m,) 0 "
-				"frictional 1 intact 2 broken, shear (m,), hSize (2,2).")
+				"bondsMelted, coordinationNumber, porosity, fabric (components as of stress), unbalancedForce, kineticEnergy.")
+		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays for d=2 or 3 dimensions: position (n,d) [m], radius (n,) [m], contact (m,2) grain indices, "
+				"cellDist (m,d), bond (m,) 0 frictional 1 intact 2 broken, shear (m,) or (m,3) [N], hSize (d,d) [m].")
 		.def("copy",&RveSample::copy,"An independent copy.")
-		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa], tension positive, of the last step.")
+		.add_property("stress",&RveSample::stress,"(xx, yy, xy) [Pa] of discs, (xx, yy, zz, yz, xz, xy) of spheres, tension positive, of the last step.")
+		.add_property("dimension",&RveSample::dimension,"2: discs, 3: spheres.")
 		.add_property("iceSaturation",&RveSample::iceSaturation,"Ice saturation [-]; change it by freeze() or apply().")
 		.add_property("dt",&RveSample::timeStep,&RveSample::setTimeStep,"DEM time step [s].")
 		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao "

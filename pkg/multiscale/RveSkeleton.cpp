@@ -87,11 +87,11 @@ namespace {
 
 	constexpr double placeUnit = 1e-6; ///< places that differ by less are the same [m]: round-off must not decide
 
-	int dealtAt(double x, double y, int samples, int seed)
+	int dealtAt(const double* place, int dimension, int samples, int seed)
 	{
 		std::uint64_t chance = mixed(std::uint64_t(seed));
-		for (const double coordinate : { x, y })
-			chance = mixed(chance ^ std::uint64_t(std::llround(coordinate / placeUnit)));
+		for (int d = 0; d < dimension; d++)
+			chance = mixed(chance ^ std::uint64_t(std::llround(place[d] / placeUnit)));
 		return int(chance % std::uint64_t(samples));
 	}
 } // namespace
@@ -101,11 +101,12 @@ py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
 	if (samples < 1) throw std::invalid_argument("RveSkeleton.deal: samples is " + std::to_string(samples) + ": give 1 or more.");
 	if (seed < 0) throw std::invalid_argument("RveSkeleton.deal: seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
 	const np::ndarray array = np::from_object(position, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
-	if (array.get_nd() != 2 || array.shape(1) != 2) throw std::invalid_argument("RveSkeleton.deal: position is not an array (n,2).");
+	if (array.get_nd() != 2 || (array.shape(1) != 2 && array.shape(1) != 3))
+		throw std::invalid_argument("RveSkeleton.deal: position is not an array (n,2) or (n,3).");
 	const Real* data = reinterpret_cast<const Real*>(array.get_data());
 	py::list    numbers;
 	for (int p = 0; p < array.shape(0); p++)
-		numbers.append(dealtAt(data[2 * p], data[2 * p + 1], samples, seed));
+		numbers.append(dealtAt(data + array.shape(1) * p, int(array.shape(1)), samples, seed));
 	return numbers;
 }
 
@@ -116,7 +117,7 @@ vector<int> RveSkeleton::dealt(int pointCount) const
 	const int   count = std::max(1, int(samples.size() + scenes.size()));
 	vector<int> numbers(pointCount, 0);
 	for (int id = 0; id < std::min(pointCount, int(places.size())); id++)
-		numbers[id] = dealtAt(places[id][0], places[id][1], count, seed);
+		numbers[id] = dealtAt(places[id].data(), 2, count, seed);
 	return numbers;
 }
 
@@ -132,28 +133,29 @@ bool RveSkeleton::sourcesChanged() const
 	return false;
 }
 
-string RveSkeleton::reasonAgainstPacking() const
+string RveSkeleton::reasonAgainstPacking(int dimension) const
 {
 	for (std::size_t k = 0; k < scenes.size(); k++) {
-		const string reason = talik::reasonAgainstPacking(*scenes[k]);
+		string reason = talik::reasonAgainstPacking(*scenes[k]);
+		if (reason.empty() && talik::packedDimension(*scenes[k]) != dimension)
+			reason = dimension == 2 ? "its grains are free to move out of the plane of the ground"
+			                        : "its grains are discs and the ground is in space";
 		if (!reason.empty()) return "scenes[" + std::to_string(k) + "] cannot be packed: " + reason;
 	}
 	return "";
 }
 
-void RveSkeleton::makeStore()
+template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 {
-	packedStore.reset();
-	openStore.reset();
-	const string reason = form == "packed" ? reasonAgainstPacking() : "";
+	const string reason = form == "packed" ? reasonAgainstPacking(Dim) : "";
 	if (form == "packed" && reason.empty()) {
 		prototypes = samples;
 		for (const auto& scene : scenes)
 			prototypes.push_back(RveSample::fromScene(scene));
-		std::vector<talik::PackedStore::StatePointer> states;
+		std::vector<typename talik::PackedStore<Dim>::StatePointer> states;
 		for (const auto& sample : prototypes)
-			states.push_back(std::make_shared<talik::PackedState<2>>(sample->packed()));
-		packedStore = std::make_shared<talik::PackedStore>(states);
+			states.push_back(std::make_shared<talik::PackedState<Dim>>(sample->template packed<Dim>()));
+		stores.packed = std::make_shared<talik::PackedStore<Dim>>(states);
 		return;
 	}
 	if (!reason.empty() && !told)
@@ -166,13 +168,19 @@ void RveSkeleton::makeStore()
 		bytes.push_back(talik::sceneToBytes(sample->open()));
 	for (const auto& scene : scenes)
 		bytes.push_back(talik::sceneToBytes(scene));
-	openStore = std::make_shared<talik::OpenStore>(bytes);
+	stores.open = std::make_shared<talik::OpenStore<Dim>>(bytes);
 }
 
 SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
 {
 	checkSettings(pointCount);
-	makeStore();
+	return makeModel<2>(sampleOf.empty() ? dealt(pointCount) : sampleOf);
+}
+
+template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::makeModel(const vector<int>& numbers)
+{
+	Stores<Dim> made;
+	makeStore(made);
 	byHand = false;
 	takenStates.clear();
 	for (const auto& sample : samples)
@@ -180,16 +188,21 @@ SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
 	takenScenes.clear();
 	for (const auto& scene : scenes)
 		takenScenes.push_back(digestOf(scene));
-	std::shared_ptr<talik::SampleStore> store;
-	if (packedStore) store = packedStore;
-	else store = openStore;
-	model           = std::make_shared<talik::SampleSkeleton>(store, sampleOf.empty() ? dealt(pointCount) : sampleOf, scheduling());
-	model->onBlowUp = [this](int id) {
+	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
+	if (made.packed) store = made.packed;
+	else store = made.open;
+	made.model           = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
+	made.model->onBlowUp = [this](int id) {
 		keepBlownUp(id);
 		return onBlowUp == "stop";
 	};
-	return model;
+	model = made.model;
+	now   = made;
+	return made.model;
 }
+
+template std::shared_ptr<talik::SampleSkeleton<2>> RveSkeleton::makeModel<2>(const vector<int>&);
+template std::shared_ptr<talik::SampleSkeleton<3>> RveSkeleton::makeModel<3>(const vector<int>&);
 
 void RveSkeleton::keepBlownUp(int id) const
 {
@@ -206,7 +219,7 @@ void RveSkeleton::keepBlownUp(int id) const
 	}
 }
 
-talik::SampleSkeleton& RveSkeleton::running() const
+talik::PointSamples& RveSkeleton::running() const
 {
 	if (!model) throw std::runtime_error("RveSkeleton: the ground has not started; call mpm.initialise() or run a step first.");
 	return *model;
@@ -218,39 +231,42 @@ void   RveSkeleton::restoreState(const string& bytes) { running().restore(bytes)
 shared_ptr<RveSample> RveSkeleton::sample(int id) const
 {
 	const std::size_t number = running().sampleNumber(id);
-	if (openStore) return RveSample::fromScene(openStore->scene(number));
-	auto copy = prototypes.at(running().prototype(id))->copy();
-	copy->setPacked(*packedStore->state(number));
-	return copy;
+	return withStores([&](const auto& stores) {
+		if (stores.open) return RveSample::fromScene(stores.open->scene(number));
+		auto copy = prototypes.at(running().prototype(id))->copy();
+		copy->setPacked(*stores.packed->state(number));
+		return copy;
+	});
 }
 
 shared_ptr<Scene> RveSkeleton::scene(int id) const
 {
 	const std::size_t number = running().sampleNumber(id);
-	return openStore ? openStore->scene(number) : sample(id)->open();
+	return withStores([&](const auto& stores) { return stores.open ? stores.open->scene(number) : sample(id)->open(); });
 }
 
 void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
 {
 	if (!sample) throw std::invalid_argument("RveSkeleton.replaceSample: the sample is None.");
 	const std::size_t number = running().sampleNumber(id);
-	if (openStore) openStore->setScene(number, sample->open());
-	else packedStore->setState(number, std::make_shared<talik::PackedState<2>>(sample->packed()));
+	withStores([&](const auto& stores) {
+		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
+		if (stores.open) stores.open->setScene(number, sample->open());
+		else stores.packed->setState(number, std::make_shared<talik::PackedState<dim>>(sample->template packed<dim>()));
+	});
 	byHand = true;
 	running().askNext(id);
 }
 
 namespace {
 	/// Bonds lost or made by hand: one whose grains still touch counts as broken in shear, else in tension.
-	void countByHand(const talik::PackedState<2>& former, talik::PackedState<2>& state)
+	template <int Dim> void countByHand(const talik::PackedState<Dim>& former, talik::PackedState<Dim>& state)
 	{
-		using Pair = std::array<int, 4>;
+		using Pair = std::tuple<int, int, typename talik::PackedTypes<Dim>::CellDist>;
 		std::map<Pair, bool> before; // bonded pairs, and whether they touch now
-		const auto           pair = [](const talik::PackedContacts<2>& k, std::size_t c) {
-                        return Pair { k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] };
-		};
-		const auto bonded = [](const talik::PackedContacts<2>& k, std::size_t c) {
-			return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED;
+		const auto           pair = [](const talik::PackedContacts<Dim>& k, std::size_t c) { return Pair { k.first[c], k.second[c], k.cellDist[c] }; };
+		const auto           bonded = [](const talik::PackedContacts<Dim>& k, std::size_t c) {
+                        return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED;
 		};
 		for (std::size_t c = 0; c < former.contacts.size(); c++)
 			if (bonded(former.contacts, c)) before[pair(former.contacts, c)] = false;
@@ -269,15 +285,21 @@ namespace {
 void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 {
 	if (!scene) throw std::invalid_argument("RveSkeleton.replaceScene: the scene is None.");
-	const std::size_t number = running().sampleNumber(id);
-	if (openStore) openStore->setScene(number, scene);
-	else {
-		const auto former = packedStore->state(number);
-		auto       state  = std::make_shared<talik::PackedState<2>>(talik::packScene(*scene, former.get()));
-		if (state->toBytes() == former->toBytes()) return;
-		countByHand(*former, *state);
-		packedStore->setState(number, state);
-	}
+	const std::size_t number  = running().sampleNumber(id);
+	const bool        differs = withStores([&](const auto& stores) {
+                constexpr int dim = std::decay_t<decltype(stores)>::dimension;
+                if (stores.open) {
+                        stores.open->setScene(number, scene);
+                        return true;
+                }
+                const auto former = stores.packed->state(number);
+                auto       state  = std::make_shared<talik::PackedState<dim>>(talik::packScene<dim>(*scene, former.get()));
+                if (state->toBytes() == former->toBytes()) return false;
+                countByHand<dim>(*former, *state);
+                stores.packed->setState(number, state);
+                return true;
+        });
+	if (!differs) return;
 	byHand = true;
 	running().askNext(id);
 }
@@ -329,7 +351,7 @@ py::dict RveSkeleton::counters() const
 {
 	const auto& s = running();
 	py::dict    d;
-	d["form"]           = openStore ? "open" : "packed";
+	d["form"]           = withStores([](const auto& stores) { return bool(stores.open); }) ? "open" : "packed";
 	d["points"]         = s.counters().points;
 	d["calls"]          = s.counters().calls;
 	d["steps"]          = s.counters().steps;

@@ -7,6 +7,7 @@
 #include <pkg/multiscale/SampleSkeleton.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
+#include <variant>
 
 namespace yade {
 
@@ -24,10 +25,13 @@ public:
 	void                followAttributes() override;
 	bool                admitsPoints() const override { return !model; }
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
-	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return running().errorSquares(batch); }
-	void                keepOnly(const talik::SkeletonBatch<2>& batch) override { running().keepOnly(batch); }
+	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return stores<2>().model->errorSquares(batch); }
+	void                keepOnly(const talik::SkeletonBatch<2>& batch) override { stores<2>().model->keepOnly(batch); }
 
-	/// Numbers of the samples, 0 to samples-1, that points at these places [m] (n,2) take by chance.
+	/// The model of a ground in the plane (Dim 2, samples of discs) or in space (Dim 3, spheres); sampleOf as below, by point id.
+	template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> makeModel(const vector<int>& numbers);
+
+	/// Numbers of the samples, 0 to samples-1, that points at these places [m] (n,2) or (n,3) take by chance.
 	static ::boost::python::list deal(const ::boost::python::object& position, int samples, int seed);
 	/// The sample of a point as it is now, a copy: packed, or as a scene.
 	shared_ptr<RveSample>   sample(int id) const;
@@ -43,24 +47,34 @@ public:
 	::boost::python::dict   blownUp() const;
 
 private:
-	talik::SampleSkeleton&  running() const;
-	talik::SampleScheduling scheduling() const;
-	void                    checkScheduling() const;
-	void                    checkSettings(int pointCount) const;
-	void                    keepBlownUp(int id) const;
-	string                  reasonAgainstPacking() const;
-	void                    makeStore();
-	vector<int>             dealt(int pointCount) const;
+	/// The samples of a run.
+	template <int Dim> struct Stores {
+		static constexpr int                        dimension = Dim;
+		std::shared_ptr<talik::SampleSkeleton<Dim>> model;
+		std::shared_ptr<talik::PackedStore<Dim>>    packed; ///< one of the two
+		std::shared_ptr<talik::OpenStore<Dim>>      open;
+	};
+	talik::PointSamples&                  running() const;
+	template <int Dim> Stores<Dim>&       stores() { return std::get<Stores<Dim>>(now); }
+	template <int Dim> const Stores<Dim>& stores() const { return std::get<Stores<Dim>>(now); }
+	/// Calls it with the samples of the run.
+	template <class Visitor> decltype(auto) withStores(Visitor&& visitor) const { return std::visit(std::forward<Visitor>(visitor), now); }
+	talik::SampleScheduling                 scheduling() const;
+	void                                    checkScheduling() const;
+	void                                    checkSettings(int pointCount) const;
+	void                                    keepBlownUp(int id) const;
+	string                                  reasonAgainstPacking(int dimension) const;
+	template <int Dim> void                 makeStore(Stores<Dim>&);
+	vector<int>                             dealt(int pointCount) const;
 
-	std::shared_ptr<talik::SampleSkeleton>                    model;
-	std::shared_ptr<talik::PackedStore>                       packedStore; ///< one of the two
-	std::shared_ptr<talik::OpenStore>                         openStore;
-	vector<shared_ptr<RveSample>>                             prototypes;  ///< of packed samples
-	std::vector<std::shared_ptr<const talik::PackedState<2>>> takenStates; ///< of `samples` when they were built from
-	std::vector<std::size_t>                                  takenScenes; ///< digests of `scenes` then
-	std::vector<talik::Vec<2>>                                places;      ///< of all points of the ground, by id
-	bool                                                      byHand = false;
-	bool                                                      told   = false;
+	std::shared_ptr<talik::PointSamples>     model; ///< that of `now`
+	std::variant<Stores<2>, Stores<3>>       now;
+	vector<shared_ptr<RveSample>>            prototypes;  ///< of packed samples
+	std::vector<std::shared_ptr<const void>> takenStates; ///< of `samples` when they were built from
+	std::vector<std::size_t>                 takenScenes; ///< digests of `scenes` then
+	std::vector<talik::Vec<2>>               places;      ///< of all points of the ground, by id
+	bool                                     byHand = false;
+	bool                                     told   = false;
 
 public:
 	// clang-format off
@@ -96,7 +110,7 @@ public:
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
 		.def("deal",&RveSkeleton::deal,(::boost::python::arg("position"),::boost::python::arg("samples"),::boost::python::arg("seed")=1),"List: the number, 0 to "
-				"samples-1, of the sample that a point at each position (n,2) [m] takes by chance.").staticmethod("deal")
+				"samples-1, of the sample that a point at each position (n,2) or (n,3) [m] takes by chance.").staticmethod("deal")
 		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see "
 				"scene.")
 		.def("scene",&RveSkeleton::scene,(::boost::python::arg("id")),"A copy of the sample behind a point as a YADE scene, in either form. See talik.inspect.")
@@ -108,7 +122,7 @@ public:
 		.def("measures",&RveSkeleton::pyMeasures,"Names that values() and MpmEngine.field() take.")
 		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: "
 				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
-				"sampleIceSaturation, fabric (n,3) xx yy xy of mean n(x)n.")
+				"sampleIceSaturation, fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
 		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes.")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);

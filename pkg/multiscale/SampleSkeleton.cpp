@@ -6,13 +6,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <Eigen/LU>
 #include <omp.h>
 #include <stdexcept>
 
 namespace talik {
 namespace {
-	using Matrix = PackedTypes<2>::Matrix;
-
 	const char archiveMagic[] = "talik samples 3";
 
 	constexpr double stressFloor      = 1e3; ///< sigma_ref of the relative error [Pa]
@@ -22,76 +21,118 @@ namespace {
 	        / 3; ///< saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress
 	constexpr double toleranceRange = 10.; ///< the steered tolerance stays within this factor of the given one
 
-	/// Out of plane the discs do not touch; the mean of the in-plane stresses stands there for display and invariants.
-	void storeStress(const SkeletonBatch<2>& batch, int place, const Matrix& s)
+	template <int Dim> using MatrixOf = typename PackedTypes<Dim>::Matrix;
+
+	/// Independent components of a symmetric tensor, in the order of components().
+	template <int Dim> constexpr int                symmetricSize = Dim*(Dim + 1) / 2;
+	template <int Dim> constexpr std::array<int, 2> symmetricPair(int n)
 	{
-		batch.stress[0][place] = s(0, 0);
-		batch.stress[1][place] = s(1, 1);
-		batch.stress[2][place] = 0.5 * (s(0, 0) + s(1, 1));
-		batch.stress[3][place] = 0.5 * (s(0, 1) + s(1, 0));
+		constexpr int plane[3][2] = { { 0, 0 }, { 1, 1 }, { 0, 1 } }, space[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 1, 2 }, { 0, 2 }, { 0, 1 } };
+		return Dim == 2 ? std::array<int, 2> { plane[n % 3][0], plane[n % 3][1] } : std::array<int, 2> { space[n][0], space[n][1] };
+	}
+	template <int Dim> constexpr int tangentSize = symmetricSize<Dim>* symmetricSize<Dim>;
+	template <int Dim> using CompactTangent      = std::array<double, tangentSize<Dim>>;
+
+	/// Out of plane discs do not touch; the mean of the in-plane stresses stands there for display and invariants.
+	template <int Dim> void storeStress(const SkeletonBatch<Dim>& batch, int place, const MatrixOf<Dim>& s)
+	{
+		for (int n = 0; n < symmetricSize<Dim>; n++) {
+			const auto [i, j]                           = symmetricPair<Dim>(n);
+			batch.stress[stressIndex<Dim>(i, j)][place] = i == j ? s(i, i) : 0.5 * (s(i, j) + s(j, i));
+		}
+		if (Dim == 2) batch.stress[2][place] = 0.5 * (s(0, 0) + s(1, 1));
 	}
 
 	/// Rotation of the polar decomposition of 1 + H.
-	Matrix rotationOf(const Matrix& h)
+	MatrixOf<2> rotationOf(const MatrixOf<2>& h)
 	{
 		const double angle = std::atan2(h(1, 0) - h(0, 1), 2 + h(0, 0) + h(1, 1));
-		Matrix       r;
+		MatrixOf<2>  r;
 		r << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
 		return r;
 	}
 
-	/// Rows xx, yy, xy; columns e_xx, e_yy, e_xy (tensor strain).
-	std::array<double, 9> compact(const PackedTangent<2>& c)
+	/// Newton's iteration: converges from every matrix with an inverse.
+	MatrixOf<3> rotationOf(const MatrixOf<3>& h)
 	{
-		const auto at  = [&](int i, int j, int k, int l) { return c[((i * 2 + j) * 2 + k) * 2 + l]; };
-		const auto sym = [&](int k, int l) { return 0.5 * (at(0, 1, k, l) + at(1, 0, k, l)); };
-		return { at(0, 0, 0, 0), at(0, 0, 1, 1), at(0, 0, 0, 1) + at(0, 0, 1, 0),
-			 at(1, 1, 0, 0), at(1, 1, 1, 1), at(1, 1, 0, 1) + at(1, 1, 1, 0),
-			 sym(0, 0),      sym(1, 1),      sym(0, 1) + sym(1, 0) };
+		MatrixOf<3> r = MatrixOf<3>::Identity() + h;
+		for (int k = 0; k < 30; k++) {
+			const MatrixOf<3> next   = 0.5 * (r + r.inverse().transpose());
+			const double      change = (next - r).norm();
+			r                        = next;
+			if (change < 1e-15) break;
+		}
+		return r;
 	}
 
-	Matrix elasticChange(const std::array<double, 9>& c, const Matrix& h)
+	/// Rows: components of stress; columns: those of the tensor strain.
+	template <int Dim> CompactTangent<Dim> compact(const PackedTangent<Dim>& c)
 	{
-		const double exx = h(0, 0), eyy = h(1, 1), exy = 0.5 * (h(0, 1) + h(1, 0));
-		const double xx = c[0] * exx + c[1] * eyy + c[2] * exy, yy = c[3] * exx + c[4] * eyy + c[5] * exy, xy = c[6] * exx + c[7] * eyy + c[8] * exy;
-		Matrix       s;
-		s << xx, xy, xy, yy;
+		const auto          at  = [&](int i, int j, int k, int l) { return c[((i * Dim + j) * Dim + k) * Dim + l]; };
+		const auto          row = [&](int i, int j, int k, int l) { return i == j ? at(i, j, k, l) : 0.5 * (at(i, j, k, l) + at(j, i, k, l)); };
+		CompactTangent<Dim> result;
+		for (int n = 0; n < tangentSize<Dim>; n++) {
+			const auto [i, j] = symmetricPair<Dim>(n / symmetricSize<Dim>);
+			const auto [k, l] = symmetricPair<Dim>(n % symmetricSize<Dim>);
+			result[n]         = k == l ? row(i, j, k, l) : row(i, j, k, l) + row(i, j, l, k);
+		}
+		return result;
+	}
+
+	template <int Dim> MatrixOf<Dim> elasticChange(const CompactTangent<Dim>& c, const MatrixOf<Dim>& h)
+	{
+		constexpr int size = symmetricSize<Dim>;
+		double        strain[size];
+		for (int n = 0; n < size; n++) {
+			const auto [i, j] = symmetricPair<Dim>(n);
+			strain[n]         = i == j ? h(i, i) : 0.5 * (h(i, j) + h(j, i));
+		}
+		MatrixOf<Dim> s;
+		for (int n = 0; n < size; n++) {
+			const auto [i, j] = symmetricPair<Dim>(n);
+			double sum        = c[n * size] * strain[0];
+			for (int m = 1; m < size; m++)
+				sum += c[n * size + m] * strain[m];
+			s(i, j) = s(j, i) = sum;
+		}
 		return s;
 	}
 } // namespace
 
 /// The model's own fields of the points, as arrays by place.
-struct SampleSkeleton::Arrays {
-	std::array<double*, 4> gradient, last;
-	std::array<double*, 9> tangent;
-	double *               saturation, *ratio, *tolerance;
+template <int Dim> struct SampleSkeleton<Dim>::Arrays {
+	std::array<double*, Dim * Dim>        gradient, last;
+	std::array<double*, tangentSize<Dim>> tangent;
+	double *                              saturation, *ratio, *tolerance;
 
 	Matrix accumulated(int p) const
 	{
 		Matrix h;
-		h << gradient[0][p], gradient[1][p], gradient[2][p], gradient[3][p];
+		for (int c = 0; c < Dim * Dim; c++)
+			h(c / Dim, c % Dim) = gradient[c][p];
 		return h;
 	}
 	void setAccumulated(int p, const Matrix& h) const
 	{
-		for (int c = 0; c < 4; c++)
-			gradient[c][p] = h(c / 2, c % 2);
+		for (int c = 0; c < Dim * Dim; c++)
+			gradient[c][p] = h(c / Dim, c % Dim);
 	}
 	Matrix lastStress(int p) const
 	{
 		Matrix s;
-		s << last[0][p], last[1][p], last[2][p], last[3][p];
+		for (int c = 0; c < Dim * Dim; c++)
+			s(c / Dim, c % Dim) = last[c][p];
 		return s;
 	}
 	void setLastStress(int p, const Matrix& s) const
 	{
-		for (int c = 0; c < 4; c++)
-			last[c][p] = s(c / 2, c % 2);
+		for (int c = 0; c < Dim * Dim; c++)
+			last[c][p] = s(c / Dim, c % Dim);
 	}
-	std::array<double, 9> tangentAt(int p) const
+	CompactTangent<Dim> tangentAt(int p) const
 	{
-		std::array<double, 9> c;
-		for (int i = 0; i < 9; i++)
+		CompactTangent<Dim> c;
+		for (int i = 0; i < tangentSize<Dim>; i++)
 			c[i] = tangent[i][p];
 		return c;
 	}
@@ -100,45 +141,51 @@ struct SampleSkeleton::Arrays {
 	{
 		const Matrix h = accumulated(p), r = rotationOf(h);
 		const Matrix turned = r * lastStress(p) * r.transpose();
-		return ratio[p] < failingRatio ? turned : Matrix(turned + ratio[p] * elasticChange(tangentAt(p), h));
+		return ratio[p] < failingRatio ? turned : Matrix(turned + ratio[p] * elasticChange<Dim>(tangentAt(p), h));
 	}
 };
 
-SampleSkeleton::SampleSkeleton(std::shared_ptr<SampleStore> samples, std::vector<int> of, const SampleScheduling& s)
-        : store(std::move(samples))
-        , prototypeOf(std::move(of))
+PointSamples::PointSamples(std::shared_ptr<SampleStore> samples, std::vector<int> of, const SampleScheduling& s)
+        : prototypeOf(std::move(of))
         , schedule(s)
+        , anyStore(std::move(samples))
 {
-	if (store->prototypeCount() == 0)
+	if (anyStore->prototypeCount() == 0)
 		throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
 	for (std::size_t id = 0; id < prototypeOf.size(); id++)
-		if (prototypeOf[id] >= store->prototypeCount())
+		if (prototypeOf[id] >= anyStore->prototypeCount())
 			throw std::invalid_argument(
 			        "RveSkeleton.sampleOf[" + std::to_string(id) + "] is " + std::to_string(prototypeOf[id]) + ": there are "
-			        + std::to_string(store->prototypeCount()) + " samples, counted from 0.");
+			        + std::to_string(anyStore->prototypeCount()) + " samples, counted from 0.");
 	sampleOf.assign(prototypeOf.size(), -1);
 }
 
-void SampleSkeleton::declareFields(PointFields& f, const std::string& prefix)
+template <int Dim>
+SampleSkeleton<Dim>::SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> samples, std::vector<int> of, const SampleScheduling& s)
+        : PointSamples(samples, std::move(of), s)
+        , store(std::move(samples))
+{}
+
+template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const std::string& prefix)
 {
 	fields          = &f;
-	gradientField   = f.declare(prefix + "accumulatedGradient", name(), "-", 4);
-	stressField     = f.declare(prefix + "sampleStress", name(), "Pa", 4);
+	gradientField   = f.declare(prefix + "accumulatedGradient", name(), "-", Dim * Dim);
+	stressField     = f.declare(prefix + "sampleStress", name(), "Pa", Dim * Dim);
 	saturationField = f.declare(prefix + "sampleIceSaturation", name(), "-", 1);
 	toleranceField  = f.declare(prefix + "strainTolerance", name(), "-", 1);
 	ratioField      = f.declare(prefix + "tangentRatio", name(), "-", 1);
-	tangentField    = f.declare(prefix + "tangent", name(), "Pa", 9);
+	tangentField    = f.declare(prefix + "tangent", name(), "Pa", tangentSize<Dim>);
 	if (accuracy) accuracy->declareFields(f, prefix, name());
 }
 
-SampleSkeleton::Arrays SampleSkeleton::arrays() const
+template <int Dim> typename SampleSkeleton<Dim>::Arrays SampleSkeleton<Dim>::arrays() const
 {
 	Arrays a;
-	for (int c = 0; c < 4; c++) {
+	for (int c = 0; c < Dim * Dim; c++) {
 		a.gradient[c] = fields->component(gradientField, c);
 		a.last[c]     = fields->component(stressField, c);
 	}
-	for (int c = 0; c < 9; c++)
+	for (int c = 0; c < tangentSize<Dim>; c++)
 		a.tangent[c] = fields->component(tangentField, c);
 	a.saturation = fields->component(saturationField);
 	a.ratio      = fields->component(ratioField);
@@ -146,7 +193,7 @@ SampleSkeleton::Arrays SampleSkeleton::arrays() const
 	return a;
 }
 
-void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
+template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>& batch)
 {
 	const Arrays a = arrays();
 	store->clear();
@@ -158,24 +205,24 @@ void SampleSkeleton::initialise(const SkeletonBatch<2>& batch)
 		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
 			throw std::invalid_argument(
 			        "RveSkeleton.sampleOf has no number for point " + std::to_string(id) + ": give one number per point, or none at all.");
-		const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
-		sampleOf[id]               = int(store->size());
-		const SampleStart& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);
-		const auto         tangent = compact(start.tangent);
-		for (int c = 0; c < 9; c++)
+		const double iceSaturation      = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
+		sampleOf[id]                    = int(store->size());
+		const SampleStart<Dim>& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);
+		const auto              tangent = compact<Dim>(start.tangent);
+		for (int c = 0; c < tangentSize<Dim>; c++)
 			a.tangent[c][place] = tangent[c];
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = iceSaturation;
 		a.ratio[place]      = 1;
 		a.tolerance[place]  = schedule.strainTolerance;
 		a.setLastStress(place, start.stress);
-		storeStress(batch, place, start.stress);
+		storeStress<Dim>(batch, place, start.stress);
 		if (accuracy) accuracy->begin(place);
 	}
 	count.points = placeOf.size();
 }
 
-bool SampleSkeleton::isDue(const Arrays& a, int place, double iceSaturation) const
+template <int Dim> bool SampleSkeleton<Dim>::isDue(const Arrays& a, int place, double iceSaturation) const
 {
 	const Matrix h    = a.accumulated(place);
 	const double most = h.cwiseAbs().maxCoeff();
@@ -186,12 +233,12 @@ bool SampleSkeleton::isDue(const Arrays& a, int place, double iceSaturation) con
 	return change > schedule.saturationTolerance || iceSaturation == 0 || a.saturation[place] == 0;
 }
 
-void SampleSkeleton::predict(const SkeletonBatch<2>& batch, int place, const Arrays& a) const
+template <int Dim> void SampleSkeleton<Dim>::predict(const SkeletonBatch<Dim>& batch, int place, const Arrays& a) const
 {
-	if (schedule.prediction) storeStress(batch, place, a.predicted(place));
+	if (schedule.prediction) storeStress<Dim>(batch, place, a.predicted(place));
 }
 
-void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
+template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
 {
 	const Arrays a = arrays();
 	if (accuracy) accuracy->countStep();
@@ -201,7 +248,8 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
                 const int place = batch.place[k];
                 if (!isolated.empty() && isolated.count(batch.id[place])) return;
                 Matrix step;
-                step << batch.gradient[0][place], batch.gradient[1][place], batch.gradient[2][place], batch.gradient[3][place];
+                for (int c = 0; c < Dim * Dim; c++)
+                        step(c / Dim, c % Dim) = batch.gradient[c][place];
                 const Matrix h = a.accumulated(place);
                 a.setAccumulated(place, h + step * (Matrix::Identity() + h));
                 const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
@@ -219,16 +267,17 @@ void SampleSkeleton::updateStress(const SkeletonBatch<2>& batch)
 	if (!dueScratch.empty()) ask(batch, dueScratch, a);
 }
 
-void SampleSkeleton::flagChanged(const SkeletonBatch<2>& batch)
+template <int Dim> void SampleSkeleton<Dim>::flagChanged(const SkeletonBatch<Dim>& batch)
 {
 	for (int k = 0; k < batch.count; k++)
 		if (changed.count(batch.id[batch.place[k]])) flagScratch[k] = 1;
 	changed.clear();
 }
 
-std::vector<PackedRequest<2>> SampleSkeleton::requests(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a) const
+template <int Dim>
+std::vector<PackedRequest<Dim>> SampleSkeleton<Dim>::requests(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Arrays& a) const
 {
-	std::vector<PackedRequest<2>> list;
+	std::vector<PackedRequest<Dim>> list;
 	for (const int place : due) {
 		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place),
 		                 batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
@@ -239,7 +288,7 @@ std::vector<PackedRequest<2>> SampleSkeleton::requests(const SkeletonBatch<2>& b
 	return list;
 }
 
-void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& due, const Arrays& a)
+template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Arrays& a)
 {
 	const auto          start     = std::chrono::steady_clock::now();
 	int                 stoppedBy = -1;
@@ -258,10 +307,10 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		const Matrix predicted = a.predicted(place), before = a.lastStress(place), after = results[r].stress;
 		if (schedule.prediction && !results[r].blewUp) {
 			const Matrix h = a.accumulated(place), turn = rotationOf(h);
-			const double elastic = elasticChange(a.tangentAt(place), h).norm(), actual = (after - turn * before * turn.transpose()).norm();
+			const double elastic = elasticChange<Dim>(a.tangentAt(place), h).norm(), actual = (after - turn * before * turn.transpose()).norm();
 			a.ratio[place] = elastic > 0 ? std::min(1., actual / elastic) : 1.;
-			const auto c   = compact(results[r].tangent);
-			for (int i = 0; i < 9; i++)
+			const auto c   = compact<Dim>(results[r].tangent);
+			for (int i = 0; i < tangentSize<Dim>; i++)
 				a.tangent[i][place] = c[i];
 			const double error = (after - predicted).norm();
 			if (accuracy) steer(batch, place, error, results[r], a);
@@ -277,7 +326,7 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		a.setLastStress(place, after);
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = asked[r].iceSaturation;
-		storeStress(batch, place, after);
+		storeStress<Dim>(batch, place, after);
 	}
 	count.calls += due.size();
 	count.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -288,7 +337,8 @@ void SampleSkeleton::ask(const SkeletonBatch<2>& batch, const std::vector<int>& 
 		          "maxStrainPerStep, or go on with onBlowUp='isolate'.");
 }
 
-void SampleSkeleton::steer(const SkeletonBatch<2>& batch, int place, double predictionError, const PackedUpdateResult<2>& result, const Arrays& a)
+template <int Dim>
+void SampleSkeleton<Dim>::steer(const SkeletonBatch<Dim>& batch, int place, double predictionError, const PackedUpdateResult<Dim>& result, const Arrays& a)
 {
 	SampleAccuracy::Answer answer;
 	answer.place           = place;
@@ -300,9 +350,9 @@ void SampleSkeleton::steer(const SkeletonBatch<2>& batch, int place, double pred
 	a.tolerance[place]     = accuracy->learn(answer, a.tolerance[place]);
 }
 
-void SampleSkeleton::setTolerance(double tolerance)
+void PointSamples::setTolerance(double tolerance)
 {
-	if (!store->comparesRates())
+	if (!anyStore->comparesRates())
 		throw std::invalid_argument(
 		        "MpmEngine.tolerance needs packed samples, whose rates can be compared: set tolerance=0, or give samples that can be packed.");
 	if (!schedule.prediction || schedule.strainTolerance <= 0)
@@ -313,7 +363,7 @@ void SampleSkeleton::setTolerance(double tolerance)
 	schedule.saturationTolerance = saturationShare * tolerance;
 }
 
-ErrorSquares SampleSkeleton::errorSquares(const SkeletonBatch<2>& batch) const
+template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonBatch<Dim>& batch) const
 {
 	if (!accuracy) return {};
 	const Arrays a   = arrays();
@@ -323,7 +373,7 @@ ErrorSquares SampleSkeleton::errorSquares(const SkeletonBatch<2>& batch) const
 	return sum;
 }
 
-void SampleSkeleton::tangentModulus(const SkeletonBatch<2>& batch, double* modulus) const
+template <int Dim> void SampleSkeleton<Dim>::tangentModulus(const SkeletonBatch<Dim>& batch, double* modulus) const
 {
 	for (int k = 0; k < batch.count; k++) {
 		const int place = batch.place[k], prototype = prototypeOf[batch.id[place]];
@@ -331,13 +381,13 @@ void SampleSkeleton::tangentModulus(const SkeletonBatch<2>& batch, double* modul
 	}
 }
 
-std::size_t SampleSkeleton::sampleNumber(int id) const
+std::size_t PointSamples::sampleNumber(int id) const
 {
 	if (!has(id)) throw std::invalid_argument("point " + std::to_string(id) + " has no sample");
 	return std::size_t(sampleOf[id]);
 }
 
-void SampleSkeleton::keepOnly(const SkeletonBatch<2>& batch)
+template <int Dim> void SampleSkeleton<Dim>::keepOnly(const SkeletonBatch<Dim>& batch)
 {
 	std::vector<char> stays(sampleOf.size(), 0);
 	for (int k = 0; k < batch.count; k++)
@@ -353,11 +403,11 @@ void SampleSkeleton::keepOnly(const SkeletonBatch<2>& batch)
 	count.points = std::uint64_t(batch.count);
 }
 
-std::string SampleSkeleton::save() const
+std::string PointSamples::save() const
 {
 	ByteWriter writer;
 	writer.block(archiveMagic);
-	store->save(writer);
+	anyStore->save(writer);
 	writer.number(sampleOf.size());
 	for (const int s : sampleOf)
 		writer.number(std::uint64_t(s + 1));
@@ -376,13 +426,13 @@ std::string SampleSkeleton::save() const
 	return writer.bytes();
 }
 
-void SampleSkeleton::restore(const std::string& bytes)
+void PointSamples::restore(const std::string& bytes)
 {
 	ByteReader reader(bytes);
 	if (reader.block() != archiveMagic)
 		throw std::runtime_error(
 		        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
-	store->restore(reader);
+	anyStore->restore(reader);
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)
 		s = int(reader.number()) - 1;
@@ -400,5 +450,8 @@ void SampleSkeleton::restore(const std::string& bytes)
 		changed.insert(int(reader.number()));
 	if (accuracy) accuracy->restore(reader);
 }
+
+template class SampleSkeleton<2>;
+template class SampleSkeleton<3>;
 
 } // namespace talik

@@ -27,25 +27,17 @@ struct SampleCounters {
 	double        seconds = 0; ///< wall time inside the samples [s]
 };
 
-/// Effective stress from one periodic sample behind each material point, Yu & Zhao section 2.3, step 3. Samples keep their
-/// history; those never asked share one state.
-class SampleSkeleton final : public SkeletonModel<2> {
+/// Which sample stands behind which point, and how the calls went.
+class PointSamples {
 public:
 	/// store: holds the prototypes; prototypeOf[id]: which one a point takes, -1 for points of another skeleton.
-	SampleSkeleton(std::shared_ptr<SampleStore> store, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
-
-	std::string name() const override { return "RveSkeleton"; }
-	void        declareFields(PointFields&, const std::string& prefix) override;
-	void        initialise(const SkeletonBatch<2>&) override;
-	void        updateStress(const SkeletonBatch<2>&) override;
-	void        tangentModulus(const SkeletonBatch<2>&, double* modulus) const override;
+	PointSamples(std::shared_ptr<SampleStore> store, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
+	virtual ~PointSamples() = default;
 
 	/// Steers strain tolerance and inertial number of each point by the relative error of effective stress that they cause, in place of
 	/// the scheduling's. Before the fields are declared, or to another tolerance > 0 at any time.
 	void setTolerance(double tolerance);
 	bool steered() const { return bool(accuracy); }
-	/// Of the estimated error since the start, see setTolerance.
-	ErrorSquares errorSquares(const SkeletonBatch<2>&) const;
 
 	SampleScheduling& scheduling() { return schedule; }
 	/// Called with the point's id for every sample that blew up and is in its last good state again; says whether the run has to stop.
@@ -58,39 +50,60 @@ public:
 	std::size_t        sampleNumber(int id) const;
 	int                prototype(int id) const { return prototypeOf.at(id); }
 	int                points() const { return int(sampleOf.size()); }
-	const SampleStore& samples() const { return *store; }
+	const SampleStore& samples() const { return *anyStore; }
 	/// The next update asks this point's sample, however small its increments: something was done to it from outside.
 	void                              askNext(int id) { changed.insert(id); }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
-	/// Gives up the samples of points that are not in the batch.
-	void keepOnly(const SkeletonBatch<2>&);
-
 	std::string save() const;
 	void        restore(const std::string& bytes);
 
-private:
-	struct Arrays;
-	Arrays                        arrays() const;
-	bool                          isDue(const Arrays&, int place, double iceSaturation) const;
-	void                          ask(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&);
-	std::vector<PackedRequest<2>> requests(const SkeletonBatch<2>&, const std::vector<int>& due, const Arrays&) const;
-	void                          steer(const SkeletonBatch<2>&, int place, double predictionError, const PackedUpdateResult<2>&, const Arrays&);
-	void                          flagChanged(const SkeletonBatch<2>&);
-	void                          predict(const SkeletonBatch<2>&, int place, const Arrays&) const;
-
-	std::shared_ptr<SampleStore>    store;
+protected:
 	std::vector<int>                prototypeOf, sampleOf;
 	SampleScheduling                schedule;
 	SampleCounters                  count;
 	std::unique_ptr<SampleAccuracy> accuracy; ///< only with a tolerance
-	PointFields*                    fields        = nullptr;
-	PointFields::Handle             gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
 	std::map<int, std::string>      failures;
 	std::set<int>                   changed;
 	std::set<int>                   isolated; ///< ids of points that keep their last stress since their sample blew up
-	std::vector<int>                dueScratch;
-	std::vector<char>               flagScratch;
+
+private:
+	std::shared_ptr<SampleStore> anyStore;
+};
+
+/// Effective stress from one periodic sample behind each material point, Yu & Zhao section 2.3, step 3: discs behind points in the plane,
+/// spheres behind points in space. Samples keep their history; those never asked share one state.
+template <int Dim> class SampleSkeleton final : public SkeletonModel<Dim>, public PointSamples {
+public:
+	SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> store, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
+
+	std::string name() const override { return "RveSkeleton"; }
+	void        declareFields(PointFields&, const std::string& prefix) override;
+	void        initialise(const SkeletonBatch<Dim>&) override;
+	void        updateStress(const SkeletonBatch<Dim>&) override;
+	void        tangentModulus(const SkeletonBatch<Dim>&, double* modulus) const override;
+
+	/// Of the estimated error since the start, see setTolerance.
+	ErrorSquares errorSquares(const SkeletonBatch<Dim>&) const;
+	/// Gives up the samples of points that are not in the batch.
+	void keepOnly(const SkeletonBatch<Dim>&);
+
+private:
+	using Matrix = typename PackedTypes<Dim>::Matrix;
+	struct Arrays;
+	Arrays                          arrays() const;
+	bool                            isDue(const Arrays&, int place, double iceSaturation) const;
+	void                            ask(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&);
+	std::vector<PackedRequest<Dim>> requests(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&) const;
+	void                            steer(const SkeletonBatch<Dim>&, int place, double predictionError, const PackedUpdateResult<Dim>&, const Arrays&);
+	void                            flagChanged(const SkeletonBatch<Dim>&);
+	void                            predict(const SkeletonBatch<Dim>&, int place, const Arrays&) const;
+
+	std::shared_ptr<SampleStoreOf<Dim>> store;
+	PointFields*                        fields        = nullptr;
+	PointFields::Handle                 gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
+	std::vector<int>                    dueScratch;
+	std::vector<char>                   flagScratch;
 };
 
 } // namespace talik

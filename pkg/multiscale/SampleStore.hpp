@@ -9,9 +9,9 @@
 namespace talik {
 
 /// What a sample that was never asked begins with.
-struct SampleStart {
-	PackedTypes<2>::Matrix stress = PackedTypes<2>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
-	PackedTangent<2>       tangent {};
+template <int Dim> struct SampleStart {
+	typename PackedTypes<Dim>::Matrix stress = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	PackedTangent<Dim>                tangent {};
 };
 
 /// The samples behind the points of a skeleton, in one of their forms. Samples are made from prototypes; both are numbered from 0.
@@ -23,17 +23,10 @@ public:
 	virtual double prototypeIce(int prototype) const                            = 0; ///< ice saturation it was prepared with [-]
 	virtual double oedometricModulus(int prototype, double iceSaturation) const = 0; ///< upper bound [Pa]
 
-	/// A new sample: a prototype frozen at rest, free of stress, to an ice saturation. Samples that begin alike share their beginning,
-	/// which stays valid until the next add(). Throws std::runtime_error if the prototype does not survive freezing.
-	virtual const SampleStart& add(int prototype, double iceSaturation, const PackedUpdateOptions&) = 0;
 	/// The sample of a point that has left: its memory goes, its number stays.
 	virtual void        release(std::size_t sample) = 0;
 	virtual std::size_t size() const                = 0;
 	virtual void        clear()                     = 0;
-
-	/// Each request's sample, at most once per call, over `threads` threads (0: OpenMP's default) with results that do not depend on
-	/// their number. A sample that blows up keeps a good state.
-	virtual std::vector<PackedUpdateResult<2>> update(const std::vector<PackedRequest<2>>&, const PackedUpdateOptions&, int threads) = 0;
 
 	/// Whether requests may compare rates.
 	virtual bool comparesRates() const = 0;
@@ -48,6 +41,24 @@ public:
 	virtual void save(ByteWriter&) const = 0;
 	virtual void restore(ByteReader&)    = 0;
 };
+
+/// The same of discs (Dim 2) or spheres (Dim 3).
+template <int Dim> class SampleStoreOf : public SampleStore {
+public:
+	/// A new sample: a prototype frozen at rest, free of stress, to an ice saturation. Samples that begin alike share their beginning,
+	/// which stays valid until the next add(). Throws std::runtime_error if the prototype does not survive freezing.
+	virtual const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) = 0;
+	/// Each request's sample, at most once per call, over `threads` threads (0: OpenMP's default) with results that do not depend on
+	/// their number. A sample that blows up keeps a good state.
+	virtual std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) = 0;
+};
+
+/// Components of a fabric, stress or strain in the order in which samples give them: xx yy xy, in space xx yy zz yz xz xy.
+template <int Dim> std::vector<double> components(const typename PackedTypes<Dim>::Matrix& m)
+{
+	if constexpr (Dim == 2) return { m(0, 0), m(1, 1), 0.5 * (m(0, 1) + m(1, 0)) };
+	else return { m(0, 0), m(1, 1), m(2, 2), 0.5 * (m(1, 2) + m(2, 1)), 0.5 * (m(0, 2) + m(2, 0)), 0.5 * (m(0, 1) + m(1, 0)) };
+}
 
 /// "…; choose bondsIntact, …", for exceptions.
 [[noreturn]] void refuseMeasure(const std::string& name);

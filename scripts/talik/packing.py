@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Periodic two-dimensional packings of discs in YADE's current scene: making them, bringing them to a stress, measuring them.
+"""Periodic packings of discs or spheres in YADE's current scene: making them, bringing them to a stress, measuring them.
 
 A disc is a YADE sphere in one layer with z and the rotations about x and y blocked; its mass is that of a disc of the cell's
-thickness, rho pi r^2 t_z, its moment of inertia m r^2/2. Every function works on the scene that is current in `O`; `talik.rve`
+thickness, rho pi r^2 t_z, its moment of inertia m r^2/2. A sphere is free to move. Every function works on the scene that is current in `O`; `talik.rve`
 calls them inside a scene of its own. Stresses are in Pa, tension positive.
 """
 
@@ -16,13 +16,15 @@ from yade import pack
 
 import talik
 
-cloudDensity = 0.42  # area fraction of the first cloud; random placement of discs comes to an end near 0.54
+cloudDensity = {2: 0.42, 3: 0.30}  # of the first cloud; random placement of discs comes to an end near 0.54, of spheres near 0.38
+compactionRate = {2: 0.5, 3: 1.0}  # largest strain rate of the compaction [1/s]
 stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain
 inertialLimit = 1e-3  # largest inertial number while a stress is servoed (careful value of the DEM literature)
 chunkSteps = 200  # DEM steps between two looks at the convergence of the compaction
 servoChunk = 20  # DEM steps between two corrections of the strain rate
 servoSteps = 50  # steps in which the proportional part alone would remove an error
 servoIntegralSteps = 300  # reset time of the integral part
+componentNames = {2: "(xx, yy, xy)", 3: "(xx, yy, zz, yz, xz, xy)"}
 restSteps = 2000  # steps with a cell at rest before the stress counts as reached
 
 
@@ -51,6 +53,7 @@ class Grains:
 	damping: float
 	ice: bool
 	iceBond: tuple  # (name, value) pairs for IceBondMat
+	dimension: int = 2  # 2: discs, 3: spheres, to which thickness means nothing
 
 	@property
 	def radiusMean(self):
@@ -58,8 +61,20 @@ class Grains:
 
 	@property
 	def timeStep(self):
-		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z."""
-		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * self.thickness / self.young)
+		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z, of spheres rho 4/3 pi r^3."""
+		length = self.thickness if self.dimension == 2 else 4 / 3 * self.radiusMin
+		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young)
+
+	@property
+	def stiffness(self):
+		"""Modulus of the packing without ice, in order of magnitude [Pa]."""
+		return self.young * (self.radiusMean / self.thickness if self.dimension == 2 else 0.5)
+
+	@property
+	def meanSolid(self):
+		"""Area of a disc [m2] or volume of a sphere [m3], mean over radii distributed uniformly."""
+		a, b = self.radiusMin, self.radiusMax
+		return math.pi * (a * a + a * b + b * b) / 3 if self.dimension == 2 else math.pi * (a + b) * (a * a + b * b) / 3
 
 	def material(self, friction):
 		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
@@ -106,6 +121,23 @@ def advance(steps):
 # --- measuring -----------------------------------------------------------------------------------------------------------
 
 
+def dimension():
+	"""2 if the current scene has discs, that is bodies that are held in a layer, 3 if its spheres are free to move.
+
+	>>> with talik.inspect(packed.open()):
+	...     talik.packing.dimension()
+	2"""
+	return 2 if any(body.state.blockedDOFs for body in O.bodies) else 3
+
+
+def cell():
+	"""Matrix (d, d) [m] of the cell in d dimensions, its vectors the columns.
+
+	>>> with talik.inspect(packed.open()):
+	...     size = talik.packing.cell()"""
+	return np.array([[O.cell.hSize[i, j] for j in range(3)] for i in range(3)])[: dimension(), : dimension()]
+
+
 def inPlaneCell():
 	"""Matrix (2, 2) [m] of the in-plane cell, its vectors the columns.
 
@@ -116,53 +148,56 @@ def inPlaneCell():
 
 
 def porosity():
-	"""Two-dimensional porosity of the current scene: 1 - area of discs / area of the cell.
+	"""Porosity of the current scene: 1 - area of discs / area of the cell, of spheres by volume.
 
 	>>> with talik.inspect(packed.open()):
 	...     n = talik.packing.porosity()"""
-	discs = math.pi * sum(body.shape.radius**2 for body in O.bodies)
-	return 1 - discs / abs(np.linalg.det(inPlaneCell()))
+	radii = [body.shape.radius for body in O.bodies]
+	solid = math.pi * sum(r**2 for r in radii) if dimension() == 2 else 4 / 3 * math.pi * sum(r**3 for r in radii)
+	return 1 - solid / abs(np.linalg.det(cell()))
 
 
 def stress():
-	"""Love-Weber stress (xx, yy, xy) of the current scene [Pa], tension positive, symmetrised.
+	"""Love-Weber stress of the current scene [Pa], tension positive, symmetrised: (xx, yy, xy), of spheres (xx, yy, zz, yz, xz, xy).
 
 	>>> with talik.inspect(packed.open()):
 	...     xx, yy, xy = talik.packing.stress()"""
 	s = utils.getStress()
-	return np.array([s[0, 0], s[1, 1], 0.5 * (s[0, 1] + s[1, 0])])
+	return np.array([0.5 * (s[i, j] + s[j, i]) for i, j in _pairs[dimension()]])
 
 
 def contactNormals():
-	"""Unit normals of all contacts that exist, array (n, 2).
+	"""Unit normals of all contacts that exist, array (n, d) in d dimensions.
 
 	>>> with talik.inspect(packed.open()):
 	...     normals = talik.packing.contactNormals()"""
-	return _planar(i.geom.normal for i in O.interactions if i.isReal)
+	return _rows(i.geom.normal for i in O.interactions if i.isReal)
 
 
 def fabricTensor(normals):
-	"""Contact fabric F = mean of n (x) n, array (2, 2); the zero matrix without contacts.
+	"""Contact fabric F = mean of n (x) n of normals (n, d), array (d, d); the zero matrix without contacts.
 
 	>>> talik.packing.fabricTensor(np.array([(1.0, 0.0), (0.0, 1.0)])).tolist()
 	[[0.5, 0.0], [0.0, 0.5]]"""
-	normals = np.asarray(normals, dtype=float).reshape(-1, 2)
+	normals = np.asarray(normals, dtype=float)
 	return normals.T @ normals / max(len(normals), 1)
 
 
 def fabricAnisotropy(fabric):
-	"""F1 - F2, difference of the principal values of a fabric tensor: 0 isotropic, 1 all contacts parallel.
+	"""Difference of the largest and the smallest principal value of a fabric tensor: 0 isotropic, 1 all contacts parallel.
 
 	>>> float(talik.packing.fabricAnisotropy(np.array([[0.5, 0.0], [0.0, 0.5]])))
 	0.0"""
+	if len(fabric) == 3:
+		return float(np.ptp(np.linalg.eigvalsh(fabric)))
 	return float(math.hypot(fabric[0, 0] - fabric[1, 1], 2 * fabric[0, 1]))
 
 
 def sampleArrays():
-	"""The current scene as plain arrays, for pictures and files. With m grains and n contacts:
+	"""The current scene as plain arrays, for pictures and files. With m grains and n contacts in d dimensions:
 
-	centre (m, 2) [m] inside the cell, radius (m,) [m]; start, end (n, 2) [m] ends of the branch vectors, start inside the cell;
-	normal (n, 2); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken.
+	centre (m, d) [m] inside the cell, radius (m,) [m]; start, end (n, d) [m] ends of the branch vectors, start inside the cell;
+	normal (n, d); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken.
 
 	>>> with mpm.inspect(5):
 	...     forces = talik.packing.sampleArrays()["normalForce"]"""
@@ -170,12 +205,12 @@ def sampleArrays():
 	bodies, h = O.bodies, O.cell.hSize
 	first = [bodies[i.id1].state.pos for i in contacts]
 	branch = [bodies[i.id2].state.pos + h * Vector3(*i.cellDist) - position for i, position in zip(contacts, first)]
-	start = _planar(O.cell.wrap(position) for position in first)
+	start = _rows(O.cell.wrap(position) for position in first)
 	return dict(
-		centre=_planar(O.cell.wrap(body.state.pos) for body in bodies),
+		centre=_rows(O.cell.wrap(body.state.pos) for body in bodies),
 		radius=np.array([body.shape.radius for body in bodies]),
 		start=start,
-		end=start + _planar(branch),
+		end=start + _rows(branch),
 		normal=contactNormals(),
 		normalForce=np.array([i.phys.normalForce.dot(i.geom.normal) for i in contacts]),
 		shearForce=np.array([i.phys.shearForce.norm() for i in contacts]),
@@ -183,26 +218,37 @@ def sampleArrays():
 	)
 
 
-def _planar(vectors):
-	return np.array([(v[0], v[1]) for v in vectors]).reshape(-1, 2)
+_pairs = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}  # components of a symmetric tensor
+
+
+def _rows(vectors):
+	d = dimension()
+	return np.array([tuple(v)[:d] for v in vectors]).reshape(-1, d)
+
+
+def _tensor(components):
+	"""Matrix3 of the components of a symmetric tensor."""
+	m = np.zeros((3, 3))
+	for (i, j), component in zip(_pairs[2 if len(components) == 3 else 3], components):
+		m[i, j] = m[j, i] = component
+	return Matrix3(*map(float, m.ravel()))
 
 
 # --- making --------------------------------------------------------------------------------------------------------------
 
 
 def fillCloud(grains, friction, seed):
-	"""Grains without contacts, placed at random in a square periodic cell, and engines to move them.
+	"""Grains without contacts, placed at random in a square or cubic periodic cell, and engines to move them.
 
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
 	>>> with talik.scratchScene():
 	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)"""
-	meanSquare = (grains.radiusMin**2 + grains.radiusMin * grains.radiusMax + grains.radiusMax**2) / 3
-	side = math.sqrt(grains.number * math.pi * meanSquare / cloudDensity)
+	side = (grains.number * grains.meanSolid / cloudDensity[grains.dimension]) ** (1 / grains.dimension)
 	O.periodic = True
-	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, grains.thickness)
+	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, grains.thickness if grains.dimension == 2 else side)
 	O.materials.append(grains.material(friction))
 	for centre, radius in _cloud(grains, side, seed):
-		O.bodies.append(_disc(centre, radius, grains))
+		O.bodies.append(_grain(centre, radius, grains))
 	O.engines = grains.engines()
 	O.dt = grains.timeStep
 
@@ -213,23 +259,25 @@ def fillPair(grains):
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
 	>>> with talik.scratchScene():
 	...     talik.packing.fillPair(grains)"""
-	radius, middle = grains.radiusMean, 0.5 * grains.thickness
+	radius = grains.radiusMean
+	depth = grains.thickness if grains.dimension == 2 else 10 * radius
+	middle = 0.5 * depth
 	O.periodic = True
-	O.cell.hSize = Matrix3(10 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, grains.thickness)
+	O.cell.hSize = Matrix3(10 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, depth)
 	O.materials.append(grains.material(0.5))
 	for x in (4 * radius, 5.99 * radius):
-		O.bodies.append(_disc((x, 5 * radius, middle), radius, grains))
+		O.bodies.append(_grain((x, 5 * radius, middle), radius, grains))
 	O.engines = grains.engines()
 	O.dt = grains.timeStep
 
 
 def _cloud(grains, side, seed):
-	z = 0.5 * grains.thickness
+	low, high = (0, side) if grains.dimension == 3 else (0.5 * grains.thickness, 0.5 * grains.thickness)
 	spheres = pack.SpherePack()
 	fuzz = (grains.radiusMax - grains.radiusMin) / (grains.radiusMax + grains.radiusMin)
 	yadeLog.setLevel("SpherePack", 1)  # it warns that the cloud is flat, which is what we want
 	try:
-		placed = spheres.makeCloud((0, 0, z), (side, side, z), rMean=grains.radiusMean, rRelFuzz=fuzz, num=grains.number, periodic=True, seed=seed)
+		placed = spheres.makeCloud((0, 0, low), (side, side, high), rMean=grains.radiusMean, rRelFuzz=fuzz, num=grains.number, periodic=True, seed=seed)
 	finally:
 		yadeLog.unsetLevel("SpherePack")
 	if placed != grains.number:
@@ -237,8 +285,10 @@ def _cloud(grains, side, seed):
 	return list(spheres)
 
 
-def _disc(centre, radius, grains):
+def _grain(centre, radius, grains):
 	body = utils.sphere(centre, radius, material="grain")
+	if grains.dimension == 3:
+		return body
 	body.state.mass = grains.density * math.pi * radius**2 * grains.thickness
 	body.state.inertia = 0.5 * body.state.mass * radius**2 * Vector3(1, 1, 1)
 	body.state.blockedDOFs = "zXY"
@@ -252,19 +302,19 @@ def compact(grains, pressure, maxSteps=400_000):
 	>>> with talik.scratchScene():
 	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)
 	...     talik.packing.compact(grains, pressure=100e3)"""
+	d, rate = grains.dimension, compactionRate[grains.dimension]
 	triax = wrapper.PeriTriaxController(
-		goal=(-pressure, -pressure, 0),
-		stressMask=3,
+		goal=(-pressure, -pressure, -pressure if d == 3 else 0),
+		stressMask=7 if d == 3 else 3,
 		dynCell=True,
-		maxStrainRate=(0.5, 0.5, 0),
+		maxStrainRate=(rate, rate, rate if d == 3 else 0),
 		relStressTol=2e-3,
 		maxUnbalanced=1e-3,
 	)
 	O.engines = grains.engines(triax)
-	goal = np.array([-pressure, -pressure])
 	for _ in range(0, maxSteps, chunkSteps):
 		advance(chunkSteps)
-		if np.abs(stress()[:2] - goal).max() < 5e-3 * pressure and utils.unbalancedForce() < 2e-3:
+		if np.abs(stress()[:d] + pressure).max() < 5e-3 * pressure and utils.unbalancedForce() < 2e-3:
 			break
 	else:
 		raise PackingError(f"no equilibrium at {pressure:g} Pa within {maxSteps} steps; use another seed or more grains")
@@ -299,23 +349,25 @@ def strainLimit(grains, pressure):
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
 	>>> limit = talik.packing.strainLimit(grains, pressure=100e3)"""
 	pressure = max(pressure, 1e3)
+	if grains.dimension == 3:
+		return inertialLimit * grains.timeStep / (2 * grains.radiusMean) * math.sqrt(pressure / grains.density)
 	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean))
 
 
-def strainSince(cell):
-	"""Largest strain component between an earlier in-plane cell matrix and the present one [-].
+def strainSince(former):
+	"""Largest strain component between an earlier cell matrix and the present one [-].
 
 	>>> with talik.inspect(packed.open()):
-	...     strain = talik.packing.strainSince(talik.packing.inPlaneCell())"""
-	gradient = inPlaneCell() @ np.linalg.inv(cell) - np.eye(2)
+	...     strain = talik.packing.strainSince(talik.packing.cell())"""
+	gradient = cell() @ np.linalg.inv(former) - np.eye(len(former))
 	return float(np.abs(0.5 * (gradient + gradient.T)).max())
 
 
 def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
-	"""Brings the current scene to the in-plane stress `goal` = (xx, yy, xy) [Pa] by straining the cell, and to rest there.
+	"""Brings the current scene to the stress `goal` [Pa], components as of stress(), by straining the cell, and to rest there.
 
-	Proportional-integral control of all three in-plane components: the strain of one step is (error + integral)/(50 M) with M the
-	stiffness E r/t_z of the packing, limited so that the motion stays quasi-static. The integral part is needed near yield, where
+	Proportional-integral control of all components (of discs those in the plane): the strain of one step is (error + integral)/(50 M) with M the
+	stiffness of the packing (of discs E r/t_z), limited so that the motion stays quasi-static. The integral part is needed near yield, where
 	a proportional control creeps. `tolerance` is in units of the mean pressure. A stress beyond the strength of the packing is
 	refused when the strain passes `maxStrain`.
 
@@ -323,12 +375,12 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
 	>>> with talik.inspect(talik.rve.openScene(sample)):
 	...     talik.packing.servoStress(grains, (-95e3, -100e3, 0), tolerance=0.02)"""
 	goal = np.asarray(goal, dtype=float)
-	pressure = max(-0.5 * (goal[0] + goal[1]), 1.0)
-	gain = grains.thickness / (servoSteps * grains.young * grains.radiusMean)
+	pressure = max(-float(np.mean(goal[: grains.dimension])), 1.0)
+	gain = 1 / (servoSteps * grains.stiffness)
 	limit = strainLimit(grains, pressure)
-	integral = np.zeros(3)
-	start, cell = O.iter, inPlaneCell()
-	while O.iter - start < maxSteps and strainSince(cell) < maxStrain:
+	integral = np.zeros(len(goal))
+	start, first = O.iter, cell()
+	while O.iter - start < maxSteps and strainSince(first) < maxStrain:
 		error = goal - stress()
 		if np.abs(error).max() < 0.5 * tolerance * pressure and utils.unbalancedForce() < 1e-3:
 			_rest()
@@ -338,11 +390,11 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
 			integral[:] = 0
 		integral = np.clip(integral + gain * error * servoChunk / servoIntegralSteps, -limit, limit)
 		rate = np.clip(gain * error + integral, -limit, limit) / O.dt
-		O.cell.velGrad = Matrix3(rate[0], rate[2], 0, rate[2], rate[1], 0, 0, 0, 0)
+		O.cell.velGrad = _tensor(rate)
 		advance(servoChunk)
 	reached = ", ".join(f"{s:.4g}" for s in stress())
 	raise PackingError(
-		f"stress (xx, yy, xy) = ({', '.join(f'{g:g}' for g in goal)}) Pa is not reached: at strain {strainSince(cell):.3f}, "
+		f"stress {componentNames[grains.dimension]} = ({', '.join(f'{g:g}' for g in goal)}) Pa is not reached: at strain {strainSince(first):.3f}, "
 		f"after {O.iter - start} steps, it is ({reached}); "
 		"it must lie within the strength of grains without ice (friction angle near 20 degrees)"
 	)

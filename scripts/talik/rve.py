@@ -52,20 +52,31 @@ class Sample:
 	path: str  # the YADE scene file
 	parameters: dict  # everything it was made from
 	grains: int
-	thickness: float  # t_z, out-of-plane size of the cell [m]
-	size: tuple  # in-plane lengths of the cell vectors [m]
-	porosity: float  # two-dimensional
-	stress: tuple  # (xx, yy, xy) [Pa], tension positive
-	fabric: float  # F1 - F2 of the contact normals
+	thickness: float  # size of the cell along z [m]; of discs t_z, their thickness
+	size: tuple  # lengths of the cell vectors [m], of discs those in the plane
+	porosity: float  # of discs two-dimensional
+	stress: tuple  # (xx, yy, xy) [Pa], of spheres (xx, yy, zz, yz, xz, xy), tension positive
+	fabric: float  # largest less smallest principal value of the fabric of contact normals
 	coordinationNumber: float  # 2 contacts per grain
 	contacts: int
 
 	@property
+	def dimension(self):
+		"""2: discs, 3: spheres."""
+		return len(self.size)
+
+	@property
 	def pressure(self):
-		"""Mean in-plane pressure [Pa], compression positive."""
-		return -0.5 * (self.stress[0] + self.stress[1])
+		"""Mean pressure [Pa], of discs that in the plane, compression positive."""
+		return -sum(self.stress[: self.dimension]) / self.dimension
 
 	def __str__(self):
+		if self.dimension == 3:
+			return (
+				f"{self.grains} spheres, {' x '.join(f'{length:.4f}' for length in self.size)} m, porosity {self.porosity:.4f}, "
+				f"stress {packing.componentNames[3]} {', '.join(f'{s / 1e3:.3f}' for s in self.stress)} kPa, F1-F3 {self.fabric:.4f}, "
+				f"coordination number {self.coordinationNumber:.3f}"
+			)
 		xx, yy, xy = (s / 1e3 for s in self.stress)
 		return (
 			f"{self.grains} grains, {self.size[0]:.4f} x {self.size[1]:.4f} x {self.thickness:g} m, porosity {self.porosity:.4f}, "
@@ -78,8 +89,8 @@ def prepare(
 	grains=400,
 	radius=(3e-3, 7e-3),
 	pressure=100e3,
-	porosity=0.18,
-	thickness=0.1,
+	porosity=None,
+	thickness=None,
 	seed=1,
 	young=0.6e9,
 	stiffnessRatio=0.8,
@@ -89,16 +100,18 @@ def prepare(
 	ice=None,
 	cache=True,
 	realisations=None,
+	dimension=2,
 	**iceBond,
 ):
-	"""The sample of Yu & Zhao sect. 3.1: discs compacted to an isotropic pressure, in equilibrium, without ice.
+	"""The sample of Yu & Zhao sect. 3.1: discs compacted to an isotropic pressure, in equilibrium, without ice; or spheres in the same way.
 
-	grains          number of discs, 20 or more
+	grains          number of grains, 20 or more
 	radius          (smallest, largest) [m], distributed uniformly
 	pressure        [Pa], > 0, compression positive
-	porosity        two-dimensional, met to 0.005 by the friction used during compaction (about 0.2 for 0.18)
-	thickness       t_z, out-of-plane size of cell and discs [m], larger than 2.1 times two largest radii and a
-					smallest one, which YADE wants; stiffness and strength go with 1/t_z
+	porosity        of discs two-dimensional, met to 0.005 by the friction used during compaction; default 0.18 for discs (friction about
+					0.2), 0.39 for spheres
+	thickness       t_z, out-of-plane size of cell and discs [m], default 0.1, larger than 2.1 times two largest radii and a
+					smallest one, which YADE wants; stiffness and strength go with 1/t_z. Spheres have none
 	seed            of the random positions; the next seeds are tried where fabric or porosity miss their tolerance
 	young           contact modulus E_c0 without ice [Pa]
 	stiffnessRatio  k_s/k_n (YADE's "poisson")
@@ -110,21 +123,26 @@ def prepare(
 	cache           True: the user's cache; a folder; False: make it anew
 	realisations    a number: that many samples of other random positions, a list, for RveSkeleton(samples=[…]); they are made by as many
 					yades at a time as there are cores. The first one is the sample of `seed` alone
+	dimension       2: discs, for ground in the plane; 3: spheres, for ground in space
 	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9
 
-	Guaranteed or refused: porosity within 0.005, F1-F2 < 0.05, shear stress and stress deviation below 1 % of the pressure.
+	Guaranteed or refused: porosity within 0.005, difference of the principal values of fabric below 0.05, shear stress and stress deviation
+	below 1 % of the pressure.
 
 	>>> sample = talik.rve.prepare(grains=30, porosity=0.19, pressure=100e3)"""
-	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond)
+	_require("dimension", dimension, dimension in (2, 3), "2 (discs) or 3 (spheres)")
+	_require("thickness", thickness, thickness is None or dimension == 2, "left out for spheres")
+	thickness = 0.1 if thickness is None and dimension == 2 else thickness
+	porosity = {2: 0.18, 3: 0.39}[dimension] if porosity is None else porosity
+	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension)
 	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
-	_require("porosity", porosity, 0.10 <= porosity <= 0.23, "a two-dimensional porosity between 0.10 and 0.23 (dense and loose limits of discs)")
+	low, high = {2: (0.10, 0.23), 3: (0.32, 0.46)}[dimension]
+	_require("porosity", porosity, low <= porosity <= high, f"a porosity between {low:.2f} and {high:.2f} (dense and loose limits of {_kind[dimension]})")
 	_require("friction", friction, friction >= 0, "a friction coefficient, at least 0")
 	_require("seed", seed, _isWhole(seed) and seed >= 0, "a whole number, at least 0")
 
 	def made(start, folder, make):
-		parameters = dict(
-			kind="prepare", recipe=recipeVersion, **dataclasses.asdict(material), pressure=pressure, porosity=porosity, friction=friction, seed=start
-		)
+		parameters = dict(kind="prepare", recipe=recipeVersion, **_valuesOf(material), pressure=pressure, porosity=porosity, friction=friction, seed=start)
 		return _cached(parameters, folder, make)
 
 	def compacted(start):
@@ -147,6 +165,7 @@ def prepare(
 		damping=damping,
 		ice=material.ice,
 		cache=folder,
+		**({} if dimension == 2 else dict(dimension=3)),
 		**iceBond,
 	)
 	return realisation.prepareAll(
@@ -157,18 +176,20 @@ def prepare(
 	)
 
 
-def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True):
+def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True, stressZ=None):
 	"""The same sample brought to another stress [Pa, tension positive, so both are negative], drained and ice-free.
 
 	For the depth bands of a slope: servo to the geostatic stress first, freeze afterwards. `tolerance` is in units of the mean
-	pressure. Works for samples that were made by prepare or servo.
+	pressure. stressZ is that of spheres. Works for samples that were made by prepare or servo.
 
 	>>> deep = talik.rve.servo(sample, stressX=-80e3, stressY=-110e3)"""
 	material = _grainsOf(sample)
-	for name, value in (("stressX", stressX), ("stressY", stressY)):
+	_require("stressZ", stressZ, (stressZ is None) == (material.dimension == 2), "given for spheres, and for them only")
+	normal = dict(stressX=stressX, stressY=stressY, **({} if stressZ is None else dict(stressZ=stressZ)))
+	for name, value in normal.items():
 		_require(name, value, value < 0, "compressive, that is negative: grains without ice carry no tension")
-	goal = (float(stressX), float(stressY), float(stressXY))
-	parameters = dict(kind="servo", recipe=recipeVersion, **dataclasses.asdict(material), goal=goal, tolerance=tolerance, parent=_digest(sample.path))
+	goal = (*map(float, normal.values()), *([] if stressZ is None else [0.0, 0.0]), float(stressXY))
+	parameters = dict(kind="servo", recipe=recipeVersion, **_valuesOf(material), goal=goal, tolerance=tolerance, parent=_digest(sample.path))
 
 	def make():
 		openFile(sample.path)
@@ -222,7 +243,7 @@ def _compacted(material, pressure, porosity, friction, seed):
 		if compactionFriction is None or not _isotropic():
 			continue
 		packing.setFriction(friction)
-		packing.servoStress(material, (-pressure, -pressure, 0.0))
+		packing.servoStress(material, (-pressure,) * material.dimension + (0.0,) * (1 if material.dimension == 2 else 3))
 		if _isotropic() and abs(packing.porosity() - porosity) < porosityTolerance:
 			return dict(seedUsed=trial, compactionFriction=compactionFriction)
 	raise PackingError(
@@ -307,7 +328,7 @@ def _classLayout(ice):
 	"""Digest of the names of all that a saved pair of touching grains consists of, in their order.
 
 	A saved scene can be read only by classes that have the same attributes as those that wrote it."""
-	grains = _checkedGrains(20, (3e-3, 7e-3), 0.1, 0.6e9, 0.8, 2650.0, 0.3, ice, {})
+	grains = _checkedGrains(20, (3e-3, 7e-3), 0.1, 0.6e9, 0.8, 2650.0, 0.3, ice, {}, 2)
 	with talik.scratchScene(), tempfile.TemporaryDirectory() as folder:
 		packing.fillPair(grains)
 		packing.advance(2)
@@ -355,7 +376,7 @@ def _digest(path):
 
 def _measured(path, parameters):
 	normals = packing.contactNormals()
-	cell, h = packing.inPlaneCell(), O.cell.hSize
+	cell, h = packing.cell(), O.cell.hSize
 	number = len(O.bodies)
 	return Sample(
 		path=path,
@@ -380,6 +401,8 @@ def _checkScene(path):
 	if others:
 		raise ValueError(f"'{path}' has bodies of shape {', '.join(sorted(others))}; a sample may have spheres only")
 	h = O.cell.hSize
+	if packing.dimension() == 3:
+		return
 	if max(abs(h[0, 2]), abs(h[1, 2]), abs(h[2, 0]), abs(h[2, 1])) > 1e-12 * abs(h[2, 2]):
 		raise ValueError(f"'{path}': the cell is inclined in z (hSize = {h}); for plane strain its third vector must be (0, 0, thickness)")
 
@@ -393,7 +416,18 @@ def _require(name, value, condition, remedy):
 		raise ValueError(f"{name} is {value!r}; it must be {remedy}")
 
 
-def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond):
+_kind = {2: "discs", 3: "spheres"}
+
+
+def _valuesOf(material):
+	"""Parameters of grains, for sheets and keys: those of discs are what they were when there were only discs."""
+	values = dataclasses.asdict(material)
+	if values["dimension"] == 2:
+		del values["dimension"]
+	return values
+
+
+def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension):
 	_require("grains", number, _isWhole(number) and number >= 20, "a whole number, at least 20")
 	try:
 		smallest, largest = (float(r) for r in radius)
@@ -401,7 +435,12 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 		raise ValueError(f"radius is {radius!r}; it must be a pair (smallest, largest) in m") from None
 	_require("radius", radius, 0 < smallest <= largest < math.inf, "a pair (smallest, largest) in m with 0 < smallest <= largest")
 	thinnest = yadesCell * (2 * largest + smallest)  # a disc with the collider's margin, half a smallest radius on either side
-	_require("thickness", thickness, thinnest < thickness < math.inf, f"in m and more than {thinnest:g} m, which YADE's collider wants for these radii")
+	_require(
+		"thickness",
+		thickness,
+		dimension == 3 or thinnest < thickness < math.inf,
+		f"in m and more than {thinnest:g} m, which YADE's collider wants for these radii",
+	)
 	for name, value in (("young", young), ("stiffnessRatio", stiffnessRatio), ("density", density)):
 		_require(name, value, 0 < value < math.inf, "greater than 0 and finite")
 	_require("damping", damping, 0 < damping < 1, "between 0 and 1")
@@ -413,19 +452,20 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 		number=number,
 		radiusMin=smallest,
 		radiusMax=largest,
-		thickness=float(thickness),
+		thickness=float(thickness) if dimension == 2 else None,
 		young=float(young),
 		stiffnessRatio=float(stiffnessRatio),
 		density=float(density),
 		damping=float(damping),
 		ice=withIce,
 		iceBond=tuple(sorted(iceBond.items())),
+		dimension=dimension,
 	)
 
 
 def _grainsOf(sample):
-	names = [field.name for field in dataclasses.fields(Grains)]
-	if not all(name in sample.parameters for name in names):
+	names = [field.name for field in dataclasses.fields(Grains) if field.name in sample.parameters]
+	if any(field.name not in names for field in dataclasses.fields(Grains) if field.default is dataclasses.MISSING):
 		raise ValueError(f"sample '{sample.path}' was not made by talik.rve.prepare; bring it to its stress in the script that made it")
 	values = {name: sample.parameters[name] for name in names}
 	return Grains(**{**values, "iceBond": tuple(tuple(pair) for pair in values["iceBond"])})

@@ -413,9 +413,9 @@ std::size_t OpenSample::intactBonds() const
 
 Matrix3r OpenSample::stress() const { return symmetric(meanStress); }
 
-PackedTangent<2> OpenSample::tangent() const
+PackedTangent<3> OpenSample::tangent() const
 {
-	PackedTangent<2> result {};
+	PackedTangent<3> result {};
 	const double     volume = volumeOf(*scene->cell);
 	forContacts(*scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
 		const auto*    normal = dynamic_cast<const NormPhys*>(contact.phys.get());
@@ -423,12 +423,12 @@ PackedTangent<2> OpenSample::tangent() const
 		const double   kn = normal ? normal->kn : 0, ks = shear ? shear->ks : 0;
 		const Vector3r n       = branch.normalized();
 		const double   squared = branch.squaredNorm() / volume;
-		for (int i = 0; i < 2; i++)
-			for (int j = 0; j < 2; j++)
-				for (int k = 0; k < 2; k++)
-					for (int l = 0; l < 2; l++) {
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				for (int k = 0; k < 3; k++)
+					for (int l = 0; l < 3; l++) {
 						const double nn = n[i] * n[k], tt = (i == k ? 1. : 0.) - nn;
-						result[((i * 2 + j) * 2 + k) * 2 + l] += squared * (kn * nn + ks * tt) * n[j] * n[l];
+						result[((i * 3 + j) * 3 + k) * 3 + l] += squared * (kn * nn + ks * tt) * n[j] * n[l];
 					}
 	});
 	return result;
@@ -486,7 +486,7 @@ StiffnessBound OpenSample::stiffnessBound() const
 	bound.hasIce = hasIce();
 	if (hasIce()) bound.ice = iceMaterials.front()->model();
 	const auto   contacts = tangent();
-	const double stiffest = std::max(contacts[0], contacts[15]), present = hasIce() ? bound.ice.young(iceSaturation()) : bound.young;
+	const double stiffest = std::max({ contacts[0], contacts[40], contacts[80] }), present = hasIce() ? bound.ice.young(iceSaturation()) : bound.young;
 	bound.scale = discs ? averageRadius / std::abs(scene->cell->hSize(2, 2)) : 1;
 	if (present > 0) bound.network = stiffest / present;
 	else bound.young = stiffest; // a material without modulus: the contacts are all there is

@@ -17,7 +17,7 @@ struct OpenUpdateResult {
 	bool             flipped = false;
 	bool             blewUp  = false; ///< the sample has to recover() before it is asked again; the stress is that before the update
 	std::string      reason;          ///< why it blew up, empty otherwise
-	PackedTangent<2> tangent {};      ///< in the plane x y, if asked for
+	PackedTangent<3> tangent {};      ///< if asked for
 };
 
 /// Measures of an open sample.
@@ -69,7 +69,7 @@ public:
 
 	/// Symmetrised Love-Weber stress of the forces now, between centres of rigid bodies; exactly zero without contacts [Pa].
 	Eigen::Matrix3d  stress() const;
-	PackedTangent<2> tangent() const;
+	PackedTangent<3> tangent() const;
 	OpenStatistics   statistics() const;
 	Eigen::Matrix3d  deformation() const { return scene->cell->trsf; }
 	bool             hasIce() const { return !iceMaterials.empty(); }

@@ -64,14 +64,24 @@ namespace {
 		return !bodies.empty() && boost::dynamic_pointer_cast<IceBondMat>(bodies.front()->material);
 	}
 
-	std::string reasonOfBody(const Body& body)
+	std::string reasonOfMotion(const State& motion, bool discs)
+	{
+		if (!discs) {
+			if (motion.blockedDOFs) return "is held (blockedDOFs): free all directions for spheres, or hold all in one layer for discs";
+			return motion.inertia != Vector3r::Constant(motion.inertia[0]) ? "has not the same moment of inertia about all axes" : "";
+		}
+		if ((motion.blockedDOFs & discDofs) != discDofs) return "is free to move out of the plane (block z and the rotations X, Y)";
+		if (motion.blockedDOFs != discDofs) return "is held in the plane";
+		return motion.vel[2] != 0 || motion.angVel[0] != 0 || motion.angVel[1] != 0 ? "moves out of the plane" : "";
+	}
+
+	std::string reasonOfBody(const Body& body, bool discs)
 	{
 		const State& motion = *body.state;
 		if (!boost::dynamic_pointer_cast<Sphere>(body.shape)) return "is not a sphere";
 		if (body.clumpId >= 0) return "belongs to a clump";
-		if ((motion.blockedDOFs & discDofs) != discDofs) return "is free to move out of the plane (block z and the rotations X, Y)";
-		if (motion.blockedDOFs != discDofs) return "is held in the plane";
-		if (motion.vel[2] != 0 || motion.angVel[0] != 0 || motion.angVel[1] != 0) return "moves out of the plane";
+		const std::string ofMotion = reasonOfMotion(motion, discs);
+		if (!ofMotion.empty()) return ofMotion;
 		if (!(motion.mass > 0 && motion.inertia[2] > 0)) return "has no mass or no moment of inertia";
 		if (!motion.isDamped) return "is exempt from damping";
 		if (motion.densityScaling != State().densityScaling) return "has a scaled density";
@@ -85,12 +95,13 @@ namespace {
 		if (bodies.empty()) return "it has no bodies";
 		if (bodies.size() > 65000) return "it has more than 65000 grains";
 		const Body& first = *bodies.front();
+		const bool  discs = packedDimension(scene) == 2;
 		for (const Body* body : bodies) {
-			const std::string own = reasonOfBody(*body);
+			const std::string own = reasonOfBody(*body, discs);
 			if (!own.empty()) return "body " + std::to_string(body->id) + " " + own;
 			if (body->material != first.material) return "its grains have several materials";
 			const double layers = std::abs(body->state->se3.position[2] - first.state->se3.position[2]);
-			if (layers > 1e-12 * static_cast<const Sphere&>(*body->shape).radius) return "its grains do not lie in one layer";
+			if (discs && layers > 1e-12 * static_cast<const Sphere&>(*body->shape).radius) return "its grains do not lie in one layer";
 		}
 		return "";
 	}
@@ -188,6 +199,7 @@ namespace {
 	{
 		if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
 		const Cell& cell = *scene.cell;
+		if (packedDimension(scene) == 3) return "";
 		for (const Matrix3r* m : { &cell.hSize, &cell.velGrad, &cell.nextVelGrad, &cell.trsf })
 			if ((*m)(0, 2) != 0 || (*m)(1, 2) != 0 || (*m)(2, 0) != 0 || (*m)(2, 1) != 0) return "its cell is skewed out of the plane";
 		return cell.velGrad(2, 2) != 0 || cell.nextVelGrad(2, 2) != 0 ? "its cell is strained out of the plane" : "";
@@ -196,23 +208,41 @@ namespace {
 	/// Unit tangent t = z x n of a contact.
 	Vector3r tangentOf(const Vector3r& n) { return { -n[1], n[0], 0 }; }
 
-	Vector3r branch(const PackedState<2>& state, std::size_t c)
+	template <int Dim> using Cells = std::array<int, Dim>;
+
+	template <int Dim> Eigen::Matrix<double, Dim, 1> cellVector(const typename PackedTypes<Dim>::CellDist& cells)
 	{
-		const auto&           k    = state.contacts;
-		const auto            cell = Eigen::Vector2d(k.cellDist[c][0], k.cellDist[c][1]);
-		const Eigen::Vector2d d    = state.position[k.second[c]] + state.hSize * cell - state.position[k.first[c]];
-		return { d[0], d[1], 0 };
+		Eigen::Matrix<double, Dim, 1> v;
+		for (int d = 0; d < Dim; d++)
+			v[d] = cells[d];
+		return v;
+	}
+
+	/// A vector in space of one of the sample's, zero out of its plane.
+	template <int Dim> Vector3r inSpace(const Eigen::Matrix<double, Dim, 1>& v)
+	{
+		Vector3r all             = Vector3r::Zero();
+		all.template head<Dim>() = v;
+		return all;
+	}
+
+	template <int Dim> Vector3r branch(const PackedState<Dim>& state, std::size_t c)
+	{
+		const auto&                       k = state.contacts;
+		typename PackedTypes<Dim>::Vector d = state.position[k.second[c]] + state.hSize * cellVector<Dim>(k.cellDist[c]) - state.position[k.first[c]];
+		return inSpace<Dim>(d);
 	}
 
 	Vector3r vectorOf(double scalarShear, const Vector3r& normal) { return scalarShear * tangentOf(normal); }
+	Vector3r vectorOf(const Vector3r& shear, const Vector3r&) { return shear; }
 
 	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
+	Quaternionr orientationOf(const std::array<double, 4>& q) { return Quaternionr(q[0], q[1], q[2], q[3]); }
 
-	using InPlane = PackedTypes<2>::Matrix;
+	/// The sample's part of a matrix in space.
+	template <int Dim> typename PackedTypes<Dim>::Matrix part(const Matrix3r& m) { return m.template topLeftCorner<Dim, Dim>(); }
 
-	InPlane inPlane(const Matrix3r& m) { return m.topLeftCorner<2, 2>(); }
-
-	void setInPlane(Matrix3r& target, const InPlane& m) { target.topLeftCorner<2, 2>() = m; }
+	template <int Dim> void setPart(Matrix3r& target, const typename PackedTypes<Dim>::Matrix& m) { target.template topLeftCorner<Dim, Dim>() = m; }
 
 	/// Where the opened contacts of a former state are found again.
 	class FormerContacts {
@@ -241,7 +271,23 @@ namespace {
 		}
 	};
 
-	void packGrains(const Scene& scene, const PackedState<2>* former, PackedState<2>& state, std::map<int, int>& indexOf)
+	void packTurning(const State& motion, const PackedState<2>* former, std::size_t index, PackedState<2>& state)
+	{
+		state.angularVelocity.push_back(motion.angVel[2]);
+		const Quaternionr& q     = motion.se3.orientation;
+		double             angle = 2 * std::atan2(q.z(), q.w());
+		if (former && index < former->size() && orientationOf(former->orientation[index]).coeffs() == q.coeffs()) angle = former->orientation[index];
+		state.orientation.push_back(angle);
+	}
+
+	void packTurning(const State& motion, const PackedState<3>*, std::size_t, PackedState<3>& state)
+	{
+		const Quaternionr& q = motion.se3.orientation;
+		state.angularVelocity.push_back(motion.angVel);
+		state.orientation.push_back({ q.w(), q.x(), q.y(), q.z() });
+	}
+
+	template <int Dim> void packGrains(const Scene& scene, const PackedState<Dim>* former, PackedState<Dim>& state, std::map<int, int>& indexOf)
 	{
 		auto grains = std::make_shared<PackedGrains>();
 		for (const Body* body : presentBodies(scene)) {
@@ -252,14 +298,9 @@ namespace {
 			grains->radius.push_back(static_cast<const Sphere&>(*body->shape).radius);
 			grains->mass.push_back(motion.mass);
 			grains->inertia.push_back(motion.inertia[2]);
-			state.position.push_back(motion.se3.position.head<2>());
-			state.velocity.push_back(motion.vel.head<2>());
-			state.angularVelocity.push_back(motion.angVel[2]);
-			const Quaternionr& q     = motion.se3.orientation;
-			double             angle = 2 * std::atan2(q.z(), q.w());
-			if (former && index < former->size() && orientationOf(former->orientation[index]).coeffs() == q.coeffs())
-				angle = former->orientation[index];
-			state.orientation.push_back(angle);
+			state.position.push_back(motion.se3.position.template head<Dim>());
+			state.velocity.push_back(motion.vel.template head<Dim>());
+			packTurning(motion, former, index, state);
 		}
 		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass
 		    && former->grains->inertia == grains->inertia) {
@@ -275,24 +316,24 @@ namespace {
 		state.grains = grains;
 	}
 
-	void packCell(const Scene& scene, PackedState<2>& state)
+	template <int Dim> void packCell(const Scene& scene, PackedState<Dim>& state)
 	{
 		const Cell& cell  = *scene.cell;
-		state.hSize       = inPlane(cell.hSize);
-		state.prevHSize   = inPlane(cell.prevHSize);
-		state.velGrad     = inPlane(cell.velGrad);
-		state.nextVelGrad = inPlane(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
-		state.trsf        = inPlane(cell.trsf);
-		state.thickness   = std::abs(cell.hSize(2, 2));
+		state.hSize       = part<Dim>(cell.hSize);
+		state.prevHSize   = part<Dim>(cell.prevHSize);
+		state.velGrad     = part<Dim>(cell.velGrad);
+		state.nextVelGrad = part<Dim>(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
+		state.trsf        = part<Dim>(cell.trsf);
+		if (Dim == 2) state.thickness = std::abs(cell.hSize(2, 2));
 	}
 
-	void packParameters(const Scene& scene, PackedState<2>& state)
+	template <int Dim> void packParameters(const Scene& scene, PackedState<Dim>& state)
 	{
 		const py::object newton = engineNamed(scene, "NewtonIntegrator");
 		state.dt                = scene.dt;
 		state.step              = std::uint64_t(scene.iter);
 		state.damping           = py::extract<double>(newton.attr("damping"));
-		state.prevVelGrad       = inPlane(py::extract<Matrix3r>(newton.attr("prevVelGrad"))());
+		state.prevVelGrad       = part<Dim>(py::extract<Matrix3r>(newton.attr("prevVelGrad"))());
 		const auto& material    = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
 		state.friction          = std::tan(material.frictionAngle);
 		state.stiffnessRatio    = material.poisson;
@@ -308,17 +349,41 @@ namespace {
 		state.ice.grainYoung = material.young;
 	}
 
-	void packContacts(const Scene& scene, const PackedState<2>* former, const std::map<int, int>& indexOf, PackedState<2>& state)
+	/// A contact of the scene as the sample knows it.
+	template <int Dim> struct PackedEntry {
+		int                                 first, second;
+		typename PackedTypes<Dim>::CellDist cells;
+		int                                 sign; ///< -1 where the scene has the grains the other way round
+		const Interaction*                  interaction;
+		bool                                crosses;
+		std::uint64_t                       code;
+	};
+
+	/// Forces of the shear kind.
+	class PackedShears {
+	public:
+		explicit PackedShears(const PackedState<2>* former)
+		        : known(former)
+		{}
+		double operator()(const PackedEntry<2>& e, const Vector3r& vector, const Vector3r& normal, bool ofIce) const
+		{
+			return known.scalar({ e.first, e.second, e.cells[0], e.cells[1] }, vector, normal, ofIce);
+		}
+		explicit PackedShears(const PackedState<3>*)
+		        : known(nullptr)
+		{}
+		Vector3r operator()(const PackedEntry<3>& e, const Vector3r& vector, const Vector3r&, bool) const { return e.sign * vector; }
+
+	private:
+		FormerContacts known;
+	};
+
+	template <int Dim> void packContacts(const Scene& scene, const PackedState<Dim>* former, const std::map<int, int>& indexOf, PackedState<Dim>& state)
 	{
-		const FormerContacts known(former);
-		const bool           ice    = isIceBondScene(scene);
-		bool                 anyIce = false;
-		struct Entry {
-			std::array<int, 4> key;
-			const Interaction* interaction;
-			bool               crosses;
-			std::uint64_t      code;
-		};
+		const PackedShears shearOf(former);
+		const bool         ice    = isIceBondScene(scene);
+		bool               anyIce = false;
+		using Entry               = PackedEntry<Dim>;
 		std::vector<Entry> entries;
 		for (const auto& interaction : *scene.interactions) {
 			if (!interaction->isReal()) continue;
@@ -328,9 +393,10 @@ namespace {
 				std::swap(a, b);
 				sign = -1;
 			}
-			const int        cx = sign * interaction->cellDist[0], cy = sign * interaction->cellDist[1];
-			const PairKey<2> pair { std::uint32_t(a), std::uint32_t(b), { std::int8_t(cx), std::int8_t(cy) } };
-			entries.push_back({ { a, b, cx, cy }, interaction.get(), pair.crossesCell(), pair.encode() });
+			PairKey<Dim> pair { std::uint32_t(a), std::uint32_t(b), {} };
+			for (int d = 0; d < Dim; d++)
+				pair.cellDist[d] = std::int8_t(sign * interaction->cellDist[d]);
+			entries.push_back({ a, b, pair.cellDist, sign, interaction.get(), pair.crossesCell(), pair.encode() });
 		}
 		// in the order in which a packed sample keeps them
 		std::sort(entries.begin(), entries.end(), [](const Entry& l, const Entry& r) {
@@ -340,13 +406,14 @@ namespace {
 		for (const auto& entry : entries) {
 			const auto& geom = static_cast<const ScGeom&>(*entry.interaction->geom);
 			const auto& phys = static_cast<const FrictPhys&>(*entry.interaction->phys);
-			k.first.push_back(std::uint16_t(entry.key[0]));
-			k.second.push_back(std::uint16_t(entry.key[1]));
-			k.cellDist.push_back({ std::int8_t(entry.key[2]), std::int8_t(entry.key[3]) });
-			k.shear.push_back(known.scalar(entry.key, phys.shearForce, geom.normal, false));
+			k.first.push_back(std::uint16_t(entry.first));
+			k.second.push_back(std::uint16_t(entry.second));
+			k.cellDist.push_back(entry.cells);
+			k.shear.push_back(shearOf(entry, phys.shearForce, geom.normal, false));
+			if (Dim == 3) k.normal.push_back(entry.sign * geom.normal);
 			if (!ice) continue;
 			const auto& bond = static_cast<const IceBondPhys&>(phys);
-			k.iceShear.push_back(known.scalar(entry.key, bond.iceShear, geom.normal, true));
+			k.iceShear.push_back(shearOf(entry, bond.iceShear, geom.normal, true));
 			k.iceReference.push_back(bond.uIce);
 			k.grainReference.push_back(bond.uGrain);
 			k.bond.push_back(k.encode(bond.bond()));
@@ -360,7 +427,7 @@ namespace {
 		}
 	}
 
-	shared_ptr<IPhys> openedPhys(const PackedState<2>& s, std::size_t c, bool ice, double r1, double r2, const Vector3r& n, double un)
+	template <int Dim> shared_ptr<IPhys> openedPhys(const PackedState<Dim>& s, std::size_t c, bool ice, double r1, double r2, const Vector3r& n, double un)
 	{
 		const auto&  k     = s.contacts;
 		const double grain = 2 * r1 * r2 / (r1 + r2) * s.ice.grainYoung;
@@ -394,7 +461,7 @@ namespace {
 		return phys;
 	}
 
-	void openContacts(Scene& scene, const PackedState<2>& s)
+	template <int Dim> void openContacts(Scene& scene, const PackedState<Dim>& s)
 	{
 		const bool  ice = isIceBondScene(scene);
 		const auto& k   = s.contacts;
@@ -404,16 +471,19 @@ namespace {
 			const Vector3r     d      = branch(s, c);
 			const double       length = d.norm();
 			shared_ptr<ScGeom> geom(new ScGeom);
-			geom->normal           = d / length;
+			geom->normal          = d / length;
+			const Vector3r normal = geom->normal;
+			if constexpr (Dim == 3) // the scene's next step turns the shear force from here
+				if (!k.normal[c].isZero(0)) geom->normal = k.normal[c];
 			geom->refR1            = r1 * s.radiusFactor;
 			geom->refR2            = r2 * s.radiusFactor;
 			geom->penetrationDepth = geom->refR1 + geom->refR2 - length;
 			const Vector3r x1      = (*scene.bodies)[s.grains->id[k.first[c]]]->state->se3.position;
-			geom->contactPoint     = x1 + (geom->refR1 - 0.5 * geom->penetrationDepth) * geom->normal;
+			geom->contactPoint     = x1 + (geom->refR1 - 0.5 * geom->penetrationDepth) * normal;
 			shared_ptr<Interaction> interaction(new Interaction(s.grains->id[k.first[c]], s.grains->id[k.second[c]]));
-			interaction->cellDist     = Vector3i(k.cellDist[c][0], k.cellDist[c][1], 0);
+			interaction->cellDist     = inSpace<Dim>(cellVector<Dim>(k.cellDist[c])).template cast<int>();
 			interaction->geom         = geom;
-			interaction->phys         = openedPhys(s, c, ice, r1, r2, geom->normal, geom->penetrationDepth);
+			interaction->phys         = openedPhys(s, c, ice, r1, r2, normal, geom->penetrationDepth);
 			interaction->iterMadeReal = scene.iter;
 			scene.interactions->insert(interaction);
 		}
@@ -422,7 +492,7 @@ namespace {
 	}
 
 	/// Love-Weber stress of the scene as it stands, tension positive.
-	InPlane stressOf(const Scene& scene, double volume)
+	template <int Dim> typename PackedTypes<Dim>::Matrix stressOf(const Scene& scene, double volume)
 	{
 		Matrix3r sum = Matrix3r::Zero();
 		for (const auto& interaction : *scene.interactions) {
@@ -433,25 +503,25 @@ namespace {
 			const Vector3r x2    = (*scene.bodies)[interaction->id2]->state->se3.position;
 			sum += force * (x1 - x2 - scene.cell->hSize * interaction->cellDist.cast<Real>()).transpose();
 		}
-		return inPlane(sum) / volume;
+		return part<Dim>(sum) / volume;
 	}
 
-	void openCell(Scene& scene, const PackedState<2>& s)
+	template <int Dim> void openCell(Scene& scene, const PackedState<Dim>& s)
 	{
 		Cell& cell = *scene.cell;
-		setInPlane(cell.hSize, s.hSize);
-		setInPlane(cell.trsf, s.trsf);
+		setPart<Dim>(cell.hSize, s.hSize);
+		setPart<Dim>(cell.trsf, s.trsf);
 		cell.velGrad.setZero();
-		setInPlane(cell.velGrad, s.velGrad);
+		setPart<Dim>(cell.velGrad, s.velGrad);
 		cell.callPostLoad();
-		setInPlane(cell.prevHSize, s.prevHSize);
+		setPart<Dim>(cell.prevHSize, s.prevHSize);
 		cell.nextVelGrad.setZero();
-		setInPlane(cell.nextVelGrad, s.nextVelGrad);
+		setPart<Dim>(cell.nextVelGrad, s.nextVelGrad);
 		cell.velGradChanged = s.nextVelGrad != s.velGrad;
 		cell.prevVelGrad.setZero();
-		setInPlane(cell.prevVelGrad, s.prevVelGrad);
+		setPart<Dim>(cell.prevVelGrad, s.prevVelGrad);
 		Matrix3r used = Matrix3r::Zero();
-		setInPlane(used, s.prevVelGrad);
+		setPart<Dim>(used, s.prevVelGrad);
 		py::object newton          = engineNamed(scene, "NewtonIntegrator");
 		newton.attr("prevVelGrad") = used;
 	}
@@ -481,13 +551,21 @@ std::string reasonAgainstPacking(const Scene& scene)
 	return "";
 }
 
-PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
+int packedDimension(const Scene& scene)
 {
-	HoldGil           gil;
-	const std::string reason = reasonAgainstPacking(scene);
+	const auto bodies = presentBodies(scene);
+	return bodies.empty() || bodies.front()->state->blockedDOFs ? 2 : 3;
+}
+
+template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedState<Dim>* former)
+{
+	HoldGil     gil;
+	std::string reason = reasonAgainstPacking(scene);
+	if (reason.empty() && packedDimension(scene) != Dim)
+		reason = Dim == 2 ? "it has spheres and a sample of discs is wanted" : "it has discs and a sample of spheres is wanted";
 	if (!reason.empty())
 		throw std::invalid_argument("The scene cannot be packed: " + reason + ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines.");
-	PackedState<2>     state;
+	PackedState<Dim>   state;
 	std::map<int, int> indexOf;
 	packGrains(scene, former, state, indexOf);
 	packCell(scene, state);
@@ -504,23 +582,27 @@ PackedState<2> packScene(const Scene& scene, const PackedState<2>* former)
 		state.stress = former->stress;
 		if (state.toBytes() == former->toBytes()) return state;
 	}
-	state.stress = stressOf(scene, state.volume());
+	state.stress = stressOf<Dim>(scene, state.volume());
 	return state;
 }
 
-void openInto(Scene& scene, const PackedState<2>& s)
+template PackedState<2> packScene<2>(const Scene&, const PackedState<2>*);
+template PackedState<3> packScene<3>(const Scene&, const PackedState<3>*);
+
+template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 {
 	HoldGil gil;
 	for (std::size_t i = 0; i < s.size(); i++) {
 		const int id = s.grains->id[i];
 		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id])
 			throw std::invalid_argument("The sample cannot be opened: its scene lost body " + std::to_string(id) + ".");
-		const auto& body                          = (*scene.bodies)[id];
-		State&      motion                        = *body->state;
-		motion.se3.position.head<2>()             = s.position[i];
-		motion.se3.orientation                    = orientationOf(s.orientation[i]);
-		motion.vel                                = Vector3r(s.velocity[i][0], s.velocity[i][1], 0);
-		motion.angVel                             = Vector3r(0, 0, s.angularVelocity[i]);
+		const auto& body                         = (*scene.bodies)[id];
+		State&      motion                       = *body->state;
+		motion.se3.position.template head<Dim>() = s.position[i];
+		motion.se3.orientation                   = orientationOf(s.orientation[i]);
+		motion.vel                               = inSpace<Dim>(s.velocity[i]);
+		if constexpr (Dim == 2) motion.angVel = Vector3r(0, 0, s.angularVelocity[i]);
+		else motion.angVel = s.angularVelocity[i];
 		static_cast<Sphere&>(*body->shape).radius = s.grains->radius[i] * s.radiusFactor;
 	}
 	scene.dt   = s.dt;
@@ -536,6 +618,9 @@ void openInto(Scene& scene, const PackedState<2>& s)
 	openCell(scene, s);
 	openContacts(scene, s);
 }
+
+template void openInto<2>(Scene&, const PackedState<2>&);
+template void openInto<3>(Scene&, const PackedState<3>&);
 
 std::string sceneToBytes(const shared_ptr<Scene>& scene)
 {

@@ -8,19 +8,22 @@ namespace talik {
 /// Why a scene cannot take the packed form (shapes, laws or materials that it does not know); empty if it can. Holds the GIL.
 std::string reasonAgainstPacking(const yade::Scene& scene);
 
+/// 2 for a scene of discs, that is of bodies held in a layer, 3 for one of free spheres.
+int packedDimension(const yade::Scene& scene);
+
 /// Time step [s] with which a scene stays stable when full ice saturation stiffens its contacts: that of the scene, lowered where it is
 /// too long. A scene that has it keeps it.
 double timeStepForIce(const yade::Scene& scene);
 
-/// The packed form of a periodic scene of discs: YADE spheres in one layer with z and the rotations about x and y blocked, one
-/// material, Cundall-Strack or ice-bond law. Where the scene still shows what `former` opened into, the numbers of `former` are
+/// The packed form of a periodic scene of discs (YADE spheres in one layer with z and the rotations about x and y blocked) or of spheres
+/// free to move: one material, Cundall-Strack or ice-bond law. Where the scene still shows what `former` opened into, the numbers of `former` are
 /// taken, so that packed -> open -> packed is the identity bit for bit. Without `former` the time step is lowered to that for ice.
 /// Throws std::invalid_argument with the reason if the scene cannot be packed.
-PackedState<2> packScene(const yade::Scene& scene, const PackedState<2>* former = nullptr);
+template <int Dim> PackedState<Dim> packScene(const yade::Scene& scene, const PackedState<Dim>* former = nullptr);
 
 /// Writes a packed state into the scene that it came from (or a copy): motion, radii, cell, contacts with forces and bonds.
 /// Throws std::invalid_argument if bodies are missing.
-void openInto(yade::Scene& scene, const PackedState<2>& state);
+template <int Dim> void openInto(yade::Scene& scene, const PackedState<Dim>& state);
 
 /// A copy of a scene with everything in it, through YADE's own archives.
 boost::shared_ptr<yade::Scene> copyScene(const boost::shared_ptr<yade::Scene>& scene);

@@ -7,23 +7,21 @@ namespace talik {
 
 /// Where the two grains and the periodic shift of a pair are.
 template <int Dim> struct PackedPairRows {
-	std::uint32_t first, second; ///< row number times four
+	std::uint32_t first, second; ///< grains
 	const double* shift;         ///< row (H c, L H_prev c), or nullptr inside the cell
 };
 
 template <int Dim> inline PackedPairRows<Dim> pairRows(const PackedStepView<Dim>& view, const PackedPairs<Dim>& pairs, std::size_t lane)
 {
 	const PackedBlock<Dim>& block = pairs.block[lane / 4];
-	return { block.first[lane % 4], block.second[lane % 4],
-		 pairs.shift ? view.shiftMotion + pairs.shift[lane] * (PackedLayout<Dim>::motion / 4) : nullptr };
+	constexpr std::uint32_t row   = PackedLayout<Dim>::row;
+	return { block.first[lane % 4] / row, block.second[lane % 4] / row, pairs.shift ? view.shiftMotion + pairs.shift[lane] : nullptr };
 }
 
 /// Branch from first to second and its square.
 template <int Dim> inline double pairBranch(const PackedStepView<Dim>& view, const PackedPairRows<Dim>& rows, double* branch)
 {
-	constexpr int stride = PackedLayout<Dim>::motion / 4;
-	const double* a      = view.motion + rows.first * stride;
-	const double* b      = view.motion + rows.second * stride;
+	const double *a = view.position(rows.first), *b = view.position(rows.second);
 	double        square = 0;
 	for (int d = 0; d < Dim; ++d) {
 		branch[d] = b[d] - a[d];

@@ -211,14 +211,31 @@ template <int Dim> std::string PackedState<Dim>::toBytes() const
 	return std::move(writer.bytes);
 }
 
+namespace {
+
+	int takeDimension(Reader& reader)
+	{
+		char         name[sizeof(formatName)];
+		std::int32_t dim = 0;
+		reader.take(name, sizeof(name));
+		if (std::memcmp(name, formatName, sizeof(name)) != 0)
+			throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
+		reader.value(dim);
+		return dim;
+	}
+
+} // namespace
+
+int packedDimension(const std::string& bytes)
+{
+	Reader reader(bytes);
+	return takeDimension(reader);
+}
+
 template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::string& bytes)
 {
-	Reader       reader(bytes);
-	char         name[sizeof(formatName)];
-	std::int32_t dim = 0;
-	reader.take(name, sizeof(name));
-	if (std::memcmp(name, formatName, sizeof(name)) != 0) throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
-	reader.value(dim);
+	Reader    reader(bytes);
+	const int dim = takeDimension(reader);
 	if (dim != Dim) throw std::runtime_error("packed sample: saved with dimension " + std::to_string(dim) + ", wanted " + std::to_string(Dim));
 	PackedState state;
 	auto        grains = std::make_shared<PackedGrains>();

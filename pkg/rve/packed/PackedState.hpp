@@ -124,6 +124,9 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 	void check() const;
 };
 
+/// The dimension of a state in bytes: 2 or 3. Throws std::runtime_error on foreign or damaged bytes.
+int packedDimension(const std::string& bytes);
+
 /// Measures of a sample, all computed from its state.
 template <int Dim> struct PackedStatistics {
 	std::size_t                       contacts = 0, bondsIntact = 0, bondsBroken = 0;        ///< broken: contacts in state BROKEN at present

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The fused step of discs on vectors, compiled once for every kind of processor that Highway knows. Which one runs is chosen when the
-// program runs. Vectors of variable length (SVE, RVV) cannot be members of a structure and are left out; vectors of four numbers are the
-// longest that a block of pairs fills.
+// program runs. Vectors of variable length (SVE, RVV) cannot be members of a structure and are left out.
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -10,117 +9,19 @@
 
 #include <hwy/highway.h>
 #include <pkg/icebond/ContactForces.hpp>
-#include <pkg/rve/packed/PackedStepView.hpp>
+#include <pkg/rve/packed/PackedVectors.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace talik {
 namespace HWY_NAMESPACE {
 	namespace {
 
-		namespace hn = hwy::HWY_NAMESPACE;
-
-		constexpr std::size_t laneCount = HWY_MIN(HWY_LANES(double), 4); ///< pairs or grains that are dealt with at once
-
-#if HWY_TARGET == HWY_SCALAR
-		using Many = double;
-		HWY_INLINE Many splat(double value) { return value; }
-		HWY_INLINE Many load(const double* from) { return *from; }
-		HWY_INLINE void store(Many value, double* to) { *to = value; }
-#else
-		using Lanes = hn::CappedTag<double, laneCount>;
-		using Many  = hn::Vec<Lanes>;
-		constexpr Lanes lanes;
-		HWY_INLINE Many splat(double value) { return hn::Set(lanes, value); }
-		HWY_INLINE Many load(const double* from) { return hn::Load(lanes, from); }
-		HWY_INLINE void store(Many value, double* to) { hn::Store(value, lanes, to); }
-#endif
-
-		/// Four numbers of laneCount grains, each in a vector of its own.
-		struct Columns {
-			Many a, b, c, d;
-		};
-
-		/// Rows (a b c d) of laneCount grains in four vectors: part k holds numbers from (k laneCount) % 4 of row k laneCount/4.
-		struct Rows {
-			Many                         part[4];
-			static constexpr std::size_t row(std::size_t k) { return k * laneCount / 4; }
-			static constexpr std::size_t at(std::size_t k) { return k * laneCount % 4; }
-		};
-
-		// Row numbers times four serve as offsets: a row of four numbers is at base + offset, a single number at base + offset / 4.
-		HWY_INLINE const double* singleAt(const double* base, std::uint32_t offset)
-		{
-			return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) + 2 * std::size_t(offset));
-		}
-#if HWY_TARGET == HWY_SCALAR
-		HWY_INLINE Columns columnsOf(const Rows& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
-		HWY_INLINE Rows    rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
-		HWY_INLINE Many    sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
-		{
-			return *singleAt(base, *a) + *singleAt(base, *b);
-		}
-#else
-		using Pair = hn::CappedTag<double, 2>;
-		using Two  = hn::Vec<Pair>;
-		HWY_INLINE Two singlePair(const double* base, const std::uint32_t* offset)
-		{
-			return hn::InterleaveLower(Pair(), hn::Set(Pair(), *singleAt(base, offset[0])), hn::Set(Pair(), *singleAt(base, offset[1])));
-		}
-#endif
-
-#if HWY_MAX_BYTES == 16 && HWY_TARGET != HWY_SCALAR
-		HWY_INLINE Columns columnsOf(const Rows& r)
-		{
-			return { hn::InterleaveLower(lanes, r.part[0], r.part[2]), hn::InterleaveUpper(lanes, r.part[0], r.part[2]),
-				 hn::InterleaveLower(lanes, r.part[1], r.part[3]), hn::InterleaveUpper(lanes, r.part[1], r.part[3]) };
-		}
-		HWY_INLINE Rows rowsOf(const Columns& c)
-		{
-			return { { hn::InterleaveLower(lanes, c.a, c.b), hn::InterleaveLower(lanes, c.c, c.d), hn::InterleaveUpper(lanes, c.a, c.b),
-				   hn::InterleaveUpper(lanes, c.c, c.d) } };
-		}
-		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
-		{
-			return Add(singlePair(base, a), singlePair(base, b));
-		}
-#elif HWY_MAX_BYTES >= 32
-		HWY_INLINE Rows transposed(const Many (&r)[4])
-		{
-			const Many low01 = hn::InterleaveLower(lanes, r[0], r[1]), high01 = hn::InterleaveUpper(lanes, r[0], r[1]);
-			const Many low23 = hn::InterleaveLower(lanes, r[2], r[3]), high23 = hn::InterleaveUpper(lanes, r[2], r[3]);
-			return { { hn::ConcatLowerLower(lanes, low23, low01), hn::ConcatLowerLower(lanes, high23, high01),
-				   hn::ConcatUpperUpper(lanes, low23, low01), hn::ConcatUpperUpper(lanes, high23, high01) } };
-		}
-		HWY_INLINE Columns columnsOf(const Rows& r)
-		{
-			const Rows c = transposed(r.part);
-			return { c.part[0], c.part[1], c.part[2], c.part[3] };
-		}
-		HWY_INLINE Rows rowsOf(const Columns& c) { return transposed({ c.a, c.b, c.c, c.d }); }
-		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
-		{
-			const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
-			return hn::Combine(lanes, high, low);
-		}
-#endif
-
 		/// Branch, relative velocity, w_1 r_1 + w_2 r_2 and distance of some pairs.
 		struct Gathered {
 			Many dx, dy, dvx, dvy, wr, distance, inverse;
 		};
 
-		/// Some pairs of a block.
-		struct Place {
-			const PackedPairs<2>& pairs;
-			std::size_t           block, lane;
-			HWY_INLINE PackedBlock<2>& pair() const { return pairs.block[block]; }
-			HWY_INLINE PackedIceBlock<2>& ice() const { return pairs.ice[block]; }
-			HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
-			HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
-			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
-		};
-
-		template <bool Periodic> HWY_INLINE Gathered gather(const PackedStepView<2>& view, const Place& p)
+		template <bool Periodic> HWY_INLINE Gathered gather(const PackedStepView<2>& view, const Place<2>& p)
 		{
 			Rows rows;
 			for (std::size_t k = 0; k < 4; ++k) {
@@ -129,14 +30,14 @@ namespace HWY_NAMESPACE {
 				if (Periodic) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
 			}
 			const Columns c        = columnsOf(rows);
-			const Many    wr       = sumOfSingles(view.spin, p.first(), p.second());
+			const Many    wr       = sumOfSingles(view.rim, p.first(), p.second());
 			const Many    distance = Sqrt(MulAdd(c.a, c.a, Mul(c.b, c.b)));
 			return { c.a, c.b, c.c, c.d, wr, distance, Div(splat(1.), distance) };
 		}
 
 		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; G changes sign for the second.
 		template <bool Periodic>
-		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place& p, const Gathered& g, const ContactForces<Many, Many>& f)
+		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
 		{
 			const Many                          nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
 			const Many                          gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
@@ -190,7 +91,7 @@ namespace HWY_NAMESPACE {
 		};
 
 		template <bool Bonded, bool Periodic>
-		HWY_INLINE ContactForces<Many, Many> respond(PackedStepView<2>& view, const Place& p, const Constants& c, const Gathered& g)
+		HWY_INLINE ContactForces<Many, Many> respond(PackedStepView<2>& view, const Place<2>& p, const Constants& c, const Gathered& g)
 		{
 			PackedBlock<2>&           block = p.pair();
 			const Many                sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
@@ -216,47 +117,15 @@ namespace HWY_NAMESPACE {
 			return f;
 		}
 
-		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
-		template <bool Bonded> HWY_INLINE bool passedOver(const Place& p, const Gathered& g)
-		{
-#if HWY_TARGET == HWY_SCALAR
-			if (!(g.distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
-			p.pair().shear[0][p.lane] = 0;
-			return true;
-#else
-			(void)p, (void)g;
-			return false;
-#endif
-		}
-
-		// The next pairs are gathered, and their square roots and quotients started, before the law and the sums of the present ones: the
-		// long latencies then run under work that does not need them.
 		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
 		{
-			const Constants   c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
-			const std::size_t end = 4 / laneCount * pairs.blocks;
-			if (end == 0) return;
-			const auto place  = [&](std::size_t k) HWY_ATTR { return Place { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
-			const auto finish = [&](std::size_t k, const Gathered& gathered) HWY_ATTR __attribute__((always_inline))
-			{
-				if (passedOver<Bonded>(place(k), gathered)) return;
-				scatter<Periodic>(view, place(k), gathered, respond<Bonded, Periodic>(view, place(k), c, gathered));
+			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
+			const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
+			const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
+                                if (passedOver<Bonded>(p, gathered.distance)) return;
+                                scatter<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
 			};
-			Gathered    present = gather<Periodic>(view, place(0));
-			std::size_t k       = 0;
-			for (; k + 2 < end; k += 2) {
-				const Gathered next = gather<Periodic>(view, place(k + 1));
-				finish(k, present);
-				present = gather<Periodic>(view, place(k + 2));
-				finish(k + 1, next);
-			}
-			if (k + 1 < end) {
-				const Gathered last = gather<Periodic>(view, place(k + 1));
-				finish(k, present);
-				finish(k + 1, last);
-			} else {
-				finish(k, present);
-			}
+			inPipeline(pairs, gatherAt, finish);
 		}
 
 		template <bool Bonded> void contacts(PackedStepView<2>* view)
@@ -264,55 +133,6 @@ namespace HWY_NAMESPACE {
 			contactLoop<Bonded, false>(*view, view->inner);
 			contactLoop<Bonded, true>(*view, view->periodic);
 		}
-
-		/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
-		HWY_INLINE Many damped(Many acceleration, Many velocity, Many damping, Many halfStep)
-		{
-			const Many power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
-			return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
-		}
-
-		/// Columns of neighbouring rows; Clear: zero is left where they were.
-		template <bool Clear> HWY_INLINE Columns takeColumns(double* from)
-		{
-			Rows rows;
-			for (std::size_t k = 0; k < 4; ++k) {
-				rows.part[k] = load(from + k * laneCount);
-				if (Clear) store(splat(0.), from + k * laneCount);
-			}
-			return columnsOf(rows);
-		}
-
-		/// Numbers of four neighbouring grains; sums over grains are kept by place in the four, so that all vectors give the same sums.
-		struct Quad {
-			static constexpr std::size_t parts = 4 / laneCount;
-			Many                         part[parts];
-			HWY_INLINE                   Quad()
-			{
-				for (Many& p : part)
-					p = splat(0.);
-			}
-			HWY_INLINE void numbers(double* four) const
-			{
-				for (std::size_t k = 0; k < parts; ++k)
-					store(part[k], four + k * laneCount);
-			}
-			HWY_INLINE double sum() const
-			{
-				alignas(32) double n[4];
-				numbers(n);
-				return (n[0] + n[1]) + (n[2] + n[3]);
-			}
-			HWY_INLINE double largest() const
-			{
-				alignas(32) double n[4];
-				numbers(n);
-				double most = 0;
-				for (const double number : n)
-					most = number > most ? number : most;
-				return most;
-			}
-		};
 
 		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
 		{
@@ -327,7 +147,7 @@ namespace HWY_NAMESPACE {
 			for (std::size_t i = 0; i < view.grains; i += 4)
 				for (std::size_t part = 0; part < Quad::parts; ++part) {
 					const std::size_t g      = i + part * laneCount;
-					const Columns     motion = takeColumns<false>(view.motion + 4 * g), force = takeColumns<true>(view.force + 4 * g);
+					const Columns     motion = takeColumns<false, 4>(view.motion + 4 * g), force = takeColumns<true, 4>(view.force + 4 * g);
 					const Many        minusInverseMass = load(view.minusInverseMass + g);
 					const Many        meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
 					Many              ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
@@ -342,9 +162,7 @@ namespace HWY_NAMESPACE {
 						vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
 					}
 					const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
-					const Rows rows = rowsOf({ x, y, vx, vy });
-					for (std::size_t k = 0; k < 4; ++k)
-						store(rows.part[k], view.motion + 4 * g + k * laneCount);
+					putColumns<4>({ x, y, vx, vy }, view.motion + 4 * g);
 					if (Stress) {
 						sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
 						sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
@@ -352,12 +170,14 @@ namespace HWY_NAMESPACE {
 						syy.part[part] = MulAdd(force.b, y, syy.part[part]);
 					}
 					const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
-					Many       w = load(view.angular + g);
-					w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
+					double *   spin = view.turning[i / 4].spin[0] + part * laneCount,
+					       *angle   = view.turning[i / 4].orientation[0] + part * laneCount;
+					Many w          = load(spin);
+					w               = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
 					if (Jumps) w = Add(w, spinJump);
-					store(w, view.angular + g);
-					store(MulAdd(dt, w, load(view.orientation + g)), view.orientation + g);
-					store(Mul(w, radius), view.spin + g);
+					store(w, spin);
+					store(MulAdd(dt, w, load(angle)), angle);
+					store(Mul(w, radius), view.rim + g);
 				}
 			view.maxFluctuationSquare = fluctuation.largest();
 			if (!Stress) return;

@@ -1,240 +1,369 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The fused step of spheres, pair by pair, in stock YADE's conventions (ScGeom with avoidGranularRatcheting).
+// The fused step of spheres on vectors, in stock YADE's conventions (ScGeom with avoidGranularRatcheting), compiled once for every kind of
+// processor that Highway knows. Which one runs is chosen when the program runs. Vectors of variable length (SVE, RVV) cannot be members of
+// a structure and are left out.
+#undef HWY_DISABLED_TARGETS
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pkg/rve/packed/PackedStepSpheres.cpp"
 #include <cmath>
-#include <pkg/icebond/ContactForces.hpp>
-#include <pkg/rve/packed/PackedContactMath.hpp>
+#include <hwy/foreach_target.h>
 
+#include <hwy/highway.h>
+#include <pkg/icebond/ContactForces.hpp>
+#include <pkg/rve/packed/PackedVectors.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace talik {
+namespace HWY_NAMESPACE {
+	namespace {
+
+		using Layout = PackedLayout<3>;
+		using Vector = InSpace<Many>;
+		using Forces = ContactForces<Many, Vector>;
+
+		HWY_INLINE Vector cross(const Vector& a, const Vector& b)
+		{
+			return { MulSub(a.y, b.z, Mul(a.z, b.y)), MulSub(a.z, b.x, Mul(a.x, b.z)), MulSub(a.x, b.y, Mul(a.y, b.x)) };
+		}
+		/// a x b + c
+		HWY_INLINE Vector crossAdd(const Vector& a, const Vector& b, const Vector& c)
+		{
+			return { NegMulAdd(a.z, b.y, MulAdd(a.y, b.z, c.x)), NegMulAdd(a.x, b.z, MulAdd(a.z, b.x, c.y)),
+				 NegMulAdd(a.y, b.x, MulAdd(a.x, b.y, c.z)) };
+		}
+		HWY_INLINE Vector mulAdd(Many a, const Vector& b, const Vector& c) { return { MulAdd(a, b.x, c.x), MulAdd(a, b.y, c.y), MulAdd(a, b.z, c.z) }; }
+		HWY_INLINE Vector load3(const double (&rows)[3][4], std::size_t lane)
+		{
+			return { load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane) };
+		}
+		HWY_INLINE void store3(const Vector& v, double (&rows)[3][4], std::size_t lane)
+		{
+			store(v.x, rows[0] + lane);
+			store(v.y, rows[1] + lane);
+			store(v.z, rows[2] + lane);
+		}
+
+		/// A vector in space, kept.
+		struct KeptVector {
+			Kept              x, y, z;
+			HWY_INLINE Vector operator()() const { return { x(), y(), z() }; }
+			HWY_INLINE void   operator=(const Vector& v)
+			{
+				x = v.x;
+				y = v.y;
+				z = v.z;
+			}
+		};
+
+		/// Of some pairs.
+		struct Gathered {
+			KeptVector n;
+			Kept       rimX; ///< of w_1 r_1 + w_2 r_2
+			Kept       distance, inverse;
+		};
+
+		/// What a contact gives the sums.
+		struct Response {
+			Kept       normal;
+			KeptVector shear;
+		};
+
+		/// Columns of second + sign first, four numbers of the rows.
+		template <bool Shifted> HWY_INLINE Columns gatherColumns(const PackedStepView<3>& view, const Place<3>& p, int from, const double* sign)
+		{
+			Rows rows;
+			for (std::size_t k = 0; k < 4; ++k) {
+				const std::size_t l = Rows::row(k), at = from + Rows::at(k);
+				const double*     numbers = view.motion + at;
+				rows.part[k]              = MulAdd(load(sign + Rows::at(k)), load(numbers + p.first()[l]), load(numbers + p.second()[l]));
+				if (Shifted) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
+			}
+			return columnsOf(rows);
+		}
+
+		alignas(32) static constexpr double lessButLast[4] = { -1, -1, -1, 1 }, plus[4] = { 1, 1, 1, 1 };
+
+		template <bool Periodic> HWY_INLINE void gather(const PackedStepView<3>& view, const Place<3>& p, Gathered& g)
+		{
+			const Columns x = gatherColumns<Periodic>(view, p, 0, lessButLast);
+			const Vector  branch { x.a, x.b, x.c };
+			const Many    distance = Sqrt(dot(branch, branch)), inverse = Div(splat(1.), distance);
+			g.n        = scaled(branch, inverse);
+			g.rimX     = x.d;
+			g.distance = distance;
+			g.inverse  = inverse;
+		}
+
+		/// Adds G to the first grains' rows and subtracts it from the second ones'; moments of s on the arms r - u_n/2 to both.
+		template <bool Periodic> HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const Response& f)
+		{
+			const Vector n = g.n(), shear = f.shear(), m = cross(n, shear);
+			const Many   normal = f.normal();
+			const Many   half = Mul(splat(0.5), g.distance()), difference = load(p.pair().halfDifference + p.lane);
+			const Vector ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
+			const Rows   forces = rowsOf({ MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), splat(0.) });
+			const Rows   firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
+			const Rows   secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
+			for (std::size_t k = 0; k < 4; ++k) {
+				const std::size_t l = Rows::row(k), at = Rows::at(k);
+				double*           first  = view.motion + p.first()[l] + at;
+				double*           second = view.motion + p.second()[l] + at;
+				store(Add(forces.part[k], load(first + Layout::force)), first + Layout::force);
+				store(Add(firstMoments.part[k], load(first + Layout::moment)), first + Layout::moment);
+				store(Sub(load(second + Layout::force), forces.part[k]), second + Layout::force);
+				store(Add(secondMoments.part[k], load(second + Layout::moment)), second + Layout::moment);
+				if (Periodic) {
+					double* sum = view.shiftForce + p.shift()[l] + at;
+					store(Add(load(sum), forces.part[k]), sum);
+				}
+			}
+		}
+
+		/// Hands the contacts that `failed` over to the sample, which settles them.
+		template <class Condition> HWY_NOINLINE void reportBonds(PackedStepView<3>& view, int periodic, std::size_t lane, Condition failed, Forces& f)
+		{
+			alignas(32) double reported[4], overlap[4], trialNormal[4], normal[4], trialShear[3][4], increment[3][4], shear[3][4], iceShear[3][4];
+			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
+			store(f.overlap, overlap);
+			store(f.trialNormal, trialNormal);
+			store(f.normal, normal);
+			store3(f.trialShear, trialShear, 0);
+			store3(f.increment, increment, 0);
+			store3(f.shear, shear, 0);
+			store3(f.iceShear, iceShear, 0);
+			const auto vector = [](const double(&rows)[3][4], std::size_t l) { return Eigen::Vector3d(rows[0][l], rows[1][l], rows[2][l]); };
+			for (std::size_t l = 0; l < laneCount; ++l) {
+				if (reported[l] == 0) continue;
+				PackedBondEvent<3> event { periodic,
+					                   lane + l,
+					                   { overlap[l], trialNormal[l], vector(trialShear, l), vector(increment, l), normal[l],
+					                     vector(shear, l), vector(iceShear, l) } };
+				view.bondEvent(view.owner, &event);
+				normal[l] = event.forces.normal;
+				for (int d = 0; d < 3; ++d) {
+					shear[d][l]    = event.forces.shear[d];
+					iceShear[d][l] = event.forces.iceShear[d];
+				}
+			}
+			f.normal   = load(normal);
+			f.shear    = load3(shear, 0);
+			f.iceShear = load3(iceShear, 0);
+		}
+
+		/// Parameters of the contact law, in every lane.
+		struct Constants {
+			ContactFriction<Many> friction;
+			Many                  shearStep; ///< k_s/k_n dt [s]
+			Many                  halfStep;  ///< dt/2 [s]
+		};
+
+		/// How normals turn in a step: axis of the turn from the old to the new one, and the mean spin about the new one times dt.
+		struct Turn {
+			Vector axis, n;
+			Many   twist;
+			/// A shear force of the previous step carried along, as ScGeom::rotate does.
+			HWY_INLINE Vector operator()(const Vector& shear) const
+			{
+				const Vector turned = crossAdd(axis, shear, shear);
+				return crossAdd(scaled(n, twist), turned, turned);
+			}
+		};
+
+		template <bool Bonded, bool Periodic>
+		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Response& r)
+		{
+			const Vector    n     = g.n();
+			PackedBlock<3>& block = p.pair();
+			const Columns   v     = gatherColumns<Periodic>(view, p, Layout::velocity, lessButLast);
+			const Columns   w     = gatherColumns<false>(view, p, Layout::spin, plus);
+			const Vector    velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
+			const Many      sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
+			const Many      overlap   = Sub(sum, g.distance());
+			const Vector    moving    = crossAdd(n, rim, scaled(velocity, Mul(sum, g.inverse())));
+			const Vector    slip      = NegMulAdd(dot(moving, n), n, moving);
+			const Vector    increment = scaled(slip, Mul(c.shearStep, stiffness));
+			const Turn      turn { cross(load3(block.normal, p.lane), n), n, Mul(c.halfStep, dot(n, spin)) };
+			const Vector    shear = turn(load3(block.shear, p.lane));
+			store3(n, block.normal, p.lane);
+			Forces f;
+			if constexpr (Bonded) {
+				PackedIceBlock<3>&          ice = p.ice();
+				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
+					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
+				f = bondedForces(
+				        contact, c.friction, overlap, shear, turn(load3(ice.iceShear, p.lane)), increment,
+				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
+				store3(f.iceShear, ice.iceShear, p.lane);
+			} else {
+				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
+			}
+			store3(f.shear, block.shear, p.lane);
+			r.normal = f.normal;
+			r.shear  = f.shear;
+		}
+
+		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
+		{
+			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(0.5 * view.dt) };
+			inStages<Gathered, Response, Bonded>(
+			        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
+			        [&](const Place<3>& p, const Gathered& g, Response& r) HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic>(view, p, c, g, r); },
+			        [&](const Place<3>& p, const Gathered& g, const Response& r) HWY_ATTR TALIK_INLINED { scatter<Periodic>(view, p, g, r); });
+		}
+
+		template <bool Bonded> void contacts(PackedStepView<3>* view)
+		{
+			contactLoop<Bonded, false>(*view, view->inner);
+			contactLoop<Bonded, true>(*view, view->periodic);
+		}
+
+		/// A 3x3 matrix, the same in every lane.
+		struct Matrix {
+			Vector row[3];
+			HWY_INLINE explicit Matrix(const double* m)
+			{
+				for (int d = 0; d < 3; ++d)
+					row[d] = { splat(m[3 * d]), splat(m[3 * d + 1]), splat(m[3 * d + 2]) };
+			}
+			/// M x + b
+			HWY_INLINE Vector timesAdd(const Vector& x, const Vector& b) const
+			{
+				return { MulAdd(row[0].x, x.x, MulAdd(row[0].y, x.y, MulAdd(row[0].z, x.z, b.x))),
+					 MulAdd(row[1].x, x.x, MulAdd(row[1].y, x.y, MulAdd(row[1].z, x.z, b.y))),
+					 MulAdd(row[2].x, x.x, MulAdd(row[2].y, x.y, MulAdd(row[2].z, x.z, b.z))) };
+			}
+		};
+
+		HWY_INLINE Vector damped(const Vector& a, const Vector& v, Many damping, Many halfStep)
+		{
+			return { damped(a.x, v.x, damping, halfStep), damped(a.y, v.y, damping, halfStep), damped(a.z, v.z, damping, halfStep) };
+		}
+
+		/// Cosine of dt w/2 and sine over w for grains that turn fast.
+		HWY_NOINLINE void fastTurn(double halfStep, const Vector& spin, Many& cosine, Many& sine)
+		{
+			alignas(32) double w[3][4], c[4], s[4];
+			store3(spin, w, 0);
+			for (std::size_t l = 0; l < laneCount; ++l) {
+				const double speed = std::sqrt(w[0][l] * w[0][l] + w[1][l] * w[1][l] + w[2][l] * w[2][l]);
+				c[l]               = std::cos(halfStep * speed);
+				s[l]               = speed > 0 ? std::sin(halfStep * speed) / speed : halfStep;
+			}
+			cosine = load(c);
+			sine   = load(s);
+		}
+
+		/// Quaternions q, w x y z, turned by the spin.
+		HWY_INLINE Columns turned(const Columns& q, const Vector& spin, double step)
+		{
+			const Many one = splat(1.), halfStep = splat(0.5 * step);
+			const Many square = Mul(Mul(halfStep, halfStep), dot(spin, spin));
+			const auto minus  = [&](double divisor, Many x) HWY_ATTR { return NegMulAdd(splat(1 / divisor), Mul(square, x), one); };
+			Many       cosine = minus(2., minus(12., minus(30., one))), sine = Mul(halfStep, minus(6., minus(20., minus(42., one))));
+			if (HWY_UNLIKELY(holdsSomewhere(square, Lt(splat(1e-3), square)))) fastTurn(0.5 * step, spin, cosine, sine); // the series end too early
+			const Vector  s = scaled(spin, sine);
+			const Columns p { NegMulAdd(s.x, q.b, NegMulAdd(s.y, q.c, NegMulAdd(s.z, q.d, Mul(cosine, q.a)))),
+				          MulAdd(s.x, q.a, MulAdd(s.y, q.d, NegMulAdd(s.z, q.c, Mul(cosine, q.b)))),
+				          NegMulAdd(s.x, q.d, MulAdd(s.y, q.a, MulAdd(s.z, q.b, Mul(cosine, q.c)))),
+				          MulAdd(s.x, q.c, NegMulAdd(s.y, q.b, MulAdd(s.z, q.a, Mul(cosine, q.d)))) };
+			// its length is 1 but for round-off: one step of Newton's for the inverse root
+			const Many norm = MulAdd(p.a, p.a, MulAdd(p.b, p.b, MulAdd(p.c, p.c, Mul(p.d, p.d)))), scale = NegMulAdd(splat(0.5), norm, splat(1.5));
+			return { Mul(p.a, scale), Mul(p.b, scale), Mul(p.c, scale), Mul(p.d, scale) };
+		}
+
+		/// Adds f (x) x to its sums.
+		HWY_INLINE void addVirial(Quad (&sums)[9], std::size_t part, const Vector& f, const Vector& x)
+		{
+			const Many fs[3] = { f.x, f.y, f.z }, xs[3] = { x.x, x.y, x.z };
+			for (int k = 0; k < 9; ++k)
+				sums[k].part[part] = MulAdd(fs[k / 3], xs[k % 3], sums[k].part[part]);
+		}
+
+		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<3>& view)
+		{
+			double leap[9], leapOfSpin[3];
+			for (int k = 0; k < 9; ++k)
+				leap[k] = view.nextVelGrad[k] - view.prevVelGrad[k];
+			for (int d = 0; d < 3; ++d)
+				leapOfSpin[d] = -0.5 * (leap[(d + 1) % 3 * 3 + (d + 2) % 3] - leap[(d + 2) % 3 * 3 + (d + 1) % 3]);
+			const Matrix gradient(view.prevVelGrad), jump(leap);
+			const Vector none { splat(0.), splat(0.), splat(0.) }, spinJump { splat(leapOfSpin[0]), splat(leapOfSpin[1]), splat(leapOfSpin[2]) };
+			const Many   dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
+			Quad         fluctuation, virial[9];
+			for (std::size_t i = 0; i < view.grains; i += 4)
+				for (std::size_t part = 0; part < Quad::parts; ++part) {
+					const std::size_t g = i + part * laneCount, lane = part * laneCount;
+					double*           row = view.position(g);
+					const Columns xs = takeColumns<false, Layout::row>(row), vs = takeColumns<false, Layout::row>(row + Layout::velocity);
+					const Columns fs = takeColumns<true, Layout::row>(row + Layout::force),
+					              ms = takeColumns<true, Layout::row>(row + Layout::moment);
+					const Vector x { xs.a, xs.b, xs.c }, v { vs.a, vs.b, vs.c }, force { fs.a, fs.b, fs.c }, moment { ms.a, ms.b, ms.c };
+					const Vector meanField = gradient.timesAdd(x, none);
+					const Vector a         = gradient.timesAdd(
+					                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
+					Vector       velocity  = mulAdd(dt, a, v);
+					const Vector carried   = Sub(velocity, meanField);
+					fluctuation.part[part] = Max(fluctuation.part[part], dot(carried, carried));
+					if (Jumps) velocity = jump.timesAdd(x, velocity);
+					const Vector position = mulAdd(dt, velocity, x);
+					if (Stress) addVirial(virial, part, force, position);
+					auto&        turning = view.turning[i / 4];
+					const Vector before  = load3(turning.spin, lane);
+					Vector       w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
+					if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
+					store3(w, turning.spin, lane);
+					const Columns q = turned(
+					        { load(turning.orientation[0] + lane), load(turning.orientation[1] + lane), load(turning.orientation[2] + lane),
+					          load(turning.orientation[3] + lane) },
+					        w, view.dt);
+					store(q.a, turning.orientation[0] + lane);
+					store(q.b, turning.orientation[1] + lane);
+					store(q.c, turning.orientation[2] + lane);
+					store(q.d, turning.orientation[3] + lane);
+					const Vector rim = scaled(w, load(view.radius + g));
+					putColumns<Layout::row>({ position.x, position.y, position.z, rim.x }, row);
+					putColumns<Layout::row>({ velocity.x, velocity.y, velocity.z, rim.y }, row + Layout::velocity);
+					putColumns<Layout::row>({ w.x, w.y, w.z, rim.z }, row + Layout::spin);
+				}
+			view.maxFluctuationSquare = fluctuation.largest();
+			for (int k = 0; Stress && k < 9; ++k)
+				view.virial[k] = virial[k].sum();
+		}
+
+		void integrate(PackedStepView<3>* view)
+		{
+			bool jumps = false;
+			for (int k = 0; k < 9; ++k)
+				jumps |= view->nextVelGrad[k] != view->prevVelGrad[k];
+			if (jumps) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
+			else view->sampleStress ? integrateGrains<false, true>(*view) : integrateGrains<false, false>(*view);
+		}
+
+	} // namespace
+
+	PackedKernel<3> sphereKernel(bool bonded)
+	{
+		if (bonded) return { contacts<true>, integrate, hwy::TargetName(HWY_TARGET) };
+		return { contacts<false>, integrate, hwy::TargetName(HWY_TARGET) };
+	}
+
+} // namespace HWY_NAMESPACE
+} // namespace talik
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace talik {
 
-namespace {
+HWY_EXPORT(sphereKernel);
 
-	using HWY_NAMESPACE::bondedForces;
-	using HWY_NAMESPACE::frictionalForces;
-
-	void cross(const double* a, const double* b, double* c)
-	{
-		c[0] = a[1] * b[2] - a[2] * b[1];
-		c[1] = a[2] * b[0] - a[0] * b[2];
-		c[2] = a[0] * b[1] - a[1] * b[0];
-	}
-
-	/// Tangential velocity of second against first at the contact.
-	Eigen::Vector3d slipVelocity(const PackedStepView<3>& view, const PackedPairRows<3>& rows, const double* n, double stretch)
-	{
-		constexpr int stride = PackedLayout<3>::motion / 4;
-		const double* a      = view.motion + rows.first * stride + 3;
-		const double* b      = view.motion + rows.second * stride + 3;
-		const double* wa     = view.spin + rows.first;
-		const double* wb     = view.spin + rows.second;
-		double        w[3], rotation[3], normalPart = 0;
-		for (int d = 0; d < 3; ++d)
-			w[d] = wa[d] * wa[3] + wb[d] * wb[3];
-		cross(w, n, rotation);
-		Eigen::Vector3d slip;
-		for (int d = 0; d < 3; ++d) {
-			double v = b[d] - a[d];
-			if (rows.shift) v += rows.shift[3 + d];
-			slip[d] = stretch * v - rotation[d];
-			normalPart += slip[d] * n[d];
-		}
-		for (int d = 0; d < 3; ++d)
-			slip[d] -= normalPart * n[d];
-		return slip;
-	}
-
-	/// Carries a shear force of the previous step along with the normal and the mean spin, as ScGeom::rotate does.
-	void rotateShear(const PackedStepView<3>& view, const PackedPairRows<3>& rows, const double* oldNormal, const double* n, Eigen::Vector3d& shear)
-	{
-		if (shear.isZero(0)) return;
-		const double* wa = view.spin + rows.first;
-		const double* wb = view.spin + rows.second;
-		double        axis[3], turn[3], twist = 0;
-		cross(oldNormal, n, axis);
-		cross(shear.data(), axis, turn);
-		for (int d = 0; d < 3; ++d) {
-			shear[d] -= turn[d];
-			twist += n[d] * (wa[d] + wb[d]);
-		}
-		twist *= 0.5 * view.dt;
-		for (int d = 0; d < 3; ++d)
-			axis[d] = twist * n[d];
-		cross(shear.data(), axis, turn);
-		for (int d = 0; d < 3; ++d)
-			shear[d] -= turn[d];
-	}
-
-	/// Adds a pair's force and moments to the grains' sums, and to its shift's.
-	void addPairForce(const PackedStepView<3>& view, const PackedPairRows<3>& rows, const double* n, const ContactForces<double, Eigen::Vector3d>& f)
-	{
-		constexpr int stride = PackedLayout<3>::force / 4;
-		double*       a      = view.force + rows.first * stride;
-		double*       b      = view.force + rows.second * stride;
-		double        force[3], moment[3];
-		pairForce<3>(n, f.normal, f.shear, force);
-		cross(n, f.shear.data(), moment);
-		const double armA = view.spin[rows.first + 3] - 0.5 * f.overlap;
-		const double armB = view.spin[rows.second + 3] - 0.5 * f.overlap;
-		for (int d = 0; d < 3; ++d) {
-			a[d] += force[d];
-			b[d] -= force[d];
-			a[4 + d] -= armA * moment[d];
-			b[4 + d] -= armB * moment[d];
-		}
-		if (!rows.shift) return;
-		double* sum = view.shiftForce + (rows.shift - view.shiftMotion) / (PackedLayout<3>::motion / 4) * stride;
-		for (int d = 0; d < 3; ++d)
-			sum[d] += force[d];
-	}
-
-	/// Forces of a pair that may be bonded.
-	ContactForces<double, Eigen::Vector3d> bondedPair(
-	        PackedStepView<3>& view, const PackedPairs<3>& pairs, std::size_t lane, double overlap, const Eigen::Vector3d& shear,
-	        const Eigen::Vector3d& iceShear, const Eigen::Vector3d& increment)
-	{
-		const std::size_t             b = lane / 4, l = lane % 4;
-		PackedIceBlock<3>&            ice = pairs.ice[b];
-		const ContactResponse<double> contact { pairs.block[b].stiffness[l], ice.offset[l], ice.floor[l], ice.cohesion[l], ice.iceShare[l] };
-		const auto                    settle = [&](bool, ContactForces<double, Eigen::Vector3d>& forces) {
-                        PackedBondEvent<3> event { pairs.shift != nullptr, lane, forces };
-                        view.bondEvent(view.owner, &event);
-                        forces = event.forces;
-		};
-		const auto f = bondedForces(contact, { view.friction, view.bondFriction }, overlap, shear, iceShear, increment, settle);
-		setLaneShear<3>(ice.iceShear, l, f.iceShear);
-		return f;
-	}
-
-	template <bool Bonded> void contactLoop(PackedStepView<3>& view, const PackedPairs<3>& pairs)
-	{
-		for (std::size_t lane = 0; lane < 4 * pairs.blocks; ++lane) {
-			PackedBlock<3>&         block = pairs.block[lane / 4];
-			const std::size_t       l     = lane % 4;
-			const PackedPairRows<3> rows  = pairRows(view, pairs, lane);
-			const double            sum   = block.sumRadius[l];
-			double                  n[3];
-			const double            square = pairBranch(view, rows, n);
-			if (square > sum * sum && (!Bonded || pairs.ice[lane / 4].floor[l] == 0)) {
-				setLaneShear<3>(block.shear, l, Eigen::Vector3d::Zero());
-				continue;
-			}
-			const double distance = std::sqrt(square), inverse = 1 / distance, overlap = sum - distance;
-			double       oldNormal[3];
-			for (int d = 0; d < 3; ++d) {
-				n[d] *= inverse;
-				oldNormal[d]                    = pairs.normals[lane / 4].n[d][l];
-				pairs.normals[lane / 4].n[d][l] = n[d];
-			}
-			const Eigen::Vector3d increment = view.stiffnessRatio * block.stiffness[l] * view.dt * slipVelocity(view, rows, n, sum * inverse);
-			Eigen::Vector3d       shear     = laneShear<3>(block.shear, l);
-			rotateShear(view, rows, oldNormal, n, shear);
-			ContactForces<double, Eigen::Vector3d> f;
-			if constexpr (Bonded) {
-				Eigen::Vector3d iceShear = laneShear<3>(pairs.ice[lane / 4].iceShear, l);
-				rotateShear(view, rows, oldNormal, n, iceShear);
-				f = bondedPair(view, pairs, lane, overlap, shear, iceShear, increment);
-			} else {
-				f = frictionalForces(block.stiffness[l], view.friction, overlap, shear, increment);
-			}
-			setLaneShear<3>(block.shear, l, f.shear);
-			addPairForce(view, rows, n, f);
-		}
-	}
-
-	template <bool Bonded> void contacts(PackedStepView<3>* view)
-	{
-		contactLoop<Bonded>(*view, view->inner);
-		contactLoop<Bonded>(*view, view->periodic);
-	}
-
-	/// YADE's numerical damping: acceleration is reduced where it feeds the velocity and raised where it brakes. Its sign is as good as
-	/// random, so it is not branched upon.
-	inline double damped(double acceleration, double velocity, double damping, double halfStep)
-	{
-		return acceleration * (1 - std::copysign(damping, acceleration * (velocity + halfStep * acceleration)));
-	}
-
-	void turnGrain(PackedStepView<3>& view, std::size_t g, const double* spinJump, bool jump)
-	{
-		const double halfStep = 0.5 * view.dt;
-		double*      force    = view.force + 8 * g;
-		double*      w        = view.angular + 3 * g;
-		for (int d = 0; d < 3; ++d) {
-			const double a = force[4 + d] * view.inverseInertia[g];
-			w[d] += view.dt * damped(a, w[d], view.damping, halfStep);
-			if (jump) w[d] += spinJump[d];
-			view.spin[4 * g + d] = w[d];
-		}
-		double*      q     = view.orientation + 4 * g;
-		const double speed = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-		if (speed > 0) {
-			const double angle = 0.5 * view.dt * speed, c = std::cos(angle), s = std::sin(angle) / speed;
-			const double x = s * w[0], y = s * w[1], z = s * w[2];
-			const double p[4] = { c * q[0] - x * q[1] - y * q[2] - z * q[3], c * q[1] + x * q[0] + y * q[3] - z * q[2],
-				              c * q[2] - x * q[3] + y * q[0] + z * q[1], c * q[3] + x * q[2] - y * q[1] + z * q[0] };
-			const double norm = 1 / std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
-			for (int d = 0; d < 4; ++d)
-				q[d] = p[d] * norm;
-		}
-	}
-
-	void integrate(PackedStepView<3>* view)
-	{
-		constexpr int Dim = 3, strideV = PackedLayout<Dim>::motion, strideF = PackedLayout<Dim>::force;
-		const double  dt = view->dt, halfStep      = 0.5 * dt;
-		double        jump[Dim * Dim], spinJump[3] = { 0, 0, 0 };
-		bool          jumps = false;
-		for (int k = 0; k < Dim * Dim; ++k) {
-			jump[k] = view->nextVelGrad[k] - view->prevVelGrad[k];
-			jumps |= jump[k] != 0;
-		}
-		spinJump[0]                     = -0.5 * (jump[5] - jump[7]);
-		spinJump[1]                     = -0.5 * (jump[6] - jump[2]);
-		spinJump[2]                     = -0.5 * (jump[1] - jump[3]);
-		const double* gradient          = view->prevVelGrad;
-		double        virial[Dim * Dim] = {}, largest = 0;
-		for (std::size_t g = 0; g < view->grains; ++g) {
-			double* x = view->motion + strideV * g;
-			double* v = x + Dim;
-			double* f = view->force + strideF * g;
-			double  old[Dim], fluctuation = 0;
-			for (int d = 0; d < Dim; ++d)
-				old[d] = v[d];
-			double carried[Dim];
-			for (int d = 0; d < Dim; ++d) {
-				double meanField = 0, convected = 0, leap = 0;
-				for (int e = 0; e < Dim; ++e) {
-					meanField += gradient[d * Dim + e] * x[e];
-					convected += gradient[d * Dim + e] * old[e];
-					leap += jump[d * Dim + e] * x[e];
-				}
-				const double a = damped(f[d] * view->minusInverseMass[g], old[d] - meanField, view->damping, halfStep) + convected;
-				v[d] += dt * a;
-				if (jumps) v[d] += leap;
-				carried[d] = v[d] - meanField - (jumps ? leap : 0);
-				fluctuation += carried[d] * carried[d];
-			}
-			for (int d = 0; d < Dim; ++d)
-				x[d] += dt * v[d];
-			if (fluctuation > largest) largest = fluctuation;
-			turnGrain(*view, g, spinJump, jumps);
-			if (view->sampleStress)
-				for (int d = 0; d < Dim; ++d)
-					for (int e = 0; e < Dim; ++e)
-						virial[d * Dim + e] += f[d] * x[e];
-			for (int d = 0; d < strideF; ++d)
-				f[d] = 0;
-		}
-		for (int k = 0; k < Dim * Dim; ++k)
-			view->virial[k] = virial[k];
-		view->maxFluctuationSquare = largest;
-	}
-
-} // namespace
-
-template <> PackedKernel<3> stepKernel<3>(bool bonded, bool)
+template <> PackedKernel<3> stepKernel<3>(bool bonded, bool portable)
 {
-	if (bonded) return { contacts<true>, integrate, "portable" };
-	return { contacts<false>, integrate, "portable" };
+	if (!portable) return HWY_DYNAMIC_DISPATCH(sphereKernel)(bonded);
+	PackedKernel<3> kernel = HWY_STATIC_DISPATCH(sphereKernel)(bonded);
+	kernel.name            = "portable";
+	return kernel;
 }
 
 } // namespace talik
+#endif

@@ -7,26 +7,35 @@
 /// The running form of a sample, as seen by the fused step.
 namespace talik {
 
-/// Layout of the running form. Grain rows: motion (x, v), spin (discs: w r; spheres: w, r), force (discs: sum of G, sum of s,
-/// sum of s u_n/2; spheres: sum of G, torque), where G is minus the force on the grain.
+/// Layout of the running form, in numbers. Discs have rows of motion (x, v) and rows of force (sum of G, sum of s, sum of s u_n/2), spheres
+/// one row for both: x, w_x r, v, w_y r, w, w_z r, sum of G, 0, sum of moments, 0. G is minus the force on the grain.
 template <int Dim> struct PackedLayout;
 template <> struct PackedLayout<2> {
-	static constexpr int motion = 4, spin = 1, force = 4, shear = 1, normal = 0, angular = 1, orientation = 1;
+	static constexpr int row = 4, velocity = 2, shear = 1, angular = 1, orientation = 1;
 };
 template <> struct PackedLayout<3> {
-	static constexpr int motion = 8, spin = 4, force = 8, shear = 3, normal = 3, angular = 3, orientation = 4;
+	static constexpr int row = 20, velocity = 4, spin = 8, force = 12, moment = 16, shear = 3, angular = 3, orientation = 4;
 };
 
-/// Four pairs. `first` and `second` are row numbers times four. Pairs that do not touch carry zero shear and give zero force.
-template <int Dim> struct alignas(32) PackedBlock {
+/// Turning of four grains: angular velocity [rad/s], and angle or quaternion.
+template <int Dim> struct alignas(32) PackedTurning {
+	double spin[PackedLayout<Dim>::angular][4];
+	double orientation[PackedLayout<Dim>::orientation][4];
+};
+
+/// What spheres need of a pair beyond what discs do.
+template <int Dim> struct PackedSpherePair {};
+template <> struct PackedSpherePair<3> {
+	double normal[3][4];      ///< of the previous step
+	double halfDifference[4]; ///< (r_1 - r_2)/2 [m]
+};
+
+/// Four pairs. `first` and `second` are where the rows of the grains begin. Pairs that do not touch carry zero shear and give zero force.
+template <int Dim> struct alignas(32) PackedBlock : PackedSpherePair<Dim> {
 	double        shear[PackedLayout<Dim>::shear][4];
 	double        sumRadius[4];
 	double        stiffness[4];
 	std::uint32_t first[4], second[4];
-};
-/// Normals of the previous step, which only spheres need.
-struct alignas(32) PackedNormals {
-	double n[3][4];
 };
 /// What ice adds to four pairs, see ContactResponse.
 template <int Dim> struct alignas(32) PackedIceBlock {
@@ -37,10 +46,9 @@ template <int Dim> struct alignas(32) PackedIceBlock {
 	double iceShare[4];
 };
 
-/// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives four rows, times four, of the shift table per block).
+/// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives where four rows of the shift table begin per block).
 template <int Dim> struct PackedPairs {
 	PackedBlock<Dim>*    block;
-	PackedNormals*       normals;
 	PackedIceBlock<Dim>* ice;
 	const std::uint32_t* shift;
 	std::size_t          blocks;
@@ -54,15 +62,14 @@ template <int Dim> struct PackedBondEvent {
 };
 
 template <int Dim> struct PackedStepView {
-	double*       motion;
-	double*       spin;
-	double*       force;
-	double*       angular;     ///< angular velocity
-	double*       orientation; ///< angle or quaternion
-	const double* minusInverseMass;
-	const double* inverseInertia;
-	const double* radius;
-	std::size_t   grains; ///< rows that are integrated; a multiple of four
+	double*             motion;
+	double*             rim; ///< discs only: w r
+	double*             force;
+	PackedTurning<Dim>* turning;
+	const double*       minusInverseMass;
+	const double*       inverseInertia; ///< spheres: with a minus, as their moments are summed up
+	const double*       radius;
+	std::size_t         grains; ///< rows that are integrated; a multiple of four
 
 	PackedPairs<Dim> inner, periodic;
 
@@ -83,6 +90,11 @@ template <int Dim> struct PackedStepView {
 	int    sampleStress;         ///< 1: this step forms the virial
 	double virial[Dim * Dim];    ///< sum G (x) x over grains
 	double maxFluctuationSquare; ///< of the step, |v - L x|^2
+
+	double* position(std::size_t row) const { return motion + row * PackedLayout<Dim>::row; }
+	double* velocity(std::size_t row) const { return position(row) + PackedLayout<Dim>::velocity; }
+	double& spin(std::size_t grain, int component) const { return turning[grain / 4].spin[component][grain % 4]; }
+	double& orientation(std::size_t grain, int component) const { return turning[grain / 4].orientation[component][grain % 4]; }
 };
 
 /// The two halves of a step.

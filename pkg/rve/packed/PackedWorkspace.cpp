@@ -54,56 +54,46 @@ template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>&
 	using Layout           = PackedLayout<Dim>;
 	const std::size_t rows = rowCount + 4; // two of the last four are partners of idle lanes, far from each other
 	const Quad        zero { { 0, 0, 0, 0 } };
-	motion.assign(rows * Layout::motion / 4, zero);
-	spin.assign((rows * Layout::spin + 3) / 4, zero);
-	force.assign(rows * Layout::force / 4, zero);
-	angular.assign((rows * Layout::angular + 3) / 4, zero);
-	orientation.assign((rows * Layout::orientation + 3) / 4, zero);
+	motion.assign(rows * Layout::row / 4, zero);
+	rim.assign(Dim == 2 ? rows / 4 : 0, zero);
+	force.assign(Dim == 2 ? rows * Layout::row / 4 : 0, zero);
+	turning.assign(rows / 4, PackedTurning<Dim>());
 	minusInverseMass.assign(rows / 4, zero);
 	inverseInertia.assign(rows / 4, zero);
 	radius.assign(rows / 4, zero);
 	reference.assign(rows, zero);
 	bind();
-	double* m = motion.data()->value;
-	double* w = angular.data()->value;
-	double* q = orientation.data()->value;
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		for (int d = 0; d < Dim; ++d) {
-			m[g * Layout::motion + d]       = state.position[g][d];
-			m[g * Layout::motion + Dim + d] = state.velocity[g][d];
+			view.position(g)[d] = state.position[g][d];
+			view.velocity(g)[d] = state.velocity[g][d];
 		}
 		if constexpr (Dim == 2) {
-			w[g] = state.angularVelocity[g];
-			q[g] = state.orientation[g];
+			view.spin(g, 0)        = state.angularVelocity[g];
+			view.orientation(g, 0) = state.orientation[g];
 		} else {
 			for (int d = 0; d < 3; ++d)
-				w[3 * g + d] = state.angularVelocity[g][d];
+				view.spin(g, d) = state.angularVelocity[g][d];
 			for (int d = 0; d < 4; ++d)
-				q[4 * g + d] = state.orientation[g][d];
+				view.orientation(g, d) = state.orientation[g][d];
 		}
 		minusInverseMass.data()->value[g] = -1 / grains->mass[g];
-		inverseInertia.data()->value[g]   = 1 / grains->inertia[g];
+		inverseInertia.data()->value[g]   = (Dim == 2 ? 1 : -1) / grains->inertia[g];
 	}
-	m[(rowCount + 1) * Layout::motion] = 1e6;
+	view.position(rowCount + 1)[0] = 1e6;
 	scaleRadii();
 }
 
 /// Radii follow the thaw strain; peripheral velocities follow the radii.
 template <int Dim> void PackedWorkspace<Dim>::scaleRadii()
 {
-	double *r = radius.data()->value, *s = spin.data()->value;
+	double* r      = radius.data()->value;
 	largestRadius  = 0;
 	averageRadius  = 0;
 	smallestRadius = grains->radius[0] * base.radiusFactor;
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		r[g] = grains->radius[g] * base.radiusFactor;
-		if constexpr (Dim == 2) {
-			s[g] = view.angular[g] * r[g];
-		} else {
-			for (int d = 0; d < 3; ++d)
-				s[4 * g + d] = view.angular[3 * g + d];
-			s[4 * g + 3] = r[g];
-		}
+		spinRim(g);
 		largestRadius  = std::max(largestRadius, r[g]);
 		smallestRadius = std::min(smallestRadius, r[g]);
 		averageRadius += r[g];
@@ -111,22 +101,38 @@ template <int Dim> void PackedWorkspace<Dim>::scaleRadii()
 	averageRadius /= double(grainCount);
 }
 
+/// Velocity of a grain's rim, w r.
+template <int Dim> void PackedWorkspace<Dim>::spinRim(std::size_t g)
+{
+	if constexpr (Dim == 2) {
+		view.rim[g] = view.spin(g, 0) * view.radius[g];
+	} else {
+		double* row = view.position(g);
+		for (int d = 0; d < 3; ++d) {
+			row[PackedLayout<3>::spin + d] = view.spin(g, d);
+			row[4 * d + 3]                 = view.spin(g, d) * view.radius[g];
+		}
+	}
+}
+
 template <int Dim> void PackedWorkspace<Dim>::bind()
 {
+	const auto forcesOf = [](Rows& motions, Rows& forces) {
+		if constexpr (Dim == 2) return forces.data()->value;
+		else return motions.data()->value + PackedLayout<3>::force;
+	};
 	const auto pairsOf = [](Lanes& lanes, bool crosses) {
 		PackedPairs<Dim> pairs;
-		pairs.block   = lanes.block.data();
-		pairs.normals = lanes.normals.data();
-		pairs.ice     = lanes.ice.data();
-		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
-		pairs.blocks  = lanes.block.size();
+		pairs.block  = lanes.block.data();
+		pairs.ice    = lanes.ice.data();
+		pairs.shift  = crosses ? lanes.shift.data() : nullptr;
+		pairs.blocks = lanes.block.size();
 		return pairs;
 	};
 	view.motion           = motion.data()->value;
-	view.spin             = spin.data()->value;
-	view.force            = force.data()->value;
-	view.angular          = angular.data()->value;
-	view.orientation      = orientation.data()->value;
+	view.rim              = rim.empty() ? nullptr : rim.data()->value;
+	view.force            = forcesOf(motion, force);
+	view.turning          = turning.data();
 	view.minusInverseMass = minusInverseMass.data()->value;
 	view.inverseInertia   = inverseInertia.data()->value;
 	view.radius           = radius.data()->value;
@@ -134,14 +140,13 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 	view.inner            = pairsOf(innerLanes, false);
 	view.periodic         = pairsOf(periodicLanes, true);
 	view.shiftMotion      = shiftMotion.empty() ? nullptr : shiftMotion.data()->value;
-	view.shiftForce       = shiftForce.empty() ? nullptr : shiftForce.data()->value;
+	view.shiftForce       = shiftMotion.empty() ? nullptr : forcesOf(shiftMotion, shiftForce);
 	view.shiftCell        = shiftCell.data();
 	view.shifts           = shiftCell.size() / Dim;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, PackedLists<Dim>* lists) const
 {
-	using Layout                               = PackedLayout<Dim>;
 	static_cast<PackedParameters<Dim>&>(state) = parameters();
 	state.grains                               = grains;
 	state.position.resize(grainCount);
@@ -150,17 +155,17 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, Pac
 	state.orientation.resize(grainCount);
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		for (int d = 0; d < Dim; ++d) {
-			state.position[g][d] = view.motion[g * Layout::motion + d];
-			state.velocity[g][d] = view.motion[g * Layout::motion + Dim + d];
+			state.position[g][d] = view.position(g)[d];
+			state.velocity[g][d] = view.velocity(g)[d];
 		}
 		if constexpr (Dim == 2) {
-			state.angularVelocity[g] = view.angular[g];
-			state.orientation[g]     = view.orientation[g];
+			state.angularVelocity[g] = view.spin(g, 0);
+			state.orientation[g]     = view.orientation(g, 0);
 		} else {
 			for (int d = 0; d < 3; ++d)
-				state.angularVelocity[g][d] = view.angular[3 * g + d];
+				state.angularVelocity[g][d] = view.spin(g, d);
 			for (int d = 0; d < 4; ++d)
-				state.orientation[g][d] = view.orientation[4 * g + d];
+				state.orientation[g][d] = view.orientation(g, d);
 		}
 	}
 	storeContacts(state.contacts, lists);
@@ -250,14 +255,14 @@ template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
 	for (std::size_t k = 0; k < view.shifts; ++k)
 		for (int i = 0; i < Dim; ++i)
 			for (int j = 0; j < Dim; ++j)
-				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::force + i] * view.shiftMotion[k * PackedLayout<Dim>::motion + j];
+				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::row + i] * view.shiftMotion[k * PackedLayout<Dim>::row + j];
 	stress /= parameters().volume();
 }
 
 template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 {
 	double sum = 0;
-	for (std::size_t g = 0; g < grainCount * PackedLayout<Dim>::motion; ++g)
+	for (std::size_t g = 0; g < grainCount * PackedLayout<Dim>::row; ++g)
 		sum += view.motion[g] * 0;
 	if (!(sum == 0)) throw PackedBlowUp("a grain's position or velocity is not finite");
 	if (!listsValid) return;
@@ -269,11 +274,10 @@ template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 			const double              square  = pairBranch(view, rows, branch);
 			const double              allowed = lanes->block[b].sumRadius[l] - smallestRadius;
 			if (square >= allowed * allowed) continue;
-			const double smaller = std::min(view.radius[rows.first / 4], view.radius[rows.second / 4]);
+			const double smaller = std::min(view.radius[rows.first], view.radius[rows.second]);
 			if (lanes->block[b].sumRadius[l] - std::sqrt(square) > smaller)
 				throw PackedBlowUp(
-				        "the overlap of grains " + std::to_string(rows.first / 4) + " and " + std::to_string(rows.second / 4)
-				        + " exceeds a radius");
+				        "the overlap of grains " + std::to_string(rows.first) + " and " + std::to_string(rows.second) + " exceeds a radius");
 		}
 }
 

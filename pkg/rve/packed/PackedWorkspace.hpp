@@ -75,7 +75,6 @@ private:
 		std::size_t                      pairs = 0;
 		std::vector<std::uint64_t>       keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
 		std::vector<PackedBlock<Dim>>    block;
-		std::vector<PackedNormals>       normals;
 		std::vector<PackedIceBlock<Dim>> ice;
 		std::vector<std::uint32_t>       shift;
 		std::vector<IceBond>             bond;
@@ -96,6 +95,7 @@ private:
 	void storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const;
 	bool carriesHistory(const Lanes& lanes, std::size_t lane) const;
 	void scaleRadii();
+	void spinRim(std::size_t grain);
 	void bind();
 
 	void     refreshLists();
@@ -122,14 +122,15 @@ private:
 	static void onBondEvent(void* owner, PackedBondEvent<Dim>* event);
 	void        settleBond(PackedBondEvent<Dim>& event);
 
-	void   changeIceOfBonds(double newRatio, bool melted);
-	bool   formBond(Lanes& lanes, std::size_t lane);
-	bool   anyBond() const;
-	void   shrinkGrains(double saturationBefore);
-	void   setStrengths();
-	void   selectKernel();
-	void   carryBonds(bool carry);
-	Lanes& lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
+	void                 changeIceOfBonds(double newRatio, bool melted);
+	bool                 formBond(Lanes& lanes, std::size_t lane);
+	bool                 anyBond() const;
+	void                 shrinkGrains(double saturationBefore);
+	void                 setStrengths();
+	void                 selectKernel();
+	void                 carryBonds(bool carry);
+	static std::uint32_t rowOf(std::uint32_t offset) { return offset / PackedLayout<Dim>::row; }
+	Lanes&               lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
 	Geometry                      geometry(const Lanes& lanes, std::size_t lane) const;
 	ContactStiffness              stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
@@ -141,12 +142,13 @@ private:
 	std::size_t                         grainCount = 0, rowCount = 0;
 	double                              largestRadius = 0, smallestRadius = 0, averageRadius = 0;
 
-	Rows                     motion, spin, force, angular, orientation, minusInverseMass, inverseInertia, radius, reference;
-	Rows                     shiftMotion, shiftForce;
-	std::vector<std::int8_t> shiftCell;
-	Lanes                    innerLanes, periodicLanes, oldInner, oldPeriodic;
-	bool                     carriesBonds = false, portable;
-	double                   iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
+	Rows                            motion, rim, force, minusInverseMass, inverseInertia, radius, reference;
+	std::vector<PackedTurning<Dim>> turning;
+	Rows                            shiftMotion, shiftForce;
+	std::vector<std::int8_t>        shiftCell;
+	Lanes                           innerLanes, periodicLanes, oldInner, oldPeriodic;
+	bool                            carriesBonds = false, portable;
+	double                          iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;
 	std::vector<std::uint64_t> sortBuffer;

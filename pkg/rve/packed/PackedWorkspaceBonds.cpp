@@ -120,7 +120,7 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	IceBond& bond = lanes.bond[lane];
 	if (bond.state != BondState::NONE) return false;
 	const Geometry now     = geometry(lanes, lane);
-	const double   smaller = std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]);
+	const double   smaller = std::min(view.radius[now.rows.first], view.radius[now.rows.second]);
 	if (now.overlap < -base.ice.bondRange * smaller) return false;
 	auto iceShear = laneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4);
 	bond.form(now.overlap, iceShear);
@@ -128,7 +128,7 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	if constexpr (Dim == 3)
 		if (now.overlap < 0)
 			for (int d = 0; d < 3; ++d)
-				lanes.normals[lane / 4].n[d][lane % 4] = now.n[d];
+				lanes.block[lane / 4].normal[d][lane % 4] = now.n[d];
 	setResponse(lanes, lane);
 	return true;
 }

@@ -19,7 +19,6 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, 
 	const std::size_t blocks = (number + 3) / 4;
 	pairs                    = number;
 	block.resize(blocks);
-	normals.resize(Dim == 3 ? blocks : 0);
 	shift.resize(crosses ? 4 * blocks : 0);
 	ice.resize(bonded ? blocks : 0);
 	bond.resize(bonded ? number : 0);
@@ -30,7 +29,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lan
 	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, laneShear<Dim>(from.block[at / 4].shear, at % 4));
 	if constexpr (Dim == 3)
 		for (int d = 0; d < 3; ++d)
-			normals[lane / 4].n[d][lane % 4] = from.normals[at / 4].n[d][at % 4];
+			block[lane / 4].normal[d][lane % 4] = from.block[at / 4].normal[d][at % 4];
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, laneShear<Dim>(from.ice[at / 4].iceShear, at % 4));
 	bond[lane] = from.bond[at];
@@ -43,7 +42,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t l
 	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, none);
 	if constexpr (Dim == 3)
 		for (int d = 0; d < 3; ++d)
-			normals[lane / 4].n[d][lane % 4] = 0;
+			block[lane / 4].normal[d][lane % 4] = 0;
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, none);
 	if (lane < pairs) bond[lane] = IceBond();
@@ -77,7 +76,7 @@ template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::siz
 	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
 	if constexpr (Dim == 3)
 		for (int d = 0; d < 3; ++d)
-			lanes.normals[b].n[d][l] = c.normal[k][d];
+			lanes.block[b].normal[d][l] = c.normal[k][d];
 	if (!carriesBonds) return;
 	setLaneShear<Dim>(lanes.ice[b].iceShear, l, c.iceShear[k]);
 	lanes.bond[lane] = c.iceBond(k);
@@ -149,14 +148,14 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
 		for (const std::uint32_t lane : kept[crosses]) {
 			const std::size_t b = lane / 4, l = lane % 4;
-			c.first[k]  = std::uint16_t(lanes.block[b].first[l] / 4);
-			c.second[k] = std::uint16_t(lanes.block[b].second[l] / 4);
+			c.first[k]  = std::uint16_t(rowOf(lanes.block[b].first[l]));
+			c.second[k] = std::uint16_t(rowOf(lanes.block[b].second[l]));
 			for (int d = 0; d < Dim; ++d)
-				c.cellDist[k][d] = crosses ? shiftCell[lanes.shift[lane] / 4 * Dim + d] : std::int8_t(0);
+				c.cellDist[k][d] = crosses ? shiftCell[rowOf(lanes.shift[lane]) * Dim + d] : std::int8_t(0);
 			c.shear[k] = laneShear<Dim>(lanes.block[b].shear, l);
 			if constexpr (Dim == 3)
 				for (int d = 0; d < 3; ++d)
-					c.normal[k][d] = lanes.normals[b].n[d][l];
+					c.normal[k][d] = lanes.block[b].normal[d][l];
 			if (carriesBonds) {
 				const IceBond& bond = lanes.bond[lane];
 				c.iceShear[k]       = laneShear<Dim>(lanes.ice[b].iceShear, l);
@@ -181,10 +180,10 @@ template <int Dim> void PackedWorkspace<Dim>::storeLists(PackedLists<Dim>& lists
 	for (const bool crosses : { false, true }) {
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
 		for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
-			lists.first[k + lane]  = std::uint16_t(lanes.block[lane / 4].second[lane % 4] / 4);
-			lists.second[k + lane] = std::uint16_t(lanes.block[lane / 4].first[lane % 4] / 4);
+			lists.first[k + lane]  = std::uint16_t(rowOf(lanes.block[lane / 4].second[lane % 4]));
+			lists.second[k + lane] = std::uint16_t(rowOf(lanes.block[lane / 4].first[lane % 4]));
 			for (int d = 0; crosses && d < Dim; ++d)
-				lists.cellDist[lane][d] = shiftCell[lanes.shift[lane] / 4 * Dim + d];
+				lists.cellDist[lane][d] = shiftCell[rowOf(lanes.shift[lane]) * Dim + d];
 		}
 		for (const std::uint32_t lane : kept[crosses])
 			std::swap(lists.first[k + lane], lists.second[k + lane]);
@@ -232,7 +231,7 @@ template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		double square = 0;
 		for (int d = 0; d < Dim; ++d) {
-			double u = view.motion[g * PackedLayout<Dim>::motion + d];
+			double u = view.position(g)[d];
 			for (int e = 0; e < Dim; ++e)
 				u -= deformation(d, e) * x0[4 * g + e];
 			square += u * u;
@@ -265,7 +264,7 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 	use.skin = std::max(skinOverRadius * averageRadius, leastSkin);
 	std::swap(innerLanes, oldInner);
 	std::swap(periodicLanes, oldPeriodic);
-	search.build(view.motion, PackedLayout<Dim>::motion, view.radius, grainCount, use.referenceCell, use.skin, innerLanes.keys, periodicLanes.keys);
+	search.build(view.motion, PackedLayout<Dim>::row, view.radius, grainCount, use.referenceCell, use.skin, innerLanes.keys, periodicLanes.keys);
 	for (const bool crosses : { false, true }) {
 		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
 		sortPairKeys(keys, sortBuffer, sortCounts);
@@ -276,7 +275,7 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 	adoptKeys();
 	for (std::size_t g = 0; g < grainCount; ++g)
 		for (int d = 0; d < Dim; ++d)
-			reference[g].value[d] = view.motion[g * PackedLayout<Dim>::motion + d];
+			reference[g].value[d] = view.position(g)[d];
 	referenceKnown = true;
 	use.travel = use.stretch = 0;
 }
@@ -293,8 +292,8 @@ template <int Dim> void PackedWorkspace<Dim>::adoptKeys()
 template <int Dim> void PackedWorkspace<Dim>::lanesChanged()
 {
 	const std::size_t shifts = shiftCell.size() / Dim;
-	shiftMotion.resize(shifts * PackedLayout<Dim>::motion / 4);
-	shiftForce.resize(shifts * PackedLayout<Dim>::force / 4);
+	shiftMotion.resize(shifts * PackedLayout<Dim>::row / 4);
+	shiftForce.resize(Dim == 2 ? shiftMotion.size() : 0);
 	bind();
 	updateShiftRows();
 	listsValid = true;
@@ -329,18 +328,18 @@ template <int Dim> void PackedWorkspace<Dim>::formKeys(bool crosses)
 	lanes.keys.resize(lanes.pairs);
 	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
 		const PackedBlock<Dim>& block = lanes.block[lane / 4];
-		PairKey<Dim>            pair { block.first[lane % 4] / 4, block.second[lane % 4] / 4, {} };
+		PairKey<Dim>            pair { rowOf(block.first[lane % 4]), rowOf(block.second[lane % 4]), {} };
 		for (int d = 0; crosses && d < Dim; ++d)
-			pair.cellDist[d] = shiftCell[lanes.shift[lane] / 4 * Dim + d];
+			pair.cellDist[d] = shiftCell[rowOf(lanes.shift[lane]) * Dim + d];
 		lanes.keys[lane] = pair.encode();
 	}
 }
 
 template <int Dim> void PackedWorkspace<Dim>::setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool crosses)
 {
-	lanes.block[lane / 4].first[lane % 4]  = 4 * pair.first;
-	lanes.block[lane / 4].second[lane % 4] = 4 * pair.second;
-	if (crosses) lanes.shift[lane] = 4 * shiftIndex(pair.cellDist);
+	lanes.block[lane / 4].first[lane % 4]  = PackedLayout<Dim>::row * pair.first;
+	lanes.block[lane / 4].second[lane % 4] = PackedLayout<Dim>::row * pair.second;
+	if (crosses) lanes.shift[lane] = PackedLayout<Dim>::row * shiftIndex(pair.cellDist);
 }
 
 /// Old lanes and new ones are walked together: both are in the order of their keys.
@@ -365,9 +364,10 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 	for (std::size_t lane = lanes.pairs; lane < 4 * lanes.block.size(); ++lane) {
 		PackedBlock<Dim>& block = lanes.block[lane / 4];
 		const std::size_t l     = lane % 4;
-		block.first[l]          = std::uint32_t(4 * rowCount);
-		block.second[l]         = std::uint32_t(4 * (rowCount + 1));
+		block.first[l]          = std::uint32_t(PackedLayout<Dim>::row * rowCount);
+		block.second[l]         = std::uint32_t(PackedLayout<Dim>::row * (rowCount + 1));
 		block.sumRadius[l] = block.stiffness[l] = 0;
+		if constexpr (Dim == 3) block.halfDifference[l] = 0;
 		if (crosses) lanes.shift[lane] = 0;
 		lanes.forgetHistory(lane);
 		if (!carriesBonds) continue;
@@ -379,14 +379,14 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 template <int Dim> ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes& lanes, std::size_t lane, double ratio) const
 {
 	const PackedBlock<Dim>& block = lanes.block[lane / 4];
-	const double            a = grains->radius[block.first[lane % 4] / 4], b = grains->radius[block.second[lane % 4] / 4];
+	const double            a = grains->radius[rowOf(block.first[lane % 4])], b = grains->radius[rowOf(block.second[lane % 4])];
 	return { 2 * base.ice.grainYoung * a * b / (a + b), base.stiffnessRatio, ratio };
 }
 
 template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lanes, std::size_t lane) const
 {
 	const PackedBlock<Dim>& block = lanes.block[lane / 4];
-	const double            area  = base.ice.bondArea(std::min(grains->radius[block.first[lane % 4] / 4], grains->radius[block.second[lane % 4] / 4]));
+	const double            area = base.ice.bondArea(std::min(grains->radius[rowOf(block.first[lane % 4])], grains->radius[rowOf(block.second[lane % 4])]));
 	return { tensileStrength * area, shearStrength * area };
 }
 
@@ -396,8 +396,10 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 	PackedBlock<Dim>&      block = lanes.block[lane / 4];
 	const std::size_t      l     = lane % 4;
 	const ContactStiffness k     = stiffness(lanes, lane, iceRatio);
-	block.sumRadius[l]           = view.radius[block.first[l] / 4] + view.radius[block.second[l] / 4];
-	block.stiffness[l]           = k.grain;
+	const double           first = view.radius[rowOf(block.first[l])], second = view.radius[rowOf(block.second[l])];
+	block.sumRadius[l] = first + second;
+	if constexpr (Dim == 3) block.halfDifference[l] = 0.5 * (first - second);
+	block.stiffness[l] = k.grain;
 	if (!carriesBonds) return;
 	const IceBond&                bond    = lanes.bond[lane];
 	const ContactResponse<double> contact = bond.response(k, strength(lanes, lane));
@@ -418,18 +420,18 @@ template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
 	double speed[Dim * Dim];
 	multiply<Dim>(view.velGrad, view.prevHSize, speed);
 	for (std::size_t k = 0; k < view.shifts; ++k) {
-		double* row = view.shiftMotion + k * PackedLayout<Dim>::motion;
-		double* sum = view.shiftForce + k * PackedLayout<Dim>::force;
+		double* row = view.shiftMotion + k * PackedLayout<Dim>::row;
+		double* sum = view.shiftForce + k * PackedLayout<Dim>::row;
 		for (int d = 0; d < Dim; ++d) {
 			double x = 0, v = 0;
 			for (int e = 0; e < Dim; ++e) {
 				x += view.hSize[d * Dim + e] * view.shiftCell[k * Dim + e];
 				v += speed[d * Dim + e] * view.shiftCell[k * Dim + e];
 			}
-			row[d]       = x;
-			row[Dim + d] = v;
+			row[d]                               = x;
+			row[PackedLayout<Dim>::velocity + d] = v;
 		}
-		for (int d = 0; d < PackedLayout<Dim>::force; ++d)
+		for (int d = 0; d < 4; ++d)
 			sum[d] = 0;
 	}
 }

@@ -42,8 +42,8 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 		const double norm = shearNorm(shear);
 		pairForce<Dim>(now.n, normalForce, shear, force);
 		for (int d = 0; d < Dim; ++d) {
-			net[now.rows.first / 4][d] -= force[d];
-			net[now.rows.second / 4][d] += force[d];
+			net[now.rows.first][d] -= force[d];
+			net[now.rows.second][d] += force[d];
 			for (int e = 0; e < Dim; ++e)
 				result.fabric(d, e) += now.n[d] * now.n[e];
 		}
@@ -53,22 +53,21 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 		result.bondsBroken += bond.state == BondState::BROKEN;
 		if (now.overlap <= 0) return;
 		overlaps += now.overlap / now.sumRadius;
-		result.maxOverlapRatio = std::max(
-		        result.maxOverlapRatio, now.overlap / std::min(view.radius[now.rows.first / 4], view.radius[now.rows.second / 4]));
+		result.maxOverlapRatio = std::max(result.maxOverlapRatio, now.overlap / std::min(view.radius[now.rows.first], view.radius[now.rows.second]));
 	});
 	double solid = 0, imbalance = 0;
 	for (std::size_t g = 0; g < grainCount; ++g) {
-		const double* x      = view.motion + g * PackedLayout<Dim>::motion;
+		const double* x      = view.position(g);
 		const double  r      = view.radius[g];
 		double        square = 0, spinSquare = 0;
 		for (int d = 0; d < Dim; ++d) {
-			double v = x[Dim + d];
+			double v = view.velocity(g)[d];
 			for (int e = 0; e < Dim; ++e)
 				v -= view.prevVelGrad[d * Dim + e] * x[e];
 			square += v * v;
 		}
 		for (int d = 0; d < PackedLayout<Dim>::angular; ++d) {
-			const double w = view.angular[g * PackedLayout<Dim>::angular + d];
+			const double w = view.spin(g, d);
 			spinSquare += w * w;
 		}
 		result.kineticEnergy += 0.5 * (grains->mass[g] * square + grains->inertia[g] * spinSquare);
