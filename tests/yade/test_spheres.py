@@ -90,7 +90,8 @@ def test_packed_and_stock_spheres_give_one_curve_of_triaxial_compression(ice, sa
 		curves.append(np.array(curve))
 	difference = np.abs(curves[0] - curves[1]).max(axis=1).mean() / np.abs(curves[1]).max(axis=1).mean()
 	print(
-		f"\nsigma_zz from {sample.stress[2] / 1e3:.0f} to {curves[1][-1, 2] / 1e3:.0f} kPa over 1 %, sigma_xx then {curves[1][-1, 0] / 1e3:.0f} kPa; the curves differ by {difference:.1e} of it"
+		f"\nsigma_zz from {sample.stress[2] / 1e3:.0f} to {curves[1][-1, 2] / 1e3:.0f} kPa over 1 %, sigma_xx then {curves[1][-1, 0] / 1e3:.0f} kPa; "
+		f"the curves differ by {difference:.1e} of it"
 	)
 	assert curves[1][-1, 2] < 1.5 * held and difference < 1e-2
 

@@ -16,7 +16,7 @@ template <int D> void FixedBoundary<D>::validate(const Grid<D>& grid) const
 
 template <int D> void FixedBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
 {
-	const int axis = this->region_.on.axis, inward = this->inward(grid);
+	const int inward = this->inward(grid);
 	Vec<D>    sign;
 	sign.fill(-1.0);
 	for (int node : wallNodes(grid, this->region_)) {

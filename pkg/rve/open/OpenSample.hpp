@@ -72,9 +72,11 @@ public:
 	PackedTangent<3> tangent() const;
 	OpenStatistics   statistics() const;
 	Eigen::Matrix3d  deformation() const { return scene->cell->trsf; }
-	bool             hasIce() const { return !iceMaterials.empty(); }
-	double           iceSaturation() const; ///< 0 without IceBondMat
-	StiffnessBound   stiffnessBound() const;
+	/// Whether its grains are discs, held in the plane, and not spheres.
+	bool           planar() const { return discs; }
+	bool           hasIce() const { return !iceMaterials.empty(); }
+	double         iceSaturation() const; ///< 0 without IceBondMat
+	StiffnessBound stiffnessBound() const;
 
 	const boost::shared_ptr<yade::Scene>& yadeScene() const { return scene; }
 
