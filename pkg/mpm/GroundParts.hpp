@@ -99,7 +99,8 @@ template <int D> struct Ground<D>::Parts {
 		bool   numbers; ///< false: a position is not finite
 	};
 	std::vector<PositionBounds> bounds;
-	std::vector<int>            bad; ///< per strip: place of the first point that cannot go on, or -1
+	std::vector<Vec<D>>         lostMomentum; ///< per strip: of water in cells that run dry, in this step
+	std::vector<int>            bad;          ///< per strip: place of the first point that cannot go on, or -1
 	mutable std::vector<double> scratch;
 	mutable CostMeter           cost;
 	bool                        heatRests      = false; ///< in this step

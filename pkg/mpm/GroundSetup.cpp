@@ -89,7 +89,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
 	if (averaging() && front && !water) cells->allowLeavingOut();
-	if (water && averaging()) water->allocateCells(grid.cellCount());
+	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
 	if (std::any_of(inputs.begin(), inputs.end(), [](const auto& in) { return !std::isnan(in.poreFill); }))
 		for (const auto& in : inputs)
 			pointFill.push_back(std::isnan(in.poreFill) ? settings.usedPoreFill() : in.poreFill);
@@ -97,6 +97,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		fillPoint(id, inputs[id], fillOf(id));
 	sort();
 	bad.assign(points->strips().count(), -1);
+	if (water && averaging()) lostMomentum.assign(points->strips().count(), {});
 	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.assign(n, 0.0);
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));

@@ -453,7 +453,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		CostMeter::Sample sample = g.cost.sample(strip);
 		sample.begin();
 		if (cells) {
-			g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
+			g.lostMomentum[strip] = g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
 			sample.lap(CostMeter::water);
 		}
 		if (g.motion) {
@@ -472,8 +472,11 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		const int failed = g.content->update(first, last, g.contentOf(), cells, sample);
 		if (failed < last) g.bad[strip] = failed;
 	};
-	if (cells) g.points->strips().scatter(update);
-	else g.points->strips().gather(update);
+	if (cells) {
+		g.points->strips().scatter(update);
+		for (const Vec<D>& lost : g.lostMomentum)
+			g.water->bookMomentum(lost);
+	} else g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
 		g.water->findCellPressure(g.clock.range);

@@ -48,7 +48,7 @@ template <int D> struct RandomGround {
 		points.allocate(n);
 		motion.bind(points, grid);
 		water.bind(points, grid, field(ice), field(temperature), field(waterMass));
-		water.allocateCells(grid.cellCount());
+		water.allocateCells(grid.cellCount(), grid.cellVolume());
 		cells.allocate(grid, n);
 		for (int p = 0; p < n; ++p) {
 			for (int a = 0; a < D; ++a) {

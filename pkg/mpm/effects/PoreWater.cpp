@@ -13,6 +13,10 @@ static_assert(PlaneLoops::potentialSize == NodeColumns<2>::Driving::size && Node
 namespace {
 	/// Part of its liquid that a cell gives away in a step at most.
 	constexpr double largestLoss = 0.5;
+	/// Share of its water that a cell may lose in a step before what stays is slowed down, at least.
+	constexpr double leastDryingLoss = 1e-3;
+	/// Water of a cell per volume of the cell below which it is a trace [kg/m^D].
+	constexpr double traceDensity = 1e-9;
 	// A neighbour that conducts less than this part of a cell is ice to its water.
 	constexpr double tight = 0.1;
 } // namespace
@@ -54,8 +58,9 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	none_.assign(blockSize, 0.0);
 }
 
-template <int D> void PoreWater<D>::allocateCells(int cells)
+template <int D> void PoreWater<D>::allocateCells(int cells, double cellVolume)
 {
+	traceMass_ = traceDensity * cellVolume;
 	cells_.assign(cells, {});
 	if (!iceMass_) return;
 	freezing_.assign(cells, {});
@@ -559,13 +564,15 @@ void PoreWater<D>::levelCells(
 	});
 }
 
-/// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it. What it keeps counts as having come in.
+/// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it, and a trace of water gives nothing: it would
+/// shrink to nothing that can be divided by. What a cell keeps counts as having come in.
 template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range)
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
-		Cell& cell = cells_[c];
-		if (!(cell.liquidMass > 0.0) || cell.exchange[Gathered::water] >= -largestLoss) continue;
-		const double given = -largestLoss / cell.exchange[Gathered::water];
+		Cell&        cell = cells_[c];
+		const double loss = -cell.exchange[Gathered::water], most = cell.liquidMass > traceMass_ ? largestLoss : 0.0;
+		if (!(cell.liquidMass > 0.0) || !(loss > most)) continue;
+		const double given = most / loss;
 		waterOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::water];
 		enthalpyOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::enthalpy];
 		for (int a = 0; a < D; ++a)
@@ -591,12 +598,41 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 	keepLastWater(range);
 }
 
-template <int D> void PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
+template <int D> Vec<D> PoreWater<D>::slowDrying(int p, const Cell& cell, const Vec<D>& before, double most)
 {
+	const double part   = -most / cell.exchange[Gathered::water];
+	const double liquid = liquidMass(p);
+	Vec<D>       missing;
+	for (int i = 0; i < D; ++i) {
+		const double slower = (before[i] + part * cell.exchange[Gathered::momentum + i]) / (1.0 - most);
+		missing[i]          = liquid * (velocity[i][p] - slower);
+		velocity[i][p]      = slower;
+	}
+	return missing;
+}
+
+template <int D> Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
+{
+	const double most = std::max(0.5 * (1.0 - kept), leastDryingLoss);
+	Vec<D>       lost {};
 	for (int p = first; p < last; ++p) {
 		const Cell& cell = cells_[cells.cell(p)];
+		Vec<D>      before;
+		for (int i = 0; i < D; ++i)
+			before[i] = velocity[i][p];
 		take(p, cell.exchange, cell.dilution, waterMass, enthalpy);
+		if (!(cell.exchange[Gathered::water] < -most)) continue;
+		const Vec<D> missing = slowDrying(p, cell, before, most);
+		for (int i = 0; i < D; ++i)
+			lost[i] += missing[i];
 	}
+	return lost;
+}
+
+template <int D> void PoreWater<D>::bookMomentum(const Vec<D>& lost)
+{
+	for (int a = 0; a < D; ++a)
+		momentumOut[a] += lost[a];
 }
 
 template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)

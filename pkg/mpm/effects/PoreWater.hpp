@@ -38,7 +38,7 @@ public:
 	/// Cell means of pressure and exchange, weighted with the liquid mass: what seeps is then as uniform within a cell as the
 	/// strain is, or points of one cell would drift apart in pressure without any force to bring them back. The mean pressure
 	/// that drives the liquid is the transpose.
-	void allocateCells(int cells);
+	void allocateCells(int cells, double cellVolume);
 	void clearCells(int first, int last);
 	/// Adds pressure of points first .. last to their cells; call within MaterialPoints::strips().scatter.
 	void addPressure(const CellMeans<D>& cells, int first, int last);
@@ -92,8 +92,11 @@ public:
 	/// Exchange of each cell per liquid mass.
 	void finishCells(const ActiveRange& range);
 	void keepLastWater(const ActiveRange& range);
-	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy.
-	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
+	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
+	/// water of cells that run dry gave up, see slowDrying; to be given to bookMomentum.
+	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
+	/// Books momentum [N s] as gone out with the water.
+	void bookMomentum(const Vec<D>& lost);
 
 	/// Adds to a cell the unstressed volume of a point's liquid and ice less its pore volume [m^D], and their compliance [m^D/Pa].
 	void addFill(int cell, double excess, double compliance)
@@ -162,6 +165,10 @@ private:
 		double conductance, flow;
 	};
 	double drivingPressure(int cell) const { return cells_[cell].driving; }
+	/// Water that leaves takes the velocity of the nodes along. In a cell that loses a good part of its water in a step, what stays would be
+	/// left with the difference and become ever faster, without bound as the cell runs dry. Its velocity changes as if no more had left
+	/// than the points' approach to the nodes' velocity makes up for. Returns the momentum that is missing then.
+	Vec<D> slowDrying(int place, const Cell& cell, const Vec<D>& before, double most);
 	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
 	double mobility(int cell, double volume, double liquidDensity) const;
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
@@ -171,6 +178,7 @@ private:
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
+	double traceMass_ = 0.0; ///< of a cell [kg]
 	std::array<std::vector<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
