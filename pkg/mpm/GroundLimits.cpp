@@ -14,32 +14,67 @@ namespace {
 	constexpr double fastestGround = 1e5;
 } // namespace
 
+namespace {
+	/// Length of a vector of a point.
+	template <int D> double sizeAt(const std::array<double*, D>& v, int p)
+	{
+		double sum = 0.0;
+		for (int a = 0; a < D; ++a)
+			sum += v[a][p] * v[a][p];
+		return std::sqrt(sum);
+	}
+} // namespace
+
+/// Speed of the fastest wave at a point, with that of the point or its water [m/s].
+template <int D> double Ground<D>::Parts::signalSpeed(int p, double modulus) const
+{
+	double c = std::sqrt(modulus * points->volume()[p] / motion->mass[p]);
+	double v = sizeAt<D>(motion->velocity, p);
+	if (water) {
+		const double               porosity = content->porosity[p];
+		const double               sl       = content->iceSaturation ? 1.0 - content->iceSaturation[p] : 1.0;
+		const double               t        = heat ? heat->temperature[p] : settings.mixture.referenceTemperature;
+		const PressureCoefficients k        = settings.water->state.coefficients(settings.mixture, { porosity, sl, 0.0, t });
+		c                                   = largestWaveSpeed(settings.mixture, VolumeFractions::of(porosity, sl), k, modulus);
+		v                                   = std::max(v, sizeAt<D>(water->velocity, p));
+	}
+	if (v > fastestGround)
+		throw std::runtime_error(
+		        whereabouts(p) + " or its water moves at " + std::to_string(v)
+		        + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
+	return c + v;
+}
+
+/// Step in which seeping water passes a point's heat on by a cell [s].
+template <int D> double Ground<D>::Parts::advectionStep(int p) const
+{
+	double q = 0.0;
+	for (int a = 0; a < D; ++a) {
+		const double w = water->velocity[a][p] - motion->velocity[a][p];
+		q += w * w;
+	}
+	q               = water->liquidFraction[p] * std::sqrt(q);
+	const Phase& of = settings.mixture.liquid;
+	return grid.spacing() * heat->heatCapacity[p] / (points->volume()[p] * of.density * of.specificHeat * q);
+}
+
 template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("stableTimeStep: the ground is not initialised");
-	const GroundSettings<D>& s      = g.settings;
-	const double             h      = g.grid.spacing();
-	const int                n      = g.points->count();
-	const double*            volume = g.points->volume();
+	const GroundSettings<D>& s = g.settings;
+	const double             h = g.grid.spacing();
 
 	g.cost.start();
 	StableTimeStep result;
 	const auto     add = [&](const char* name, const std::function<double(int)>& limitOf) {
                 TimeStepLimit limit { name, infinity, -1 };
-                for (int p = 0; p < n; ++p) {
+                for (int p = 0; p < g.points->count(); ++p) {
                         const double step = limitOf(p);
                         if (step < limit.step) limit.step = step, limit.point = g.points->id(p);
                 }
                 result.limits.push_back(limit);
 	};
-	const auto speed = [&](const std::array<double*, D>& v, int p) {
-		double sum = 0.0;
-		for (int a = 0; a < D; ++a)
-			sum += v[a][p] * v[a][p];
-		return std::sqrt(sum);
-	};
-
 	if (g.motion) {
 		// What a step adds to nodal velocities reaches the next one by way of the points, smoothed: a mode keeps the share s of it, and g of
 		// its velocity, 0 <= s <= g <= 1. It grows where (omega dt)^2 > 2 (1 + g)/(1 + g - s), which is 4 without smoothing and never below 2.
@@ -47,43 +82,16 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 		const double reach = h * std::min(s.courantNumber, std::sqrt(2.0 / (D * g.shape->steepness())));
 		for (std::size_t k = 0; k < s.skeletons.size(); ++k)
 			s.skeletons[k]->tangentModulus(g.batch(k), g.scratch.data());
-		add("wave", [&](int p) {
-			const double modulus = g.scratch[p];
-			double       c       = std::sqrt(modulus * volume[p] / g.motion->mass[p]);
-			double       v       = speed(g.motion->velocity, p);
-			if (g.water) {
-				const double               porosity = g.content->porosity[p];
-				const double               sl       = g.content->iceSaturation ? 1.0 - g.content->iceSaturation[p] : 1.0;
-				const double               t        = g.heat ? g.heat->temperature[p] : s.mixture.referenceTemperature;
-				const PressureCoefficients k        = s.water->state.coefficients(s.mixture, { porosity, sl, 0.0, t });
-				c                                   = largestWaveSpeed(s.mixture, VolumeFractions::of(porosity, sl), k, modulus);
-				v                                   = std::max(v, speed(g.water->velocity, p));
-			}
-			if (v > fastestGround)
-				throw std::runtime_error(
-				        g.whereabouts(p) + " or its water moves at " + std::to_string(v)
-				        + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and "
-				          "seepage");
-			return reach / (c + v);
-		});
-		add("velocity", [&](int p) { return s.motionFraction * h / speed(g.motion->velocity, p); });
+		add("wave", [&](int p) { return reach / g.signalSpeed(p, g.scratch[p]); });
+		add("velocity", [&](int p) { return s.motionFraction * h / sizeAt<D>(g.motion->velocity, p); });
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {
 		// where the scale follows the motion it is lowered where heat needs that, and the step stays that of motion
 		const double slowest = g.calendar ? s.heat->movingTimeScale : s.heat->thermalTimeScale;
 		const double scale   = 2.0 * D * slowest / (s.heatFraction * h * h);
-		add("heat", [&](int p) { return g.heat->heatCapacity[p] / (volume[p] * g.heat->conductivity[p] * scale); });
-		if (g.water)
-			add("heat advection", [&](int p) {
-				double q = 0.0;
-				for (int a = 0; a < D; ++a) {
-					const double w = g.water->velocity[a][p] - g.motion->velocity[a][p];
-					q += w * w;
-				}
-				q = g.water->liquidFraction[p] * std::sqrt(q);
-				return h * g.heat->heatCapacity[p] / (volume[p] * s.mixture.liquid.density * s.mixture.liquid.specificHeat * q);
-			});
+		add("heat", [&](int p) { return g.heat->heatCapacity[p] / (g.points->volume()[p] * g.heat->conductivity[p] * scale); });
+		if (g.water) add("heat advection", [&](int p) { return g.advectionStep(p); });
 	}
 	result.step = infinity;
 	for (const TimeStepLimit& limit : result.limits)

@@ -188,6 +188,8 @@ template <int D> struct Ground<D>::Parts {
 	void   updateTemperature();
 	void   solveMomentum();
 	void   seep();
+	double signalSpeed(int place, double modulus) const;
+	double advectionStep(int place) const;
 	double longestPath();
 	bool   mayLeaveGrid(int place, double reach) const;
 	bool   leavesGrid(int place, WeightBlock<D>& w) const;

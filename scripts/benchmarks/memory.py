@@ -76,7 +76,7 @@ def slopeOfBondedSamples():
 	shake = np.random.default_rng(1).normal(0, 1e-3, (len(positions), 2))  # [m/s]: no two points move alike
 	mpm.addPoints(position=positions, volume=volumes, temperature=-5.0, velocity=shake)
 	O.engines = [mpm]
-	talik._talik.runSerially(3)
+	talik.runSerially(3)
 	counters = skeleton.counters
 	size = (resident() - before) / 1e9
 	if counters["distinctStates"] < len(positions):

@@ -75,10 +75,10 @@ class StockCalls:
 	def __init__(self, sample, strain, number=4):
 		self.strain, self.steps = strain, int(max(1e5 * strain, 2))
 		talik._talik.exchangeScene(sample.open())
-		talik._talik.runSerially(2)  # the collider has its pairs
+		talik.runSerially(2)  # the collider has its pairs
 		self.texts, self.calls = [O.sceneToString()] * number, 0
 
-	def __call__(self, run=talik._talik.runSerially):
+	def __call__(self, run=talik.runSerially):
 		k = self.calls % len(self.texts)
 		self.calls += 1
 		O.stringToScene(self.texts[k])

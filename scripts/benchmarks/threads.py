@@ -44,7 +44,7 @@ def wet():
 def seconds(steps, threads):
 	begin = time.perf_counter()
 	if threads == 1:
-		talik._talik.runSerially(steps)
+		talik.runSerially(steps)
 	else:
 		for _ in range(steps):
 			O.step()

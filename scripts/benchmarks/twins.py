@@ -47,7 +47,7 @@ class Twin:
 
 	def runStock(self):
 		talik._talik.exchangeScene(self.scene)
-		talik._talik.runSerially(self.window)
+		talik.runSerially(self.window)
 
 	def stock(self):
 		"""Next window of stock YADE: time per grain and step [ns]."""
@@ -128,7 +128,7 @@ def tiled(grains, times):
 					body.state.mass, body.state.inertia, body.state.blockedDOFs = mass, inertia, "zXY"
 					O.bodies.append(body)
 		O.engines, O.dt = engines, step
-		talik._talik.runSerially(1)
+		talik.runSerially(1)
 		sample = wrapper.RveSample.fromScene(O._sceneObj)
 	if not sample.servo(-pressure, -pressure):
 		raise RuntimeError(f"tiled: {times} x {times} x {grains} grains do not come to rest at {pressure:g} Pa")

@@ -134,23 +134,26 @@ template class WaterFlux<3>;
 
 // ---- thermal ---------------------------------------------------------------------------------------------------------------
 
-template <int D> void SurfaceTemperature<D>::validate(const Grid<D>& grid) const
-{
-	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use WallTemperature for nodes");
-	this->requireTemperatures(temperature_);
-	requireSetting(
-	        heatTransferCoefficient_ >= 0.0, "SurfaceTemperature.heatTransferCoefficient", heatTransferCoefficient_,
-	        "must not be negative, in W/(m^2 K); leave it out to prescribe the temperature of the surface");
-	Boundary<D>::validate(grid);
-}
-
-template <int D> SurfaceHeat SurfaceTemperature<D>::heat(double time) const
+template <int D> SurfaceHeat HeatExchange<D>::heat(double time) const
 {
 	SurfaceHeat h;
 	h.ambient   = temperature_.at(time);
-	h.atSurface = std::isinf(heatTransferCoefficient_);
-	if (!h.atSurface) h.coefficient = heatTransferCoefficient_;
+	h.atSurface = std::isinf(coefficient_);
+	if (!h.atSurface) h.coefficient = coefficient_;
 	return h;
+}
+
+template class HeatExchange<2>;
+template class HeatExchange<3>;
+
+template <int D> void SurfaceTemperature<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use WallTemperature for nodes");
+	this->requireTemperatures(this->temperature_);
+	requireSetting(
+	        this->coefficient_ >= 0.0, "SurfaceTemperature.heatTransferCoefficient", this->coefficient_,
+	        "must not be negative, in W/(m^2 K); leave it out to prescribe the temperature of the surface");
+	Boundary<D>::validate(grid);
 }
 
 template class SurfaceTemperature<2>;
@@ -173,20 +176,11 @@ template <int D> void BodyTemperature<D>::validate(const Grid<D>& grid) const
 	if (ids.empty()) throw std::invalid_argument("BodyTemperature.bodies = []: names no body; give the numbers of bodies, e.g. [0]");
 	for (int id : ids)
 		requireSetting(id >= 0, "BodyTemperature.bodies", id, "must be numbers of bodies, 0 or more");
-	this->requireTemperatures(temperature_);
+	this->requireTemperatures(this->temperature_);
 	requireSetting(
 	        std::isfinite(resistance_) && resistance_ >= 0.0, "BodyTemperature.resistance", resistance_,
 	        "must not be negative, in m^2 K/W; 0: none; a body that no heat enters needs no BodyTemperature");
 	Boundary<D>::validate(grid);
-}
-
-template <int D> SurfaceHeat BodyTemperature<D>::heat(double time) const
-{
-	SurfaceHeat h;
-	h.ambient   = temperature_.at(time);
-	h.atSurface = resistance_ == 0.0;
-	if (!h.atSurface) h.coefficient = 1.0 / resistance_;
-	return h;
 }
 
 template class BodyTemperature<2>;

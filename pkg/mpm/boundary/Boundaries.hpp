@@ -107,25 +107,33 @@ private:
 
 // ---- thermal ---------------------------------------------------------------------------------------------------------------
 
-/// Temperature of the moving free surface, or of air that exchanges heat with it.
-template <int D> class SurfaceTemperature final : public Boundary<D> {
+/// Heat that the surface of the ground exchanges with something of given temperature.
+template <int D> class HeatExchange : public Boundary<D> {
 public:
-	/// temperature [degC]; heatTransferCoefficient [W/(m^2 K)]: infinite (default) prescribes the temperature of the surface
-	/// itself, a finite one that of the air. Scaled by the thermal time scale like conduction.
-	explicit SurfaceTemperature(
-	        const Region<D>& region, const TimeTable& temperature, double heatTransferCoefficient = std::numeric_limits<double>::infinity())
-	        : Boundary<D>(region, "SurfaceTemperature", "heat")
-	        , temperature_(temperature)
-	        , heatTransferCoefficient_(heatTransferCoefficient)
-	{}
-	void        validate(const Grid<D>& grid) const override;
 	bool        usesSurface() const override { return true; }
 	bool        heats() const override { return true; }
 	SurfaceHeat heat(double time) const override;
 
-private:
-	TimeTable temperature_;
-	double    heatTransferCoefficient_;
+protected:
+	/// coefficient [W/(m^2 K)]; infinite: the surface itself has the temperature. Scaled by the thermal time scale like conduction.
+	HeatExchange(const Region<D>& region, const char* name, const TimeTable& temperature, double coefficient)
+	        : Boundary<D>(region, name, "heat")
+	        , temperature_(temperature)
+	        , coefficient_(coefficient)
+	{}
+	TimeTable temperature_; ///< [degC]
+	double    coefficient_;
+};
+
+/// Temperature of the moving free surface, or of air that exchanges heat with it.
+template <int D> class SurfaceTemperature final : public HeatExchange<D> {
+public:
+	/// heatTransferCoefficient [W/(m^2 K)]: infinite (default) prescribes the temperature of the surface itself, a finite one that of the air.
+	explicit SurfaceTemperature(
+	        const Region<D>& region, const TimeTable& temperature, double heatTransferCoefficient = std::numeric_limits<double>::infinity())
+	        : HeatExchange<D>(region, "SurfaceTemperature", temperature, heatTransferCoefficient)
+	{}
+	void validate(const Grid<D>& grid) const override;
 };
 
 /// Temperature of a side, which lies on nodes and is met exactly, or of a box or disc in the ground (a pipe), by the share of each
@@ -147,23 +155,18 @@ private:
 };
 
 /// Temperature of rigid bodies: heat crosses where ground faces them, and moves along with them.
-template <int D> class BodyTemperature final : public Boundary<D> {
+template <int D> class BodyTemperature final : public HeatExchange<D> {
 public:
-	/// bodies: numbers of bodies or of their groups; temperature [degC] inside; resistance of the body's wall, 1/U [m^2 K/W], 0: the
-	/// ground that it touches has the temperature itself. The resistance is divided by the thermal time scale.
+	/// bodies: numbers of bodies or of their groups; temperature inside; resistance of the body's wall [m^2 K/W], 0: the ground that it
+	/// touches has the temperature itself.
 	BodyTemperature(const std::vector<int>& bodies, const TimeTable& temperature, double resistance = 0.0)
-	        : Boundary<D>(Region<D>::facing(bodies), "BodyTemperature", "heat")
-	        , temperature_(temperature)
+	        : HeatExchange<D>(Region<D>::facing(bodies), "BodyTemperature", temperature, 1.0 / resistance)
 	        , resistance_(resistance)
 	{}
-	void        validate(const Grid<D>& grid) const override;
-	bool        usesSurface() const override { return true; }
-	bool        heats() const override { return true; }
-	SurfaceHeat heat(double time) const override;
+	void validate(const Grid<D>& grid) const override;
 
 private:
-	TimeTable temperature_;
-	double    resistance_;
+	double resistance_;
 };
 
 /// Heat flux through the free surface or a side, positive into the ground [W/m^2]; scaled by the thermal time scale.
