@@ -553,8 +553,9 @@ std::string reasonAgainstPacking(const Scene& scene)
 
 int packedDimension(const Scene& scene)
 {
-	const auto bodies = presentBodies(scene);
-	return bodies.empty() || bodies.front()->state->blockedDOFs ? 2 : 3;
+	const auto bodies  = presentBodies(scene);
+	const auto inLayer = [&](const Body* body) { return body->state->se3.position[2] == bodies.front()->state->se3.position[2]; };
+	return bodies.empty() || bodies.front()->state->blockedDOFs || std::all_of(bodies.begin(), bodies.end(), inLayer) ? 2 : 3;
 }
 
 template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedState<Dim>* former)
