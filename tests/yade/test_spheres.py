@@ -6,7 +6,7 @@ import pytest
 from yade import Matrix3, O, wrapper
 
 import talik
-from talik import packing, rve, slope
+from talik import packing, rve
 
 gradient = Matrix3(0.1, 0.2, -0.05, 0.02, -0.2, 0.1, 0.05, -0.1, 0.05)  # [1/s]
 young = 0.6e9
@@ -20,7 +20,7 @@ def prepared(sampleCache):
 
 @pytest.fixture
 def sample(prepared):
-	return slope.pack(prepared)
+	return rve.pack(prepared)
 
 
 def test_prepared_spheres_have_the_porosity_and_the_isotropic_stress_asked_for(prepared):
@@ -176,7 +176,7 @@ def test_impossible_spheres_are_refused_with_a_sentence(settings, words):
 
 
 def test_calls_that_belong_to_the_other_dimension_are_refused_with_a_sentence(sample, prepared, sampleCache):
-	discs = slope.pack(rve.prepare(grains=100, ice=True, cache=sampleCache))
+	discs = rve.pack(rve.prepare(grains=100, ice=True, cache=sampleCache))
 	for call, words in (
 		(lambda: sample.servo(-1e5, -1e5), "stressZ is missing"),
 		(lambda: discs.servo(-1e5, -1e5, -1e5), "stressZ is given"),
