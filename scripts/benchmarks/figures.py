@@ -2,6 +2,7 @@
 """Figures that a benchmark measures, the limits they have to keep, the table that shows them. Needs no YADE."""
 
 import json
+import math
 import os
 import platform
 import statistics
@@ -96,6 +97,8 @@ def table(figures):
 def _short(value):
 	if not isinstance(value, float):
 		return str(value)
+	if math.isnan(value):
+		return "not measured"
 	return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.4g}"
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Resident memory of samples, from the process's own VmRSS: run by scripts/bench samples, each kind in a fresh stock yade.
 
-usage  memory.py frictional|bonded|slope <result.json>"""
+usage  memory.py frictional|bonded|spheres|bondedSpheres|slope <result.json>"""
 
 import ctypes
 import gc
@@ -33,9 +33,8 @@ def residentAtLeast():
 	return resident()
 
 
-def parked(kind, ceiling, number=1000):
+def parked(kind, sample, ceiling, number=1000):
 	"""Samples of 400 grains, each with a history of its own, after two updates."""
-	sample = twins.frictional(400) if kind == "frictional" else twins.bonded(400)
 	motion = twins.pureShear(1e-5)
 	few = talik._talik.SampleGroup(sample, 4)
 	few.apply(motion, 10)  # buffers of the thread
@@ -90,7 +89,13 @@ def slopeOfBondedSamples():
 	)
 
 
-kinds = {"frictional": lambda: parked("frictional", 30), "bonded": lambda: parked("bonded", 60), "slope": slopeOfBondedSamples}
+kinds = {
+	"frictional": lambda: parked("frictional", twins.frictional(400), 30),
+	"bonded": lambda: parked("bonded", twins.bonded(400), 60),
+	"spheres": lambda: parked("frictional spheres", twins.frictional(400, dimension=3), 60),
+	"bondedSpheres": lambda: parked("bonded spheres", twins.bonded(400, dimension=3), 110),
+	"slope": slopeOfBondedSamples,
+}
 measured = list(kinds[sys.argv[1]]())
 for figure in measured:
 	print(f"{figure.name}: {figure.value:.4g} {figure.unit}")

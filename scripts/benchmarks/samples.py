@@ -6,6 +6,7 @@ usage  samples.py <result.json>
 Both sides run in the calling thread; times are CPU times of that thread, except on two threads (wall). Stock YADE is stepped
 without O.run's sleeping wait. A ratio is the median of the ratios of neighbours in time."""
 
+import math
 import statistics
 import sys
 import time
@@ -13,6 +14,7 @@ import time
 from yade import Matrix3, O
 
 import figures
+import lammps
 import talik
 import twins
 from figures import Figure, interleaved, medianRatio
@@ -67,6 +69,30 @@ def unbrokenSteps(sample):
 	stock, packed, portable = interleaved(5, twin.stock, twin.fused, twin.fusedPortable)
 	yield ratioOfSteps("bonded, no bond breaking", twin, stock, packed)
 	yield ratioOfSteps("bonded, no bond breaking, portable", twin, stock, portable)
+
+
+def spheres(sample, parameters):
+	"""Dense periodic spheres beside stock YADE and LAMMPS."""
+	twin = Twin(sample, slowRate, window=500)
+	runs = [twin.stock, twin.fused, twin.fusedPortable]
+	if lammps.program():
+		runs.append(lambda: lammps.nanosecondsPerGrainStep(sample, parameters))
+	stock, packed, portable, *other = interleaved(5, *runs)
+	contacts = {"contacts per grain": sample.statistics()["coordinationNumber"] / 2}
+	yield ratioOfSteps("spheres, frictional", twin, stock, packed, contacts, floor=25, aim=40)
+	yield ratioOfSteps("spheres, frictional, portable", twin, stock, portable)
+	if other:
+		yield Figure("spheres, frictional: LAMMPS/packed", medianRatio(other[0], packed), "x", terms=nanoseconds(LAMMPS=other[0], packed=packed))
+	else:
+		yield Figure("spheres, frictional: LAMMPS/packed", math.nan, terms={"LAMMPS": "is not installed (Debian's package lammps)"})
+
+
+def bondedSpheres(sample):
+	twin = Twin(sample, slowRate, window=500)
+	stock, packed, portable = interleaved(5, twin.stock, twin.fused, twin.fusedPortable)
+	bonds = {"bonds per grain": sample.statistics()["bondsIntact"] / len(sample.arrays()["radius"])}
+	yield ratioOfSteps("spheres, bonded", twin, stock, packed, bonds, floor=25, aim=40)
+	yield ratioOfSteps("spheres, bonded, portable", twin, stock, portable)
 
 
 class StockCalls:
@@ -198,6 +224,8 @@ def main(path):
 	take(fastSteps(frictional))
 	take(unbrokenSteps(bonded))
 	take(sizes())
+	take(spheres(twins.frictional(400, dimension=3), talik.rve.prepare(grains=400, ice=False, dimension=3).parameters))
+	take(bondedSpheres(twins.bonded(400, dimension=3)))
 	figures.write(path, measured, [stockIsFair(frictional)])
 
 

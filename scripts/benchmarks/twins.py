@@ -53,18 +53,17 @@ class Twin:
 		"""Next window of stock YADE: time per grain and step [ns]."""
 		duration = seconds(self.runStock)
 		stress = utils.getStress()
-		self.pressures[0].append(-0.5 * (stress[0, 0] + stress[1, 1]))
+		self.pressures[0].append(-sum(stress[d, d] for d in range(self.packed.dimension)) / self.packed.dimension)
 		return self._perGrainStep(duration)
 
 	def fused(self):
 		"""The same window of the packed sample: time per grain and step [ns]."""
 		duration = self._time(keep=True)
-		xx, yy, _ = self.packed.stress
-		self.pressures[1].append(-0.5 * (xx + yy))
+		self.pressures[1].append(-sum(self.packed.stress[: self.packed.dimension]) / self.packed.dimension)
 		return self._perGrainStep(duration)
 
 	def fusedPortable(self):
-		"""As fused, on the path without AVX2, without going on."""
+		"""As fused, on the path without vectors, without going on."""
 		wrapper.RveSample.usePortablePath(True)
 		try:
 			return self._perGrainStep(self._time(keep=False))
@@ -88,14 +87,14 @@ class Twin:
 		return tuple(1e-3 * statistics.mean(p) for p in self.pressures)
 
 
-def frictional(grains):
-	"""A dense sample of FrictMat discs at 100 kPa, prepared by stock YADE, packed."""
-	return rve.pack(rve.prepare(grains=grains, pressure=pressure, ice=False))
+def frictional(grains, dimension=2):
+	"""A dense sample of FrictMat discs or spheres at 100 kPa, prepared by stock YADE, packed."""
+	return rve.pack(rve.prepare(grains=grains, pressure=pressure, ice=False, dimension=dimension))
 
 
-def bonded(grains, iceSaturation=1.0):
-	"""The same of IceBondMat discs, frozen: every contact carries a bond."""
-	sample = rve.pack(rve.prepare(grains=grains, pressure=pressure, ice=True))
+def bonded(grains, iceSaturation=1.0, dimension=2):
+	"""The same of IceBondMat grains, frozen: every contact carries a bond."""
+	sample = rve.pack(rve.prepare(grains=grains, pressure=pressure, ice=True, dimension=dimension))
 	sample.freeze(iceSaturation)
 	return sample
 

@@ -122,12 +122,13 @@ def advance(steps):
 
 
 def dimension():
-	"""2 if the current scene has discs, that is bodies that are held in a layer, 3 if its spheres are free to move.
+	"""2 if the current scene has discs, that is bodies that lie in one layer or are held there, 3 if it has spheres.
 
 	>>> with talik.inspect(packed.open()):
 	...     talik.packing.dimension()
 	2"""
-	return 2 if any(body.state.blockedDOFs for body in O.bodies) else 3
+	layers = {float(body.state.pos[2]) for body in O.bodies}
+	return 2 if len(layers) == 1 or any(body.state.blockedDOFs for body in O.bodies) else 3
 
 
 def cell():

@@ -49,14 +49,12 @@ struct Reference {
 			s.position.emplace_back(f.grains[g][0], f.grains[g][1], f.grains[g][2]);
 			s.velocity.emplace_back(f.grains[g][3], f.grains[g][4], f.grains[g][5]);
 			s.angularVelocity.emplace_back(f.grains[g][6], f.grains[g][7], f.grains[g][8]);
-			s.orientation.push_back({ 1, 0, 0, 0 });
 		}
 		s.grains = grains;
 		for (const Contact& c : f.contacts) {
 			s.contacts.first.push_back(std::uint16_t(c.first));
 			s.contacts.second.push_back(std::uint16_t(c.second));
 			s.contacts.cellDist.push_back({ std::int8_t(c.c[0]), std::int8_t(c.c[1]), std::int8_t(c.c[2]) });
-			s.contacts.normal.push_back(c.normal);
 			s.contacts.shear.push_back(c.shear);
 		}
 		return s;

@@ -233,11 +233,16 @@ namespace {
 		return inSpace<Dim>(d);
 	}
 
+	/// The branch of a contact in the last step, whose present one is given.
+	Vector3r lastBranch(const PackedState<3>& state, std::size_t c, const Vector3r& now)
+	{
+		return now - state.dt * (state.velocity[state.contacts.second[c]] - state.velocity[state.contacts.first[c]]);
+	}
+
 	Vector3r vectorOf(double scalarShear, const Vector3r& normal) { return scalarShear * tangentOf(normal); }
 	Vector3r vectorOf(const Vector3r& shear, const Vector3r&) { return shear; }
 
 	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
-	Quaternionr orientationOf(const std::array<double, 4>& q) { return Quaternionr(q[0], q[1], q[2], q[3]); }
 
 	/// The sample's part of a matrix in space.
 	template <int Dim> typename PackedTypes<Dim>::Matrix part(const Matrix3r& m) { return m.template topLeftCorner<Dim, Dim>(); }
@@ -280,12 +285,7 @@ namespace {
 		state.orientation.push_back(angle);
 	}
 
-	void packTurning(const State& motion, const PackedState<3>*, std::size_t, PackedState<3>& state)
-	{
-		const Quaternionr& q = motion.se3.orientation;
-		state.angularVelocity.push_back(motion.angVel);
-		state.orientation.push_back({ q.w(), q.x(), q.y(), q.z() });
-	}
+	void packTurning(const State& motion, const PackedState<3>*, std::size_t, PackedState<3>& state) { state.angularVelocity.push_back(motion.angVel); }
 
 	template <int Dim> void packGrains(const Scene& scene, const PackedState<Dim>* former, PackedState<Dim>& state, std::map<int, int>& indexOf)
 	{
@@ -410,7 +410,6 @@ namespace {
 			k.second.push_back(std::uint16_t(entry.second));
 			k.cellDist.push_back(entry.cells);
 			k.shear.push_back(shearOf(entry, phys.shearForce, geom.normal, false));
-			if (Dim == 3) k.normal.push_back(entry.sign * geom.normal);
 			if (!ice) continue;
 			const auto& bond = static_cast<const IceBondPhys&>(phys);
 			k.iceShear.push_back(shearOf(entry, bond.iceShear, geom.normal, true));
@@ -473,8 +472,7 @@ namespace {
 			shared_ptr<ScGeom> geom(new ScGeom);
 			geom->normal          = d / length;
 			const Vector3r normal = geom->normal;
-			if constexpr (Dim == 3) // the scene's next step turns the shear force from here
-				if (!k.normal[c].isZero(0)) geom->normal = k.normal[c];
+			if constexpr (Dim == 3) geom->normal = lastBranch(s, c, d).normalized(); // the scene's next step turns the shear force from here
 			geom->refR1            = r1 * s.radiusFactor;
 			geom->refR2            = r2 * s.radiusFactor;
 			geom->penetrationDepth = geom->refR1 + geom->refR2 - length;
@@ -553,8 +551,9 @@ std::string reasonAgainstPacking(const Scene& scene)
 
 int packedDimension(const Scene& scene)
 {
-	const auto bodies = presentBodies(scene);
-	return bodies.empty() || bodies.front()->state->blockedDOFs ? 2 : 3;
+	const auto bodies  = presentBodies(scene);
+	const auto inLayer = [&](const Body* body) { return body->state->se3.position[2] == bodies.front()->state->se3.position[2]; };
+	return bodies.empty() || bodies.front()->state->blockedDOFs || std::all_of(bodies.begin(), bodies.end(), inLayer) ? 2 : 3;
 }
 
 template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedState<Dim>* former)
@@ -599,8 +598,8 @@ template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 		const auto& body                         = (*scene.bodies)[id];
 		State&      motion                       = *body->state;
 		motion.se3.position.template head<Dim>() = s.position[i];
-		motion.se3.orientation                   = orientationOf(s.orientation[i]);
-		motion.vel                               = inSpace<Dim>(s.velocity[i]);
+		if constexpr (Dim == 2) motion.se3.orientation = orientationOf(s.orientation[i]);
+		motion.vel = inSpace<Dim>(s.velocity[i]);
 		if constexpr (Dim == 2) motion.angVel = Vector3r(0, 0, s.angularVelocity[i]);
 		else motion.angVel = s.angularVelocity[i];
 		static_cast<Sphere&>(*body->shape).radius = s.grains->radius[i] * s.radiusFactor;

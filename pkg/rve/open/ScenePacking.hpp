@@ -8,7 +8,7 @@ namespace talik {
 /// Why a scene cannot take the packed form (shapes, laws or materials that it does not know); empty if it can. Holds the GIL.
 std::string reasonAgainstPacking(const yade::Scene& scene);
 
-/// 2 for a scene of discs, that is of bodies held in a layer, 3 for one of free spheres.
+/// 2 for a scene of discs, that is of bodies that lie in one layer or are held there, 3 for one of spheres.
 int packedDimension(const yade::Scene& scene);
 
 /// Time step [s] with which a scene stays stable when full ice saturation stiffens its contacts: that of the scene, lowered where it is

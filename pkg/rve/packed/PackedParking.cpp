@@ -13,10 +13,33 @@ namespace {
 	struct Measure {
 		std::size_t             bytes = 0;
 		template <class T> void array(const std::vector<T>&, std::size_t to, std::size_t from = 0) { bytes += (to - from) * sizeof(T); }
+		void                    sparse(const std::vector<double>&, std::size_t, std::size_t others) { bytes += others * (sizeof(double) + 4); }
 	};
+
+	/// Zero of either sign is another number here: what is parked comes back to the last bit.
+	bool isZero(double number)
+	{
+		std::uint64_t bits;
+		std::memcpy(&bits, &number, sizeof(bits));
+		return bits == 0;
+	}
 
 	struct Put {
 		unsigned char*          at;
+		template <class T> void value(const T& item)
+		{
+			std::memcpy(at, &item, sizeof(T));
+			at += sizeof(T);
+		}
+		/// The numbers that are not zero, each after its place.
+		void sparse(const std::vector<double>& items, std::size_t number, std::size_t)
+		{
+			for (std::size_t k = 0; k < number; ++k) {
+				if (isZero(items[k])) continue;
+				value(std::uint32_t(k));
+				value(items[k]);
+			}
+		}
 		template <class T> void array(const std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			if (to == from) return;
@@ -28,6 +51,19 @@ namespace {
 	/// Entries in front of `from` are zero.
 	struct Take {
 		const unsigned char*    at;
+		template <class T> void value(T& item)
+		{
+			std::memcpy(&item, at, sizeof(T));
+			at += sizeof(T);
+		}
+		void sparse(std::vector<double>& items, std::size_t number, std::size_t others)
+		{
+			items.assign(number, 0.);
+			for (std::uint32_t place; others > 0; --others) {
+				value(place);
+				value(items[place]);
+			}
+		}
 		template <class T> void array(std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			items.resize(to);
@@ -85,12 +121,11 @@ template <int Dim> template <class Stream, class State, class Lists> void Parked
 	stream.array(s.position, grainCount);
 	stream.array(s.velocity, grainCount);
 	stream.array(s.angularVelocity, grainCount);
-	stream.array(s.orientation, grainCount);
+	stream.array(s.orientation, Dim == 2 ? grainCount : 0);
 	stream.array(c.shear, contacts);
-	stream.array(c.normal, Dim == 3 ? contacts : 0);
 	stream.array(c.iceShear, bonds);
 	stream.array(c.iceReference, bonds);
-	stream.array(c.grainReference, bonds);
+	stream.sparse(c.grainReference, bonds, gaps);
 	stream.array(c.first, unlisted);
 	stream.array(c.second, unlisted);
 	stream.array(lists.first, pairs);
@@ -116,6 +151,7 @@ ParkedSample<Dim>::ParkedSample(const PackedState<Dim>& state, const PackedLists
 		pairs       = std::uint32_t(lists->size());
 		pairsInside = std::uint32_t(lists->inside);
 	}
+	gaps = std::uint32_t(std::count_if(state.contacts.grainReference.begin(), state.contacts.grainReference.end(), [](double u) { return !isZero(u); }));
 	Measure measure;
 	stream(measure, state, listed ? *lists : none);
 	capacity = (measure.bytes + blockStep - 1) / blockStep * blockStep;

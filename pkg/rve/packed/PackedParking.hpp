@@ -28,7 +28,7 @@ private:
 	PackedParameters<Dim>               parameters;
 	std::shared_ptr<const PackedGrains> grains;
 	PackedListUse<Dim>                  use {};
-	std::uint32_t                       grainCount, contacts, contactsInside = 0, pairs = 0, pairsInside = 0;
+	std::uint32_t                       grainCount, contacts, contactsInside = 0, pairs = 0, pairsInside = 0, gaps = 0;
 	bool                                bonded, listed;
 	std::size_t                         capacity = 0;
 	std::unique_ptr<unsigned char[]>    block;

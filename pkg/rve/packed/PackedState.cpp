@@ -8,7 +8,7 @@ namespace talik {
 
 namespace {
 
-	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '2' };
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '3' };
 
 	class Writer {
 	public:
@@ -106,7 +106,6 @@ namespace {
 		stream.array(c.second);
 		stream.array(c.cellDist);
 		stream.array(c.shear);
-		stream.array(c.normal);
 		stream.array(c.iceShear);
 		stream.array(c.iceReference);
 		stream.array(c.grainReference);
@@ -182,14 +181,13 @@ template <int Dim> void PackedState<Dim>::check() const
 	requireSize("position", position.size(), n);
 	requireSize("velocity", velocity.size(), n);
 	requireSize("angularVelocity", angularVelocity.size(), n);
-	requireSize("orientation", orientation.size(), n);
+	requireSize("orientation", orientation.size(), Dim == 2 ? n : 0);
 	for (std::size_t g = 0; g < n; ++g)
 		if (!position[g].allFinite() || !velocity[g].allFinite()) refuse("position or velocity of grain", double(g), "is not finite");
 	const std::size_t m = contacts.size();
 	requireSize("contacts.second", contacts.second.size(), m);
 	requireSize("contacts.cellDist", contacts.cellDist.size(), m);
 	requireSize("contacts.shear", contacts.shear.size(), m);
-	requireSize("contacts.normal", contacts.normal.size(), Dim == 3 ? m : 0);
 	const std::size_t bonds = bonded() ? m : 0;
 	requireSize("contacts.bond", contacts.bond.size(), bonds);
 	requireSize("contacts.iceShear", contacts.iceShear.size(), bonds);

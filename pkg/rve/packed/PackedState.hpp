@@ -24,12 +24,11 @@ struct PackedGrains {
 /// Types that differ between discs (Dim 2) and spheres (Dim 3).
 template <int Dim> struct PackedTypes {
 	static_assert(Dim == 2 || Dim == 3, "discs or spheres");
-	using Vector      = Eigen::Matrix<double, Dim, 1>;
-	using Matrix      = Eigen::Matrix<double, Dim, Dim>;
-	using Spin        = std::conditional_t<Dim == 2, double, Eigen::Matrix<double, 3, 1>>; ///< angular velocity [rad/s]
-	using Orientation = std::conditional_t<Dim == 2, double, std::array<double, 4>>;       ///< angle [rad], or quaternion w x y z
-	using Shear       = std::conditional_t<Dim == 2, double, Eigen::Matrix<double, 3, 1>>; ///< shear force [N], see PackedContacts
-	using CellDist    = std::array<std::int8_t, Dim>;
+	using Vector   = Eigen::Matrix<double, Dim, 1>;
+	using Matrix   = Eigen::Matrix<double, Dim, Dim>;
+	using Spin     = std::conditional_t<Dim == 2, double, Eigen::Matrix<double, 3, 1>>; ///< angular velocity [rad/s]
+	using Shear    = std::conditional_t<Dim == 2, double, Eigen::Matrix<double, 3, 1>>; ///< shear force [N], see PackedContacts
+	using CellDist = std::array<std::int8_t, Dim>;
 };
 
 /// Contacts that carry history, arrays of equal length. In two dimensions the shear force is the scalar s along
@@ -39,7 +38,6 @@ template <int Dim> struct PackedContacts {
 	std::vector<std::uint16_t>                       first, second; ///< grain indices, first < second
 	std::vector<typename PackedTypes<Dim>::CellDist> cellDist;      ///< c of branch x_2 + H c - x_1
 	std::vector<typename PackedTypes<Dim>::Shear>    shear;         ///< [N]
-	std::vector<Eigen::Matrix<double, 3, 1>>         normal;        ///< n of the last step; spheres only, empty for discs
 
 	/// Bond data, all empty in a sample that carries no bond.
 	std::vector<typename PackedTypes<Dim>::Shear> iceShear;       ///< the part of `shear` carried by ice [N]
@@ -106,12 +104,12 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 	using Vector = typename PackedTypes<Dim>::Vector;
 	using Matrix = typename PackedTypes<Dim>::Matrix;
 
-	std::shared_ptr<const PackedGrains>                 grains;
-	std::vector<Vector>                                 position;        ///< unwrapped [m]
-	std::vector<Vector>                                 velocity;        ///< contains velGrad * position, as in YADE [m/s]
-	std::vector<typename PackedTypes<Dim>::Spin>        angularVelocity; ///< [rad/s]
-	std::vector<typename PackedTypes<Dim>::Orientation> orientation;
-	PackedContacts<Dim>                                 contacts;
+	std::shared_ptr<const PackedGrains>          grains;
+	std::vector<Vector>                          position;        ///< unwrapped [m]
+	std::vector<Vector>                          velocity;        ///< contains velGrad * position, as in YADE [m/s]
+	std::vector<typename PackedTypes<Dim>::Spin> angularVelocity; ///< [rad/s]
+	std::vector<double>                          orientation;     ///< angle of discs [rad]; empty for spheres, whose motion does not depend on it
+	PackedContacts<Dim>                          contacts;
 
 	std::size_t size() const { return position.size(); }
 	bool        bonded() const { return !contacts.bond.empty(); }

@@ -170,10 +170,9 @@ namespace HWY_NAMESPACE {
 						syy.part[part] = MulAdd(force.b, y, syy.part[part]);
 					}
 					const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
-					double *   spin = view.turning[i / 4].spin[0] + part * laneCount,
-					       *angle   = view.turning[i / 4].orientation[0] + part * laneCount;
-					Many w          = load(spin);
-					w               = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
+					double *   spin = view.turning[i / 4].spin[0] + part * laneCount, *angle = view.turning[i / 4].angle + part * laneCount;
+					Many       w = load(spin);
+					w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
 					if (Jumps) w = Add(w, spinJump);
 					store(w, spin);
 					store(MulAdd(dt, w, load(angle)), angle);

@@ -6,7 +6,6 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pkg/rve/packed/PackedStepSpheres.cpp"
-#include <cmath>
 #include <hwy/foreach_target.h>
 
 #include <hwy/highway.h>
@@ -73,12 +72,12 @@ namespace HWY_NAMESPACE {
 		template <bool Shifted> HWY_INLINE Columns gatherColumns(const PackedStepView<3>& view, const Place<3>& p, int from, const double* sign)
 		{
 			Rows rows;
-			for (std::size_t k = 0; k < 4; ++k) {
+			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
 				const std::size_t l = Rows::row(k), at = from + Rows::at(k);
 				const double*     numbers = view.motion + at;
 				rows.part[k]              = MulAdd(load(sign + Rows::at(k)), load(numbers + p.first()[l]), load(numbers + p.second()[l]));
 				if (Shifted) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
-			}
+			});
 			return columnsOf(rows);
 		}
 
@@ -105,7 +104,7 @@ namespace HWY_NAMESPACE {
 			const Rows   forces = rowsOf({ MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), splat(0.) });
 			const Rows   firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
 			const Rows   secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
-			for (std::size_t k = 0; k < 4; ++k) {
+			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
 				const std::size_t l = Rows::row(k), at = Rows::at(k);
 				double*           first  = view.motion + p.first()[l] + at;
 				double*           second = view.motion + p.second()[l] + at;
@@ -117,7 +116,7 @@ namespace HWY_NAMESPACE {
 					double* sum = view.shiftForce + p.shift()[l] + at;
 					store(Add(load(sum), forces.part[k]), sum);
 				}
-			}
+			});
 		}
 
 		/// Hands the contacts that `failed` over to the sample, which settles them.
@@ -154,8 +153,8 @@ namespace HWY_NAMESPACE {
 		/// Parameters of the contact law, in every lane.
 		struct Constants {
 			ContactFriction<Many> friction;
-			Many                  shearStep; ///< k_s/k_n dt [s]
-			Many                  halfStep;  ///< dt/2 [s]
+			Many                  shearStep;      ///< k_s/k_n dt [s]
+			Many                  step, halfStep; ///< dt, dt/2 [s]
 		};
 
 		/// How normals turn in a step: axis of the turn from the old to the new one, and the mean spin about the new one times dt.
@@ -179,14 +178,14 @@ namespace HWY_NAMESPACE {
 			const Columns   w     = gatherColumns<false>(view, p, Layout::spin, plus);
 			const Vector    velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
 			const Many      sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
-			const Many      overlap   = Sub(sum, g.distance());
-			const Vector    moving    = crossAdd(n, rim, scaled(velocity, Mul(sum, g.inverse())));
-			const Vector    slip      = NegMulAdd(dot(moving, n), n, moving);
-			const Vector    increment = scaled(slip, Mul(c.shearStep, stiffness));
-			const Turn      turn { cross(load3(block.normal, p.lane), n), n, Mul(c.halfStep, dot(n, spin)) };
-			const Vector    shear = turn(load3(block.shear, p.lane));
-			store3(n, block.normal, p.lane);
-			Forces f;
+			const Many      overlap = Sub(sum, g.distance());
+			// the branch of the last step is l - dt v: from it the turn of the normal follows, to the last place
+			const Many   inverse = g.inverse(), lengthening = dot(velocity, n), turning = Mul(c.step, inverse);
+			const Vector slip      = crossAdd(n, rim, scaled(NegMulAdd(lengthening, n, velocity), Mul(sum, inverse)));
+			const Vector increment = scaled(slip, Mul(c.shearStep, stiffness));
+			const Turn   turn { scaled(cross(n, velocity), MulAdd(Mul(turning, lengthening), turning, turning)), n, Mul(c.halfStep, dot(n, spin)) };
+			const Vector shear = turn(load3(block.shear, p.lane));
+			Forces       f;
 			if constexpr (Bonded) {
 				PackedIceBlock<3>&          ice = p.ice();
 				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
@@ -205,7 +204,9 @@ namespace HWY_NAMESPACE {
 
 		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
 		{
-			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(0.5 * view.dt) };
+			const Constants c {
+				{ splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(view.dt), splat(0.5 * view.dt)
+			};
 			inStages<Gathered, Response, Bonded>(
 			        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
 			        [&](const Place<3>& p, const Gathered& g, Response& r) HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic>(view, p, c, g, r); },
@@ -238,38 +239,6 @@ namespace HWY_NAMESPACE {
 		HWY_INLINE Vector damped(const Vector& a, const Vector& v, Many damping, Many halfStep)
 		{
 			return { damped(a.x, v.x, damping, halfStep), damped(a.y, v.y, damping, halfStep), damped(a.z, v.z, damping, halfStep) };
-		}
-
-		/// Cosine of dt w/2 and sine over w for grains that turn fast.
-		HWY_NOINLINE void fastTurn(double halfStep, const Vector& spin, Many& cosine, Many& sine)
-		{
-			alignas(32) double w[3][4], c[4], s[4];
-			store3(spin, w, 0);
-			for (std::size_t l = 0; l < laneCount; ++l) {
-				const double speed = std::sqrt(w[0][l] * w[0][l] + w[1][l] * w[1][l] + w[2][l] * w[2][l]);
-				c[l]               = std::cos(halfStep * speed);
-				s[l]               = speed > 0 ? std::sin(halfStep * speed) / speed : halfStep;
-			}
-			cosine = load(c);
-			sine   = load(s);
-		}
-
-		/// Quaternions q, w x y z, turned by the spin.
-		HWY_INLINE Columns turned(const Columns& q, const Vector& spin, double step)
-		{
-			const Many one = splat(1.), halfStep = splat(0.5 * step);
-			const Many square = Mul(Mul(halfStep, halfStep), dot(spin, spin));
-			const auto minus  = [&](double divisor, Many x) HWY_ATTR { return NegMulAdd(splat(1 / divisor), Mul(square, x), one); };
-			Many       cosine = minus(2., minus(12., minus(30., one))), sine = Mul(halfStep, minus(6., minus(20., minus(42., one))));
-			if (HWY_UNLIKELY(holdsSomewhere(square, Lt(splat(1e-3), square)))) fastTurn(0.5 * step, spin, cosine, sine); // the series end too early
-			const Vector  s = scaled(spin, sine);
-			const Columns p { NegMulAdd(s.x, q.b, NegMulAdd(s.y, q.c, NegMulAdd(s.z, q.d, Mul(cosine, q.a)))),
-				          MulAdd(s.x, q.a, MulAdd(s.y, q.d, NegMulAdd(s.z, q.c, Mul(cosine, q.b)))),
-				          NegMulAdd(s.x, q.d, MulAdd(s.y, q.a, MulAdd(s.z, q.b, Mul(cosine, q.c)))),
-				          MulAdd(s.x, q.c, NegMulAdd(s.y, q.b, MulAdd(s.z, q.a, Mul(cosine, q.d)))) };
-			// its length is 1 but for round-off: one step of Newton's for the inverse root
-			const Many norm = MulAdd(p.a, p.a, MulAdd(p.b, p.b, MulAdd(p.c, p.c, Mul(p.d, p.d)))), scale = NegMulAdd(splat(0.5), norm, splat(1.5));
-			return { Mul(p.a, scale), Mul(p.b, scale), Mul(p.c, scale), Mul(p.d, scale) };
 		}
 
 		/// Adds f (x) x to its sums.
@@ -313,14 +282,6 @@ namespace HWY_NAMESPACE {
 					Vector       w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
 					if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
 					store3(w, turning.spin, lane);
-					const Columns q = turned(
-					        { load(turning.orientation[0] + lane), load(turning.orientation[1] + lane), load(turning.orientation[2] + lane),
-					          load(turning.orientation[3] + lane) },
-					        w, view.dt);
-					store(q.a, turning.orientation[0] + lane);
-					store(q.b, turning.orientation[1] + lane);
-					store(q.c, turning.orientation[2] + lane);
-					store(q.d, turning.orientation[3] + lane);
 					const Vector rim = scaled(w, load(view.radius + g));
 					putColumns<Layout::row>({ position.x, position.y, position.z, rim.x }, row);
 					putColumns<Layout::row>({ velocity.x, velocity.y, velocity.z, rim.y }, row + Layout::velocity);

@@ -11,22 +11,24 @@ namespace talik {
 /// one row for both: x, w_x r, v, w_y r, w, w_z r, sum of G, 0, sum of moments, 0. G is minus the force on the grain.
 template <int Dim> struct PackedLayout;
 template <> struct PackedLayout<2> {
-	static constexpr int row = 4, velocity = 2, shear = 1, angular = 1, orientation = 1;
+	static constexpr int row = 4, velocity = 2, shear = 1, angular = 1;
 };
 template <> struct PackedLayout<3> {
-	static constexpr int row = 20, velocity = 4, spin = 8, force = 12, moment = 16, shear = 3, angular = 3, orientation = 4;
+	static constexpr int row = 20, velocity = 4, spin = 8, force = 12, moment = 16, shear = 3, angular = 3;
 };
 
-/// Turning of four grains: angular velocity [rad/s], and angle or quaternion.
+/// Turning of four grains: angular velocity [rad/s], and of discs the angle [rad].
 template <int Dim> struct alignas(32) PackedTurning {
 	double spin[PackedLayout<Dim>::angular][4];
-	double orientation[PackedLayout<Dim>::orientation][4];
+};
+template <> struct alignas(32) PackedTurning<2> {
+	double spin[1][4];
+	double angle[4];
 };
 
 /// What spheres need of a pair beyond what discs do.
 template <int Dim> struct PackedSpherePair {};
 template <> struct PackedSpherePair<3> {
-	double normal[3][4];      ///< of the previous step
 	double halfDifference[4]; ///< (r_1 - r_2)/2 [m]
 };
 
@@ -94,7 +96,6 @@ template <int Dim> struct PackedStepView {
 	double* position(std::size_t row) const { return motion + row * PackedLayout<Dim>::row; }
 	double* velocity(std::size_t row) const { return position(row) + PackedLayout<Dim>::velocity; }
 	double& spin(std::size_t grain, int component) const { return turning[grain / 4].spin[component][grain % 4]; }
-	double& orientation(std::size_t grain, int component) const { return turning[grain / 4].orientation[component][grain % 4]; }
 };
 
 /// The two halves of a step.

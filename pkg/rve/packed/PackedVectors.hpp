@@ -97,25 +97,34 @@ namespace HWY_NAMESPACE {
 			return Add(singlePair(base, a), singlePair(base, b));
 		}
 #elif HWY_MAX_BYTES >= 32
-		HWY_INLINE Rows transposed(const Many (&r)[4])
+		HWY_INLINE Columns transposed(Many r0, Many r1, Many r2, Many r3)
 		{
-			const Many low01 = hn::InterleaveLower(lanes, r[0], r[1]), high01 = hn::InterleaveUpper(lanes, r[0], r[1]);
-			const Many low23 = hn::InterleaveLower(lanes, r[2], r[3]), high23 = hn::InterleaveUpper(lanes, r[2], r[3]);
-			return { { hn::ConcatLowerLower(lanes, low23, low01), hn::ConcatLowerLower(lanes, high23, high01),
-				   hn::ConcatUpperUpper(lanes, low23, low01), hn::ConcatUpperUpper(lanes, high23, high01) } };
+			const Many low01 = hn::InterleaveLower(lanes, r0, r1), high01 = hn::InterleaveUpper(lanes, r0, r1);
+			const Many low23 = hn::InterleaveLower(lanes, r2, r3), high23 = hn::InterleaveUpper(lanes, r2, r3);
+			return { hn::ConcatLowerLower(lanes, low23, low01), hn::ConcatLowerLower(lanes, high23, high01),
+				 hn::ConcatUpperUpper(lanes, low23, low01), hn::ConcatUpperUpper(lanes, high23, high01) };
 		}
-		HWY_INLINE Columns columnsOf(const Rows& r)
+		HWY_INLINE Columns columnsOf(const Rows& r) { return transposed(r.part[0], r.part[1], r.part[2], r.part[3]); }
+		HWY_INLINE Rows    rowsOf(const Columns& c)
 		{
-			const Rows c = transposed(r.part);
-			return { c.part[0], c.part[1], c.part[2], c.part[3] };
+			const Columns t = transposed(c.a, c.b, c.c, c.d);
+			return { { t.a, t.b, t.c, t.d } };
 		}
-		HWY_INLINE Rows rowsOf(const Columns& c) { return transposed({ c.a, c.b, c.c, c.d }); }
 		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
 		{
 			const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
 			return hn::Combine(lanes, high, low);
 		}
 #endif
+
+		/// Calls it for the four parts of some rows. Compilers keep arrays in registers only where no loop runs over them.
+		template <class Visitor> HWY_INLINE void forParts(Visitor visit)
+		{
+			visit(0);
+			visit(1);
+			visit(2);
+			visit(3);
+		}
 
 		/// Some pairs of a block.
 		template <int Dim> struct Place {
@@ -200,11 +209,11 @@ namespace HWY_NAMESPACE {
 		template <bool Clear, int Stride> HWY_INLINE Columns takeColumns(double* from)
 		{
 			Rows rows;
-			for (std::size_t k = 0; k < 4; ++k) {
+			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
 				double* at   = from + Stride * Rows::row(k) + Rows::at(k);
 				rows.part[k] = load(at);
 				if (Clear) store(splat(0.), at);
-			}
+			});
 			return columnsOf(rows);
 		}
 
@@ -212,8 +221,7 @@ namespace HWY_NAMESPACE {
 		template <int Stride> HWY_INLINE void putColumns(const Columns& columns, double* to)
 		{
 			const Rows rows = rowsOf(columns);
-			for (std::size_t k = 0; k < 4; ++k)
-				store(rows.part[k], to + Stride * Rows::row(k) + Rows::at(k));
+			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED { store(rows.part[k], to + Stride * Rows::row(k) + Rows::at(k)); });
 		}
 
 		/// Numbers of four neighbouring grains; sums over grains are kept by place in the four, so that all vectors give the same sums.

@@ -69,13 +69,11 @@ template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>&
 			view.velocity(g)[d] = state.velocity[g][d];
 		}
 		if constexpr (Dim == 2) {
-			view.spin(g, 0)        = state.angularVelocity[g];
-			view.orientation(g, 0) = state.orientation[g];
+			view.spin(g, 0)             = state.angularVelocity[g];
+			turning[g / 4].angle[g % 4] = state.orientation[g];
 		} else {
 			for (int d = 0; d < 3; ++d)
 				view.spin(g, d) = state.angularVelocity[g][d];
-			for (int d = 0; d < 4; ++d)
-				view.orientation(g, d) = state.orientation[g][d];
 		}
 		minusInverseMass.data()->value[g] = -1 / grains->mass[g];
 		inverseInertia.data()->value[g]   = (Dim == 2 ? 1 : -1) / grains->inertia[g];
@@ -152,7 +150,7 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, Pac
 	state.position.resize(grainCount);
 	state.velocity.resize(grainCount);
 	state.angularVelocity.resize(grainCount);
-	state.orientation.resize(grainCount);
+	state.orientation.resize(Dim == 2 ? grainCount : 0);
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		for (int d = 0; d < Dim; ++d) {
 			state.position[g][d] = view.position(g)[d];
@@ -160,12 +158,10 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, Pac
 		}
 		if constexpr (Dim == 2) {
 			state.angularVelocity[g] = view.spin(g, 0);
-			state.orientation[g]     = view.orientation(g, 0);
+			state.orientation[g]     = turning[g / 4].angle[g % 4];
 		} else {
 			for (int d = 0; d < 3; ++d)
 				state.angularVelocity[g][d] = view.spin(g, d);
-			for (int d = 0; d < 4; ++d)
-				state.orientation[g][d] = view.orientation(g, d);
 		}
 	}
 	storeContacts(state.contacts, lists);

@@ -125,10 +125,6 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	auto iceShear = laneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4);
 	bond.form(now.overlap, iceShear);
 	setLaneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4, iceShear);
-	if constexpr (Dim == 3)
-		if (now.overlap < 0)
-			for (int d = 0; d < 3; ++d)
-				lanes.block[lane / 4].normal[d][lane % 4] = now.n[d];
 	setResponse(lanes, lane);
 	return true;
 }

@@ -27,9 +27,6 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
 {
 	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, laneShear<Dim>(from.block[at / 4].shear, at % 4));
-	if constexpr (Dim == 3)
-		for (int d = 0; d < 3; ++d)
-			block[lane / 4].normal[d][lane % 4] = from.block[at / 4].normal[d][at % 4];
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, laneShear<Dim>(from.ice[at / 4].iceShear, at % 4));
 	bond[lane] = from.bond[at];
@@ -40,9 +37,6 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t l
 	Shear none;
 	clearShear(none);
 	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, none);
-	if constexpr (Dim == 3)
-		for (int d = 0; d < 3; ++d)
-			block[lane / 4].normal[d][lane % 4] = 0;
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, none);
 	if (lane < pairs) bond[lane] = IceBond();
@@ -74,9 +68,6 @@ template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::siz
 {
 	const std::size_t b = lane / 4, l = lane % 4;
 	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
-	if constexpr (Dim == 3)
-		for (int d = 0; d < 3; ++d)
-			lanes.block[b].normal[d][l] = c.normal[k][d];
 	if (!carriesBonds) return;
 	setLaneShear<Dim>(lanes.ice[b].iceShear, l, c.iceShear[k]);
 	lanes.bond[lane] = c.iceBond(k);
@@ -138,7 +129,6 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	fit(c.second, true);
 	fit(c.cellDist, true);
 	fit(c.shear, true);
-	fit(c.normal, Dim == 3);
 	fit(c.iceShear, carriesBonds);
 	fit(c.iceReference, carriesBonds);
 	fit(c.grainReference, carriesBonds);
@@ -153,9 +143,6 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			for (int d = 0; d < Dim; ++d)
 				c.cellDist[k][d] = crosses ? shiftCell[rowOf(lanes.shift[lane]) * Dim + d] : std::int8_t(0);
 			c.shear[k] = laneShear<Dim>(lanes.block[b].shear, l);
-			if constexpr (Dim == 3)
-				for (int d = 0; d < 3; ++d)
-					c.normal[k][d] = lanes.block[b].normal[d][l];
 			if (carriesBonds) {
 				const IceBond& bond = lanes.bond[lane];
 				c.iceShear[k]       = laneShear<Dim>(lanes.ice[b].iceShear, l);
