@@ -46,13 +46,15 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(BodyContact,Serializable,"Effect: the ground pushes the bodies of the scene and is pushed by them, with friction. Spheres, boxes, "
-			"facets, walls and clumps of them. In space they are met as they are, a facet as its triangle. In plane strain a sphere is a disc of its radius through the whole thickness, a box its section (its axis z stays z), a "
+			"facets, walls and clumps of them. In space they are met as they are, a facet as its triangle. In plane strain a sphere is a disc of its radius "
+			"through the whole thickness, a box its section (its axis z stays z), a "
 			"facet along z its edge, and walls or facets across z are not met. Put the engine behind ForceResetter and before NewtonIntegrator; the force on a body is "
-			"O.forces.f(id). Sum of momentum over ground (in the plane per metre, times thickness) and bodies is conserved to round-off. Water does not cross into bodies, nor heat "
-			"unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. What touches a body in the first step "
+			"O.forces.f(id). Sum of momentum over ground (in the plane per metre, times thickness) and bodies is conserved to round-off. Water does not "
+			"cross into bodies, nor heat unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. What touches a body in the first step "
 			"bears the stress that the ground was given, later contacts begin without force. Example: mpm.bodies=BodyContact(); "
 			"O.bodies.append(utils.box((2,3,0),(1,0.5,0.5))); O.engines=[ForceResetter(),mpm,NewtonIntegrator(gravity=(0,-9.81,0))].",
-		((Real,thickness,1,,"In plane strain: thickness of the slice of ground that the bodies meet [m], > 0 (in space 1): forces on them are those per metre times it. A body keeps its mass: a "
+		((Real,thickness,1,,"In plane strain: thickness of the slice of ground that the bodies meet [m], > 0 (in space 1): forces on them are those per metre "
+				"times it. A body keeps its mass: a "
 				"sphere of radius R weighs as much as its disc if this is 4R/3, a box if it is the box's edge along z."))
 		((Real,frictionAngle,NaN,,"Angle of friction between ground and bodies [deg], 0 or from 1.58 to below 90 (as in MohrCoulombSkeleton, while FrictMat of YADE "
 				"has radians); NaN: that of each body's material."))

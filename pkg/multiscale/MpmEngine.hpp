@@ -200,7 +200,8 @@ public:
 		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, "
 				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) or, in space, (n,3) [m], volume [m^2 per "
 				"metre; m^3], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy or (n,6) xx yy zz yz xz xy [Pa] as field('stress') gives it, not of "
-				"points with samples, velocity as position [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
+				"points with samples, velocity as position [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but "
+				"position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value "
 				"and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
@@ -250,7 +251,8 @@ public:
 				"whether an event goes on (both with followsMotion only); seepageScale, what hastens seepage and rain [-]; largestConductivity, up to which it does "
 				"[m/s], None without water.")
 		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of "
-				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per metre; m^3], largest "
+				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per "
+				"metre; m^3], largest "
 				"displacement [m], goesOn. An event begins when the fastest ground passes both HeatTransfer.motionTolerance and, in calendar time, "
 				"HeatTransfer.eventSpeed, and ends when all have been below half of that for 0.2 s.")
 		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
