@@ -50,7 +50,8 @@ public:
 			"through the whole thickness, a box its section (its axis z stays z), a "
 			"facet along z its edge, and walls or facets across z are not met. Put the engine behind ForceResetter and before NewtonIntegrator; the force on a body is "
 			"O.forces.f(id). Sum of momentum over ground (in the plane per metre, times thickness) and bodies is conserved to round-off. Water does not "
-			"cross into bodies, nor heat unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. What touches a body in the first step "
+			"cross into bodies, nor heat unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. "
+			"What touches a body in the first step "
 			"bears the stress that the ground was given, later contacts begin without force. Example: mpm.bodies=BodyContact(); "
 			"O.bodies.append(utils.box((2,3,0),(1,0.5,0.5))); O.engines=[ForceResetter(),mpm,NewtonIntegrator(gravity=(0,-9.81,0))].",
 		((Real,thickness,1,,"In plane strain: thickness of the slice of ground that the bodies meet [m], > 0 (in space 1): forces on them are those per metre "
