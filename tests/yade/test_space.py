@@ -91,7 +91,6 @@ def contradiction(**settings):
 		(dict(boundaries=[wrapper.FixedBoundary(region="box", lower=(0, 0), upper=(1, 1))]), "FixedBoundary.lower is .0, 0., of two components"),
 		(dict(boundaries=[wrapper.SurfaceLoad(region="surface", traction=(1, 0))]), "SurfaceLoad.traction is .1, 0., of two components"),
 		(dict(bodies=wrapper.BodyContact(thickness=2)), "BodyContact.thickness = 2: must be 1 in space"),
-		(dict(skeleton=wrapper.RveSkeleton()), "RveSkeleton: its samples are discs"),
 	],
 )
 def test_what_does_not_fit_into_space_is_refused_by_a_sentence(settings, message):
@@ -507,3 +506,54 @@ def test_settings_without_sense_and_points_outside_are_named():
 	talik.geometry.fill(sideways, talik.solids.box((0, 0, 0), (1, 1, 1)))
 	print(sideways.doubts())
 	assert any("z points upwards" in doubt for doubt in sideways.doubts())
+
+
+# --- samples of spheres ----------------------------------------------------------------------------------------------------
+
+
+def test_samples_of_spheres_stand_behind_the_points_and_give_six_stresses(sampleCache, tmp_path):
+	sample = talik.rve.pack(talik.rve.prepare(grains=100, dimension=3, ice=True, cache=sampleCache))
+
+	def scene():
+		O.reset()
+		mpm = bed(
+			bodies=None,
+			gravity=(0, 0, -9.81),
+			skeleton=wrapper.RveSkeleton(samples=[sample]),
+			heat=wrapper.HeatTransfer(thermalTimeScale=1e5),
+			freezing=wrapper.FreezingCurve(),
+			gridSpacing=0.5,
+		)
+		O.engines = [mpm]
+		mpm.setTemperature(-2.0)
+		return mpm
+
+	mpm = scene()
+	start = mpm.field("stress")
+	frozen = np.abs(start).max()
+	O.run(10, True)
+	counters = mpm.skeleton.counters
+	one = mpm.skeleton.sample(3)
+	print(
+		f"{len(start)} points, stress at the start up to {frozen:.1f} Pa; after 10 steps {counters['calls']} calls, bonds {mpm.field('bondsIntact').min():.0f}"
+	)
+	print(f"stress of point 3 {np.round(mpm.field('stress')[3])}, of its sample {np.round(one.stress)} Pa; fabric {mpm.field('fabric').shape}")
+	assert start.shape == (len(start), 6) and len(one.stress) == 6 and counters["calls"] > 0 and mpm.field("bondsIntact").min() > 50
+	assert np.isfinite(mpm.field("stress")).all() and mpm.field("fabric").shape == (len(start), 6)
+	expected = mpm.field("stress")
+	scene()
+	O.run(4, True)
+	talik.checkpoint.write(str(tmp_path / "spheres.checkpoint"))
+	O.reset()
+	mpm = talik.resume(str(tmp_path / "spheres.checkpoint"))
+	O.run(6, True)
+	np.testing.assert_array_equal(mpm.field("stress"), expected)
+	with mpm.inspect(3):
+		assert len(O.bodies) == 100
+
+
+def test_samples_of_discs_behind_points_in_space_are_refused(sampleCache):
+	sample = talik.rve.pack(talik.rve.prepare(grains=30, cache=sampleCache))
+	with pytest.raises((ValueError, RuntimeError), match="disc|plane|dimension") as refusal:
+		contradiction(skeleton=wrapper.RveSkeleton(samples=[sample]))
+	print(refusal.value)
