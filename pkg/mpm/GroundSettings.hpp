@@ -39,20 +39,24 @@ double keptFraction(double picTime, double dt);
 /// the earth where a scene has less. The viscosity h^2/(4 picTime) then vanishes as h^1.5, whatever stiffness and step.
 double gravityTime(double spacing, double gravity);
 
-/// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
-template <int D> struct MotionSettings {
-	Vec<D>           gravity {};                        ///< body force per mass b [m/s^2]
+/// The effect that lets the ground move, but for gravity.
+struct MotionOfAnyDimension {
 	VelocityTransfer transfer = VelocityTransfer::flip; ///< of the solid velocity; that of water is always a mix of FLIP and PIC
 	/// Time in which the difference between a point's own velocity and that of the grid dies out [s], >= 0: 0 = PIC (with apic and
 	/// tpic: as published), infinity = FLIP. NaN (default): sqrt(h/g) with flip, 0 with apic and tpic.
-	double picTime = std::numeric_limits<double>::quiet_NaN();
+	double picTime      = std::numeric_limits<double>::quiet_NaN();
+	double localDamping = 0.0;  ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
+	bool   bBar         = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
+};
+
+/// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
+template <int D> struct MotionSettings : MotionOfAnyDimension {
+	Vec<D> gravity {}; ///< body force per mass b [m/s^2]
 	double usedPicTime(double spacing) const
 	{
 		if (!std::isnan(picTime)) return picTime;
 		return transfer == VelocityTransfer::flip ? gravityTime(spacing, lengthOf<D>(gravity)) : 0.0;
 	}
-	double localDamping = 0.0;  ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
-	bool   bBar         = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 };
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
@@ -108,16 +112,13 @@ struct RigidContactSettings {
 	void validate() const;
 };
 
-/// Everything about a scene that is fixed before it starts. Absent optionals are absent effects: no field, no loop, no limit.
-template <int D> struct GroundSettings {
-	Vec<D>      lower {};                           ///< corner of the grid's box [m]
-	Vec<D>      upper {};                           ///< opposite corner [m], whole number of spacings away
+/// What is fixed about a scene before it starts and has no direction. Absent optionals are absent effects: no field, no loop, no limit.
+struct SettingsOfAnyDimension {
 	double      gridSpacing   = 0.0;                ///< h [m], > 0
 	std::string shapeFunction = "quadraticBSpline"; ///< see shapeFunctionNames()
 
 	MixtureProperties mixture;
 
-	std::optional<MotionSettings<D>>    motion;
 	std::optional<HeatSettings>         heat;
 	FreezingCurvePtr                    freezing; ///< needs heat
 	std::optional<WaterSettings>        water;    ///< needs motion
@@ -131,9 +132,6 @@ template <int D> struct GroundSettings {
 	double poreFill = std::numeric_limits<double>::quiet_NaN();
 	double usedPoreFill() const { return std::isnan(poreFill) ? (heat || water ? 1.0 : 0.0) : poreFill; }
 
-	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
-	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
-
 	bool resting = true; ///< effects with nothing to do rest; false: they run all the same, with the same results bit by bit
 
 	/// Number of points from which on a step uses several threads; with fewer they would wait for each other longer than they
@@ -143,6 +141,16 @@ template <int D> struct GroundSettings {
 	double courantNumber  = 0.4; ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
 	double heatFraction   = 0.9; ///< C_T: time step over the explicit heat limit, in (0, 1]
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
+};
+
+/// Everything about a scene that is fixed before it starts.
+template <int D> struct GroundSettings : SettingsOfAnyDimension {
+	Vec<D> lower {}; ///< corner of the grid's box [m]
+	Vec<D> upper {}; ///< opposite corner [m], whole number of spacings away
+
+	std::optional<MotionSettings<D>>               motion;
+	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
+	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
 };
 
 /// One material point as it is put into a scene.

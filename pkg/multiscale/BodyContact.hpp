@@ -2,7 +2,8 @@
 #pragma once
 #include <core/Body.hpp>
 #include <lib/serialization/Serializable.hpp>
-#include <pkg/mpm/effects/RigidContact.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/multiscale/MetBodies.hpp>
 
 namespace yade {
 class Engine;
@@ -13,20 +14,18 @@ class BodyContact : public Serializable {
 public:
 	virtual ~BodyContact() {};
 
-	talik::RigidContactSettings build() const;
+	talik::RigidContactSettings build(int dimension) const;
 
-	/// Shows the bodies of a scene to the contact, as they are now. Throws if one of them cannot be met.
-	void collect(const Scene& scene, const Engine& mpm, talik::RigidContact<2>& contact);
-	/// Moves them along their velocities, time [s] after collect().
-	void place(talik::RigidContact<2>& contact, Real time) const;
+	/// Shows the bodies of a scene to the ground, as they are now. Throws if one of them cannot be met.
+	void collect(const Scene& scene, const Engine& mpm, MetBodies& met);
 	/// Takes what the ground gave during its last `interval` [s].
-	void take(talik::RigidContact<2>& contact, Real interval);
+	void take(MetBodies& met, Real interval);
 	/// Adds the share of the scene's step to O.forces.
 	void deliver(Scene& scene);
 
 	/// O.dt [s] that ground and bodies stand, with their mass on the contact springs and, where they meet each other, the wave in
 	/// the smallest sphere. A time stepper in O.engines has the last word, the contact apart: the ground then takes sub-steps.
-	Real timeStep(const Scene& scene, Real stableStep) const;
+	Real timeStep(const Scene& scene, const MetBodies& met, Real stableStep) const;
 	/// The next step of the ground [s], as long as the bodies' step or a multiple of it.
 	Real groundStep(const Scene& scene, Real stableStep) const;
 	/// Time since the end of the ground's step, negative while the ground is ahead [s].
@@ -34,29 +33,29 @@ public:
 
 private:
 	void              checkEngines(const Scene& scene, const Engine& mpm);
-	bool              show(const Body& body, talik::RigidBody<2>& shown) const;
 	Real              frictionOf(const Body& body) const;
-	void              limitByContact(const Scene& scene, const talik::RigidContact<2>& contact);
+	void              limitByContact(const Scene& scene, const MetBodies& met);
 	[[noreturn]] void refuse(const Body& body, const string& reason) const;
-	void              refuseOverlap(const Scene& scene, const talik::RigidContact<2>& contact) const;
+	void              refuseOverlap(const Scene& scene, const MetBodies& met) const;
 
-	vector<talik::RigidBody<2>>          collected;
-	vector<Vector2r>                     leverArms; ///< from the body's position to that of what is shown
-	vector<talik::RigidContact<2>::Grip> grips;     ///< by body that moves: of all its contacts, at most
-	Real                                 contactLimit   = 0;
-	bool                                 enginesChecked = false;
-	size_t                               bodiesChecked  = 0;
+	vector<MetBodies::Grip> grips; ///< by body that moves: of all its contacts, at most
+	Real                    contactLimit   = 0;
+	bool                    enginesChecked = false;
+	size_t                  bodiesChecked  = 0;
 
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(BodyContact,Serializable,"Effect: the ground pushes the bodies of the scene and is pushed by them, with friction. Spheres, boxes, "
-			"facets, walls and clumps of them; in plane strain a sphere is a disc of its radius through the whole thickness, a box its section (its axis z stays z), a "
+			"facets, walls and clumps of them. In space they are met as they are, a facet as its triangle. In plane strain a sphere is a disc of its radius "
+			"through the whole thickness, a box its section (its axis z stays z), a "
 			"facet along z its edge, and walls or facets across z are not met. Put the engine behind ForceResetter and before NewtonIntegrator; the force on a body is "
-			"O.forces.f(id). Sum of momentum over ground (per metre) times thickness and bodies is conserved to round-off. Water does not cross into bodies, nor heat "
-			"unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. What touches a body in the first step "
+			"O.forces.f(id). Sum of momentum over ground (in the plane per metre, times thickness) and bodies is conserved to round-off. Water does not "
+			"cross into bodies, nor heat unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. "
+			"What touches a body in the first step "
 			"bears the stress that the ground was given, later contacts begin without force. Example: mpm.bodies=BodyContact(); "
 			"O.bodies.append(utils.box((2,3,0),(1,0.5,0.5))); O.engines=[ForceResetter(),mpm,NewtonIntegrator(gravity=(0,-9.81,0))].",
-		((Real,thickness,1,,"Thickness of the slice of ground that the bodies meet [m], > 0: forces on them are those per metre times it. A body keeps its mass: a "
+		((Real,thickness,1,,"In plane strain: thickness of the slice of ground that the bodies meet [m], > 0 (in space 1): forces on them are those per metre "
+				"times it. A body keeps its mass: a "
 				"sphere of radius R weighs as much as its disc if this is 4R/3, a box if it is the box's edge along z."))
 		((Real,frictionAngle,NaN,,"Angle of friction between ground and bodies [deg], 0 or from 1.58 to below 90 (as in MohrCoulombSkeleton, while FrictMat of YADE "
 				"has radians); NaN: that of each body's material."))
@@ -68,7 +67,7 @@ public:
 		((int,bodySteps,100,,"Where O.dt is shorter than the ground's stable step, one step of the ground covers up to so many steps of the bodies, its force "
 				"spread evenly over them; 1: the ground follows every step."))
 		((Real,ahead,0,Attr::hidden,"Time by which the ground is ahead of the scene [s]."))
-		((vector<Real>,pending,,Attr::hidden,"Impulses not yet delivered: id, x, y [N s] and about z [N m s], four numbers per body."))
+		((vector<Real>,pending,,Attr::hidden,"Impulses not yet delivered: id, x, y, z [N s] and about x, y, z [N m s], seven numbers per body."))
 	);
 	// clang-format on
 };

@@ -2,24 +2,33 @@
 #pragma once
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/mpm/effects/RigidBody.hpp>
+#include <pkg/multiscale/GroundVector.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
+#include <set>
 
 namespace yade {
 
 /// Condition on a part of the ground's surface; derived classes say which.
 class GroundBoundary : public Serializable {
 public:
-	using Pointer = std::shared_ptr<talik::Boundary<2>>;
+	template <int D> using Pointer = std::shared_ptr<talik::Boundary<D>>;
 	virtual ~GroundBoundary() {};
-	virtual Pointer build() const;
-	/// Throws if the boundary names a body that the ground does not meet.
-	virtual void checkBodies(const vector<talik::RigidBody<2>>&) const {};
+	/// The condition of one run, in the plane or in space.
+	template <int D> Pointer<D> build() const
+	{
+		if constexpr (D == 2) return inPlane();
+		else return inSpace();
+	}
+	/// Throws if the boundary names a body that is none of those which the ground meets, by their numbers and clumps.
+	virtual void checkBodies(const std::set<int>&) const {};
 
 protected:
-	talik::Region<2> where() const;
+	virtual Pointer<2> inPlane() const;
+	virtual Pointer<3> inSpace() const;
+
+	template <int D> talik::Region<D> where() const;
 	/// The same, of a boundary without a value that could change.
-	talik::Region<2> always() const;
+	template <int D> talik::Region<D> always() const;
 	/// The table of times and values if there is one, else the constant.
 	talik::TimeTable overTime(Real constant) const;
 
@@ -27,54 +36,60 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in "
 			"MpmEngine.boundaries. Example: mpm.boundaries=[RollerBoundary(region='left'),FixedBoundary(region='bottom')].",
-		((string,region,"",,"left, right, bottom or top side of the grid's box; surface: the moving free surface as far as air from above (or through a side "
-				"without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc: inside "
-				"the ellipse that fits lower..upper (a pipe)."))
-		((Vector2r,lower,Vector2r(-std::numeric_limits<Real>::infinity(),-std::numeric_limits<Real>::infinity()),,"Lower corner of the box that limits the region "
-				"[m]."))
-		((Vector2r,upper,Vector2r(std::numeric_limits<Real>::infinity(),std::numeric_limits<Real>::infinity()),,"Upper corner of the box that limits the region "
-				"[m]."))
+		((string,region,"",,"left, right, bottom or top side of the grid's box, in space also front and back: left is where x is least, front where y is, bottom "
+				"where z is (in the plane y); surface: the moving free surface as far as air from above (or through a side "
+				"without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc (ball in "
+				"space): inside the ellipse (ellipsoid) that fits lower..upper, such as a pipe."))
+		((GroundVector,lower,-std::numeric_limits<Real>::infinity(),,"Lower corner of the box that limits the region [m]: two components, three in space."))
+		((GroundVector,upper,std::numeric_limits<Real>::infinity(),,"Upper corner of the box that limits the region [m]: two components, three in space."))
 		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s] (days times talik.day), increasing; linear in between, constant "
 				"outside. Empty: the value is constant."))
 		((vector<Real>,values,,,"Values at these instants, in the unit [that of the attribute that they replace]."))
-		,talik::SequenceConverter<GroundBoundary>::registerOnce();
+		,talik::SequenceConverter<GroundBoundary>::registerOnce(); talik::GroundVector::registerOnce();
 	);
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(GroundBoundary);
 
-class RollerBoundary : public GroundBoundary {
+/// What every kind of boundary does alike: make<D>() of the kind is asked in the dimension of the ground.
+template <class Kind> class BoundaryInAnyDimension : public GroundBoundary {
+protected:
+	Pointer<2> inPlane() const override { return static_cast<const Kind&>(*this).template make<2>(); }
+	Pointer<3> inSpace() const override { return static_cast<const Kind&>(*this).template make<3>(); }
+};
+
+class RollerBoundary : public BoundaryInAnyDimension<RollerBoundary> {
 public:
 	virtual ~RollerBoundary() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(
 	        RollerBoundary, GroundBoundary,
 	        "Neither grains nor water move across this side; they may slide along it. Example: RollerBoundary(region='left').");
 };
 REGISTER_SERIALIZABLE(RollerBoundary);
 
-class FixedBoundary : public GroundBoundary {
+class FixedBoundary : public BoundaryInAnyDimension<FixedBoundary> {
 public:
 	virtual ~FixedBoundary() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(FixedBoundary, GroundBoundary, "Grains and water are at rest on this side. Example: FixedBoundary(region='bottom').");
 };
 REGISTER_SERIALIZABLE(FixedBoundary);
 
-class ImpermeableBoundary : public GroundBoundary {
+class ImpermeableBoundary : public BoundaryInAnyDimension<ImpermeableBoundary> {
 public:
 	virtual ~ImpermeableBoundary() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(
 	        ImpermeableBoundary, GroundBoundary,
 	        "Water does not cross this side, whose grains are free to move. Example: ImpermeableBoundary(region='top').");
 };
 REGISTER_SERIALIZABLE(ImpermeableBoundary);
 
-class DrainedBoundary : public GroundBoundary {
+class DrainedBoundary : public BoundaryInAnyDimension<DrainedBoundary> {
 public:
 	virtual ~DrainedBoundary() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example, a "
 			"pond that fills to 2 m within a day: DrainedBoundary(region='left',times=[0,86400],values=[0,19620]).",
@@ -85,10 +100,10 @@ public:
 };
 REGISTER_SERIALIZABLE(DrainedBoundary);
 
-class InsulatedBoundary : public GroundBoundary {
+class InsulatedBoundary : public BoundaryInAnyDimension<InsulatedBoundary> {
 public:
 	virtual ~InsulatedBoundary() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(
 	        InsulatedBoundary, GroundBoundary,
 	        "No heat crosses: what happens anyway where no thermal boundary acts; refused where another one heats the same side. Example: "
@@ -96,10 +111,10 @@ public:
 };
 REGISTER_SERIALIZABLE(InsulatedBoundary);
 
-class WallTemperature : public GroundBoundary {
+class WallTemperature : public BoundaryInAnyDimension<WallTemperature> {
 public:
 	virtual ~WallTemperature() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, "
 			"whose edge may lie anywhere between nodes: a pipe has region='disc',lower=(-.4,-2),upper=(.4,-1.2). Example: "
@@ -110,10 +125,10 @@ public:
 };
 REGISTER_SERIALIZABLE(WallTemperature);
 
-class SurfaceTemperature : public GroundBoundary {
+class SurfaceTemperature : public BoundaryInAnyDimension<SurfaceTemperature> {
 public:
 	virtual ~SurfaceTemperature() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. "
 			"A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,10*talik.day],values=[-5,10]).",
@@ -125,11 +140,11 @@ public:
 };
 REGISTER_SERIALIZABLE(SurfaceTemperature);
 
-class BodyTemperature : public GroundBoundary {
+class BodyTemperature : public BoundaryInAnyDimension<BodyTemperature> {
 public:
 	virtual ~BodyTemperature() {};
-	Pointer build() const override;
-	void    checkBodies(const vector<talik::RigidBody<2>>& met) const override;
+	template <int D> Pointer<D> make() const;
+	void                        checkBodies(const std::set<int>& met) const override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(BodyTemperature,GroundBoundary,"Temperature of bodies of the scene (a pipe, a slab, a warm wall), which heats or cools the ground "
 			"where it faces them now: within half a point's width of their surface, wherever they have moved. Heat per area (T_body - T_ground)/(resistance + that of "
@@ -144,10 +159,10 @@ public:
 };
 REGISTER_SERIALIZABLE(BodyTemperature);
 
-class HeatFlux : public GroundBoundary {
+class HeatFlux : public BoundaryInAnyDimension<HeatFlux> {
 public:
 	virtual ~HeatFlux() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(HeatFlux,GroundBoundary,"Heat into the ground per unit area of its surface. Example: HeatFlux(region='surface',flux=50).",
 		((Real,flux,0,,"Into the ground [W/m^2], per calendar time; times and values may replace it."))
@@ -156,10 +171,10 @@ public:
 };
 REGISTER_SERIALIZABLE(HeatFlux);
 
-class WaterFlux : public GroundBoundary {
+class WaterFlux : public BoundaryInAnyDimension<WaterFlux> {
 public:
 	virtual ~WaterFlux() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WaterFlux,GroundBoundary,"Water fed into the ground per unit area of a side or of the surface (rain, a spring; negative: drawn "
 			"out), whatever pressure that takes; refused where a DrainedBoundary prescribes the pressure. The balance keeps account of it as negative waterOut. "
@@ -172,14 +187,14 @@ public:
 };
 REGISTER_SERIALIZABLE(WaterFlux);
 
-class SurfaceLoad : public GroundBoundary {
+class SurfaceLoad : public BoundaryInAnyDimension<SurfaceLoad> {
 public:
 	virtual ~SurfaceLoad() {};
-	Pointer build() const override;
+	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SurfaceLoad,GroundBoundary,"Pressure or traction on the ground's surface. Example: SurfaceLoad(region='surface',pressure=10e3).",
 		((Real,pressure,0,,"Pushes onto the surface [Pa]; times and values may replace it."))
-		((Vector2r,traction,Vector2r::Zero(),,"Force per area beside the pressure [Pa], constant."))
+		((GroundVector,traction,0,,"Force per area beside the pressure [Pa], constant: two components, three in space."))
 	);
 	// clang-format on
 };

@@ -4,10 +4,13 @@
 #include <core/GlobalEngine.hpp>
 #include <map>
 #include <memory>
-#include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/AnyGround.hpp>
 #include <pkg/multiscale/BodyContact.hpp>
 #include <pkg/multiscale/GroundBoundaries.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
+#include <pkg/multiscale/GroundOfScene.hpp>
+#include <pkg/multiscale/GroundVector.hpp>
+#include <pkg/multiscale/PointTable.hpp>
 #include <pkg/multiscale/PointWatch.hpp>
 #include <pkg/multiscale/SequenceConverter.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
@@ -15,18 +18,23 @@
 
 namespace yade {
 
-/// Material point method for saturated, freezing ground in plane strain, as an engine of the main scene. The ground itself
-/// (talik::Ground) knows no YADE; this class gives it YADE's attributes, time step, archives and NumPy views.
+constexpr double secondsPerDay = 86400;
+
+/// Material point method for saturated, freezing ground in plane strain or in space, as an engine of the main scene. The ground itself
+/// (talik::Ground) knows no YADE; this class gives it YADE's attributes and time step. What Python sees of it is in GroundViews.cpp, its
+/// archive in GroundArchive.cpp, all that depends on the dimension in GroundOfScene.
 class MpmEngine : public GlobalEngine {
 public:
 	virtual ~MpmEngine();
 	void action() override;
 
-	/// position (n,2) [m]; the rest scalars or arrays of n.
+	/// position (n,2) or (n,3) [m]; the rest scalars or arrays of n.
 	void addPoints(::boost::python::dict arrays);
 	/// Checks every setting and sets the initial state; done by the first step otherwise.
 	void initialise();
-	bool isInitialised() const { return bool(ground); }
+	bool isInitialised() const { return ground != nullptr; }
+	/// 2 or 3: as the points have it, without points as the settings say. Throws std::invalid_argument if they contradict each other.
+	int usedDimension() const;
 	/// A step was taken, or the state changed by hand: settings that the ground was built with stay from then on. Until then a change of
 	/// them makes the ground anew from its inputs.
 	bool hasBegun() const;
@@ -40,7 +48,7 @@ public:
 	::boost::python::list   fieldNames();
 	::boost::python::list   fields();
 	::boost::python::object field(const string& name);
-	int                     pick(Real x, Real y);
+	int                     pick(const ::boost::python::object& x, const ::boost::python::object& y, const ::boost::python::object& z);
 	::boost::python::list   most(const string& field, int count);
 	::boost::python::list   mostBroken(int count) { return most("bondsBroken", count); }
 	::boost::python::list   mostStrained(int count) { return most("deviatoricStrain", count); }
@@ -73,26 +81,24 @@ public:
 	void postSave(MpmEngine&);
 
 	/// The running ground; throws if there is none yet.
-	talik::Ground<2>& runningGround();
+	talik::AnyGround& runningGround();
 	/// Skeletons in use: those listed, or the single one.
 	vector<shared_ptr<SkeletonLaw>> activeSkeletons() const;
 
 private:
-	talik::GroundSettings<2>        buildSettings() const;
 	void                            checkPresence() const;
 	void                            checkChangeable() const;
 	void                            checkFixed() const;
 	bool                            isAsSet() const;
 	bool                            holds(const shared_ptr<Serializable>& part) const;
 	void                            discardGround();
+	void                            dropGround();
+	void                            requireDimension(int ofPoints) const;
 	void                            followInputs();
 	void                            enrol();
-	void                            addPointsToGround(bool goesOn);
 	void                            restoreSavedState();
 	void                            checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
 	void                            takeOver(const vector<shared_ptr<SkeletonLaw>>& before, const std::map<string, string>& state);
-	int                             lawOf(int id) const;
-	void                            setLawOf(int id, int number);
 	void                            followAttributes();
 	void                            followTolerance();
 	void                            followHeat();
@@ -118,28 +124,33 @@ private:
 	vector<Real>                    valueAt(const string& name, int id);
 	void                            recordWatched();
 
-	std::shared_ptr<talik::Ground<2>> ground;
-	long                              stepsUntilLimit = 0, stepsAtStart = 0;
-	bool                              bodiesNamed = false; ///< boundaries have found the bodies that they name
-	bool                              begun = false, watchesDefault = false;
-	string                            failure;
-	std::set<string>                  said;
-	long                              failures         = 0;
-	double                            stableStep       = 0;
-	double                            toleranceInForce = 0;
+	std::shared_ptr<GroundOfScene> groundOfScene;
+	talik::AnyGround*              ground          = nullptr; ///< that of groundOfScene
+	std::size_t                    boundaryCount   = 0;       ///< with which the ground was built
+	long                           stepsUntilLimit = 0, stepsAtStart = 0;
+	bool                           bodiesNamed = false; ///< boundaries have found the bodies that they name
+	bool                           begun = false, watchesDefault = false;
+	string                         failure;
+	std::set<string>               said;
+	long                           failures         = 0;
+	double                         stableStep       = 0;
+	double                         toleranceInForce = 0;
 
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine,GlobalEngine,"Thawing and freezing ground: a material point method whose effects are objects that the scene has "
-			"or has not (heat, freezing, water, motion), with a skeleton law behind every material point, Yu & Zhao section 2.3. All quantities per metre of "
-			"thickness, SI units, degrees Celsius; stress positive in tension, pressure positive in compression. Example: "
+			"or has not (heat, freezing, water, motion), with a skeleton law behind every material point, Yu & Zhao section 2.3. In plane strain (x, y, with y "
+			"upwards), all quantities per metre of thickness, or in space (x, y, z, with z upwards): see dimension. SI units, degrees Celsius; stress positive in "
+			"tension, pressure positive in compression. Example: "
 			"mpm=MpmEngine(gridSpacing=0.2,lower=(0,0),upper=(10,5),gravity=(0,-9.81),skeleton=ElasticSkeleton()); "
 			"talik.geometry.fill(mpm,[(0,0),(10,0),(10,1),(0,1)]); O.engines=[mpm]; O.run(100,True).",
-		((Real,gridSpacing,NaN,,"Spacing h of the square grid [m], > 0."))
-		((Vector2r,lower,Vector2r(NaN,NaN),,"Lower left corner of the grid's box [m]; its sides are where boundaries act. NaN: around the points."))
-		((Vector2r,upper,Vector2r(NaN,NaN),,"Upper right corner of the grid's box [m], a whole number of spacings away. NaN: around the points."))
+		((Real,gridSpacing,NaN,,"Spacing h of the grid of squares or cubes [m], > 0."))
+		((int,dimension,0,,"2: plane strain, points (n,2), y upwards. 3: space, points (n,3), z upwards. 0: as the points have it, which set it; a lower, upper or "
+				"gravity of three components says 3 to talik.geometry.fill."))
+		((GroundVector,lower,NaN,,"Lower corner of the grid's box [m], two components, three in space; its sides are where boundaries act. NaN: around the points."))
+		((GroundVector,upper,NaN,,"Upper corner of the grid's box [m], a whole number of spacings away. NaN: around the points."))
 		((bool,motion,true,,"Effect: the ground moves. False: it is rigid, and only heat limits the time step."))
-		((Vector2r,gravity,Vector2r::Zero(),,"Body force per mass [m/s^2]."))
+		((GroundVector,gravity,0,,"Body force per mass [m/s^2]: (0,-9.81), in space (0,0,-9.81)."))
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed "
 				"while running."))
 		((string,transfer,"flip",,"How the velocity of the solid comes back from the grid. flip: points keep their own and take the grid's acceleration; apic: "
@@ -182,14 +193,15 @@ public:
 				"seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
-		((vector<Real>,pointInput,,Attr::hidden,"Points as they were added, fourteen numbers each."))
+		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
-		,/*ctor*/ enrol(); ,
+		,/*ctor*/ enrol(); talik::GroundVector::registerOnce(); ,
 		/*py*/
 		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, "
-				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) [m], volume [m^2 per metre], temperature "
-				"[degC], pressure [Pa], effective stress (n,4) xx yy zz xy [Pa] as field('stress') gives it, not of points with samples, velocity (n,2) [m/s], poreFill: "
-				"part of the pores that holds water or ice [-], nan: that of the engine; all but position may be scalars. ValueError names what is wrong.")
+				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) or, in space, (n,3) [m], volume [m^2 per "
+				"metre; m^3], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy or (n,6) xx yy zz yz xz xy [Pa] as field('stress') gives it, not of "
+				"points with samples, velocity as position [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but "
+				"position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value "
 				"and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
@@ -197,9 +209,10 @@ public:
 		.def("fieldNames",&MpmEngine::fieldNames,"Names of the fields that exist on the points, for field().")
 		.def("fields",&MpmEngine::fields,"Every field on points and nodes: a list of dictionaries with name, owner (effect), unit, place, components, bytes.")
 		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' "
-				"ids; stress has the components xx, yy, zz, xy. Beside the stored fields: strain, the logarithmic strain since the start (xx, yy, xy); deviatoricStrain, "
-				"sqrt(2/3 e:e) of it; the measures of the samples, see RveSkeleton.values.")
-		.def("pick",&MpmEngine::pick,(::boost::python::arg("x"),::boost::python::arg("y")),"Id of the point nearest to (x, y) [m] in its present position.")
+				"ids; stress has the components xx, yy, zz, xy, in space xx, yy, zz, yz, xz, xy. Beside the stored fields: strain, the logarithmic strain since the start "
+				"(xx, yy, xy; in space as stress); deviatoricStrain, sqrt(2/3 e:e) of it; the measures of the samples, see RveSkeleton.values.")
+		.def("pick",&MpmEngine::pick,(::boost::python::arg("x"),::boost::python::arg("y"),::boost::python::arg("z")=::boost::python::object()),"Id of the point "
+				"nearest to (x, y), in space (x, y, z) [m], in its present position.")
 		.def("most",&MpmEngine::most,(::boost::python::arg("field"),::boost::python::arg("n")=10),"Ids of the n points with the largest values of a field, largest "
 				"first, the lower id first among equals; vectors and tensors by their length, points without a value left out.")
 		.def("mostBroken",&MpmEngine::mostBroken,(::boost::python::arg("n")=10),"Ids of the n points whose samples have lost most bonds mechanically.")
@@ -238,7 +251,8 @@ public:
 				"whether an event goes on (both with followsMotion only); seepageScale, what hastens seepage and rain [-]; largestConductivity, up to which it does "
 				"[m/s], None without water.")
 		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of "
-				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per metre], largest "
+				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per "
+				"metre; m^3], largest "
 				"displacement [m], goesOn. An event begins when the fastest ground passes both HeatTransfer.motionTolerance and, in calendar time, "
 				"HeatTransfer.eventSpeed, and ends when all have been below half of that for 0.2 s.")
 		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")

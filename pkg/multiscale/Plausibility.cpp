@@ -11,7 +11,8 @@ using namespace yade;
 
 namespace talik {
 namespace {
-	using Points = std::vector<PointInput<2>>;
+	template <int D> using Points = std::vector<PointInput<D>>;
+	template <int D> using Box    = std::array<long, D>;
 
 	class Doubts {
 	public:
@@ -32,71 +33,89 @@ namespace {
 		return *middle;
 	}
 
-	/// Ids of points by square boxes of a given side.
-	std::map<std::pair<long, long>, std::vector<int>> boxesOf(const Points& points, double side)
+	/// Ids of points by boxes of a given side.
+	template <int D> std::map<Box<D>, std::vector<int>> boxesOf(const Points<D>& points, double side)
 	{
-		double low[2] = { points[0].position[0], points[0].position[1] };
+		Vec<D> low = points[0].position;
 		for (const auto& point : points)
-			for (int a = 0; a < 2; a++)
+			for (int a = 0; a < D; a++)
 				low[a] = std::min(low[a], point.position[a]);
-		std::map<std::pair<long, long>, std::vector<int>> boxes;
+		std::map<Box<D>, std::vector<int>> boxes;
 		for (std::size_t i = 0; i < points.size(); i++) {
-			const auto place = [&](int a) { return long(std::floor((points[i].position[a] - low[a]) / side + 0.5)); };
-			boxes[{ place(0), place(1) }].push_back(int(i));
+			Box<D> place;
+			for (int a = 0; a < D; a++)
+				place[a] = long(std::floor((points[i].position[a] - low[a]) / side + 0.5));
+			boxes[place].push_back(int(i));
 		}
 		return boxes;
 	}
 
-	/// Distance to the nearest other point; infinite where none is within two sides of a box.
-	std::vector<double> nearestDistances(const Points& points, double side)
+	/// Calls work(box) for all boxes around one, up to two away in each direction.
+	template <int D, class Work> void overNeighbours(const Box<D>& middle, Work&& work)
 	{
-		const auto          boxes = boxesOf(points, side);
+		Box<D> box;
+		for (int k = 0; k < (D == 2 ? 25 : 125); k++) {
+			box    = middle;
+			int in = k;
+			for (int a = 0; a < D; a++, in /= 5)
+				box[a] += in % 5 - 2;
+			work(box);
+		}
+	}
+
+	/// Distance to the nearest other point; infinite where none is within two sides of a box.
+	template <int D> std::vector<double> nearestDistances(const Points<D>& points, double side)
+	{
+		const auto          boxes = boxesOf<D>(points, side);
 		std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
-		for (const auto& [place, ids] : boxes)
-			for (long dx = -2; dx <= 2; dx++)
-				for (long dy = -2; dy <= 2; dy++) {
-					const auto others = boxes.find({ place.first + dx, place.second + dy });
-					if (others == boxes.end()) continue;
-					for (const int i : ids)
-						for (const int j : others->second)
-							if (i != j)
-								nearest[i] = std::min(
-								        nearest[i],
-								        std::hypot(
-								                points[i].position[0] - points[j].position[0],
-								                points[i].position[1] - points[j].position[1]));
-				}
+		for (const auto& [place, ids] : boxes) {
+			const auto& here = ids;
+			overNeighbours<D>(place, [&](const Box<D>& box) {
+				const auto others = boxes.find(box);
+				if (others == boxes.end()) return;
+				for (const int i : here)
+					for (const int j : others->second) {
+						if (i == j) continue;
+						Vec<D> apart;
+						for (int a = 0; a < D; a++)
+							apart[a] = points[i].position[a] - points[j].position[a];
+						nearest[i] = std::min(nearest[i], lengthOf<D>(apart));
+					}
+			});
+		}
 		return nearest;
 	}
 
-	void doubtPlaces(Doubts& doubts, const Points& points, double spacing)
+	template <int D> void doubtPlaces(Doubts& doubts, const Points<D>& points, double spacing)
 	{
+		const char* const   unit = D == 2 ? " m^2" : " m^3";
 		std::vector<double> volumes;
 		double              sum = 0;
 		for (const auto& point : points) {
-			if (!(point.volume > 0) || !std::isfinite(point.position[0]) || !std::isfinite(point.position[1])) return; // refused anyway
+			if (!(point.volume > 0) || !std::isfinite(lengthOf<D>(point.position))) return; // refused anyway
 			volumes.push_back(point.volume);
 			sum += point.volume;
 		}
-		const double usual = median(volumes), side = std::sqrt(usual), room = usual * double(boxesOf(points, side).size());
+		const double usual = median(volumes), side = D == 2 ? std::sqrt(usual) : std::cbrt(usual),
+		             room = usual * double(boxesOf<D>(points, side).size());
 		if (points.size() > 3 && sum > 1.8 * room)
 			doubts.add(
-			        true, "The volumes of the points add to ", sum, " m^2 in a room of some ", room,
-			        " m^2: was an outline filled twice, or volume (median ", usual, " m^2) given for more than one point?");
+			        true, "The volumes of the points add to ", sum, unit, " in a room of some ", room, unit,
+			        ": was an outline filled twice, or volume (median ", usual, unit, ") given for more than one point?");
 		if (points.size() < 4) return;
-		const auto   distances = nearestDistances(points, 0.75 * spacing);
+		const auto   distances = nearestDistances<D>(points, 0.75 * spacing);
 		const double apart     = median(distances);
 		if (!(apart <= 1.2 * spacing))
 			doubts.add(
 			        true, "MpmEngine.gridSpacing is ", spacing, " m and most points have no other one within ", 1.2 * spacing,
 			        " m: the grid cannot carry ground whose points are farther apart than its nodes; give smaller points or a coarser grid.");
-		else if (usual < 0.1 * apart * apart)
+		else if (usual < 0.1 * std::pow(apart, D))
 			doubts.add(
-			        true, "The volume of the points is ", usual, " m^2 (median) where their distance of ", apart, " m makes ", apart * apart,
-			        " m^2: was volume meant to be that?");
+			        true, "The volume of the points is ", usual, unit, " (median) where their distance of ", apart, " m makes ", std::pow(apart, D),
+			        unit, ": was volume meant to be that?");
 	}
 
-	void doubtStates(Doubts& doubts, const MpmEngine& mpm, const Points& points)
+	template <int D> void doubtStates(Doubts& doubts, const MpmEngine& mpm, const Points<D>& points)
 	{
 		double stress = 0, tension = 0, pressure = 0;
 		int    tensile = 0;
@@ -193,25 +212,44 @@ namespace {
 			}
 		}
 	}
+	template <int D> void doubtGravity(Doubts& doubts, const MpmEngine& mpm)
+	{
+		if (mpm.gravity.isGiven() && mpm.gravity.components() != D) return; // refused anyway
+		Vec<D> gravity = mpm.gravity.in<D>("gravity");
+		double beside  = 0;
+		for (int a = 0; a < D - 1; a++)
+			beside = std::max(beside, std::abs(gravity[a]));
+		const string text = mpm.gravity.text();
+		if (gravity[D - 1] > 0) {
+			gravity[D - 1] *= -1;
+			std::ostringstream meant;
+			for (int a = 0; a < D; a++)
+				meant << (a ? ", " : "(") << gravity[a];
+			doubts.add(true, "MpmEngine.gravity is ", text, " m/s^2, upwards: was ", meant.str(), ") meant?");
+		} else if (D == 3 && gravity[D - 1] == 0 && beside > 0)
+			doubts.add(true, "MpmEngine.gravity is ", text, " m/s^2: z points upwards in space, was (0, 0, ", -lengthOf<D>(gravity), ") meant?");
+	}
+
+	template <int D> std::vector<Doubt> doubtsIn(const MpmEngine& mpm)
+	{
+		Points<D> points;
+		for (int id = 0; id < mpm.points.count(); id++)
+			points.push_back(mpm.points.point<D>(id));
+		Doubts doubts;
+		if (mpm.gridSpacing > 0 && !points.empty()) doubtPlaces<D>(doubts, points, mpm.gridSpacing);
+		if (mpm.motion) doubtGravity<D>(doubts, mpm);
+		if (mpm.material) doubtMaterial(doubts, mpm);
+		doubtStates<D>(doubts, mpm, points);
+		if (mpm.motion) doubtSkeletons(doubts, mpm);
+		if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))
+			doubts.add(
+			        false, "PoreWater.conductivity is ", mpm.water->conductivity,
+			        " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
+		doubtBoundaries(doubts, mpm);
+		return doubts.list;
+	}
 } // namespace
 
-std::vector<Doubt> doubtsAbout(const MpmEngine& mpm, const Points& points)
-{
-	Doubts doubts;
-	if (mpm.gridSpacing > 0 && !points.empty()) doubtPlaces(doubts, points, mpm.gridSpacing);
-	if (mpm.motion && mpm.gravity[1] > 0)
-		doubts.add(
-		        true, "MpmEngine.gravity is (", mpm.gravity[0], ", ", mpm.gravity[1], ") m/s^2, upwards: was (", mpm.gravity[0], ", ", -mpm.gravity[1],
-		        ") meant?");
-	if (mpm.material) doubtMaterial(doubts, mpm);
-	doubtStates(doubts, mpm, points);
-	if (mpm.motion) doubtSkeletons(doubts, mpm);
-	if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))
-		doubts.add(
-		        false, "PoreWater.conductivity is ", mpm.water->conductivity,
-		        " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
-	doubtBoundaries(doubts, mpm);
-	return doubts.list;
-}
+std::vector<Doubt> doubtsAbout(const MpmEngine& mpm) { return mpm.usedDimension() == 2 ? doubtsIn<2>(mpm) : doubtsIn<3>(mpm); }
 
 } // namespace talik

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <pkg/mpm/GroundSettings.hpp>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,6 @@ struct Doubt {
 	bool        grave;    ///< nothing sensible comes of it: the first step says so unasked
 };
 
-std::vector<Doubt> doubtsAbout(const yade::MpmEngine& mpm, const std::vector<PointInput<2>>& points);
+std::vector<Doubt> doubtsAbout(const yade::MpmEngine& mpm);
 
 } // namespace talik

@@ -110,14 +110,12 @@ py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
 	return numbers;
 }
 
-void RveSkeleton::placePoints(const std::vector<talik::Vec<2>>& positions) { places = positions; }
-
-vector<int> RveSkeleton::dealt(int pointCount) const
+template <int Dim> vector<int> RveSkeleton::dealt(const Places<Dim>& places) const
 {
 	const int   count = std::max(1, int(samples.size() + scenes.size()));
-	vector<int> numbers(pointCount, 0);
-	for (int id = 0; id < std::min(pointCount, int(places.size())); id++)
-		numbers[id] = dealtAt(places[id].data(), 2, count, seed);
+	vector<int> numbers;
+	for (const auto& place : places)
+		numbers.push_back(dealtAt(place.data(), Dim, count, seed));
 	return numbers;
 }
 
@@ -171,10 +169,16 @@ template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 	stores.open = std::make_shared<talik::OpenStore<Dim>>(bytes);
 }
 
-SkeletonLaw::Pointer RveSkeleton::build(int pointCount)
+SkeletonLaw::Model<3> RveSkeleton::build(const Places<3>& places)
 {
-	checkSettings(pointCount);
-	return makeModel<2>(sampleOf.empty() ? dealt(pointCount) : sampleOf);
+	checkSettings(int(places.size()));
+	return makeModel<3>(sampleOf.empty() ? dealt<3>(places) : sampleOf);
+}
+
+SkeletonLaw::Model<2> RveSkeleton::build(const Places<2>& places)
+{
+	checkSettings(int(places.size()));
+	return makeModel<2>(sampleOf.empty() ? dealt<2>(places) : sampleOf);
 }
 
 template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::makeModel(const vector<int>& numbers)

@@ -15,8 +15,8 @@ namespace yade {
 class RveSkeleton : public SkeletonLaw {
 public:
 	virtual ~RveSkeleton() {};
-	Pointer             build(int pointCount) override;
-	void                placePoints(const std::vector<talik::Vec<2>>&) override;
+	Model<2>            build(const Places<2>& places) override;
+	Model<3>            build(const Places<3>& places) override;
 	bool                sourcesChanged() const override;
 	bool                beginsWithOwnStress() const override { return true; }
 	bool                changedByHand() const override { return byHand; }
@@ -25,8 +25,8 @@ public:
 	void                followAttributes() override;
 	bool                admitsPoints() const override { return !model; }
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
-	talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>& batch) const override { return stores<2>().model->errorSquares(batch); }
-	void                keepOnly(const talik::SkeletonBatch<2>& batch) override { stores<2>().model->keepOnly(batch); }
+	talik::ErrorSquares errorSquares(const talik::SkeletonPoints& points) const override { return running().errorSquares(points); }
+	void                keepOnly(const talik::SkeletonPoints& points) override { running().keepOnly(points); }
 
 	/// The model of a ground in the plane (Dim 2, samples of discs) or in space (Dim 3, spheres); sampleOf as below, by point id.
 	template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> makeModel(const vector<int>& numbers);
@@ -65,14 +65,13 @@ private:
 	void                                    keepBlownUp(int id) const;
 	string                                  reasonAgainstPacking(int dimension) const;
 	template <int Dim> void                 makeStore(Stores<Dim>&);
-	vector<int>                             dealt(int pointCount) const;
+	template <int Dim> vector<int>          dealt(const Places<Dim>& places) const;
 
 	std::shared_ptr<talik::PointSamples>     model; ///< that of `now`
 	std::variant<Stores<2>, Stores<3>>       now;
 	vector<shared_ptr<RveSample>>            prototypes;  ///< of packed samples
 	std::vector<std::shared_ptr<const void>> takenStates; ///< of `samples` when they were built from
 	std::vector<std::size_t>                 takenScenes; ///< digests of `scenes` then
-	std::vector<talik::Vec<2>>               places;      ///< of all points of the ground, by id
 	bool                                     byHand = false;
 	bool                                     told   = false;
 

@@ -363,7 +363,7 @@ void PointSamples::setTolerance(double tolerance)
 	schedule.saturationTolerance = saturationShare * tolerance;
 }
 
-template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonBatch<Dim>& batch) const
+template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonPoints& batch) const
 {
 	if (!accuracy) return {};
 	const Arrays a   = arrays();
@@ -387,14 +387,14 @@ std::size_t PointSamples::sampleNumber(int id) const
 	return std::size_t(sampleOf[id]);
 }
 
-template <int Dim> void SampleSkeleton<Dim>::keepOnly(const SkeletonBatch<Dim>& batch)
+void PointSamples::keepOnly(const SkeletonPoints& batch)
 {
 	std::vector<char> stays(sampleOf.size(), 0);
 	for (int k = 0; k < batch.count; k++)
 		stays.at(batch.id[batch.place[k]]) = 1;
 	for (std::size_t id = 0; id < sampleOf.size(); id++) {
 		if (stays[id] || sampleOf[id] < 0) continue;
-		store->release(std::size_t(sampleOf[id]));
+		anyStore->release(std::size_t(sampleOf[id]));
 		sampleOf[id] = -1;
 		failures.erase(int(id));
 		isolated.erase(int(id));

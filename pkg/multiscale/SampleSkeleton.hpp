@@ -37,7 +37,9 @@ public:
 	/// Steers strain tolerance and inertial number of each point by the relative error of effective stress that they cause, in place of
 	/// the scheduling's. Before the fields are declared, or to another tolerance > 0 at any time.
 	void setTolerance(double tolerance);
-	bool steered() const { return bool(accuracy); }
+	/// Of the estimated error since the start.
+	virtual ErrorSquares errorSquares(const SkeletonPoints&) const = 0;
+	bool                 steered() const { return bool(accuracy); }
 
 	SampleScheduling& scheduling() { return schedule; }
 	/// Called with the point's id for every sample that blew up and is in its last good state again; says whether the run has to stop.
@@ -54,6 +56,9 @@ public:
 	/// The next update asks this point's sample, however small its increments: something was done to it from outside.
 	void                              askNext(int id) { changed.insert(id); }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
+
+	/// Gives up the samples of points that are not among these.
+	void keepOnly(const SkeletonPoints&);
 
 	std::string save() const;
 	void        restore(const std::string& bytes);
@@ -83,10 +88,7 @@ public:
 	void        updateStress(const SkeletonBatch<Dim>&) override;
 	void        tangentModulus(const SkeletonBatch<Dim>&, double* modulus) const override;
 
-	/// Of the estimated error since the start, see setTolerance.
-	ErrorSquares errorSquares(const SkeletonBatch<Dim>&) const;
-	/// Gives up the samples of points that are not in the batch.
-	void keepOnly(const SkeletonBatch<Dim>&);
+	ErrorSquares errorSquares(const SkeletonPoints&) const override;
 
 private:
 	using Matrix = typename PackedTypes<Dim>::Matrix;

@@ -16,7 +16,7 @@ namespace {
 	string prefixOf(std::size_t law) { return "skeleton" + std::to_string(law) + "."; }
 
 	/// The arrays of a ground's state by name, copied; the fields of skeleton models under the name that they will have.
-	std::map<string, string> copyState(talik::Ground<2>& ground, const Laws& before, const Laws& after)
+	std::map<string, string> copyState(talik::AnyGround& ground, const Laws& before, const Laws& after)
 	{
 		std::map<string, string> copies;
 		for (const auto& array : ground.state()) {
@@ -31,7 +31,7 @@ namespace {
 		return copies;
 	}
 
-	void overwriteState(talik::Ground<2>& ground, const std::map<string, string>& copies)
+	void overwriteState(talik::AnyGround& ground, const std::map<string, string>& copies)
 	{
 		for (const auto& array : ground.state()) {
 			const auto copy = copies.find(array.name);
@@ -64,7 +64,7 @@ py::list MpmEngine::skeletonNumbers() const
 {
 	py::list numbers;
 	for (int id = 0; id < pointCount(); id++)
-		numbers.append(lawOf(id));
+		numbers.append(points.skeleton(id));
 	return numbers;
 }
 
@@ -76,7 +76,7 @@ void MpmEngine::checkExchange(const Laws& laws, const vector<int>& skeletonOf) c
 		if (!law)
 			throw std::invalid_argument(
 			        "MpmEngine.exchangeSkeletons: skeletons[" + std::to_string(skeletonOf[id]) + "] is None: give skeleton laws only.");
-		if (law != before[lawOf(id)] && !law->admitsPoints())
+		if (law != before[points.skeleton(id)] && !law->admitsPoints())
 			throw std::invalid_argument(
 			        "MpmEngine.exchangeSkeletons: skeletons[" + std::to_string(skeletonOf[id])
 			        + "] has samples behind other points already: give point " + std::to_string(id) + " a new " + law->getClassName() + ".");
@@ -92,7 +92,7 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 	checkExchange(laws, numbers);
 	const Laws before = activeSkeletons();
 	const auto state  = copyState(running, before, laws);
-	const auto former = std::make_tuple(skeleton, skeletons, pointInput);
+	const auto former = std::make_tuple(skeleton, skeletons, points);
 	begun             = true;
 	preSave(*this);
 	const string whole = std::move(saved);
@@ -101,11 +101,11 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 		skeleton.reset();
 		skeletons = laws;
 		for (int id = 0; id < pointCount(); id++)
-			setLawOf(id, numbers[id]);
+			points.setSkeleton(id, numbers[id]);
 		takeOver(before, state);
 	} catch (...) {
-		std::tie(skeleton, skeletons, pointInput) = former;
-		ground.reset();
+		std::tie(skeleton, skeletons, points) = former;
+		dropGround();
 		saved = whole;
 		initialise();
 		throw;
@@ -120,21 +120,19 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 	for (const auto& law : skeletons)
 		histories.push_back(isOld(law) ? law->savedState() : "");
 	const auto steps = std::make_pair(stableStep, stepsUntilLimit);
-	ground.reset();
+	dropGround();
 	initialise();
 	begun                                 = true;
 	std::tie(stableStep, stepsUntilLimit) = steps;
 	overwriteState(*ground, state);
-	auto& points = ground->points();
-	for (int place = 0; place < points.count(); place++)
-		points.skeletons()[place] = lawOf(points.id(place));
+	for (int place = 0; place < pointCount(); place++)
+		ground->skeletonNumbers()[place] = points.skeleton(ground->idAt(place));
 	ground->stateRestored();
 	for (std::size_t k = 0; k < skeletons.size(); k++) {
-		const auto batch = ground->skeletonBatch(int(k));
 		if (isOld(skeletons[k])) {
 			skeletons[k]->restoreState(histories[k]);
-			skeletons[k]->keepOnly(batch);
-		} else ground->settings().skeletons[k]->initialise(batch);
+			skeletons[k]->keepOnly(ground->skeletonPoints(int(k)));
+		} else ground->startSkeleton(int(k));
 	}
 }
 

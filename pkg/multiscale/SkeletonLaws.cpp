@@ -6,18 +6,23 @@
 namespace yade {
 YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton));
 
-SkeletonLaw::Pointer SkeletonLaw::build(int)
+SkeletonLaw::Model<2> SkeletonLaw::build(const Places<2>&)
 {
 	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
+}
+
+SkeletonLaw::Model<3> SkeletonLaw::build(const Places<3>&)
+{
+	throw std::invalid_argument("MpmEngine.skeleton: " + getClassName() + " knows no ground in space: use ElasticSkeleton or MohrCoulombSkeleton.");
 }
 
 ::boost::python::object SkeletonLaw::values(const string& name) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
 
 vector<Real> SkeletonLaw::valueAt(const string& name, int) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
 
-SkeletonLaw::Pointer ElasticSkeleton::build(int)
+template <int D> SkeletonLaw::Model<D> ElasticSkeleton::model() const
 {
-	auto model          = std::make_shared<talik::ElasticSkeleton<2>>();
+	auto model          = std::make_shared<talik::ElasticSkeleton<D>>();
 	model->youngModulus = young;
 	model->poissonRatio = poisson;
 	talik::underScriptNames(
@@ -26,9 +31,9 @@ SkeletonLaw::Pointer ElasticSkeleton::build(int)
 	return model;
 }
 
-SkeletonLaw::Pointer MohrCoulombSkeleton::build(int)
+template <int D> SkeletonLaw::Model<D> MohrCoulombSkeleton::model() const
 {
-	auto model                   = std::make_shared<talik::MohrCoulombSkeleton<2>>();
+	auto model                   = std::make_shared<talik::MohrCoulombSkeleton<D>>();
 	model->youngModulus          = young;
 	model->youngModulusFrozen    = youngFrozen;
 	model->poissonRatio          = poisson;
@@ -52,5 +57,10 @@ SkeletonLaw::Pointer MohrCoulombSkeleton::build(int)
 	        [&] { model->validate(); });
 	return model;
 }
+
+template SkeletonLaw::Model<2> ElasticSkeleton::model<2>() const;
+template SkeletonLaw::Model<3> ElasticSkeleton::model<3>() const;
+template SkeletonLaw::Model<2> MohrCoulombSkeleton::model<2>() const;
+template SkeletonLaw::Model<3> MohrCoulombSkeleton::model<3>() const;
 
 } // namespace yade

@@ -11,12 +11,13 @@ namespace yade {
 /// What turns strain and ice saturation of a material point into effective stress.
 class SkeletonLaw : public Serializable {
 public:
-	using Pointer = std::shared_ptr<talik::SkeletonModel<2>>;
+	template <int D> using Model  = std::shared_ptr<talik::SkeletonModel<D>>;
+	template <int D> using Places = std::vector<talik::Vec<D>>;
 	virtual ~SkeletonLaw() {};
-	/// The model of one run; pointCount is the number of all points of the ground, whose ids count from 0.
-	virtual Pointer build(int pointCount);
-	/// Before build(): where the points were added, by id [m].
-	virtual void placePoints(const std::vector<talik::Vec<2>>&) {}
+	/// The model of one run, in the plane or in space; places: where all points of the ground were added, by id [m]. Throws
+	/// std::invalid_argument if the law has none there.
+	virtual Model<2> build(const Places<2>& places);
+	virtual Model<3> build(const Places<3>& places);
 	/// What build() took from other objects has changed since, so that it would build another model now.
 	virtual bool sourcesChanged() const { return false; }
 	/// The model was changed by hand since build().
@@ -28,15 +29,13 @@ public:
 	virtual void   restoreState(const string&) {}
 	/// Before every step: what may be changed while the ground runs comes into force.
 	virtual void followAttributes() {}
-	/// Initial effective stress xx, yy, xy [Pa] that belongs to a point (by id) unless the user gives one.
-	virtual bool initialStress(int, const talik::Vec<2>&, std::array<double, talik::stressSize<2>>&) { return false; }
 	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.
 	virtual bool admitsPoints() const { return true; }
 	/// After an exchange: forget the points that are not in the batch.
-	virtual void keepOnly(const talik::SkeletonBatch<2>&) {}
+	virtual void keepOnly(const talik::SkeletonPoints&) {}
 	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
 	virtual void                setTolerance(Real) {}
-	virtual talik::ErrorSquares errorSquares(const talik::SkeletonBatch<2>&) const { return {}; }
+	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
 	virtual vector<string> measures() const { return {}; }
 	/// One of them for all points of the ground, NaN where a point has another skeleton.
@@ -53,7 +52,13 @@ REGISTER_SERIALIZABLE(SkeletonLaw);
 class ElasticSkeleton : public SkeletonLaw {
 public:
 	virtual ~ElasticSkeleton() {};
-	Pointer build(int) override;
+	Model<2> build(const Places<2>&) override { return model<2>(); }
+	Model<3> build(const Places<3>&) override { return model<3>(); }
+
+private:
+	template <int D> Model<D> model() const;
+
+public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: "
 			"MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
@@ -67,7 +72,13 @@ REGISTER_SERIALIZABLE(ElasticSkeleton);
 class MohrCoulombSkeleton : public SkeletonLaw {
 public:
 	virtual ~MohrCoulombSkeleton() {};
-	Pointer build(int) override;
+	Model<2> build(const Places<2>&) override { return model<2>(); }
+	Model<3> build(const Places<3>&) override { return model<3>(); }
+
+private:
+	template <int D> Model<D> model() const;
+
+public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice "
 			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them "

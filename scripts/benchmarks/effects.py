@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Cost of the effects of the ground from what Google Benchmark measured.
 
-usage  effects.py <result.json> <agreement.json> <times.json>..."""
+usage  effects.py <result.json> <agreement.json> <times.json>...
+	   effects.py --space <result.json> <times.json>..."""
 
 import json
 import pathlib
@@ -34,6 +35,7 @@ shares = (
 resting = (("rigid: heat, freezing, at rest", "rigid: heat, freezing"), ("dry, heat, at rest", "dry, heat"))
 threaded = ("dry", "dry, cell averages", "water, heat, freezing", "everything")
 aims = {"dry": 30, "everything": 65}
+aimsInSpace = {"dry": 90, "everything": 500}
 
 
 phases = ("to grid", "nodes", "to points", "strain, pressure", "law")
@@ -44,7 +46,7 @@ def read(paths):
 	times = defaultdict(list)
 	for path in paths:
 		for run in json.load(open(path))["benchmarks"]:
-			name = run["run_name"].split("/iterations:")[0].removeprefix("effects/")
+			name = run["run_name"].split("/iterations:")[0].removeprefix("effects/").removeprefix("space/")
 			times[name].append(run["cpu_time"] / run["points"])
 			for part in (*phases, "median step"):
 				if part in run:
@@ -77,7 +79,7 @@ def ratio(rounds, above, below):
 	return statistics.median(times[above] / times[below] for times in rounds)
 
 
-def combinations(times):
+def combinations(times, aims=aims):
 	for name, time in times.items():
 		if not isinstance(name, str) or name.endswith("/2 threads"):
 			continue
@@ -131,7 +133,16 @@ def main(target, agreementPath, *timesPaths):
 	figures.write(target, measured, notes)
 
 
+def mainInSpace(target, *timesPaths):
+	times = read(timesPaths)
+	notes = ["ns per point and step in space: 51 840 points, eight in a cell, quadratic B-splines (27 nodes), double precision, one thread (CPU time of it)."]
+	figures.write(target, [*combinations(times, aimsInSpace), *effectShares(times)], notes)
+
+
 if __name__ == "__main__":
+	if sys.argv[1:2] == ["--space"] and len(sys.argv) > 3:
+		mainInSpace(*sys.argv[2:])
+		sys.exit()
 	if len(sys.argv) < 4:
 		sys.exit(__doc__)
 	main(*sys.argv[1:])

@@ -128,6 +128,7 @@ _submodules = (
 	"running",
 	"rve",
 	"slope",
+	"solids",
 	"weather",
 )
 

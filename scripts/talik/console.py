@@ -277,6 +277,7 @@ _wanted = {
 	"string": "a text",
 	"Vector2r": "two numbers",
 	"Vector3r": "three numbers",
+	"GroundVector": "two numbers, or three in space",
 	"vector<Real>": "a list of numbers",
 	"vector<int>": "a list of whole numbers",
 }

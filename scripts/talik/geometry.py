@@ -4,8 +4,8 @@
 	talik.geometry.fill(mpm, [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)], pointsPerCell=4, temperature=-5)
 
 Points sit on a regular lattice inside the cells of the grid. Where the outline cuts a lattice square, the point gets the area and
-the centroid of the part inside, so area and first moment of the outline are kept to round-off. Two-dimensional, lengths in m,
-volumes per metre of thickness (m2).
+the centroid of the part inside, so area and first moment of the outline are kept to round-off. Lengths in m, volumes per metre of
+thickness (m2). Ground in space is filled with the solids of talik.solids in the same way.
 """
 
 import math
@@ -14,6 +14,8 @@ import numpy as np
 from matplotlib.path import Path
 from shapely.geometry import Polygon, box
 from shapely.validation import make_valid
+
+from talik import solids
 
 smallestPart = 0.2  # parts smaller than this fraction of a lattice square join the nearest point
 
@@ -26,18 +28,27 @@ def rectangle(x0, y0, x1, y1):
 	return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 
 
-def fill(mpm, polygon, pointsPerCell=4, **attributes):
-	"""Adds points that fill `polygon` to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
+def fill(mpm, polygon, pointsPerCell=None, **attributes):
+	"""Adds points that fill an outline, or in space a solid, to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
+
+	polygon        corners (m, 2) of an outline [m], or a solid of talik.solids: box, extruded, closedSurface, terrain
+	pointsPerCell  a square number, in space a cubic one; default: two points in each direction
 
 	Attributes are those of MpmEngine.addPoints: porosity [-], poreFill (part of the pores that holds water or ice) [-], temperature
-	[degC], pressure (pore water) [Pa], stress (n, 4) xx yy zz xy [Pa], velocity (n, 2) [m/s], skeleton (index). Each is a number (a row of
-	components), an array of one value per point, or a function f(x, y) of the points' coordinates [m], arrays (n,), that returns
-	such an array:
+	[degC], pressure (pore water) [Pa], stress (n, 4) xx yy zz xy or, in space, (n, 6) xx yy zz yz xz xy [Pa], velocity (n, 2) or (n, 3) [m/s],
+	skeleton (index). Each is a number (a row of components), an array of one value per point, or a function f(x, y), in space f(x, y, z),
+	of the points' coordinates [m], arrays (n,), that returns such an array. ValueError names what lies outside of the grid's box:
 
 	>>> mpm = MpmEngine(gridSpacing=0.5, heat=HeatTransfer())
 	>>> added = talik.geometry.fill(mpm, [(0, 0), (4, 0), (0, 2)], temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))"""
-	positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, _gridOrigin(mpm))
-	values = {name: value(positions[:, 0], positions[:, 1]) if callable(value) else value for name, value in attributes.items()}
+	solid = polygon if isinstance(polygon, solids.Solid) else None
+	_checkDimension(mpm, solid)
+	if solid is None:
+		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, 4 if pointsPerCell is None else pointsPerCell, _gridOrigin(mpm, 2))
+	else:
+		_refuseOutside(mpm, solid)
+		positions, volumes = solid.points(_latticeSide(mpm.gridSpacing, 8 if pointsPerCell is None else pointsPerCell, 3), _gridOrigin(mpm, 3))
+	values = {name: value(*positions.T) if callable(value) else value for name, value in attributes.items()}
 	return mpm.addPoints(position=positions, volume=volumes, **values)
 
 
@@ -52,9 +63,16 @@ def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
 	>>> position, volume = talik.geometry.fillPolygon([(0, 0), (4, 0), (0, 2)], gridSpacing=0.5)
 	>>> float(round(volume.sum(), 9))
 	4.0"""
-	corners = checkedPolygon(polygon)
-	side = _latticeSide(gridSpacing, pointsPerCell)
-	centres = _latticeCentres(corners, side, np.asarray(origin, dtype=float))
+	return latticeInPolygon(checkedPolygon(polygon), _latticeSide(gridSpacing, pointsPerCell, 2), np.asarray(origin, dtype=float))
+
+
+def latticeInPolygon(corners, side, origin):
+	"""Positions (n, 2) [m] and volumes (n,) [m2] of the lattice squares of a side [m] inside corners (m, 2) that are checked.
+
+	>>> position, volume = talik.geometry.latticeInPolygon(np.array([(0, 0), (4, 0), (0, 2)]), side=0.25, origin=np.zeros(2))
+	>>> len(volume) > 60
+	True"""
+	centres = _latticeCentres(corners, side, origin)
 	cut = _touchedByOutline(corners, centres, side)
 	whole = centres[~cut & Path(corners).contains_points(centres)]
 	partCentres, partAreas = _parts(corners, centres[cut], side)
@@ -105,17 +123,41 @@ def checkedPolygon(polygon):
 	return corners
 
 
-def _gridOrigin(mpm):
+def _checkDimension(mpm, solid):
+	"""A polygon fills ground in the plane, a solid ground in space."""
+	components = {name: len(corner) for name in ("lower", "upper", "gravity") if np.isfinite(corner := tuple(getattr(mpm, name, (math.nan,)))).any()}
+	components["dimension"] = getattr(mpm, "dimension", 0)
+	if solid is None and 3 in components.values():
+		name = next(name for name, number in components.items() if number == 3)
+		raise ValueError(f"fill: the ground is in space by MpmEngine.{name}, and a polygon fills the plane; give a solid, e.g. talik.solids.extruded(…)")
+	if solid is not None and components["dimension"] == 2:
+		raise ValueError("fill: MpmEngine.dimension is 2, and a solid fills space; give a polygon of corners (x, y)")
+
+
+def _refuseOutside(mpm, solid):
+	for name, corner, reach, beyond in (("lower", mpm.lower, solid.lower, -1), ("upper", mpm.upper, solid.upper, 1)):
+		if len(corner) != 3:
+			continue
+		for axis, limit, end in zip("xyz", corner, reach):
+			if beyond * (end - limit) > 1e-9 * max(1.0, abs(limit)):
+				raise ValueError(
+					f"fill: the solid reaches to {axis} = {end:g} m, outside of the grid's box; set MpmEngine.{name} to at least that, or cut the solid"
+				)
+
+
+def _gridOrigin(mpm, dimension):
 	"""The engine's lower corner where it is set; a grid that is put around its points starts at a multiple of its spacing."""
-	return [corner if math.isfinite(corner) else 0.0 for corner in getattr(mpm, "lower", (0.0, 0.0))]
+	lower = getattr(mpm, "lower", (0.0,) * dimension)
+	return [corner if math.isfinite(corner) else 0.0 for corner in (lower if len(lower) == dimension else (0.0,) * dimension)]
 
 
-def _latticeSide(gridSpacing, pointsPerCell):
+def _latticeSide(gridSpacing, pointsPerCell, dimension):
 	if not (np.isscalar(gridSpacing) and 0 < gridSpacing < math.inf):
 		raise ValueError(f"gridSpacing is {gridSpacing!r}; it must be a length in m, greater than 0")
-	perSide = math.isqrt(pointsPerCell) if isinstance(pointsPerCell, int) and pointsPerCell > 0 else 0
-	if perSide == 0 or perSide**2 != pointsPerCell:
-		raise ValueError(f"pointsPerCell is {pointsPerCell!r}; it must be a square number: 1, 4, 9 or 16")
+	perSide = round(pointsPerCell ** (1 / dimension)) if isinstance(pointsPerCell, int) and pointsPerCell > 0 else 0
+	if perSide == 0 or perSide**dimension != pointsPerCell:
+		wanted = "a square number: 1, 4, 9 or 16" if dimension == 2 else "a cubic number: 1, 8, 27 or 64"
+		raise ValueError(f"pointsPerCell is {pointsPerCell!r}; it must be {wanted}")
 	return gridSpacing / perSide
 
 

@@ -6,7 +6,7 @@
 	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
 	talik.output.writeSummary("output/slope/summary.json", points=mpm.pointCount, ...)
 
-An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) must be among them.
+An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) or (n, 3) must be among them.
 """
 
 import io
@@ -22,7 +22,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from talik.files import writableFolder, writeWhole
 
-tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy")}  # of stress and strain
+tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}  # of stress and strain
 _callbacks = []
 
 

@@ -85,8 +85,15 @@ def markPoints(axes, points):
 	return axes
 
 
+def _inPlane(position):
+	position = np.asarray(position, dtype=float)
+	if position.ndim != 2 or position.shape[1] != 2:
+		raise ValueError(f"position has shape {position.shape}; pictures are of ground in the plane, (n, 2); talik.output.ParaViewSeries shows ground in space")
+	return position
+
+
 def _squares(axes, position, values, volume, colourMap, limits, deformation=None):
-	position, values = np.asarray(position, dtype=float), magnitude(values)
+	position, values = _inPlane(position), magnitude(values)
 	half = 0.5 * np.sqrt(np.asarray(volume, dtype=float))  # their thin edges leave no gaps between rows
 	corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
 	squares = position[:, None, :] + half[:, None, None] * _strained(corners, deformation)
@@ -109,7 +116,7 @@ def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
 	"""The line where the ice saturation is `level`; nothing where there is no front. Returns the contour set or None.
 
 	>>> front = talik.plots.thawFront(axes, mpm.field("position"), mpm.field("iceSaturation"), mpm.field("volume"))"""
-	position, iceSaturation = np.asarray(position, dtype=float), np.asarray(iceSaturation, dtype=float)
+	position, iceSaturation = _inPlane(position), np.asarray(iceSaturation, dtype=float)
 	if len(position) < 3 or not iceSaturation.min() < level < iceSaturation.max():
 		return None
 	mesh = Triangulation(position[:, 0], position[:, 1])

@@ -79,6 +79,10 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 		raise ValueError("settle: mpm.skeleton has no samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
 	if mpm.begun:
 		raise ValueError("settle: the ground has begun; settle its samples before the first step")
+	if len(mpm.gravity) == 3:
+		raise ValueError(
+			"settle: the ground is in space by MpmEngine.gravity, and settle() knows outlines in the plane; bring samples to their stress by RveSample.servo"
+		)
 	if not mpm.gravity[1] < 0:
 		raise ValueError(f"settle: mpm.gravity is {tuple(mpm.gravity)}, nothing weighs on the samples; give a gravity downwards")
 	masses, weight = mpm.balance(), -mpm.gravity[1]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What each effect of the ground costs per point and step, beside a minimal dry code: a block of 100 x 100 cells with four points
-// each on a rough floor, free at its sides. Every benchmark is one combination of effects; scripts/bench effects compares them.
+// each on a rough floor, free at its sides. Every benchmark is one combination of effects; scripts/bench effects compares them. In space
+// the block has 18 x 18 x 20 cells with eight points each.
 #include "MinimalMpm.hpp"
 
 #include <benchmark/benchmark.h>
@@ -25,6 +26,21 @@ constexpr double spacing = 0.01, porosity = 0.4, gravity = 9.81, flipFraction = 
 constexpr int    columns = 140, rows = 112, perDirection = 2, points = 40000, limitInterval = 10;
 const Vec<2>     corner { 0.2, 0.0 }, size { 1.0, 1.0 };
 
+/// Where the block stands in its box, and how large both are [m].
+template <int D> struct Place {
+	Vec<D> corner, size, box;
+};
+const Place<2>& placeOf(std::integral_constant<int, 2>)
+{
+	static const Place<2> place { corner, size, { columns * spacing, rows * spacing } };
+	return place;
+}
+const Place<3>& placeOf(std::integral_constant<int, 3>)
+{
+	static const Place<3> place { { 0.04, 0.04, 0.0 }, { 0.18, 0.18, 0.2 }, { 0.26, 0.26, 0.24 } };
+	return place;
+}
+
 /// Effects of one combination.
 struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
@@ -34,26 +50,26 @@ struct Effects {
 	bool lookups     = false; ///< of the stable time step, as often as a run does
 };
 
-std::shared_ptr<SkeletonModel<2>> skeletonOf(const Effects& e)
+template <int D> std::shared_ptr<SkeletonModel<D>> skeletonOf(const Effects& e)
 {
-	if (e.plastic) return std::make_shared<MohrCoulombSkeleton<2>>();
-	return std::make_shared<ElasticSkeleton<2>>();
+	if (e.plastic) return std::make_shared<MohrCoulombSkeleton<D>>();
+	return std::make_shared<ElasticSkeleton<D>>();
 }
 
-GroundSettings<2> settingsOf(const Effects& e)
+template <int D> GroundSettings<D> settingsOf(const Effects& e)
 {
-	GroundSettings<2> s;
-	s.upper          = { columns * spacing, rows * spacing };
+	GroundSettings<D> s;
+	s.upper          = placeOf(std::integral_constant<int, D>()).box;
 	s.gridSpacing    = spacing;
 	s.courantNumber  = courantNumber;
-	const auto floor = Region<2>::side("bottom");
+	const auto floor = Region<D>::side("bottom");
 	if (e.motion) {
-		MotionSettings<2> m;
-		m.gravity = { 0.0, -gravity };
-		m.bBar    = e.averaging;
-		s.motion  = m;
-		s.skeletons.push_back(skeletonOf(e));
-		s.boundaries.push_back(std::make_shared<FixedBoundary<2>>(floor));
+		MotionSettings<D> m;
+		m.gravity[D - 1] = -gravity;
+		m.bBar           = e.averaging;
+		s.motion         = m;
+		s.skeletons.push_back(skeletonOf<D>(e));
+		s.boundaries.push_back(std::make_shared<FixedBoundary<D>>(floor));
 	}
 	if (e.heat) s.heat = HeatSettings {};
 	if (e.freezing) s.freezing = makeFreezingCurve("gauss");
@@ -64,8 +80,8 @@ GroundSettings<2> settingsOf(const Effects& e)
 		s.water                   = w;
 	}
 	if (e.surface) {
-		if (e.heat) s.boundaries.push_back(std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), 10.0));
-		if (e.water) s.boundaries.push_back(std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface(), 0.0, false));
+		if (e.heat) s.boundaries.push_back(std::make_shared<SurfaceTemperature<D>>(Region<D>::freeSurface(), 10.0));
+		if (e.water) s.boundaries.push_back(std::make_shared<DrainedBoundary<D>>(Region<D>::freeSurface(), 0.0, false));
 	}
 	if (e.oneVelocity) s.thawFront.reset();
 	s.deformationRecord = e.record;
@@ -74,20 +90,24 @@ GroundSettings<2> settingsOf(const Effects& e)
 }
 
 /// Temperature falls from the top to the floor, through the freezing range, and pressure is hydrostatic: nothing rests; unless uniform.
-std::unique_ptr<Ground<2>> groundWith(const Effects& e)
+template <int D> std::unique_ptr<Ground<D>> groundWith(const Effects& e)
 {
-	auto         ground = std::make_unique<Ground<2>>(settingsOf(e));
-	const double side   = spacing / perDirection;
-	for (int i = 0; i < std::lround(size[0] / side); ++i)
-		for (int j = 0; j < std::lround(size[1] / side); ++j) {
-			PointInput<2> point;
-			point.position    = { corner[0] + (i + 0.5) * side, corner[1] + (j + 0.5) * side };
-			point.volume      = side * side;
-			point.porosity    = porosity;
-			point.temperature = e.uniform ? -5.0 : -5.0 + 10.0 * point.position[1] / size[1];
-			point.pressure    = 1000.0 * gravity * (size[1] - point.position[1]);
-			ground->addPoint(point);
-		}
+	auto               ground = std::make_unique<Ground<D>>(settingsOf<D>(e));
+	const Place<D>&    place  = placeOf(std::integral_constant<int, D>());
+	const double       side   = spacing / perDirection;
+	std::array<int, D> at {};
+	while (at[0] < std::lround(place.size[0] / side)) {
+		PointInput<D> point;
+		for (int a = 0; a < D; ++a)
+			point.position[a] = place.corner[a] + (at[a] + 0.5) * side;
+		point.volume      = std::pow(side, D);
+		point.porosity    = porosity;
+		point.temperature = e.uniform ? -5.0 : -5.0 + 10.0 * point.position[D - 1] / place.size[D - 1];
+		point.pressure    = 1000.0 * gravity * (place.size[D - 1] - point.position[D - 1]);
+		ground->addPoint(point);
+		for (int a = D - 1; ++at[a] == std::lround(place.size[a] / side) && a > 0; --a)
+			at[a] = 0;
+	}
 	ground->initialise();
 	if (e.motion) ground->settings().motion->picTime = -ground->stableTimeStep().step / std::log(flipFraction); // the share per step of the minimal code
 	return ground;
@@ -100,7 +120,7 @@ std::unique_ptr<minimal::Block> minimalBlock(bool plastic)
 	const double                 angle = law.frictionAngle * M_PI / 180.0, density = (1.0 - porosity) * MixtureProperties {}.solid.density;
 	Effects                      dry;
 	dry.plastic = plastic;
-	const minimal::Scene scene { columns, rows,         spacing,         groundWith(dry)->stableTimeStep().step,
+	const minimal::Scene scene { columns, rows,         spacing,         groundWith<2>(dry)->stableTimeStep().step,
 		                     gravity, flipFraction, moduli.lambda,   moduli.shear,
 		                     plastic, law.cohesion, std::sin(angle), std::cos(angle) };
 	return std::make_unique<minimal::Block>(scene, corner[0], size[0], size[1], perDirection, density);
@@ -124,7 +144,7 @@ Settlement settlementAfter(int steps, bool plastic)
 	Effects dry;
 	dry.plastic       = plastic;
 	const auto block  = minimalBlock(plastic);
-	const auto ground = groundWith(dry);
+	const auto ground = groundWith<2>(dry);
 	for (int k = 0; k < steps; ++k) {
 		minimal::fastest().step(*block);
 		ground->step(block->scene.step);
@@ -132,11 +152,11 @@ Settlement settlementAfter(int steps, bool plastic)
 	return { 0.5 * size[1] - meanHeight(block->y), 0.5 * size[1] - meanHeight(ground->points().position(1)) };
 }
 
-void perPointStep(benchmark::State& bench, int threads)
+void perPointStep(benchmark::State& bench, int threads, int count = points)
 {
-	bench.counters["points"]  = points;
+	bench.counters["points"]  = count;
 	bench.counters["threads"] = threads;
-	bench.SetItemsProcessed(bench.iterations() * points);
+	bench.SetItemsProcessed(bench.iterations() * count);
 }
 
 void minimum(benchmark::State& bench, const minimal::Kernel& kernel, bool plastic)
@@ -166,26 +186,26 @@ double threadTime()
 }
 
 /// The calls that a step consists of, and the time that each took [ns].
-struct Phases {
+template <int D> struct Phases {
 	struct Phase {
 		const char* name;
-		void (*call)(Ground<2>&, double step);
+		void (*call)(Ground<D>&, double step);
 		double time;
 	};
 	std::array<Phase, 5> all { {
 		{ "to grid",
-		  [](Ground<2>& g, double step) {
+		  [](Ground<D>& g, double step) {
 		          g.beginStep(step);
 		          g.p2g();
 		  },
 		  0.0 },
-		{ "nodes", [](Ground<2>& g, double) { g.solveNodes(); }, 0.0 },
-		{ "to points", [](Ground<2>& g, double) { g.g2p(); }, 0.0 },
-		{ "strain, pressure", [](Ground<2>& g, double) { g.updateStrainAndPressure(); }, 0.0 },
-		{ "law", [](Ground<2>& g, double) { g.updateEffectiveStress(); }, 0.0 },
+		{ "nodes", [](Ground<D>& g, double) { g.solveNodes(); }, 0.0 },
+		{ "to points", [](Ground<D>& g, double) { g.g2p(); }, 0.0 },
+		{ "strain, pressure", [](Ground<D>& g, double) { g.updateStrainAndPressure(); }, 0.0 },
+		{ "law", [](Ground<D>& g, double) { g.updateEffectiveStress(); }, 0.0 },
 	} };
 
-	void step(Ground<2>& ground, double dt)
+	void step(Ground<D>& ground, double dt)
 	{
 		for (Phase& phase : all) {
 			const double start = threadTime();
@@ -195,15 +215,15 @@ struct Phases {
 	}
 };
 
-void engine(benchmark::State& bench, const Effects& effects, int threads)
+template <int D> void engine(benchmark::State& bench, const Effects& effects, int threads)
 {
 	const int before = omp_get_max_threads();
 	omp_set_num_threads(threads);
-	const auto ground = groundWith(effects);
+	const auto ground = groundWith<D>(effects);
 	double     step   = ground->stableTimeStep().step;
 	for (int k = 0; k < 5; ++k)
 		ground->step(step);
-	Phases              phases;
+	Phases<D>           phases;
 	std::vector<double> wall;
 	for (auto _ : bench) {
 		const auto start = std::chrono::steady_clock::now();
@@ -212,12 +232,13 @@ void engine(benchmark::State& bench, const Effects& effects, int threads)
 		wall.push_back(std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count());
 	}
 	omp_set_num_threads(before);
-	perPointStep(bench, threads);
+	const int count = ground->points().count();
+	perPointStep(bench, threads, count);
 	const long done = long(wall.size());
 	std::nth_element(wall.begin(), wall.begin() + done / 2, wall.end());
-	bench.counters["median step"] = wall[done / 2] / points; // steps in which other programs held a processor fall out
-	for (const Phases::Phase& phase : phases.all)
-		bench.counters[phase.name] = phase.time / (double(done) * points);
+	bench.counters["median step"] = wall[done / 2] / count; // steps in which other programs held a processor fall out
+	for (const auto& phase : phases.all)
+		bench.counters[phase.name] = phase.time / (double(done) * count);
 }
 
 struct Combination {
@@ -281,9 +302,13 @@ const int registered = [] {
 	for (const Combination& c : combinations())
 		for (int threads = 1; threads <= (c.threaded ? 2 : 1); ++threads)
 			benchmark::RegisterBenchmark(
-			        ("effects/" + std::string(c.name) + (threads > 1 ? "/2 threads" : "/1 thread")).c_str(), engine, c.effects, threads)
+			        ("effects/" + std::string(c.name) + (threads > 1 ? "/2 threads" : "/1 thread")).c_str(), engine<2>, c.effects, threads)
 			        ->Iterations(timedSteps)
 			        ->UseRealTime();
+	for (const Combination& c : combinations())
+		benchmark::RegisterBenchmark(("space/" + std::string(c.name) + "/1 thread").c_str(), engine<3>, c.effects, 1)
+		        ->Iterations(timedSteps / 2)
+		        ->UseRealTime();
 	return 0;
 }();
 

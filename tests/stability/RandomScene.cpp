@@ -120,9 +120,11 @@ namespace {
 
 	template <int D> void Draw<D>::walls()
 	{
-		for (const char* side : D == 2 ? std::vector<const char*> { "left", "right", "bottom" }
-		                               : std::vector<const char*> { "left", "right", "bottom", "back", "front" }) {
-			if (!dice.chance(side, 0.8)) {
+		// all but the side that y points to, which is up here in space too
+		std::vector<std::string> sides = sideNames(D);
+		sides.erase(sides.begin() + 3);
+		for (const std::string& side : sides) {
+			if (!dice.chance(side.c_str(), 0.8)) {
 				scene.open = true;
 				continue;
 			}
@@ -163,7 +165,7 @@ namespace {
 		if (s.heat && dice.chance("wallTemperature", 0.3)) {
 			const TimeTable table = weather(-40.0, 40.0);
 			keepTemperatures(table);
-			s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::side("bottom"), table));
+			s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::side(sideNames(D)[2]), table));
 		}
 		if (s.motion && dice.chance("traction", 0.5))
 			s.boundaries.push_back(

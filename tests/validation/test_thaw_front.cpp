@@ -395,9 +395,9 @@ template <int D> Ground<D> block(int parallelFrom)
 	for (int a = 0; a < D; ++a)
 		for (const bool high : { false, true }) {
 			if (a == 1 && high) continue;
-			static const char* const names[3][2] = { { "left", "right" }, { "bottom", "top" }, { "back", "front" } };
-			if (a == 1) s.boundaries.push_back(std::make_shared<FixedBoundary<D>>(Region<D>::side(names[a][high])));
-			else s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(names[a][high])));
+			const std::string name = sideNames(D)[2 * a + high];
+			if (a == 1) s.boundaries.push_back(std::make_shared<FixedBoundary<D>>(Region<D>::side(name)));
+			else s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(name)));
 		}
 	Ground<D> ground(s);
 	for (double z = 0.25 * h; z < (D == 3 ? 3.0 * h : 0.5 * h); z += 0.5 * h)

@@ -10,8 +10,6 @@
 namespace talik {
 
 namespace {
-	const char* const sideNames[3][2] = { { "left", "right" }, { "bottom", "top" }, { "back", "front" } };
-
 	template <int D> std::string text(const Vec<D>& v)
 	{
 		std::ostringstream out;
@@ -25,16 +23,22 @@ namespace {
 
 Side sideFromName(const std::string& name, int dimensions)
 {
-	std::string known;
-	for (int a = 0; a < dimensions; ++a)
-		for (int u = 0; u < 2; ++u) {
-			if (name == sideNames[a][u]) return { a, u == 1 };
-			known += std::string(known.empty() ? "" : ", ") + sideNames[a][u];
-		}
+	const std::vector<std::string> names = sideNames(dimensions);
+	std::string                    known;
+	for (int k = 0; k < 2 * dimensions; ++k) {
+		if (name == names[k]) return { k / 2, k % 2 == 1 };
+		known += (known.empty() ? "" : ", ") + names[k];
+	}
 	throw std::invalid_argument("side = '" + name + "': choose one of " + known);
 }
 
-std::string nameOf(const Side& side) { return sideNames[side.axis][side.upper ? 1 : 0]; }
+std::vector<std::string> sideNames(int dimensions)
+{
+	if (dimensions == 2) return { "left", "right", "bottom", "top" };
+	return { "left", "right", "front", "back", "bottom", "top" };
+}
+
+std::string nameOf(const Side& side, int dimensions) { return sideNames(dimensions)[2 * side.axis + (side.upper ? 1 : 0)]; }
 
 template <int D> Region<D> Region<D>::side(const std::string& name)
 {
@@ -112,9 +116,9 @@ template <int D> std::string Region<D>::describe() const
 		return list;
 	}
 	const bool  limited = std::isfinite(boxLower[0]) || std::isfinite(boxUpper[0]);
-	std::string name    = kind == Kind::side ? "side " + nameOf(on)
+	std::string name    = kind == Kind::side ? "side " + nameOf(on, D)
 	           : kind == Kind::freeSurface   ? (cavities ? "surface of cavities" : "free surface")
-	           : round                       ? "disc"
+	           : round                       ? (D == 2 ? "disc" : "ball")
 	                                         : "node box";
 	if (limited) name += " within " + text<D>(boxLower) + " - " + text<D>(boxUpper);
 	return name;
@@ -160,7 +164,7 @@ template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
 		for (int a = 0; a < D; ++a)
 			requireSetting(
 			        std::isfinite(r.boxLower[a]) && std::isfinite(r.boxUpper[a]) && r.boxLower[a] < r.boxUpper[a], name() + ".region", r.describe(),
-			        "a disc needs lower and upper, and room between them");
+			        std::string(D == 2 ? "a disc" : "a ball") + " needs lower and upper, and room between them");
 	requireSetting(
 	        !wallNodes(grid, r).empty() || (takesVolumes() && !nodeShares(grid, r).empty()), name() + ".region", r.describe(),
 	        "holds no node of the grid; boxes must reach at least one node");

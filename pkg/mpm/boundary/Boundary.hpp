@@ -42,10 +42,11 @@ struct Side {
 	bool upper = false; ///< false: lower side
 };
 
-/// "left", "right" (x), "bottom", "top" (y), "back", "front" (z). Throws std::invalid_argument for other names, or a side
-/// that a 2-D grid does not have.
-Side        sideFromName(const std::string& name, int dimensions);
-std::string nameOf(const Side& side);
+/// In the plane "left", "right" (x), "bottom", "top" (y); in space "left", "right" (x), "front", "back" (y), "bottom", "top" (z): the last
+/// axis points upwards. Throws std::invalid_argument for other names.
+Side                     sideFromName(const std::string& name, int dimensions);
+std::string              nameOf(const Side& side, int dimensions);
+std::vector<std::string> sideNames(int dimensions);
 
 /// Where a boundary condition acts: on a side of the grid's box, on the moving free surface of the ground as far as the air outside
 /// reaches it, on the surface of cavities inside the ground, on all nodes inside a box, or where the ground faces rigid bodies, wherever they

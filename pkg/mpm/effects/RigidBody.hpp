@@ -48,6 +48,9 @@ template <int D> const RigidShape<D>& rigidBall();  ///< size[0]: radius
 template <int D> const RigidShape<D>& rigidBox();   ///< size: half edges
 template <int D> const RigidShape<D>& rigidPlane(); ///< thin, without end; its normal is the first axis
 template <int D> const RigidShape<D>& rigidPlate(); ///< thin; half edges size[1..], its normal is the first axis
+/// Thin; its normal is the first axis, one corner is the origin, the others lie at size[0] on the second axis and at (size[1], size[2]) of
+/// second and third, size[0] and size[2] > 0.
+const RigidShape<3>& rigidTriangle();
 
 /// A rigid body as the ground meets it. Forces and torques are those per metre of thickness in 2-D.
 template <int D> struct RigidBody {

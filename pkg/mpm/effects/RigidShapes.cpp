@@ -117,6 +117,38 @@ namespace {
 		bool thin() const override { return true; }
 	};
 
+	class Triangle final : public RigidShape<3> {
+	public:
+		std::string       name() const override { return "triangle"; }
+		NearestSurface<3> nearest(const Vec<3>& x, const Vec<3>& size, int side) const override
+		{
+			const std::array<InPlane, 3> corners { { { 0.0, 0.0 }, { size[0], 0.0 }, { size[1], size[2] } } };
+			const InPlane                at { x[1], x[2] };
+			bool                         inside  = true;
+			double                       nearest = infinity;
+			Vec<3>                       offset {};
+			for (int k = 0; k < 3; ++k) {
+				const InPlane &from = corners[k], &to = corners[(k + 1) % 3];
+				const InPlane  edge { to[0] - from[0], to[1] - from[1] }, way { at[0] - from[0], at[1] - from[1] };
+				inside              = inside && edge[0] * way[1] - edge[1] * way[0] >= 0.0; // corners run counter-clockwise
+				const double  share = (edge[0] * way[0] + edge[1] * way[1]) / (edge[0] * edge[0] + edge[1] * edge[1]);
+				const double  t     = std::min(1.0, std::max(0.0, share));
+				const InPlane from0 { way[0] - t * edge[0], way[1] - t * edge[1] };
+				const double  square = from0[0] * from0[0] + from0[1] * from0[1];
+				if (square < nearest) nearest = square, offset = { x[0], from0[0], from0[1] };
+			}
+			if (!inside) return awayFrom<3>(offset, 0.0);
+			NearestSurface<3> s { side * x[0], {} };
+			s.normal[0] = side;
+			return s;
+		}
+		Vec<3> reach(const Vec<3>& size) const override { return { 0.0, std::max({ size[0], std::abs(size[1]), size[2] }), size[2] }; }
+		bool   thin() const override { return true; }
+
+	private:
+		using InPlane = std::array<double, 2>;
+	};
+
 	template <class Shape> const Shape& theOnly()
 	{
 		static const Shape shape;
@@ -128,6 +160,8 @@ template <int D> const RigidShape<D>& rigidBall() { return theOnly<Ball<D>>(); }
 template <int D> const RigidShape<D>& rigidBox() { return theOnly<Box<D>>(); }
 template <int D> const RigidShape<D>& rigidPlane() { return theOnly<Plane<D>>(); }
 template <int D> const RigidShape<D>& rigidPlate() { return theOnly<Plate<D>>(); }
+
+const RigidShape<3>& rigidTriangle() { return theOnly<Triangle>(); }
 
 template const RigidShape<2>& rigidBall<2>();
 template const RigidShape<2>& rigidBox<2>();

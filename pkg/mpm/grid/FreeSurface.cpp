@@ -28,7 +28,7 @@ template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::share
 		ends[0] = ends[1] = moves;
 	for (const auto& b : boundaries)
 		if (b->region().kind == Region<D>::Kind::side) openSides_[b->region().on.axis][b->region().on.upper] = false;
-	openSides_[1][1] = true;
+	openSides_[D - 1][1] = true; // the sky
 	patches_.assign(boundaries.size(), {});
 	sideNodes_.assign(boundaries.size(), {});
 	std::size_t most = 0;

@@ -8,20 +8,23 @@
 
 namespace talik {
 
-/// The material points that share one skeleton model, and what the model may read and write.
-/// All arrays are indexed by the place of a point, i.e. gradient[c][place[k]] for k < count; places change when points are
-/// sorted, id[place] never does.
-template <int D> struct SkeletonBatch {
-	int        count = 0;
-	const int* place = nullptr; ///< ascending
-	const int* id    = nullptr; ///< indexed by place: the number the user knows
+/// The material points that share one skeleton model. All arrays are indexed by the place of a point, i.e. volume[place[k]] for
+/// k < count; places change when points are sorted, id[place] never does.
+struct SkeletonPoints {
+	int           count         = 0;
+	const int*    place         = nullptr; ///< ascending
+	const int*    id            = nullptr; ///< indexed by place: the number the user knows
+	const double* iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
+	const double* volume        = nullptr; ///< current volume [m^D]
+};
+
+/// What the model of some points reads and writes besides.
+template <int D> struct SkeletonBatch : SkeletonPoints {
 	/// Displacement gradient of this step, Delta t dv_i/dx_j at [i*D+j] [-], with B-bar: the divergence is
 	/// the volume-weighted mean of the cell. F_new = (1 + gradient) F_old.
 	std::array<const double*, D * D> gradient {};
-	const double*                    iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
 	/// Effective Cauchy stress [Pa], tension positive, to be updated in place; order of stressIndex<D>().
 	std::array<double*, stressSize<D>> stress {};
-	const double*                      volume = nullptr; ///< current volume [m^D]
 };
 
 /// Law that turns strain and ice saturation into effective stress. Each point has one; a scene may use several.

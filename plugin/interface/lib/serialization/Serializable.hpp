@@ -61,12 +61,16 @@ namespace scripting {
 		}
 	}
 
+	template <class Class, class T, T Class::*member> struct Getter {
+		using Policy = std::conditional_t<ByReference<T>::value, py::return_internal_reference<>, py::return_value_policy<py::return_by_value>>;
+		static py::object make() { return py::make_getter(member, Policy()); }
+	};
+
 	template <class Class, class T, T Class::*member, class PyClass> void attribute(PyClass& cls, const char* name, int flags, const std::string& doc)
 	{
 		if (flags & yade::Attr::hidden) return;
 		const std::string text = doc + " :yattrflags:`" + std::to_string(flags) + "` ";
-		using Policy         = std::conditional_t<ByReference<T>::value, py::return_internal_reference<>, py::return_value_policy<py::return_by_value>>;
-		const py::object get = py::make_getter(member, Policy());
+		const py::object  get  = Getter<Class, T, member>::make();
 		if (flags & yade::Attr::readonly) cls.add_property(name, get, text.c_str());
 		else if (flags & yade::Attr::triggerPostLoad) cls.add_property(name, get, py::make_function(&assignAndCheck<Class, T, member>), text.c_str());
 		else cls.add_property(name, get, py::make_setter(member, py::return_value_policy<py::return_by_value>()), text.c_str());

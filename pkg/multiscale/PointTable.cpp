@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/AtomicFile.hpp>
+#include <pkg/multiscale/PointTable.hpp>
+
+#include <boost/lexical_cast.hpp>
+#include <cmath>
+#include <limits>
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+namespace talik {
+namespace {
+	constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+	struct Column {
+		const char* name;
+		int         components;
+		double      byDefault;
+	};
+
+	/// What follows the position, in its order.
+	std::vector<Column> optionalColumns(int dimension)
+	{
+		return { { "volume", 1, none },        { "porosity", 1, 0.4 }, { "temperature", 1, 0 },
+			 { "pressure", 1, 0 },         { "skeleton", 1, 0 },   { "stress", dimension == 2 ? stressSize<2> : stressSize<3>, none },
+			 { "velocity", dimension, 0 }, { "poreFill", 1, none } };
+	}
+
+	/// The numbers of one column for all points, from a scalar, a row of components, or an array with a row per point.
+	std::vector<double> columnFrom(const py::object& values, const Column& column, int points, int dimension)
+	{
+		const np::ndarray array = asArray(std::string("addPoints: ") + column.name, values);
+		const double*     data  = reinterpret_cast<const double*>(array.get_data());
+		long              size  = 1;
+		for (int d = 0; d < array.get_nd(); d++)
+			size *= array.shape(d);
+		const int  components = column.components;
+		const bool uniform    = size == components && (components > 1 || array.get_nd() == 0 || points == 1);
+		if (!uniform && size != long(points) * components)
+			throw std::invalid_argument(
+			        "MpmEngine.addPoints: " + std::string(column.name) + " has " + std::to_string(size) + " numbers for " + std::to_string(points)
+			        + " points: give " + std::to_string(components) + " or " + std::to_string(long(points) * components)
+			        + (std::string(column.name) != "stress" ? "."
+			                   : dimension == 2             ? ", in the order of field('stress'): xx, yy, zz, xy."
+			                                                : ", in the order of field('stress'): xx, yy, zz, yz, xz, xy."));
+		std::vector<double> numbers(std::size_t(points) * components);
+		for (std::size_t k = 0; k < numbers.size(); k++)
+			numbers[k] = data[uniform ? k % components : k];
+		return numbers;
+	}
+
+	/// skeleton is the number of a law: half a number is none.
+	void requireWholeNumbers(const std::vector<double>& column)
+	{
+		for (const double number : column)
+			if (number != std::floor(number) || std::abs(number) > 1e9)
+				throw std::invalid_argument(
+				        "MpmEngine.addPoints: skeleton is " + boost::lexical_cast<std::string>(number)
+				        + ": give the number of a law in skeletons, a whole number.");
+	}
+} // namespace
+
+np::ndarray asArray(const std::string& name, const py::object& values)
+{
+	try {
+		return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
+	} catch (const py::error_already_set&) {
+		PyErr_Clear();
+		throw std::invalid_argument(
+		        "MpmEngine." + name + " is " + std::string(py::extract<std::string>(py::str(values))) + ": give a number or an array of numbers.");
+	}
+}
+
+void PointTable::add(const py::dict& arrays)
+{
+	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) or (n,3) [m].");
+	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
+	if (position.get_nd() != 2 || (position.shape(1) != 2 && position.shape(1) != 3))
+		throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2) or, in space, (n,3).");
+	const int points = position.shape(0), dimension = position.shape(1);
+	if (dimension_ != 0 && dimension != dimension_)
+		throw std::invalid_argument(
+		        "MpmEngine.addPoints: position is an array (n," + std::to_string(dimension) + "), but points with " + std::to_string(dimension_)
+		        + " coordinates were added before: give all points the same number of them.");
+	py::list unknown = arrays.keys();
+	unknown.remove("position");
+	std::vector<std::vector<double>> columns { columnFrom(arrays["position"], { "position", dimension, 0 }, points, dimension) };
+	std::vector<int>                 widths { dimension };
+	for (const Column& column : optionalColumns(dimension)) {
+		widths.push_back(column.components);
+		if (!arrays.has_key(column.name)) {
+			columns.emplace_back(std::size_t(points) * column.components, column.byDefault);
+			continue;
+		}
+		columns.push_back(columnFrom(arrays[column.name], column, points, dimension));
+		unknown.remove(column.name);
+		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back());
+	}
+	if (py::len(unknown) > 0)
+		throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + std::string(py::extract<std::string>(unknown[0])) + "'.");
+	if (points == 0) return;
+	dimension_ = dimension;
+	for (int p = 0; p < points; p++)
+		for (std::size_t c = 0; c < columns.size(); c++) {
+			const auto first = columns[c].begin() + long(p) * widths[c];
+			numbers_.insert(numbers_.end(), first, first + widths[c]);
+		}
+}
+
+template <int D> PointInput<D> PointTable::point(int id) const
+{
+	const double* from = row(id);
+	const auto    next = [&] { return *from++; };
+	PointInput<D> p;
+	for (double& x : p.position)
+		x = next();
+	p.volume      = next();
+	p.porosity    = next();
+	p.temperature = next();
+	p.pressure    = next();
+	p.skeleton    = int(next());
+	for (double& s : p.stress)
+		s = next();
+	for (double& v : p.velocity)
+		v = next();
+	p.poreFill = next();
+	return p;
+}
+
+template PointInput<2> PointTable::point<2>(int) const;
+template PointInput<3> PointTable::point<3>(int) const;
+
+std::uint64_t PointTable::digest() const
+{
+	Checksum checksum;
+	for (const double number : numbers_) {
+		const double plain = std::isnan(number) ? none : number;
+		checksum.process_bytes(&plain, sizeof plain);
+	}
+	return checksum.checksum();
+}
+
+} // namespace talik

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <boost/python/numpy.hpp>
+#include <lib/base/Math.hpp>
+#include <lib/serialization/Serializable.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace talik {
+
+/// Material points as a script added them, in the plane or in space: a row of numbers each, in the order of
+/// x y (z) volume porosity temperature pressure skeleton stress velocity poreFill.
+class PointTable {
+public:
+	int  dimension() const { return dimension_; } ///< 2 or 3; 0 without points
+	int  count() const { return dimension_ == 0 ? 0 : int(numbers_.size()) / width(); }
+	bool empty() const { return numbers_.empty(); }
+
+	/// Adds the points of a dictionary of scalars and arrays, see MpmEngine.addPoints. Throws std::invalid_argument and leaves the
+	/// table as it is if something is missing, unknown, or not as long as position.
+	void add(const ::boost::python::dict& arrays);
+
+	template <int D> PointInput<D> point(int id) const;
+
+	double position(int id, int axis) const { return row(id)[axis]; }
+	double volume(int id) const { return row(id)[dimension_]; }
+	double porosity(int id) const { return row(id)[dimension_ + 1]; }
+	int    skeleton(int id) const { return int(row(id)[dimension_ + 4]); }
+	void   setSkeleton(int id, int number) { numbers_[std::size_t(id) * width() + dimension_ + 4] = number; }
+
+	/// Bit by bit, but for numbers that are none: archives of text keep only that.
+	std::uint64_t digest() const;
+
+	template <class Archive> void serialize(Archive& ar, unsigned)
+	{
+		ar& boost::serialization::make_nvp("dimension", dimension_);
+		ar& boost::serialization::make_nvp("numbers", numbers_);
+	}
+
+private:
+	int           width() const { return 2 * dimension_ + (dimension_ == 2 ? stressSize<2> : stressSize<3>)+6; }
+	const double* row(int id) const { return numbers_.data() + std::size_t(id) * width(); }
+
+	int                 dimension_ = 0;
+	std::vector<double> numbers_;
+};
+
+/// A Python value as an array of doubles; std::invalid_argument names the argument of MpmEngine otherwise.
+::boost::python::numpy::ndarray asArray(const std::string& name, const ::boost::python::object& values);
+
+} // namespace talik
+
+BOOST_CLASS_IMPLEMENTATION(talik::PointTable, boost::serialization::object_serializable)
+BOOST_CLASS_TRACKING(talik::PointTable, boost::serialization::track_never)
