@@ -193,3 +193,18 @@ def test_mass_water_heat_and_momentum_close_with_what_crossed_the_boundary(draft
 		print(f"{name}: {value:+.1e} is missing")
 		assert abs(value) < 1e-11
 	assert 0.5 < draft.mpm.skemptonB() < 0.8
+
+
+def test_water_of_a_slope_that_runs_dry_under_hastened_seepage_keeps_its_speed_and_its_account_slow(tmp_path):
+	ground = thawslump.Ground(followsMotion=True)
+	run = thawslump.ThawSlump(case, "draft", tmp_path, ground, frameDays=np.linspace(0, thawslump.presets["draft"].days, 31), skeleton="MohrCoulomb")
+	run.run()
+	water = sizes(run.mpm.field("liquidVelocity")).max()
+	driest = run.mpm.field("waterMass").min()
+	print(f"\nday {run.mpm.calendar['day']:.0f}: water moves at most {water:.2g} m/s, least water of a point {driest:.1e} kg")
+	# the largest hastened conductivity, 0.05 m/s, under its own weight and the porosity of 0.4: 0.13 m/s relative to grains
+	assert water < 1
+	assert driest >= 0
+	for name, value in run.closures().items():
+		print(f"{name}: {value:+.1e} is missing")
+		assert abs(value) < 1e-11
