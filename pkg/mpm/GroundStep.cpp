@@ -453,7 +453,8 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		CostMeter::Sample sample = g.cost.sample(strip);
 		sample.begin();
 		if (cells) {
-			g.lostMomentum[strip] = g.water->receive(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr);
+			g.lostMomentum[strip] = g.water->receive(
+			        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.motion->velocity);
 			sample.lap(CostMeter::water);
 		}
 		if (g.motion) {

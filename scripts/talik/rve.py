@@ -32,7 +32,7 @@ from talik.console import checkedLabels
 from talik.files import sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
-recipeVersion = 2  # part of the cache key: raise it whenever the recipe gives other samples
+recipeVersion = 3  # part of the cache key: raise it whenever the recipe gives other samples
 porosityTolerance = 0.005
 fabricTolerance = 0.05
 shearTolerance = 0.01  # of the mean pressure

@@ -194,7 +194,7 @@ template <int D> double seepagePairError(bool averaged)
 	g.water.finishExchange(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(g.grid, w, g.field(g.waterMass), nullptr, cells); });
 	if (cells) g.water.finishCells(g.range);
-	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr); });
+	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr, g.motion.velocity); });
 	double mass = 0.0, largest = 0.0;
 	for (int p = 0; p < g.points.count(); ++p) {
 		const double received = g.field(g.waterMass)[p] - before[p];

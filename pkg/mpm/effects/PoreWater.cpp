@@ -17,6 +17,8 @@ namespace {
 	constexpr double leastDryingLoss = 1e-3;
 	/// Water of a cell per volume of the cell below which it is a trace [kg/m^D].
 	constexpr double traceDensity = 1e-9;
+	/// The same, below which it sticks to the grains: permeability has fallen by more than ten orders [kg/m^D].
+	constexpr double stuckDensity = 0.1;
 	// A neighbour that conducts less than this part of a cell is ice to its water.
 	constexpr double tight = 0.1;
 } // namespace
@@ -61,6 +63,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 template <int D> void PoreWater<D>::allocateCells(int cells, double cellVolume)
 {
 	traceMass_ = traceDensity * cellVolume;
+	stuckMass_ = stuckDensity * cellVolume;
 	cells_.assign(cells, {});
 	if (!iceMass_) return;
 	freezing_.assign(cells, {});
@@ -611,7 +614,18 @@ template <int D> Vec<D> PoreWater<D>::slowDrying(int p, const Cell& cell, const 
 	return missing;
 }
 
-template <int D> Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
+template <int D> Vec<D> PoreWater<D>::stick(int p, const std::array<double*, D>& solidVelocity)
+{
+	Vec<D> missing;
+	for (int i = 0; i < D; ++i) {
+		missing[i]     = liquidMass(p) * (velocity[i][p] - solidVelocity[i][p]);
+		velocity[i][p] = solidVelocity[i][p];
+	}
+	return missing;
+}
+
+template <int D>
+Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity)
 {
 	const double most = std::max(0.5 * (1.0 - kept), leastDryingLoss);
 	Vec<D>       lost {};
@@ -621,8 +635,9 @@ template <int D> Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int fir
 		for (int i = 0; i < D; ++i)
 			before[i] = velocity[i][p];
 		take(p, cell.exchange, cell.dilution, waterMass, enthalpy);
-		if (!(cell.exchange[Gathered::water] < -most)) continue;
-		const Vec<D> missing = slowDrying(p, cell, before, most);
+		const bool stuck = cell.liquidMass < stuckMass_;
+		if (!stuck && !(cell.exchange[Gathered::water] < -most)) continue;
+		const Vec<D> missing = stuck ? stick(p, solidVelocity) : slowDrying(p, cell, before, most);
 		for (int i = 0; i < D; ++i)
 			lost[i] += missing[i];
 	}

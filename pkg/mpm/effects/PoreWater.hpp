@@ -94,7 +94,7 @@ public:
 	void keepLastWater(const ActiveRange& range);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
 	/// water of cells that run dry gave up, see slowDrying; to be given to bookMomentum.
-	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
+	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
 	/// Books momentum [N s] as gone out with the water.
 	void bookMomentum(const Vec<D>& lost);
 
@@ -165,6 +165,8 @@ private:
 		double conductance, flow;
 	};
 	double drivingPressure(int cell) const { return cells_[cell].driving; }
+	/// The last water of a cell moves with its grains: far more flows through than the cell holds. Returns the momentum that is missing then.
+	Vec<D> stick(int place, const std::array<double*, D>& solidVelocity);
 	/// Water that leaves takes the velocity of the nodes along. In a cell that loses a good part of its water in a step, what stays would be
 	/// left with the difference and become ever faster, without bound as the cell runs dry. Its velocity changes as if no more had left
 	/// than the points' approach to the nodes' velocity makes up for. Returns the momentum that is missing then.
@@ -178,7 +180,7 @@ private:
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
-	double traceMass_ = 0.0; ///< of a cell [kg]
+	double traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
 	std::array<std::vector<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
