@@ -601,27 +601,14 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 	keepLastWater(range);
 }
 
-template <int D> Vec<D> PoreWater<D>::slowDrying(int p, const Cell& cell, const Vec<D>& before, double most)
+template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const
 {
-	const double part   = -most / cell.exchange[Gathered::water];
-	const double liquid = liquidMass(p);
-	Vec<D>       missing;
-	for (int i = 0; i < D; ++i) {
-		const double slower = (before[i] + part * cell.exchange[Gathered::momentum + i]) / (1.0 - most);
-		missing[i]          = liquid * (velocity[i][p] - slower);
-		velocity[i][p]      = slower;
-	}
-	return missing;
-}
-
-template <int D> Vec<D> PoreWater<D>::stick(int p, const std::array<double*, D>& solidVelocity)
-{
-	Vec<D> missing;
-	for (int i = 0; i < D; ++i) {
-		missing[i]     = liquidMass(p) * (velocity[i][p] - solidVelocity[i][p]);
-		velocity[i][p] = solidVelocity[i][p];
-	}
-	return missing;
+	const bool   stuck = isStuck(cell);
+	const double part  = -most / cell.exchange[Gathered::water];
+	Vec<D>       v;
+	for (int i = 0; i < D; ++i)
+		v[i] = stuck ? solidVelocity[i][p] : (velocity[i][p] + part * cell.exchange[Gathered::momentum + i]) / (1.0 - most);
+	return v;
 }
 
 template <int D>
@@ -630,16 +617,15 @@ Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, dou
 	const double most = std::max(0.5 * (1.0 - kept), leastDryingLoss);
 	Vec<D>       lost {};
 	for (int p = first; p < last; ++p) {
-		const Cell& cell = cells_[cells.cell(p)];
-		Vec<D>      before;
-		for (int i = 0; i < D; ++i)
-			before[i] = velocity[i][p];
+		const Cell&  cell      = cells_[cells.cell(p)];
+		const bool   runsDry   = isStuck(cell) || cell.exchange[Gathered::water] < -most;
+		const Vec<D> remaining = runsDry ? remainingVelocity(p, cell, most, solidVelocity) : Vec<D>();
 		take(p, cell.exchange, cell.dilution, waterMass, enthalpy);
-		const bool stuck = cell.liquidMass < stuckMass_;
-		if (!stuck && !(cell.exchange[Gathered::water] < -most)) continue;
-		const Vec<D> missing = stuck ? stick(p, solidVelocity) : slowDrying(p, cell, before, most);
-		for (int i = 0; i < D; ++i)
-			lost[i] += missing[i];
+		if (!runsDry) continue;
+		for (int i = 0; i < D; ++i) {
+			lost[i] += liquidMass(p) * (velocity[i][p] - remaining[i]);
+			velocity[i][p] = remaining[i];
+		}
 	}
 	return lost;
 }

@@ -93,7 +93,7 @@ public:
 	void finishCells(const ActiveRange& range);
 	void keepLastWater(const ActiveRange& range);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
-	/// water of cells that run dry gave up, see slowDrying; to be given to bookMomentum.
+	/// water of cells that run dry gave up, see remainingVelocity; to be given to bookMomentum.
 	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
 	/// Books momentum [N s] as gone out with the water.
 	void bookMomentum(const Vec<D>& lost);
@@ -165,12 +165,12 @@ private:
 		double conductance, flow;
 	};
 	double drivingPressure(int cell) const { return cells_[cell].driving; }
-	/// The last water of a cell moves with its grains: far more flows through than the cell holds. Returns the momentum that is missing then.
-	Vec<D> stick(int place, const std::array<double*, D>& solidVelocity);
-	/// Water that leaves takes the velocity of the nodes along. In a cell that loses a good part of its water in a step, what stays would be
-	/// left with the difference and become ever faster, without bound as the cell runs dry. Its velocity changes as if no more had left
-	/// than the points' approach to the nodes' velocity makes up for. Returns the momentum that is missing then.
-	Vec<D> slowDrying(int place, const Cell& cell, const Vec<D>& before, double most);
+	/// True if far more water flows through a cell than it holds.
+	bool isStuck(const Cell& cell) const { return cell.liquidMass < stuckMass_; }
+	/// Velocity of what stays in a cell that runs dry; call before take(). Water that leaves takes the velocity of the nodes along. What
+	/// stays would be left with the difference and become ever faster, without bound. Its velocity changes as if no more than the share
+	/// `most` had left, which the points' approach to the nodes' velocity makes up for. The last water moves with its grains.
+	Vec<D> remainingVelocity(int place, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const;
 	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
 	double mobility(int cell, double volume, double liquidDensity) const;
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
