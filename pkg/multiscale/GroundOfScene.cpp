@@ -67,11 +67,13 @@ namespace {
 		s.poreFill          = engine.poreFill;
 		for (const auto& boundary : engine.boundaries)
 			s.boundaries.push_back(boundary->build<D>());
-		if (engine.motion)
+		if (engine.motion) {
+			const auto places = placesOf<D>(engine.points);
 			for (const auto& law : engine.activeSkeletons()) {
-				s.skeletons.push_back(law->build(placesOf<D>(engine.points)));
+				s.skeletons.push_back(law->build(places));
 				if (engine.tolerance > 0) law->setTolerance(engine.tolerance);
 			}
+		}
 		s.courantNumber  = engine.courantNumber;
 		s.heatFraction   = engine.heatFraction;
 		s.motionFraction = engine.motionFraction;
@@ -91,9 +93,8 @@ namespace {
 					throw std::invalid_argument(
 					        "MpmEngine.addPoints: stress of point " + std::to_string(id) + " is given, but its "
 					        + laws[point.skeleton]->getClassName()
-					        + " begins with the stress of its sample: leave stress out, and bring the samples to it by talik.slope.settle "
-					          "or "
-					          "depthBands.");
+					        + " begins with the stress of its sample: leave stress out, and bring the samples to it by "
+					          "talik.slope.settle or depthBands.");
 				if (!given) point.stress.fill(0);
 				inside.addPoint(point);
 			}

@@ -294,10 +294,7 @@ namespace HWY_NAMESPACE {
 
 		void integrate(PackedStepView<3>* view)
 		{
-			bool jumps = false;
-			for (int k = 0; k < 9; ++k)
-				jumps |= view->nextVelGrad[k] != view->prevVelGrad[k];
-			if (jumps) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
+			if (view->jumps()) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
 			else view->sampleStress ? integrateGrains<false, true>(*view) : integrateGrains<false, false>(*view);
 		}
 

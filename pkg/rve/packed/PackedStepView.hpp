@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <pkg/rve/packed/PackedState.hpp>
@@ -93,6 +94,8 @@ template <int Dim> struct PackedStepView {
 	double virial[Dim * Dim];    ///< sum G (x) x over grains
 	double maxFluctuationSquare; ///< of the step, |v - L x|^2
 
+	/// Whether the velocity gradient changes in this step.
+	bool    jumps() const { return !std::equal(nextVelGrad, nextVelGrad + Dim * Dim, prevVelGrad); }
 	double* position(std::size_t row) const { return motion + row * PackedLayout<Dim>::row; }
 	double* velocity(std::size_t row) const { return position(row) + PackedLayout<Dim>::velocity; }
 	double& spin(std::size_t grain, int component) const { return turning[grain / 4].spin[component][grain % 4]; }
