@@ -15,9 +15,22 @@ from matplotlib.path import Path
 from shapely.geometry import Polygon, box
 from shapely.validation import make_valid
 
-from talik import solids
+smallestPart = 0.2  # parts smaller than this fraction of a lattice square or cube join the nearest point
 
-smallestPart = 0.2  # parts smaller than this fraction of a lattice square join the nearest point
+
+class Solid:
+	"""A part of space that can be filled, see talik.solids.
+
+	lower, upper  corners of its box (3,) [m]
+
+	>>> talik.solids.box((0, 0, 0), (4, 2, 1)).upper[0]
+	4.0"""
+
+	lower, upper = None, None
+
+	def points(self, side, origin):
+		"""Positions (n, 3) [m] and volumes (n,) [m3] on the lattice of cubes of a side [m] whose corner is the origin (3,)."""
+		raise NotImplementedError
 
 
 def rectangle(x0, y0, x1, y1):
@@ -41,7 +54,7 @@ def fill(mpm, polygon, pointsPerCell=None, **attributes):
 
 	>>> mpm = MpmEngine(gridSpacing=0.5, heat=HeatTransfer())
 	>>> added = talik.geometry.fill(mpm, [(0, 0), (4, 0), (0, 2)], temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))"""
-	solid = polygon if isinstance(polygon, solids.Solid) else None
+	solid = polygon if isinstance(polygon, Solid) else None
 	_checkDimension(mpm, solid)
 	if solid is None:
 		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, 4 if pointsPerCell is None else pointsPerCell, _gridOrigin(mpm, 2))

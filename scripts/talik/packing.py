@@ -127,8 +127,11 @@ def dimension():
 	>>> with talik.inspect(packed.open()):
 	...     talik.packing.dimension()
 	2"""
-	layers = {float(body.state.pos[2]) for body in O.bodies}
-	return 2 if len(layers) == 1 or any(body.state.blockedDOFs for body in O.bodies) else 3
+	if any(body.state.blockedDOFs for body in O.bodies):
+		return 2
+	heights = (float(body.state.pos[2]) for body in O.bodies)
+	first = next(heights, None)
+	return 2 if first is not None and all(height == first for height in heights) else 3
 
 
 def cell():
@@ -136,7 +139,8 @@ def cell():
 
 	>>> with talik.inspect(packed.open()):
 	...     size = talik.packing.cell()"""
-	return np.array([[O.cell.hSize[i, j] for j in range(3)] for i in range(3)])[: dimension(), : dimension()]
+	d, h = dimension(), O.cell.hSize
+	return np.array([[h[i, j] for j in range(d)] for i in range(d)])
 
 
 def inPlaneCell():

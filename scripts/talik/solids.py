@@ -14,23 +14,10 @@ import os
 
 import numpy as np
 
+from talik import geometry
+from talik.geometry import Solid, smallestPart
+
 linesPerPoint = 4  # in each horizontal direction; their ends are exact
-smallestPart = 0.2  # parts smaller than this fraction of a cube join the nearest point
-
-
-class Solid:
-	"""A part of space that can be filled.
-
-	lower, upper  corners of its box (3,) [m]
-
-	>>> talik.solids.box((0, 0, 0), (4, 2, 1)).upper[0]
-	4.0"""
-
-	lower, upper = None, None
-
-	def points(self, side, origin):
-		"""Positions (n, 3) [m] and volumes (n,) [m3] on the lattice of cubes of a side [m] whose corner is the origin (3,)."""
-		raise NotImplementedError
 
 
 # --- boxes and extruded outlines -------------------------------------------------------------------------------------------
@@ -38,8 +25,6 @@ class Solid:
 
 class _Extruded(Solid):
 	def __init__(self, outline, front, back):
-		from talik import geometry
-
 		self.corners = geometry.checkedPolygon(outline)
 		self.front, self.back = (_number(value, name) for value, name in ((front, "front"), (back, "back")))
 		if not self.front < self.back:
@@ -48,8 +33,6 @@ class _Extruded(Solid):
 		self.lower, self.upper = np.array([low[0], self.front, low[1]]), np.array([high[0], self.back, high[1]])
 
 	def points(self, side, origin):
-		from talik import geometry
-
 		section, areas = geometry.latticeInPolygon(self.corners, side, np.asarray(origin, dtype=float)[[0, 2]])
 		middles, lengths = _piecesOfInterval(self.front, self.back, side, origin[1])
 		x, y = np.repeat(section[:, 0], len(middles)), np.tile(middles, len(section))
