@@ -181,6 +181,7 @@ def _endTogether(mpy):
 	def before(stock):
 		def ending(*positional, **named):
 			_end()
+			mpy.NO_OUTPUT = True  # of workers that there never were
 			return stock(*positional, **named)
 
 		return ending
