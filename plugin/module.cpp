@@ -231,6 +231,7 @@ namespace {
 		d["messages"] = sent.messages;
 		d["bytes"]    = sent.bytes;
 		d["waited"]   = sent.waited;
+		d["polling"]  = sent.polling;
 		return d;
 	}
 
@@ -316,7 +317,7 @@ BOOST_PYTHON_MODULE(_talik)
 	        "Collective: the bytes *own* of all ranks as a list; errors call each rank by its *name*.");
 	py::def("meetRanks", meetRanks, py::arg("purpose"),
 	        "Collective: wait for all ranks at the same place of the script, and answer their questions meanwhile.");
-	py::def("rankTraffic", rankTraffic, "Dictionary: messages, bytes sent, seconds waited of this rank.");
+	py::def("rankTraffic", rankTraffic, "Dictionary: messages, bytes sent, seconds waited and processor seconds of waiting, of this rank.");
 	py::def(
 	        "endJob", +[](int status) { requireTalk().ranks().endJob(status); }, py::arg("status"), "End all processes of the job.");
 	exposeSampleGroup();

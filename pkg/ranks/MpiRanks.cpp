@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <mpi.h>
 #include <numeric>
 #include <thread>
@@ -23,6 +24,19 @@ namespace {
 	constexpr std::size_t largestMessage = std::size_t(1) << 30; ///< Open MPI counts in int
 
 	using Clock = std::chrono::steady_clock;
+
+	double processorTime()
+	{
+		timespec now {};
+		clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+		return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+	}
+
+	/// From its making on: wall time, and processor time of this thread.
+	struct Watch {
+		Clock::time_point begin     = Clock::now();
+		double            processor = processorTime();
+	};
 
 	/// Open MPI waits at full speed, which takes the processor from the threads of other ranks where there are more ranks than cores.
 	void waitFor(std::vector<MPI_Request>& requests)
@@ -57,15 +71,15 @@ namespace {
 			std::vector<int> counts(lengths.begin(), lengths.end()), begins(lengths.size(), 0);
 			std::partial_sum(counts.begin(), counts.end() - 1, begins.begin() + 1);
 			std::vector<MPI_Request> request(1);
-			const auto               begin = Clock::now();
+			const Watch              watch;
 			MPI_Iallgatherv(mine, counts[std::size_t(own)], MPI_BYTE, into, counts.data(), begins.data(), MPI_BYTE, all, request.data());
 			waitFor(request);
-			note(lengths[std::size_t(own)] * std::size_t(number - 1), begin);
+			note(lengths[std::size_t(own)] * std::size_t(number - 1), watch);
 		}
 
 		std::vector<std::string> exchange(const std::vector<std::string>& toEach) override
 		{
-			const auto                 begin = Clock::now();
+			const Watch                watch;
 			std::vector<std::uint64_t> going, coming(toEach.size());
 			for (const auto& bytes : toEach)
 				going.push_back(bytes.size());
@@ -91,7 +105,7 @@ namespace {
 				sum += toEach[k].size();
 			}
 			waitFor(requests);
-			note(sum, begin);
+			note(sum, watch);
 			return received;
 		}
 
@@ -108,11 +122,12 @@ namespace {
 				piece(at, int(std::min(largestMessage, bytes - at)));
 		}
 
-		void note(std::size_t bytes, Clock::time_point begin)
+		void note(std::size_t bytes, const Watch& watch)
 		{
 			sent.messages++;
 			sent.bytes += bytes;
-			sent.waited += std::chrono::duration<double>(Clock::now() - begin).count();
+			sent.waited += std::chrono::duration<double>(Clock::now() - watch.begin).count();
+			sent.polling += processorTime() - watch.processor;
 		}
 
 		MPI_Comm all = MPI_COMM_NULL;

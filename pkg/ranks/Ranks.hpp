@@ -13,6 +13,7 @@ struct RankTraffic {
 	std::uint64_t messages = 0; ///< collective calls in which this rank took part
 	std::uint64_t bytes    = 0; ///< sent by this rank, once for each that receives them
 	double        waited   = 0; ///< wall time inside these calls [s]
+	double        polling  = 0; ///< processor time of it [s]
 };
 
 /// The processes of one job, which run the same script. Carries bytes and does not know what they mean. Every call but rank() and

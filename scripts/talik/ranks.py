@@ -59,11 +59,12 @@ def meet(purpose):
 
 
 def traffic():
-	"""{"messages", "bytes", "waited"}: collective calls so far, bytes sent and wall time waited [s] by this rank; zeros without mpirun.
+	"""{"messages", "bytes", "waited", "polling"}: collective calls so far, bytes sent, wall time waited and processor time spent on that [s]
+	by this rank; zeros without mpirun.
 
 	>>> talik.ranks.traffic()["bytes"]
 	0"""
-	return _talik.rankTraffic() if count > 1 else {"messages": 0, "bytes": 0, "waited": 0.0}
+	return _talik.rankTraffic() if count > 1 else {"messages": 0, "bytes": 0, "waited": 0.0, "polling": 0.0}
 
 
 def alone(environment):
