@@ -186,6 +186,20 @@ print("the script printed this", flush=True)
 """
 
 
+def test_the_command_of_the_pages_runs(tmp_path):
+	root = here.parents[1]
+	pages = [root / "README.md", root / "CHANGELOG.md", root / "pkg" / "ranks" / "README.md", Path(talik.ranks.__file__)]
+	found = {command for page in pages for command in re.findall(r"mpirun -n \d .* scene\.py", page.read_text())}
+	(tmp_path / "scene.py").write_text("import talik\nprint('RANKS', talik.ranks.count, flush=True)\n")
+	options = ["--oversubscribe", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]
+	for line in sorted(found):
+		name, *words = line.split()
+		status, said, complained = ended(started([name, *options, *words], cwd=tmp_path))
+		print(f"{line}: {re.findall('RANKS.*', said)}")
+		assert status == 0 and re.findall(r"RANKS (\d+)", said) == ["2"], complained
+	assert len(found) == 2
+
+
 def test_rank_0_alone_prints_draws_looks_and_writes(tmp_path, sampleCache):
 	script, folder = tmp_path / "scene.py", tmp_path / "left"
 	folder.mkdir()
