@@ -14,9 +14,13 @@ import talik
 from talik import rve
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1] / "faults"))
-from breakingGround import breakingGround, run, stateOf
+from breakingGround import breakingGround, stateOf
 
 folder, cache = Path(sys.argv[1]), sys.argv[2]
+
+
+def run(steps):
+	O.run(steps, True)
 
 
 def samples():
@@ -55,6 +59,17 @@ def uneven():
 	mpm.skeleton.samples = [samples()[0], large]
 	mpm.skeleton.sampleOf = [k % 2 for k in range(mpm.pointCount)]
 	run(70)
+	return mpm
+
+
+def thawed():
+	"""The upper half thaws at once and freezes again."""
+	mpm = ground()
+	run(10)
+	mpm.setTemperature(np.where(mpm.field("position")[:, 1] > 0.5, 1.0, -1.0))
+	run(15)
+	mpm.setTemperature(-2)
+	run(10)
 	return mpm
 
 
