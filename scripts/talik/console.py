@@ -211,9 +211,10 @@ def makeFilesSafe(omegaClass):
 	stockSave, stockLoad = omegaClass._stockSave, omegaClass._stockLoad = _betweenSteps(omegaClass.save), omegaClass.load
 
 	def save(self, file, quiet=False):
-		if not ranks.first:
+		inMemory = file.startswith(":memory:")
+		if not ranks.first and not inMemory:
 			return
-		if file.startswith(":memory:") or not _holdsOurs(self):
+		if inMemory or not _holdsOurs(self):
 			return stockSave(self, file, quiet)
 		from talik.files import saveScene
 
