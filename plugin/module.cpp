@@ -10,6 +10,7 @@
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
+#include <pkg/ranks/RankTalk.hpp>
 #include <pkg/rve/open/RunningScene.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/open/StepGate.hpp>
@@ -179,6 +180,61 @@ namespace {
 		~WithoutInterpreterLock() { PyEval_RestoreThread(state); }
 	};
 
+	std::string bytesOf(const py::object& bytes)
+	{
+		char*      data = nullptr;
+		Py_ssize_t size = 0;
+		if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) < 0) py::throw_error_already_set();
+		return std::string(data, std::size_t(size));
+	}
+
+	py::object asBytes(const std::string& bytes) { return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size())))); }
+
+	RankTalk& requireTalk()
+	{
+		if (!jobTalk()) raise(PyExc_RuntimeError, "this process has no other ranks: start it by mpirun -n N yade -n -x scene.py");
+		return *jobTalk();
+	}
+
+	py::tuple openRanks()
+	{
+		openJobTalk();
+		return jobTalk() ? py::make_tuple(jobTalk()->rank(), jobTalk()->count()) : py::make_tuple(0, 1);
+	}
+
+	/// Descriptions of all ranks, by which they are called in errors from now on.
+	py::list describeRanks(const py::object& own, const std::string& name)
+	{
+		RankTalk&  talk      = requireTalk();
+		const auto everybody = [&](const std::string& bytes) {
+			return talk.ranks().exchange(std::vector<std::string>(std::size_t(talk.count()), bytes));
+		};
+		talk.describe(everybody(name));
+		py::list all;
+		for (const auto& bytes : everybody(bytesOf(own)))
+			all.append(asBytes(bytes));
+		return all;
+	}
+
+	void meetRanks(const std::string& purpose)
+	{
+		RankTalk&                    talk = requireTalk();
+		const StepGate               gate;
+		const WithoutInterpreterLock unlocked;
+		talk.meet(purpose);
+	}
+
+	py::dict rankTraffic()
+	{
+		const RankTraffic sent = requireTalk().ranks().traffic();
+		py::dict          d;
+		d["messages"] = sent.messages;
+		d["bytes"]    = sent.bytes;
+		d["waited"]   = sent.waited;
+		d["polling"]  = sent.polling;
+		return d;
+	}
+
 	/// What would end the whole process is said before it does.
 	void refuseToAbort(const Scene& scene)
 	{
@@ -255,6 +311,15 @@ BOOST_PYTHON_MODULE(_talik)
 	        "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"),
 	        "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
+	py::def("knowsRanks", knowsRanks, "False in a module that was built without Open MPI.");
+	py::def("openRanks", openRanks, "Join the other processes of mpirun. Returns rank and number of ranks, (0, 1) for a process that is alone.");
+	py::def("describeRanks", describeRanks, (py::arg("own"), py::arg("name")),
+	        "Collective: the bytes *own* of all ranks as a list; errors call each rank by its *name*.");
+	py::def("meetRanks", meetRanks, py::arg("purpose"),
+	        "Collective: wait for all ranks at the same place of the script, and answer their questions meanwhile.");
+	py::def("rankTraffic", rankTraffic, "Dictionary: messages, bytes sent, seconds waited and processor seconds of waiting, of this rank.");
+	py::def(
+	        "endJob", +[](int status) { requireTalk().ranks().endJob(status); }, py::arg("status"), "End all processes of the job.");
 	exposeSampleGroup();
 	py::def(
 	        "currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");

@@ -94,8 +94,9 @@ def runCase(case, options, days=None):
 				slump = ThawSlump(case, presetOf(options, days), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
-		report(page.summaryOf(folders[label]), folders[label])
-	if len(folders) > 1:
+		if talik.ranks.first:  # the files are its own
+			report(page.summaryOf(folders[label]), folders[label])
+	if len(folders) > 1 and talik.ranks.first:
 		runs = {label: (output.loadFrames(folder / framesName), bill(page.summaryOf(folder))) for label, folder in folders.items()}
 		figure = page.sideBySide(runs, case.outline)
 		print(plots.save(figure, Path(options.output) / f"{options.compare}.png", dpi=80))

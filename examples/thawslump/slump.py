@@ -255,7 +255,7 @@ class ThawSlump:
 	def _results(self):
 		summary = self.summary()
 		output.writeSummary(self.folder / summaryName, **summary)
-		if len(self.frames.frames) > 1:
+		if len(self.frames.frames) > 1 and talik.ranks.first:
 			watched = self.watchedPoints()
 			self.frames.save(self.folder / framesName)
 			page.saveSamples(self.folder / samplesName, {letter: page.sampleOf(self.skeleton, point) for letter, point in watched.items()}, watched)

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <pkg/multiscale/Checkpoint.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/ranks/RankTalk.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 
 namespace py = boost::python;
@@ -16,7 +17,7 @@ void Checkpoint::start()
 	if (scene->engines.empty() || scene->engines.front().get() != this)
 		throw std::invalid_argument(
 		        "Checkpoint is not the first of O.engines: put it first, or use talik.checkpoint.keep(file); later engines find a step half done.");
-	talik::requireWritable(file);
+	if (talik::isFirstRank()) talik::requireWritable(file);
 	started = true;
 	last    = Clock::now();
 }
@@ -25,6 +26,7 @@ void Checkpoint::action()
 {
 	const talik::StepGate gate;
 	if (!started) start();
+	if (!talik::isFirstRank()) return; // the first one asks the others for what it lacks
 	if (every > 0 && std::chrono::duration<double>(Clock::now() - last).count() < every) return;
 	tryToWrite();
 	last = Clock::now();
@@ -48,6 +50,7 @@ void Checkpoint::write(const string& file)
 {
 	if (Omega::instance().isRunning())
 		throw std::runtime_error("Checkpoint.write needs a paused simulation: call O.pause() first, or use talik.checkpoint.keep(file).");
+	if (!talik::isFirstRank()) return;
 	talik::requireWritable(file);
 	talik::writeCheckpoint(file, Omega::instance().getScene());
 }

@@ -5,6 +5,7 @@
 #include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
+#include <pkg/ranks/RankTalk.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 
@@ -171,13 +172,15 @@ void MpmEngine::initialise()
 	const bool goesOn = begun || !saved.empty();
 	begun             = false;
 	checkPresence();
-	boundaryCount    = boundaries.size();
-	groundOfScene    = GroundOfScene::make(*this, usedDimension(), goesOn);
-	ground           = &groundOfScene->ground();
-	stepsUntilLimit  = 0;
-	bodiesNamed      = false;
-	stableStep       = 0;
-	toleranceInForce = tolerance;
+	shareAmongRanks();
+	boundaryCount     = boundaries.size();
+	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
+	ground            = &groundOfScene->ground();
+	stepsUntilLimit   = 0;
+	bodiesNamed       = false;
+	stableStep        = 0;
+	toleranceInForce  = tolerance;
+	distributeInForce = distribute;
 	try {
 		ground->initialise();
 		restoreSavedState();
@@ -209,7 +212,36 @@ py::list MpmEngine::doubts() const
 /// Once, however often a ground that has not begun is made anew.
 void MpmEngine::say(const string& sentence)
 {
-	if (said.insert(sentence).second) std::cerr << sentence << std::endl;
+	if (said.insert(sentence).second && talik::isFirstRank()) std::cerr << sentence << std::endl;
+}
+
+/// What the laws keep behind points is shared out among the ranks of the job, if there are several.
+void MpmEngine::shareAmongRanks()
+{
+	if (distribute != "automatic" && distribute != "samples" && distribute != "none")
+		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples or none.");
+	const auto& talk    = talik::jobTalk();
+	const bool  share   = talk && distribute != "none";
+	bool        toShare = false;
+	if (motion)
+		for (const auto& law : activeSkeletons())
+			toShare = (law && law->shareAmongRanks(share)) || toShare;
+	if (!talk) return;
+	const string ranks = "Talik: " + std::to_string(talk->count()) + " ranks ";
+	if (share && toShare) say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
+	else say(ranks + "each compute all of this ground, which takes as long as on one" + (toShare ? "." : ": it has no samples to share out."));
+}
+
+/// Ranks whose ground drifts apart, as it does on different processors, are found when they meet next.
+void MpmEngine::noteForRanks()
+{
+	constexpr long interval = 100; // steps
+	if (!talik::jobTalk() || ground->steps() < nextNote) return;
+	nextNote = ground->steps() + interval;
+	talik::Digest digest;
+	for (const auto& array : ground->state())
+		digest.add(array.data, array.bytes);
+	talik::jobTalk()->note(digest.value());
 }
 
 void MpmEngine::sayGraveDoubts()
@@ -270,6 +302,7 @@ void MpmEngine::checkFixed() const
 	effect(bool(s.water), bool(water), "water");
 	effect(bool(s.bodies), bool(bodies), "bodies");
 	effect(bool(s.thawFront), bool(thawFront), "thawFront");
+	require(distribute == distributeInForce, "distribute", distribute);
 	require(s.gridSpacing == gridSpacing, "gridSpacing", boost::lexical_cast<string>(gridSpacing));
 	groundOfScene->checkBox(*this);
 	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
@@ -445,6 +478,7 @@ void MpmEngine::stepGround()
 	const double before = ground->calendar().time;
 	if (bodies) advanceAmongBodies();
 	else advanceAlone(newLimit);
+	noteForRanks();
 	if (watched) recordWatched();
 	stopAtTheDay(before);
 }

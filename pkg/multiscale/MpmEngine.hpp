@@ -106,6 +106,8 @@ private:
 	void                            stopAtTheDay(double before);
 	void                            sayGraveDoubts();
 	void                            say(const string& sentence);
+	void                            shareAmongRanks();
+	void                            noteForRanks();
 	bool                            leadsTimeStep() const;
 	Real                            timeStepOfOthers();
 	Real                            wantedStep();
@@ -128,6 +130,7 @@ private:
 	talik::AnyGround*              ground          = nullptr; ///< that of groundOfScene
 	std::size_t                    boundaryCount   = 0;       ///< with which the ground was built
 	long                           stepsUntilLimit = 0, stepsAtStart = 0;
+	long                           nextNote    = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed = false; ///< boundaries have found the bodies that they name
 	bool                           begun = false, watchesDefault = false;
 	string                         failure;
@@ -135,6 +138,7 @@ private:
 	long                           failures         = 0;
 	double                         stableStep       = 0;
 	double                         toleranceInForce = 0;
+	string                         distributeInForce;
 
 public:
 	// clang-format off
@@ -188,6 +192,9 @@ public:
 				"estimatedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
 		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. It is for the calendar "
 				"what O.stopAtTime is for the scene. May be changed while running."))
+		((string,distribute,"automatic",,"What the ranks of mpirun share out. samples: each sample of RveSkeleton has one rank as its owner, and every rank computes "
+				"the whole ground; results are those of one rank, bit for bit. none: every rank computes everything. automatic: samples where there are some, which is "
+				"said once. Without mpirun it has no effect."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, "
 				"seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))

@@ -210,49 +210,42 @@ template <int Dim> void OpenStore<Dim>::setScene(std::size_t number, const boost
 	sample.beginning.reset();
 }
 
-// Sleeping samples name one of the shared beginnings (number + 1), the others are written out (0).
-template <int Dim> void OpenStore<Dim>::save(ByteWriter& writer) const
+template <int Dim> double OpenStore<Dim>::costOfStep(std::size_t number) const
 {
-	std::map<const Beginning*, std::uint64_t> numbers;
-	std::vector<const Beginning*>             shared;
-	for (const auto& sample : samples)
-		if (!sample.running && numbers.emplace(sample.beginning.get(), shared.size() + 1).second) shared.push_back(sample.beginning.get());
-	writer.number(shared.size());
-	for (const auto* beginning : shared) {
-		writer.block(beginning->scene);
-		for (const auto count : beginning->bondCounts)
-			writer.number(count);
-	}
-	writer.number(samples.size());
-	for (const auto& sample : samples) {
-		writer.number(sample.running ? 0 : numbers.at(sample.beginning.get()));
-		if (!sample.running) continue;
-		writer.block(sceneToBytes(sample.running->yadeScene()));
-		for (const auto count : sample.running->bondCounts())
-			writer.number(count);
+	const Sample& sample = at(number);
+	return sample.running ? double(sample.running->yadeScene()->bodies->size()) : 1.;
+}
+
+// whether it runs or shares its beginning, then the scene
+template <int Dim> void OpenStore<Dim>::saveState(ByteWriter& writer, std::size_t number) const
+{
+	const Sample& sample = at(number);
+	writer.number(bool(sample.running));
+	writer.block(sample.running ? sceneToBytes(sample.running->yadeScene()) : sample.beginning->scene);
+	for (const auto count : sample.running ? sample.running->bondCounts() : sample.beginning->bondCounts)
+		writer.number(count);
+}
+
+template <int Dim> void OpenStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& numbers)
+{
+	const bool                   running = reader.number();
+	auto                         sample  = std::make_unique<OpenSample>(reader.block());
+	std::array<std::uint64_t, 2> counts;
+	for (auto& count : counts)
+		count = reader.number();
+	sample->setBondCounts(counts);
+	if (running) samples.at(numbers.at(0)) = Sample { nullptr, std::move(sample) };
+	else {
+		const BeginningPointer beginning = describe(*sample);
+		for (const auto number : numbers)
+			samples.at(number) = Sample { beginning, nullptr };
 	}
 }
 
-template <int Dim> void OpenStore<Dim>::restore(ByteReader& reader)
+template <int Dim> void OpenStore<Dim>::resize(std::size_t count)
 {
-	const auto makeSample = [&] {
-		auto                         sample = std::make_unique<OpenSample>(reader.block());
-		std::array<std::uint64_t, 2> counts;
-		for (auto& count : counts)
-			count = reader.number();
-		sample->setBondCounts(counts);
-		return sample;
-	};
-	std::vector<BeginningPointer> shared(reader.number());
-	for (auto& beginning : shared)
-		beginning = describe(*makeSample());
 	samples.clear();
-	samples.resize(reader.number());
-	for (auto& sample : samples) {
-		const std::uint64_t number = reader.number();
-		if (number > 0) sample.beginning = shared.at(number - 1);
-		else sample.running = makeSample();
-	}
+	samples.resize(count);
 }
 
 template class OpenStore<2>;

@@ -25,8 +25,11 @@ public:
 	const void*                          identity(std::size_t sample) const override;
 	std::size_t                          distinctStates() const override;
 	std::size_t                          bytes() const override; ///< of the archived states; a running Scene holds about a megabyte more
-	void                                 save(ByteWriter&) const override;
-	void                                 restore(ByteReader&) override;
+	double                               costOfStep(std::size_t) const override;
+	void                                 saveState(ByteWriter&, std::size_t sample) const override;
+	void                                 restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
+	bool                                 restoresExactly() const override { return false; } ///< archives of YADE are exact to some 1e-12
+	void                                 resize(std::size_t samples) override;
 
 	/// A copy of the scene behind a point.
 	boost::shared_ptr<yade::Scene> scene(std::size_t sample) const;

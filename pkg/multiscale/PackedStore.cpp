@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/PackedStore.hpp>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
-#include <unordered_map>
 
 namespace talik {
 
@@ -38,50 +38,14 @@ namespace {
 		return true;
 	}
 
-	/// The neighbour lists go along: lists made anew sum the same forces in another order.
-	template <int Dim> void saveSample(ByteWriter& writer, const ParkedSample<Dim>& sample)
-	{
-		PackedState<Dim> state;
-		PackedLists<Dim> lists;
-		const bool       listed = sample.unpark(state, lists);
-		writer.block(state.toBytes());
-		writer.number(listed);
-		if (!listed) return;
-		writer.block(static_cast<const PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
-		writer.number(lists.inside);
-		saveArray(writer, lists.first);
-		saveArray(writer, lists.second);
-		saveArray(writer, lists.cellDist);
-	}
-
-	template <int Dim> typename SamplePool<Dim>::Parked restoreSample(ByteReader& reader, std::vector<std::shared_ptr<const PackedGrains>>& known)
-	{
-		auto state = PackedState<Dim>::fromBytes(reader.block());
-		shareGrains(state, known);
-		if (!reader.number()) return std::make_shared<ParkedSample<Dim>>(state);
-		PackedLists<Dim> lists;
-		reader.block(static_cast<PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
-		lists.inside = reader.number();
-		restoreArray(reader, lists.first);
-		restoreArray(reader, lists.second);
-		restoreArray(reader, lists.cellDist);
-		if (!belongTogether(lists, state.size())) throw std::runtime_error("the archive's neighbour lists do not belong to its samples; it is damaged");
-		return std::make_shared<ParkedSample<Dim>>(state, &lists);
-	}
 } // namespace
-
-void refuseMeasure(const std::string& name)
-{
-	throw std::invalid_argument(
-	        "RveSkeleton.values: there is no measure '" + name
-	        + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, samplePorosity, sampleIceSaturation or fabric.");
-}
 
 template <int Dim>
 PackedStore<Dim>::PackedStore(std::vector<StatePointer> p)
         : prototypes(std::move(p))
 {
 	for (const auto& state : prototypes) {
+		if (std::find(knownGrains.begin(), knownGrains.end(), state->grains) == knownGrains.end()) knownGrains.push_back(state->grains);
 		double sum = 0;
 		for (const double r : state->grains->radius)
 			sum += r;
@@ -147,33 +111,47 @@ template <int Dim> std::vector<double> PackedStore<Dim>::measure(std::size_t sam
 	return components<Dim>(statistics.fabric);
 }
 
-template <int Dim> void PackedStore<Dim>::save(ByteWriter& writer) const
+/// The neighbour lists go along: lists made anew sum the same forces in another order.
+template <int Dim> void PackedStore<Dim>::saveState(ByteWriter& writer, std::size_t sample) const
 {
-	std::unordered_map<const void*, std::size_t> number;
-	std::vector<std::size_t>                     distinct; // a sample of each state
-	std::vector<std::uint64_t>                   which;
-	for (std::size_t s = 0; s < pool.size(); s++) {
-		const auto added = number.emplace(this->identity(s), distinct.size());
-		if (added.second) distinct.push_back(s);
-		which.push_back(added.first->second);
-	}
-	writer.number(distinct.size());
-	for (const auto s : distinct)
-		saveSample<Dim>(writer, *pool.parked(s));
-	writer.number(which.size());
-	for (const auto w : which)
-		writer.number(w);
+	PackedState<Dim> state;
+	PackedLists<Dim> lists;
+	const bool       listed = pool.parked(sample)->unpark(state, lists);
+	writer.block(state.toBytes());
+	writer.number(listed);
+	if (!listed) return;
+	writer.block(static_cast<const PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
+	writer.number(lists.inside);
+	saveArray(writer, lists.first);
+	saveArray(writer, lists.second);
+	saveArray(writer, lists.cellDist);
 }
 
-template <int Dim> void PackedStore<Dim>::restore(ByteReader& reader)
+template <int Dim> void PackedStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& samples)
 {
-	std::vector<typename SamplePool<Dim>::Parked>    distinct(reader.number());
-	std::vector<std::shared_ptr<const PackedGrains>> known;
-	for (auto& sample : distinct)
-		sample = restoreSample<Dim>(reader, known);
+	auto state = PackedState<Dim>::fromBytes(reader.block());
+	shareGrains(state, knownGrains);
+	typename SamplePool<Dim>::Parked parked;
+	if (reader.number()) {
+		PackedLists<Dim> lists;
+		reader.block(static_cast<PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
+		lists.inside = reader.number();
+		restoreArray(reader, lists.first);
+		restoreArray(reader, lists.second);
+		restoreArray(reader, lists.cellDist);
+		if (!belongTogether(lists, state.size())) throw std::runtime_error("the archive's neighbour lists do not belong to its samples; it is damaged");
+		parked = std::make_shared<ParkedSample<Dim>>(state, &lists);
+	} else parked = std::make_shared<ParkedSample<Dim>>(state);
+	for (const auto sample : samples)
+		pool.share(sample, parked);
+}
+
+template <int Dim> void PackedStore<Dim>::resize(std::size_t samples)
+{
+	const auto blank = std::make_shared<const ParkedSample<Dim>>(*prototypes.front());
 	pool.clear();
-	for (std::uint64_t left = reader.number(); left > 0; left--)
-		pool.add(distinct.at(reader.number()));
+	for (std::size_t s = 0; s < samples; s++)
+		pool.add(blank);
 }
 
 template class PackedStore<2>;

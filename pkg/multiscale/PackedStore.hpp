@@ -24,8 +24,11 @@ public:
 	const void*                          identity(std::size_t sample) const override { return pool.parked(sample).get(); }
 	std::size_t                          distinctStates() const override { return pool.distinctStates(); }
 	std::size_t                          bytes() const override { return pool.bytes(); }
-	void                                 save(ByteWriter&) const override;
-	void                                 restore(ByteReader&) override;
+	double                               costOfStep(std::size_t sample) const override { return double(pool.parked(sample)->bytes()); }
+	void                                 saveState(ByteWriter&, std::size_t sample) const override;
+	void                                 restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
+	bool                                 restoresExactly() const override { return true; }
+	void                                 resize(std::size_t samples) override;
 
 	StatePointer state(std::size_t sample) const { return std::make_shared<const PackedState<Dim>>(pool.state(sample)); }
 	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, *state); }
@@ -37,10 +40,12 @@ private:
 	};
 	Beginning frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;
 
-	std::vector<StatePointer>                   prototypes;
-	std::vector<double>                         meanRadius; ///< of each prototype [m]
-	std::map<std::pair<int, double>, Beginning> beginnings;
-	SamplePool<Dim>                             pool;
+	std::vector<StatePointer> prototypes;
+	std::vector<double>       meanRadius; ///< of each prototype [m]
+	/// Constants of preparations that restored samples take, those of the prototypes first.
+	std::vector<std::shared_ptr<const PackedGrains>> knownGrains;
+	std::map<std::pair<int, double>, Beginning>      beginnings;
+	SamplePool<Dim>                                  pool;
 };
 
 } // namespace talik

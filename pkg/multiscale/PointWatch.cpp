@@ -29,9 +29,10 @@ void PointWatch::record(Real time, const Look& look)
 	const bool first = times.empty();
 	if (first) next = time;
 	for (const int id : ids)
-		for (const auto& field : fields) {
-			const auto numbers = look(field, id);
+		for (std::size_t f = 0; f < fields.size(); f++) {
+			auto numbers = look(fields[f], id);
 			if (first && id == ids.front()) components.push_back(int(numbers.size()));
+			numbers.resize(std::size_t(components[f]), NaN); // a point that has lost its sample has one NaN in place of a tensor
 			rows.insert(rows.end(), numbers.begin(), numbers.end());
 		}
 	times.push_back(time);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/AtomicFile.hpp>
+#include <pkg/multiscale/DistributedStore.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
 
 #include <boost/python/numpy.hpp>
@@ -156,7 +157,7 @@ template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 		stores.packed = std::make_shared<talik::PackedStore<Dim>>(states);
 		return;
 	}
-	if (!reason.empty() && !told)
+	if (!reason.empty() && !told && talik::isFirstRank())
 		std::cerr << "RveSkeleton: the samples run open, with YADE's own engines, and a call takes about 20 times as long (examples/own_sample.py "
 		             "measures it): "
 		          << reason << "." << std::endl;
@@ -195,6 +196,7 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
 	if (made.packed) store = made.packed;
 	else store = made.open;
+	if (shared && talik::jobTalk()) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
 	made.model           = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
 	made.model->onBlowUp = [this](int id) {
 		keepBlownUp(id);
@@ -210,7 +212,7 @@ template std::shared_ptr<talik::SampleSkeleton<3>> RveSkeleton::makeModel<3>(con
 
 void RveSkeleton::keepBlownUp(int id) const
 {
-	if (blowUpFolder.empty()) return;
+	if (blowUpFolder.empty() || !talik::isFirstRank()) return;
 	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
 	try {
 		const string      bytes = talik::sceneToBytes(scene(id));
@@ -235,6 +237,7 @@ void   RveSkeleton::restoreState(const string& bytes) { running().restore(bytes)
 shared_ptr<RveSample> RveSkeleton::sample(int id) const
 {
 	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
 	return withStores([&](const auto& stores) {
 		if (stores.open) return RveSample::fromScene(stores.open->scene(number));
 		auto copy = prototypes.at(running().prototype(id))->copy();
@@ -246,6 +249,7 @@ shared_ptr<RveSample> RveSkeleton::sample(int id) const
 shared_ptr<Scene> RveSkeleton::scene(int id) const
 {
 	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
 	return withStores([&](const auto& stores) { return stores.open ? stores.open->scene(number) : sample(id)->open(); });
 }
 
@@ -253,6 +257,7 @@ void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
 {
 	if (!sample) throw std::invalid_argument("RveSkeleton.replaceSample: the sample is None.");
 	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
 	withStores([&](const auto& stores) {
 		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
 		if (stores.open) stores.open->setScene(number, sample->open());
@@ -289,20 +294,21 @@ namespace {
 void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 {
 	if (!scene) throw std::invalid_argument("RveSkeleton.replaceScene: the scene is None.");
-	const std::size_t number  = running().sampleNumber(id);
-	const bool        differs = withStores([&](const auto& stores) {
-                constexpr int dim = std::decay_t<decltype(stores)>::dimension;
-                if (stores.open) {
-                        stores.open->setScene(number, scene);
-                        return true;
-                }
-                const auto former = stores.packed->state(number);
-                auto       state  = std::make_shared<talik::PackedState<dim>>(talik::packScene<dim>(*scene, former.get()));
-                if (state->toBytes() == former->toBytes()) return false;
-                countByHand<dim>(*former, *state);
-                stores.packed->setState(number, state);
-                return true;
-        });
+	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
+	const bool differs = withStores([&](const auto& stores) {
+		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
+		if (stores.open) {
+			stores.open->setScene(number, scene);
+			return true;
+		}
+		const auto former = stores.packed->state(number);
+		auto       state  = std::make_shared<talik::PackedState<dim>>(talik::packScene<dim>(*scene, former.get()));
+		if (state->toBytes() == former->toBytes()) return false;
+		countByHand<dim>(*former, *state);
+		stores.packed->setState(number, state);
+		return true;
+	});
 	if (!differs) return;
 	byHand = true;
 	running().askNext(id);
@@ -331,18 +337,13 @@ vector<Real> RveSkeleton::valueAt(const string& name, int id) const
 
 py::object RveSkeleton::values(const string& name) const
 {
-	const auto&                           s      = running();
-	const int                             points = s.points();
-	std::map<const void*, vector<double>> known; // samples that share a state are measured once
-	vector<const vector<double>*>         rows(points, nullptr);
-	std::size_t                           parts = 1;
-	for (int id = 0; id < points; id++) {
-		if (!s.has(id)) continue;
-		auto& row = known[s.samples().identity(s.sampleNumber(id))];
-		if (row.empty()) row = s.samples().measure(s.sampleNumber(id), name);
-		rows[id] = &row;
-		parts    = row.size();
-	}
+	const auto&                   s        = running();
+	const int                     points   = s.points();
+	const auto                    bySample = s.samples().measureAll(name);
+	vector<const vector<double>*> rows(points, nullptr);
+	const std::size_t             parts = bySample.empty() ? 1 : bySample.front().size();
+	for (int id = 0; id < points; id++)
+		if (s.has(id)) rows[id] = &bySample[s.sampleNumber(id)];
 	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(points) : py::make_tuple(points, parts), np::dtype::get_builtin<double>());
 	Real*       data   = reinterpret_cast<Real*>(result.get_data());
 	for (int id = 0; id < points; id++)
@@ -362,6 +363,11 @@ py::dict RveSkeleton::counters() const
 	d["seconds"]        = s.counters().seconds;
 	d["distinctStates"] = s.samples().distinctStates();
 	d["bytes"]          = s.samples().bytes();
+	if (const auto* sharing = s.samples().sharing()) {
+		d["owned"]   = sharing->samples;
+		d["moved"]   = sharing->moved;
+		d["balance"] = sharing->balance;
+	}
 	return d;
 }
 

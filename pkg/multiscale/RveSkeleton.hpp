@@ -27,6 +27,11 @@ public:
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
 	talik::ErrorSquares errorSquares(const talik::SkeletonPoints& points) const override { return running().errorSquares(points); }
 	void                keepOnly(const talik::SkeletonPoints& points) override { running().keepOnly(points); }
+	bool                shareAmongRanks(bool share) override
+	{
+		shared = share;
+		return true;
+	}
 
 	/// The model of a ground in the plane (Dim 2, samples of discs) or in space (Dim 3, spheres); sampleOf as below, by point id.
 	template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> makeModel(const vector<int>& numbers);
@@ -74,6 +79,7 @@ private:
 	std::vector<std::size_t>                 takenScenes; ///< digests of `scenes` then
 	bool                                     byHand = false;
 	bool                                     told   = false;
+	bool                                     shared = false; ///< samples are shared out among the ranks of the job
 
 public:
 	// clang-format off
@@ -122,7 +128,9 @@ public:
 		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: "
 				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
 				"sampleIceSaturation, fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
-		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes.")
+		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
+				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; moved, states that went to "
+				"another rank; balance, mean over largest cost of the ranks [-].")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
 	// clang-format on

@@ -12,7 +12,7 @@
 
 namespace talik {
 namespace {
-	const char archiveMagic[] = "talik samples 3";
+	const char archiveMagic[] = "talik samples 4";
 
 	constexpr double stressFloor      = 1e3; ///< sigma_ref of the relative error [Pa]
 	constexpr double failingRatio     = 0.3; ///< below it a point deforms plastically: no prediction, a tighter tolerance

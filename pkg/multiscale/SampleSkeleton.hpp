@@ -54,7 +54,13 @@ public:
 	int                points() const { return int(sampleOf.size()); }
 	const SampleStore& samples() const { return *anyStore; }
 	/// The next update asks this point's sample, however small its increments: something was done to it from outside.
-	void                              askNext(int id) { changed.insert(id); }
+	void askNext(int id)
+	{
+		changed.insert(id);
+		anyStore->replaced(sampleNumber(id));
+	}
+	/// Before the state behind a point is read: another rank may own it.
+	void                              bring(int id) const { anyStore->bring(sampleNumber(id)); }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
 	/// Gives up the samples of points that are not among these.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
@@ -23,7 +24,7 @@ public:
 	virtual double prototypeIce(int prototype) const                            = 0; ///< ice saturation it was prepared with [-]
 	virtual double oedometricModulus(int prototype, double iceSaturation) const = 0; ///< upper bound [Pa]
 
-	/// The sample of a point that has left: its memory goes, its number stays.
+	/// The sample of a point that has left, or that another rank owns: its memory goes, its number stays.
 	virtual void        release(std::size_t sample) = 0;
 	virtual std::size_t size() const                = 0;
 	virtual void        clear()                     = 0;
@@ -33,13 +34,43 @@ public:
 
 	/// A named measure; several numbers for tensors. Throws std::invalid_argument on an unknown name.
 	virtual std::vector<double> measure(std::size_t sample, const std::string& name) const = 0;
+	/// That of all samples; those that share a state are measured once.
+	virtual std::vector<std::vector<double>> measureAll(const std::string& name) const;
 	/// The same for samples that share one state.
 	virtual const void* identity(std::size_t sample) const = 0;
 	virtual std::size_t distinctStates() const             = 0;
 	virtual std::size_t bytes() const                      = 0;
+	/// Of one DEM step of a sample, in a unit of the store's own: samples are shared out by it.
+	virtual double costOfStep(std::size_t sample) const = 0;
 
-	virtual void save(ByteWriter&) const = 0;
-	virtual void restore(ByteReader&)    = 0;
+	/// All samples, each state once.
+	virtual void save(ByteWriter&) const;
+	virtual void restore(ByteReader&);
+	/// The state of one sample, and back as that of several which share it.
+	virtual void saveState(ByteWriter&, std::size_t sample) const                   = 0;
+	virtual void restoreState(ByteReader&, const std::vector<std::size_t>& samples) = 0;
+	/// Whether a state that was saved and restored goes on with the same bits.
+	virtual bool restoresExactly() const = 0;
+	/// So many samples, whose states are restored next.
+	virtual void resize(std::size_t samples) = 0;
+
+	/// Where other ranks own samples: before the state of one is read, and after it was replaced, on all ranks by the same.
+	virtual void bring(std::size_t) {}
+	virtual void replaced(std::size_t) {}
+	/// How the samples are shared out among the ranks; nothing where they are not.
+	struct Sharing {
+		std::uint64_t samples = 0; ///< whose state this rank owns
+		std::uint64_t moved   = 0; ///< states that were given to another rank since the start
+		double        balance = 1; ///< mean over largest cost of the ranks, summed over updates [-]
+	};
+	virtual const Sharing* sharing() const { return nullptr; }
+
+protected:
+	/// For each sample the number of its state, in the order of the first sample that has it, and that sample.
+	struct Numbering {
+		std::vector<std::size_t> stateOf, firstOf;
+	};
+	Numbering numbering() const;
 };
 
 /// The same of discs (Dim 2) or spheres (Dim 3).

@@ -12,7 +12,7 @@ if "yade.wrapper" not in _sys.modules:
 from contextlib import contextmanager as _contextmanager
 from time import sleep as _sleep
 
-from . import _talik, console as _console, copying as _copying
+from . import _talik, console as _console, copying as _copying, ranks
 
 day = 86400.0  # [s]: tables of boundaries are in seconds of calendar time, times=[0, 30 * talik.day]
 
@@ -78,6 +78,7 @@ def _renewView():
 		_talik.renewRenderer(qt.Renderer())
 
 
+ranks.join()
 with _paused():
 	_console.teachInspector(_publishClasses())
 	_renewDispatchers()
@@ -123,6 +124,7 @@ _submodules = (
 	"packing",
 	"plots",
 	"progress",
+	"ranks",
 	"realisation",
 	"refinement",
 	"running",

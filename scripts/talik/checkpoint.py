@@ -9,14 +9,15 @@
 
 A checkpoint holds the whole scene. It is written beside the former one and takes its place only when it is complete on the disk. A run
 that goes on from a checkpoint gives the same bits as one that was never stopped, with packed samples and any number of threads; open
-samples run in YADE's own engines, whose archives are exact to about 1e-12 only.
+samples run in YADE's own engines, whose archives are exact to about 1e-12 only. Of several ranks (talik.ranks) the first one writes, the
+same file as one rank would; any number of ranks can go on with it.
 """
 
 import os
 
 from yade import O, wrapper
 
-from talik import _talik
+from talik import _talik, ranks
 from talik.console import awaitRest, checkedLabels
 
 
@@ -55,6 +56,7 @@ def resume(file):
 	>>> mpm = talik.checkpoint.resume(folder + "/slope.checkpoint")"""
 	file = os.path.abspath(os.fspath(file))
 	awaitRest(O)
+	ranks.meet("reading a checkpoint")  # the first rank may just have written it
 	former = _talik.exchangeScene(wrapper.Checkpoint.read(file))
 	try:
 		checkedLabels(O, file)

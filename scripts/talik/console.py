@@ -22,7 +22,7 @@ from contextlib import contextmanager
 
 from yade import log
 
-from talik import _talik
+from talik import _talik, ranks
 
 # --- Ctrl-C ----------------------------------------------------------------------------------------------------------------
 
@@ -211,7 +211,10 @@ def makeFilesSafe(omegaClass):
 	stockSave, stockLoad = omegaClass._stockSave, omegaClass._stockLoad = _betweenSteps(omegaClass.save), omegaClass.load
 
 	def save(self, file, quiet=False):
-		if file.startswith(":memory:") or not _holdsOurs(self):
+		inMemory = file.startswith(":memory:")
+		if not ranks.first and not inMemory:
+			return
+		if inMemory or not _holdsOurs(self):
 			return stockSave(self, file, quiet)
 		from talik.files import saveScene
 

@@ -6,6 +6,7 @@
 	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
 	talik.output.writeSummary("output/slope/summary.json", points=mpm.pointCount, ...)
 
+Of several ranks (talik.ranks) the first one writes.
 An engine is anything with fieldNames() and field(name) -> array (n,) or (n, components); "position" (n, 2) or (n, 3) must be among them.
 """
 
@@ -20,6 +21,7 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_VERTEX, vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
+from talik import ranks
 from talik.files import writableFolder, writeWhole
 
 tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}  # of stress and strain
@@ -100,11 +102,15 @@ def writeCollection(path, entries):
 
 	>>> talik.output.writeCollection(folder + "/points.pvd", [(0.0, "points_0.vtu"), (0.1, "points_1.vtu")])"""
 	lines = [f'\t\t<DataSet timestep="{time:.17g}" part="{part[0] if part else 0}" file="{file}"/>' for time, file, *part in entries]
+	if not ranks.first:
+		return
 	text = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n\t<Collection>\n'
 	writeWhole(path, text + "\n".join(lines) + "\n\t</Collection>\n</VTKFile>\n")
 
 
 def _writeGrid(path, points, cells, cellType, pointFields, cellFields):
+	if not ranks.first:
+		return
 	grid = vtkUnstructuredGrid()
 	grid.SetPoints(_vtkPoints(points))
 	grid.SetCells(cellType, _vtkCells(cells))
@@ -214,6 +220,8 @@ class Frames:
 
 	def save(self, path):
 		"""All frames in one compressed NumPy file; loadFrames(path) reads it back."""
+		if not ranks.first:
+			return
 		arrays = {f"{index}/{name}": value for index, frame in enumerate(self.frames) for name, value in frame.items()}
 		content = io.BytesIO()
 		np.savez_compressed(content, **arrays)
@@ -249,6 +257,8 @@ def writeSummary(path, **values):
 	"""A JSON file of named results; NumPy values are converted, numbers that are not finite become null.
 
 	>>> talik.output.writeSummary(folder + "/summary.json", points=mpm.pointCount, time=mpm.time)"""
+	if not ranks.first:
+		return
 	writableFolder(Path(path).parent)
 	writeWhole(path, json.dumps(plain(values), indent="\t", allow_nan=False) + "\n")
 

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.tri import Triangulation
 
+from talik import ranks
 from talik.files import writableFolder
 
 # state of a contact, as the ice-bond law counts it
@@ -39,10 +40,12 @@ def figure(width, height):
 
 
 def save(fig, path, dpi=150):
-	"""Writes a picture, making its folder if need be.
+	"""Writes a picture, making its folder if need be; in a job of several ranks rank 0 does.
 
 	>>> picture = talik.plots.save(talik.plots.figure(6, 4), folder + "/picture.png")"""
 	path = Path(path)
+	if not ranks.first:
+		return str(path)
 	writableFolder(path.parent)
 	fig.savefig(path, dpi=dpi)
 	return str(path)

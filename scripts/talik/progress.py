@@ -14,6 +14,8 @@ from datetime import timedelta
 
 from tqdm import tqdm
 
+from talik import ranks
+
 _running = []  # bars that PyRunner commands refer to by their place here
 
 
@@ -59,7 +61,7 @@ class Progress:
 		self.stream = stream or sys.stderr
 		self.wallStart = self.wallLast = time.monotonic()
 		self.goalStart, self.stepStart = self.goal(), self.step()
-		self.bar = self._bar() if self.stream.isatty() else None
+		self.bar = self._bar() if self.stream.isatty() and ranks.first else None
 
 	def runner(self, realPeriod=0.5):
 		"""A YADE PyRunner that updates the progress every `realPeriod` seconds of wall time."""
@@ -70,7 +72,9 @@ class Progress:
 		return PyRunner(command=command, realPeriod=realPeriod)
 
 	def update(self):
-		"""Shows the present state; cheap enough to be called often."""
+		"""Shows the present state; cheap enough to be called often. Of several ranks the first shows it."""
+		if not ranks.first:
+			return
 		if self.bar is not None:
 			self.bar.n = min(self.goal(), self.end)
 			self.bar.set_postfix_str(self._state(), refresh=False)
@@ -81,6 +85,8 @@ class Progress:
 
 	def close(self):
 		"""Shows the last state and leaves the line."""
+		if not ranks.first:
+			return
 		if self.bar is not None:
 			self.update()
 			self.bar.close()
@@ -121,6 +127,7 @@ class Progress:
 			calendar = self.calendar()
 			parts.append(f"day {calendar['day']:.1f}, {calendar['scale']:.2g} times as fast")
 		parts += [f"step {self.step()}", f"{self.stepsPerSecond():.1f} steps/s"]
+		parts += [f"{ranks.count} ranks"] if ranks.count > 1 else []
 		parts += [f"{name} {value}" for name, value in self.details().items()]
 		return ", ".join(parts)
 

@@ -16,6 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from talik import ranks
+
 seedStride = 1000  # a preparation tries the seeds that follow its own: realisations must not meet
 
 
@@ -71,7 +73,7 @@ class _Worker:
 	"""A yade that prepares one sample."""
 
 	def __init__(self, yade, call):
-		environment = {**os.environ, "OMP_NUM_THREADS": "1", "TALIK_PREPARE": json.dumps(call)}
+		environment = {**ranks.alone(os.environ), "OMP_NUM_THREADS": "1", "TALIK_PREPARE": json.dumps(call)}
 		environment["PYTHONPATH"] = os.pathsep.join(filter(None, [_moduleFolder(), os.environ.get("PYTHONPATH")]))
 		self.call, self.said = call, tempfile.TemporaryFile()
 		self.process = subprocess.Popen([yade, "-n", "-j1", "-x", __file__], env=environment, stdin=subprocess.DEVNULL, stdout=self.said, stderr=self.said)

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from yade import O
 
-from talik import _talik
+from talik import _talik, ranks
 from talik.console import awaitEndOfStep
 
 
@@ -27,6 +27,7 @@ def runSerially(steps):
 def runUntil(instant, look=None, interval=0.2):
 	"""Runs O until its time reaches `instant` [s], calling `look` every `interval` seconds of wall time.
 
+	Of several ranks (talik.ranks) the first one looks.
 	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene.
 
 	>>> talik.runUntil(O.time + 2 * O.dt)"""
@@ -39,7 +40,7 @@ def runUntil(instant, look=None, interval=0.2):
 		while O.running:
 			time.sleep(pause)
 			pause = min(1.5 * pause, 0.05)
-			if look is not None and time.monotonic() > nextLook:
+			if look is not None and ranks.first and time.monotonic() > nextLook:
 				look()
 				nextLook = time.monotonic() + interval
 	except KeyboardInterrupt:

@@ -27,7 +27,7 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik import packing, realisation
+from talik import packing, ranks, realisation
 from talik.console import checkedLabels
 from talik.files import sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
@@ -151,7 +151,8 @@ def prepare(
 		return lambda: _compacted(material, pressure, porosity, friction, start)
 
 	if realisations is None:
-		return made(seed, cache, compacted(seed))
+		with ranks.inTurn("preparing a sample"):
+			return made(seed, cache, compacted(seed))
 	_require("realisations", realisations, _isWhole(realisations) and realisations >= 1, "a whole number, at least 1")
 	folder = str(_cacheFolder(cache))
 	settings = dict(
@@ -170,12 +171,13 @@ def prepare(
 		**({} if dimension == 2 else dict(dimension=3)),
 		**iceBond,
 	)
-	return realisation.prepareAll(
-		lambda call: _inCache(lambda make: made(call["seed"], folder, make)),
-		lambda call: made(call["seed"], folder, compacted(call["seed"])),
-		[dict(settings, seed=start) for start in realisation.seedsOf(seed, realisations)],
-		f"{realisations} realisations of {grains} grains",
-	)
+	with ranks.inTurn("preparing realisations"):
+		return realisation.prepareAll(
+			lambda call: _inCache(lambda make: made(call["seed"], folder, make)),
+			lambda call: made(call["seed"], folder, compacted(call["seed"])),
+			[dict(settings, seed=start) for start in realisation.seedsOf(seed, realisations)],
+			f"{realisations} realisations of {grains} grains",
+		)
 
 
 def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True, stressZ=None):
@@ -198,7 +200,8 @@ def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True, st
 		packing.servoStress(material, goal, tolerance)
 		return {}
 
-	return _cached(parameters, cache, make)
+	with ranks.inTurn("preparing a sample"):
+		return _cached(parameters, cache, make)
 
 
 def load(path):
@@ -335,7 +338,7 @@ def _classLayout(ice):
 		packing.fillPair(grains)
 		packing.advance(2)
 		file = os.path.join(folder, "pair.xml")
-		O.save(file, quiet=True)
+		O._stockSave(file, True)  # on every rank
 		names = re.findall(rb"<(\w+)", Path(file).read_bytes())
 	return hashlib.sha256(b" ".join(names)).hexdigest()[:20]
 

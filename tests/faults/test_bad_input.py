@@ -137,6 +137,7 @@ wrong = {
 	"damping of one": (lambda s: ground(damping=1), "MpmEngine.damping", "1"),
 	"PIC time below zero": (lambda s: ground(picTime=-1), "MpmEngine.picTime", "-1"),
 	"no steps between limits": (lambda s: ground(limitInterval=0), "MpmEngine.limitInterval", "0"),
+	"unknown thing to share out": (lambda s: ground(distribute="grains"), "MpmEngine.distribute", "grains"),
 	"wave fraction above one": (lambda s: ground(courantNumber=1.5), "MpmEngine.courantNumber", "1.5"),
 	"motion fraction above a half": (lambda s: ground(motionFraction=0.9), "MpmEngine.motionFraction", "0.9"),
 	"heat fraction of zero": (lambda s: warm(heatFraction=0), "MpmEngine.heatFraction", "0"),

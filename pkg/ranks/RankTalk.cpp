@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/ranks/RankTalk.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+namespace talik {
+
+/// What a rank holds up in each round.
+struct RankTalk::Slip {
+	static constexpr std::int32_t meeting = -1;
+
+	std::uint64_t digest   = 0;
+	std::int32_t  answerer = meeting; ///< number of the answerer who is asked
+	char          text[116] {};       ///< purpose of the meeting, or question
+
+	Slip() = default;
+	Slip(std::int32_t number, const std::string& words, std::uint64_t state)
+	        : digest(state)
+	        , answerer(number)
+	{
+		if (words.size() >= sizeof text) throw std::logic_error("too long for a slip: " + words);
+		std::memcpy(text, words.data(), words.size());
+	}
+	bool asks() const { return answerer != meeting; }
+	bool saysTheSame(const Slip& other) const { return answerer == other.answerer && std::strcmp(text, other.text) == 0; }
+};
+
+std::vector<RankTalk::Slip> RankTalk::round(const Slip& mine)
+{
+	std::vector<Slip> slips(static_cast<std::size_t>(count()));
+	ranks_->allGather(&mine, std::vector<std::size_t>(slips.size(), sizeof(Slip)), slips.data());
+	return slips;
+}
+
+/// The part of this rank goes to all who ask the same.
+std::vector<std::string> RankTalk::answer(const std::vector<Slip>& slips, const Slip& question)
+{
+	const auto               found = answerers.find(question.answerer);
+	const std::string        own   = found == answerers.end() ? "" : found->second->answerTo(question.text);
+	std::vector<std::string> toEach(slips.size());
+	for (std::size_t k = 0; k < slips.size(); ++k)
+		if (slips[k].saysTheSame(question)) toEach[k] = own;
+	return ranks_->exchange(toEach);
+}
+
+void RankTalk::meet(const std::string& purpose, std::uint64_t digest)
+{
+	Digest state = noted;
+	state.add(digest);
+	const Slip mine(Slip::meeting, purpose, state.value());
+	for (;;) {
+		const auto slips    = round(mine);
+		const auto question = std::find_if(slips.begin(), slips.end(), [](const Slip& slip) { return slip.asks(); });
+		if (question == slips.end()) {
+			requireSame(slips);
+			return;
+		}
+		answer(slips, *question);
+	}
+}
+
+std::vector<std::string> RankTalk::ask(int answerer, const std::string& words)
+{
+	const Slip mine(answerer, words, 0);
+	for (;;) {
+		const auto slips    = round(mine);
+		const Slip question = *std::find_if(slips.begin(), slips.end(), [](const Slip& slip) { return slip.asks(); });
+		auto       answers  = answer(slips, question);
+		if (question.saysTheSame(mine)) return answers;
+	}
+}
+
+int RankTalk::enrol(const Answerer* answerer)
+{
+	answerers[nextAnswerer] = answerer;
+	return nextAnswerer++;
+}
+
+std::string RankTalk::named(int rank) const
+{
+	const std::string number = "rank " + std::to_string(rank);
+	return std::size_t(rank) < descriptions.size() ? number + " (" + descriptions[std::size_t(rank)] + ")" : number;
+}
+
+/// Names a rank that came to another place, or whose state is not that of most ranks.
+void RankTalk::requireSame(const std::vector<Slip>& slips) const
+{
+	for (std::size_t k = 1; k < slips.size(); ++k)
+		if (!slips[k].saysTheSame(slips[0]))
+			throw std::runtime_error(
+			        "The ranks of this job do different things: " + named(0) + " is at '" + slips[0].text + "', " + named(int(k)) + " at '"
+			        + slips[k].text + "'. Let all run the same script; steps must depend neither on the rank nor on the wall clock.");
+	const auto like = [&](std::size_t k) {
+		return std::count_if(slips.begin(), slips.end(), [&](const Slip& slip) { return slip.digest == slips[k].digest; });
+	};
+	std::size_t usual = 0;
+	for (std::size_t k = 1; k < slips.size(); ++k)
+		if (like(k) > like(usual)) usual = k;
+	for (std::size_t k = 0; k < slips.size(); ++k)
+		if (slips[k].digest != slips[usual].digest)
+			throw std::runtime_error(
+			        "The ground of " + named(int(k)) + " is no longer that of " + named(int(usual)) + " (noticed at '" + slips[k].text
+			        + "'): start the same script with the same settings on all ranks, on processors of one kind.");
+}
+
+} // namespace talik

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Samples shared out among ranks, which are threads of this process here.
+#include "packedSpheres.hpp"
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <mutex>
+#include <numeric>
+#include <pkg/multiscale/DistributedStore.hpp>
+#include <pkg/multiscale/PackedStore.hpp>
+#include <pkg/multiscale/SampleDeal.hpp>
+#include <thread>
+
+using namespace talik;
+using packedSpheres::Matrix;
+
+namespace {
+
+/// Where threads lay down bytes for each other.
+struct Table {
+	explicit Table(int ranks)
+	        : bytes(std::size_t(ranks), std::vector<std::string>(std::size_t(ranks)))
+	        , count(ranks)
+	{}
+	void wait()
+	{
+		std::unique_lock<std::mutex> lock(guard);
+		const long                   now = round;
+		if (++arrived == count) {
+			arrived = 0;
+			round++;
+			all.notify_all();
+		} else all.wait(lock, [&] { return round != now; });
+	}
+	std::vector<std::vector<std::string>> bytes; ///< from, to
+	const int                             count;
+
+private:
+	std::mutex              guard;
+	std::condition_variable all;
+	int                     arrived = 0;
+	long                    round   = 0;
+};
+
+class ThreadRanks final : public Ranks {
+public:
+	ThreadRanks(Table& t, int number)
+	        : table(t)
+	        , own(number)
+	{}
+	int  rank() const override { return own; }
+	int  count() const override { return table.count; }
+	void allGather(const void* mine, const std::vector<std::size_t>& lengths, void* all) override
+	{
+		const std::string part(static_cast<const char*>(mine), lengths[std::size_t(own)]);
+		const auto        parts = exchange(std::vector<std::string>(lengths.size(), part));
+		auto*             into  = static_cast<char*>(all);
+		for (std::size_t k = 0; k < parts.size(); into += lengths[k++])
+			std::memcpy(into, parts[k].data(), lengths[k]);
+	}
+	std::vector<std::string> exchange(const std::vector<std::string>& toEach) override
+	{
+		table.bytes[std::size_t(own)] = toEach;
+		table.wait();
+		std::vector<std::string> received;
+		for (const auto& from : table.bytes)
+			received.push_back(from[std::size_t(own)]);
+		table.wait();
+		return received;
+	}
+	void endJob(int) override { std::abort(); }
+
+private:
+	Table&    table;
+	const int own;
+};
+
+/// Runs work(talk) as so many ranks.
+template <class Work> void asRanks(int ranks, Work&& work)
+{
+	Table                    table(ranks);
+	std::vector<std::thread> threads;
+	for (int r = 0; r < ranks; ++r)
+		threads.emplace_back([&, r] { work(std::make_shared<RankTalk>(std::make_shared<ThreadRanks>(table, r))); });
+	for (auto& thread : threads)
+		thread.join();
+}
+
+std::shared_ptr<SampleStoreOf<3>> packedStore()
+{
+	return std::make_shared<PackedStore<3>>(
+	        std::vector<PackedStore<3>::StatePointer> { std::make_shared<PackedState<3>>(packedSpheres::sample().state()) });
+}
+
+constexpr int samples = 9;
+
+/// Update number `turn`: samples 0, 2, 3 and 4 in each, the others now and then; 5 and 6 always by the same request, so that they share a state.
+std::vector<PackedRequest<3>> requestsOf(int turn)
+{
+	std::vector<PackedRequest<3>> requests;
+	for (int s = 0; s < samples; ++s) {
+		if ((s == 1 || s > 4) && turn % 4 != 0) continue;
+		const int        kind = s == 6 ? 5 : s;
+		PackedRequest<3> request;
+		request.sample               = std::size_t(s);
+		request.displacementGradient = Matrix::Constant(1e-6 * (kind + 1)) - Matrix::Identity() * 4e-6 * (turn % 3);
+		request.iceSaturation        = 0.3 - 0.01 * (turn % 20);
+		requests.push_back(request);
+	}
+	return requests;
+}
+
+struct History {
+	std::vector<double>  numbers; ///< stresses, tangents and measures
+	std::string          saved;
+	std::size_t          states = 0;
+	SampleStore::Sharing sharing;
+};
+
+History follow(SampleStoreOf<3>& store, int turns)
+{
+	PackedUpdateOptions options;
+	options.tangent = true;
+	History history;
+	for (int s = 0; s < samples; ++s)
+		store.add(0, 0.3, options);
+	for (int turn = 0; turn < turns; ++turn) {
+		for (const auto& result : store.update(requestsOf(turn), options, 1)) {
+			history.numbers.insert(history.numbers.end(), result.stress.data(), result.stress.data() + 9);
+			history.numbers.insert(history.numbers.end(), result.tangent.begin(), result.tangent.end());
+		}
+		if (turn % 10) continue;
+		for (const auto& row : store.measureAll("fabric"))
+			history.numbers.insert(history.numbers.end(), row.begin(), row.end());
+		history.numbers.push_back(store.measure(std::size_t(turn / 10 % samples), "coordinationNumber")[0]);
+	}
+	ByteWriter writer;
+	store.save(writer);
+	history.saved  = writer.bytes();
+	history.states = store.distinctStates();
+	if (store.sharing()) history.sharing = *store.sharing();
+	return history;
+}
+
+} // namespace
+
+TEST(Ranks, SamplesThatAreSharedOutAndMovedHaveTheBitsOfOneRank)
+{
+	const History one = follow(*packedStore(), 70);
+	for (const int ranks : { 2, 3 }) {
+		std::vector<History> all(static_cast<std::size_t>(ranks));
+		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+			DistributedStore<3> store(packedStore(), talk);
+			all[std::size_t(talk->rank())] = follow(store, 70);
+		});
+		std::uint64_t owned = 0;
+		for (const auto& history : all) {
+			EXPECT_EQ(history.numbers.size(), one.numbers.size());
+			EXPECT_EQ(std::memcmp(history.numbers.data(), one.numbers.data(), one.numbers.size() * sizeof(double)), 0);
+			EXPECT_TRUE(history.saved == one.saved);
+			EXPECT_EQ(history.states, one.states);
+			owned += history.sharing.samples;
+		}
+		std::printf(
+		        "%d ranks: %zu numbers and %zu bytes of samples as on one; %llu states moved, balance %.2f\n", ranks, one.numbers.size(),
+		        one.saved.size(), static_cast<unsigned long long>(all[0].sharing.moved), all[0].sharing.balance);
+		EXPECT_EQ(owned, std::uint64_t(samples));
+		EXPECT_GT(all[0].sharing.moved, 0u);
+		EXPECT_EQ(one.states, std::size_t(samples - 1));
+	}
+}
+
+TEST(Ranks, SamplesSavedByOneNumberOfRanksGoOnWithAnother)
+{
+	PackedUpdateOptions options;
+	const History       one  = follow(*packedStore(), 20);
+	const auto          goOn = [&](SampleStoreOf<3>& store) {
+                for (int s = 0; s < samples; ++s)
+                        store.add(0, 0.3, options);
+                ByteReader reader(one.saved);
+                store.restore(reader);
+                for (int turn = 20; turn < 30; ++turn)
+                        store.update(requestsOf(turn), options, 1);
+                ByteWriter writer;
+                store.save(writer);
+                return writer.bytes();
+	};
+	const std::string alone = goOn(*packedStore());
+	for (const int ranks : { 2, 3 })
+		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+			DistributedStore<3> store(packedStore(), talk);
+			EXPECT_TRUE(goOn(store) == alone);
+		});
+	std::printf("%zu bytes after ten more updates\n", alone.size());
+	EXPECT_NE(alone, one.saved);
+}
+
+TEST(Ranks, ARankMayAskWhileTheOthersGoOn)
+{
+	int answered = 0;
+	asRanks(3, [&](const std::shared_ptr<RankTalk>& talk) {
+		PackedUpdateOptions options;
+		DistributedStore<3> store(packedStore(), talk);
+		for (int s = 0; s < samples; ++s)
+			store.add(0, 0.3, options);
+		for (int turn = 0; turn < 6; ++turn) {
+			store.update(requestsOf(4 * turn), options, 1);
+			if (talk->rank() != turn % 3) continue;
+			const auto rows = store.measureAll("bondsIntact");
+			if (talk->rank() == 0) answered += rows.size() == samples && rows[8] == store.measure(8, "bondsIntact");
+		}
+		talk->meet("the end");
+	});
+	std::printf("rank 0 asked twice and was answered %d times while the others were on their way\n", answered);
+	EXPECT_EQ(answered, 2);
+}
+
+TEST(Ranks, ARankWithAnotherGroundAndOneAtAnotherPlaceAreNamedOnAllRanks)
+{
+	std::vector<std::string> said(6);
+	asRanks(3, [&](const std::shared_ptr<RankTalk>& talk) {
+		const auto attempt = [&](std::size_t first, auto&& meeting) {
+			try {
+				meeting();
+			} catch (const std::runtime_error& problem) {
+				said[first + std::size_t(talk->rank())] = problem.what();
+			}
+		};
+		attempt(0, [&] { talk->meet("update 7", talk->rank() == 2 ? 5 : 4); });
+		attempt(3, [&] { talk->meet(talk->rank() == 1 ? "the end" : "update 8"); });
+	});
+	std::printf("%s\n%s\n", said[0].c_str(), said[3].c_str());
+	for (int k : { 1, 2 })
+		EXPECT_EQ(said[std::size_t(k)], said[0]);
+	for (int k : { 4, 5 })
+		EXPECT_EQ(said[std::size_t(k)], said[3]);
+	EXPECT_NE(said[0].find("rank 2"), std::string::npos);
+	EXPECT_EQ(said[0].find("rank 1"), std::string::npos);
+	EXPECT_NE(said[3].find("rank 1 at 'the end'"), std::string::npos);
+}
+
+TEST(Ranks, AnUpdateThatFailsOnOneRankFailsOnAllWithTheSameSentence)
+{
+	std::vector<std::string> said(3);
+	asRanks(3, [&](const std::shared_ptr<RankTalk>& talk) {
+		PackedUpdateOptions options;
+		DistributedStore<3> store(packedStore(), talk);
+		for (int s = 0; s < samples; ++s)
+			store.add(0, 0.3, options);
+		auto requests             = requestsOf(0);
+		requests[4].iceSaturation = 2;
+		try {
+			store.update(requests, options, 1);
+		} catch (const std::runtime_error& problem) {
+			said[std::size_t(talk->rank())] = problem.what();
+		}
+	});
+	std::printf("%s\n", said[0].c_str());
+	EXPECT_NE(said[0].find("ice saturation 2"), std::string::npos);
+	EXPECT_EQ(said[1], said[0]);
+	EXPECT_EQ(said[2], said[0]);
+}
+
+TEST(Ranks, ADealEvensTheCostAndMovesAsLittleAsItMay)
+{
+	std::vector<double> cost;
+	std::vector<int>    owner;
+	for (int k = 0; k < 400; ++k) {
+		cost.push_back(1 + (k * 37 % 101) / 10.);
+		owner.push_back(k % 8 < 5 ? 0 : k % 8 - 4);
+	}
+	const auto          next = dealtAgain(cost, owner, 4);
+	std::vector<double> load(4, 0.), before(4, 0.);
+	double              moved = 0;
+	for (std::size_t k = 0; k < cost.size(); ++k) {
+		load[std::size_t(next[k])] += cost[k];
+		before[std::size_t(owner[k])] += cost[k];
+		if (next[k] != owner[k]) moved += cost[k];
+	}
+	const double mean = std::accumulate(load.begin(), load.end(), 0.) / 4, excess = before[0] - mean;
+	const double largest = *std::max_element(load.begin(), load.end()) / mean;
+	std::printf("largest over mean cost: %.3f before, %.3f after; %.2f of the excess was moved\n", before[0] / mean, largest, moved / excess);
+	EXPECT_LE(largest, 1.02);
+	EXPECT_LE(moved, 1.05 * excess);
+	EXPECT_EQ(dealtAgain(cost, next, 4), next);
+}

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenes that tests run alone and as ranks:  [mpirun -n 2] yade -n -x rankScenes.py FOLDER SAMPLES SCENE...
+
+Each scene leaves all that can be asked of its ground in FOLDER/<scene>.npz, and each rank the sentence with which a scene stopped."""
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+from yade import O, utils, wrapper
+
+import talik
+from talik import rve
+
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1] / "faults"))
+from breakingGround import breakingGround, stateOf
+
+folder, cache = Path(sys.argv[1]), sys.argv[2]
+
+
+def run(steps):
+	O.run(steps, True)
+
+
+def samples():
+	"""Two that differ; a third is a copy of the first."""
+	packed = rve.pack(rve.prepare(grains=30, porosity=0.19, cache=cache))
+	other = packed.copy()
+	other.servo(-80e3, -80e3)
+	return [packed, other, packed.copy()]
+
+
+def ground(**attributes):
+	mpm = breakingGround(samples()[0], **attributes)
+	mpm.skeleton.samples = samples()
+	return mpm
+
+
+def packed(steps=60):
+	mpm = ground()
+	run(steps)
+	return mpm
+
+
+def resting():
+	"""Samples that agree bit for bit share their states; some are asked and others not."""
+	mpm = ground()
+	mpm.gravity = (0, 0)
+	mpm.skeleton.strainTolerance = 1e-4
+	run(20)
+	return mpm
+
+
+def uneven():
+	"""Every second sample is ten times as large: the first deal, by number, has to be mended."""
+	mpm = ground(strainTolerance=0)
+	large = rve.pack(rve.prepare(grains=100, cache=cache))
+	mpm.skeleton.samples = [samples()[0], large]
+	mpm.skeleton.sampleOf = [k % 2 for k in range(mpm.pointCount)]
+	run(70)
+	return mpm
+
+
+def thawed():
+	"""The upper half thaws at once and freezes again."""
+	mpm = ground()
+	run(10)
+	mpm.setTemperature(np.where(mpm.field("position")[:, 1] > 0.5, 1.0, -1.0))
+	run(15)
+	mpm.setTemperature(-2)
+	run(10)
+	return mpm
+
+
+def tolerance():
+	mpm = ground()
+	mpm.tolerance = 0.03
+	run(40)
+	return mpm
+
+
+def bodies():
+	mpm = ground()
+	mpm.bodies = wrapper.BodyContact()
+	O.bodies.append(utils.sphere((0.5, 1.3, 0), 0.25))
+	O.bodies[0].state.vel = (0, -3, 0)
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(damping=0, gravity=(0, -9.81, 0))]
+	run(40)
+	return mpm
+
+
+def byHand():
+	"""Samples looked at, watched, replaced and changed in a view, skeletons exchanged."""
+	mpm = ground()
+	mpm.watch([0, 7], fields=["bondsBroken", "fabric", "stress"])
+	run(15)
+	mpm.skeleton.replaceSample(3, mpm.skeleton.sample(9))
+	with mpm.inspect(5, live=True):
+		O.bodies[3].state.vel = (1e-3, 0, 0)
+	run(10)
+	soft = wrapper.ElasticSkeleton(young=5e6, poisson=0.2)
+	mpm.exchangeSkeletons([mpm.skeleton, soft], [int(k % 5 == 0) for k in range(mpm.pointCount)])
+	run(10)
+	return mpm
+
+
+def openSamples():
+	mpm = ground(form="open", spacing=1.0)
+	run(5)
+	return mpm
+
+
+def blowUp():
+	"""One sample has a time step far beyond its critical one; the run stops, and goes on without that point."""
+	mpm = ground(blowUpFolder=str(folder / "blown"))
+	run(5)
+	bad = mpm.skeleton.sample(6)
+	bad.dt *= 60
+	mpm.skeleton.replaceSample(6, bad)
+	sentence = ""
+	try:
+		run(40)
+	except RuntimeError as problem:
+		sentence = f"{O.iter} {mpm.time!r} {problem}"
+	(folder / f"blowUp.{talik.ranks.rank}.txt").write_text(sentence)
+	mpm.skeleton.onBlowUp = "isolate"
+	run(10)
+	return mpm
+
+
+def checkpoint():
+	"""Written in mid-run; the run goes on."""
+	mpm = ground()
+	run(25)
+	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
+	talik.checkpoint.write(folder / "ground.checkpoint")
+	return goOn(mpm)
+
+
+def resumed():
+	return goOn(talik.resume(folder / "ground.checkpoint"))
+
+
+def goOn(mpm):
+	run(25)
+	return mpm
+
+
+def stared():
+	"""The first rank alone looks at the ground in every step, and the others do not wait for it."""
+	mpm = ground()
+	seen = []
+
+	def look():
+		if talik.ranks.first:
+			seen.append((mpm.mostBroken(3), np.nansum(mpm.field("bondsBroken")), mpm.skeleton.sample(2).statistics()["contacts"]))
+
+	from talik import output
+
+	O.engines = O.engines + [output.runner(look, iterPeriod=1)]
+	O.run(60, True)
+	O.engines = O.engines[:1]
+	assert len(seen) >= 59 if talik.ranks.first else not seen
+	return mpm
+
+
+for name in sys.argv[3:]:
+	O.reset()
+	O.engines = []
+	mpm = globals()[name]()
+	state = stateOf(mpm)
+	if mpm.watched is not None:
+		state.update({f"history {point} {field}": values for point in mpm.watched.ids for field, values in mpm.history(point).items()})
+	shared = mpm.skeleton.counters if isinstance(mpm.skeleton, wrapper.RveSkeleton) else {}
+	if talik.ranks.first:
+		np.savez(folder / f"{name}.npz", **state)
+	print("FIGURES", name, shared.get("moved", 0), shared.get("balance", 1), talik.ranks.traffic()["messages"], flush=True)
+	(folder / f"{name}.{talik.ranks.rank}.of.{talik.ranks.count}").write_text(os.environ.get("OMP_NUM_THREADS", "1"))

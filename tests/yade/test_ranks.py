@@ -1,0 +1,358 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One scene on several ranks: the same bits as alone, one voice, one file, and an end for all when one of them ends."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import talik
+
+here = Path(__file__).resolve().parent
+scenes = here / "rankScenes.py"
+job = re.compile(r"FIGURES (\w+) (\d+) ([\d.]+) (\d+)")
+
+pytestmark = pytest.mark.skipif(
+	not talik._talik.knowsRanks() or shutil.which("mpirun") is None, reason="Talik was built without Open MPI, or there is no mpirun here"
+)
+
+
+def command(ranks, *arguments, threads=1):
+	start = ["mpirun", "-n", str(ranks), "--bind-to", "none", "--oversubscribe", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]
+	return [*(start if ranks > 1 else []), "yade", "-n", "-x", f"-j{threads}", *map(str, arguments)]
+
+
+def started(command, **settings):
+	environment = talik.ranks.alone(os.environ)
+	return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, **settings)
+
+
+def ended(process, timeout=300):
+	try:
+		said, complained = process.communicate(timeout=timeout)
+	except subprocess.TimeoutExpired:
+		os.killpg(process.pid, signal.SIGKILL)
+		raise AssertionError(f"still running after {timeout} s: {process.communicate()}") from None
+	return process.returncode, said, complained
+
+
+def played(folder, cache, names, ranks, threads=1):
+	"""{scene: state}, and what was said."""
+	folder.mkdir(exist_ok=True)
+	status, said, complained = ended(started(command(ranks, scenes, folder, cache, *names, threads=threads)))
+	assert status == 0, said + complained
+	states = {}
+	for name in names:
+		with np.load(folder / f"{name}.npz") as file:
+			states[name] = {key: file[key] for key in file.files}
+	return states, said, complained
+
+
+def differing(one, other):
+	"""Numbers that differ in a bit, over all states."""
+	assert set(one) == set(other)
+	count = 0
+	for name, state in one.items():
+		assert set(state) == set(other[name]), name
+		for key, values in state.items():
+			a, b = np.ascontiguousarray(values), np.ascontiguousarray(other[name][key])
+			assert a.shape == b.shape, f"{name} {key}"
+			bad = int((a.view(np.uint8) != b.view(np.uint8)).sum())
+			if bad:
+				print(f"{name}: {key} differs")
+			count += bad
+	return count
+
+
+def size(states):
+	return sum(values.size for state in states.values() for values in state.values())
+
+
+quick = ["packed", "uneven", "resting", "thawed", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared"]
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory, sampleCache):
+	folder = tmp_path_factory.mktemp("alone")
+	return (folder, *played(folder, sampleCache, quick, 1)[:2])
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory, sampleCache, alone):
+	folder = tmp_path_factory.mktemp("pair")
+	return (folder, *played(folder, sampleCache, quick, 2))
+
+
+# ---- the same bits --------------------------------------------------------------------------------------------------------
+
+
+def test_two_ranks_have_the_bits_of_one_in_every_field_sample_and_history(alone, pair):
+	states, (_, other, said, _) = alone[1], pair
+	count = differing(states, other)
+	broken, melted = np.nansum(states["packed"]["bondsBroken"]), np.nansum(states["thawed"]["bondsMelted"])
+	print(f"ranks: 2 against 1, {len(states)} scenes, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
+	print(f"bonds broken {broken:.0f} in one scene, melted {melted:.0f} in another")
+	assert count == 0 and broken > 0 and melted > 0 and len(job.findall(said)) == len(quick)
+
+
+def test_samples_move_between_ranks_and_no_rank_owns_all(pair):
+	moved = {name: (int(states), float(balance)) for name, states, balance, _ in job.findall(pair[2])}
+	print(f"states moved and balance by scene: {moved}")
+	assert moved["uneven"][0] > 0
+	assert all(0.5 <= balance <= 1 for _, balance in moved.values())
+
+
+def test_a_blow_up_stops_all_ranks_after_the_same_step_with_the_same_sentence(alone, pair):
+	sentences = {(alone[0] / "blowUp.0.txt").read_text(), *((pair[0] / f"blowUp.{rank}.txt").read_text() for rank in (0, 1))}
+	print(sentences)
+	assert len(sentences) == 1 and "point 6 blew up" in sentences.pop()
+	assert (alone[0] / "blown" / "point6.yade").stat().st_size == pytest.approx((pair[0] / "blown" / "point6.yade").stat().st_size, abs=200)
+
+
+def test_a_checkpoint_of_two_ranks_has_the_bytes_of_one_and_one_rank_goes_on_with_it(alone, pair, sampleCache, tmp_path):
+	files = [(folder / "ground.checkpoint").read_bytes()[4096:] for folder in (alone[0], pair[0])]
+	other = [place for place, (a, b) in enumerate(zip(*files)) if a != b]
+	speed = 8  # bytes of Scene.speed, steps per second of wall time
+	print(f"checkpoints of {len(files[0])} and {len(files[1])} bytes; {len(other)} differ, all in the {speed} of the measured speed of the scene")
+	shutil.copy(pair[0] / "ground.checkpoint", tmp_path)
+	states, *_ = played(tmp_path, sampleCache, ["resumed"], 1)
+	assert differing({"resumed": alone[1]["checkpoint"]}, states) == 0
+	assert len(files[0]) == len(files[1]) and max(other, default=0) - min(other, default=0) < speed
+
+
+def test_three_ranks_with_two_threads_each_have_the_bits_of_one_slow(alone, sampleCache, tmp_path):
+	shutil.copy(alone[0] / "ground.checkpoint", tmp_path)
+	states, *_ = played(tmp_path, sampleCache, ["resumed", *quick], 3, threads=2)
+	resumed = {"checkpoint": states.pop("resumed")}
+	count = differing(alone[1], states) + differing({"checkpoint": alone[1]["checkpoint"]}, resumed)
+	print(f"ranks: 3 with 2 threads against 1 with 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
+	assert count == 0
+
+
+@pytest.mark.parametrize("ranks, threads", [(1, 2), (2, 2), (3, 1)])
+def test_any_number_of_ranks_and_threads_has_the_same_bits_slow(ranks, threads, alone, sampleCache, tmp_path):
+	states, *_ = played(tmp_path, sampleCache, quick, ranks, threads)
+	count = differing(alone[1], states)
+	print(f"ranks: {ranks} with {threads} threads against 1 with 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
+	assert count == 0
+
+
+def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCache, tmp_path):
+	alone, together = (played(tmp_path / str(ranks), sampleCache, ["openSamples"], ranks)[0] for ranks in (1, 3))
+	count = differing(alone, together)
+	print(f"ranks: open samples, 3 against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
+	assert count == 0
+
+
+# ---- one voice ------------------------------------------------------------------------------------------------------------
+
+
+def test_one_rank_speaks_and_says_how_the_work_is_shared(pair):
+	_, _, said, complained = pair
+	told = [line for line in complained.splitlines() if line.startswith("Talik:")]
+	print(told)
+	assert [match[0] for match in job.findall(said)] == quick
+	assert told.count("Talik: 2 ranks share out the samples of this ground (MpmEngine.distribute).") == len(quick)
+
+
+writing = """
+import sys, talik
+from pathlib import Path
+sys.path.insert(0, {faults!r})
+from breakingGround import breakingGround
+from talik import output, plots, progress, rve
+from yade import O
+folder = Path({folder!r})
+real = Path.write_text
+mpm = breakingGround(rve.pack(rve.prepare(grains=30, porosity=0.19, cache={cache!r})))
+talik.checkpoint.keep(folder / "kept.checkpoint", every=0)
+bar = progress.Progress(endStep=10, interval=0, details=lambda: {{"broken": mpm.field("bondsBroken").sum()}})
+O.engines = O.engines + [bar.runner(realPeriod=0)]
+talik.running.runUntil(10 * mpm.stableTimeStep(), look=lambda: (folder / f"looked{{talik.ranks.rank}}").write_text("here"), interval=0)
+bar.close()
+series = output.ParaViewSeries(mpm, folder)
+series.write()
+output.writeSummary(folder / f"summary{{talik.ranks.rank}}.json", broken=mpm.field("bondsBroken").sum(), ranks=talik.ranks.count)
+plots.save(plots.figure(1, 1), folder / f"picture{{talik.ranks.rank}}.png")
+O.save(str(folder / f"scene{{talik.ranks.rank}}.yade"))
+print("the script printed this", flush=True)
+"""
+
+
+def test_the_command_of_the_pages_runs(tmp_path):
+	root = here.parents[1]
+	pages = [root / "README.md", root / "CHANGELOG.md", root / "pkg" / "ranks" / "README.md", Path(talik.ranks.__file__)]
+	found = {command for page in pages for command in re.findall(r"mpirun -n \d .* scene\.py", page.read_text())}
+	(tmp_path / "scene.py").write_text("import talik\nprint('RANKS', talik.ranks.count, flush=True)\n")
+	options = ["--oversubscribe", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]
+	for line in sorted(found):
+		name, *words = line.split()
+		status, said, complained = ended(started([name, *options, *words], cwd=tmp_path))
+		print(f"{line}: {re.findall('RANKS.*', said)}")
+		assert status == 0 and re.findall(r"RANKS (\d+)", said) == ["2"], complained
+	assert len(found) == 2
+
+
+def test_rank_0_alone_prints_draws_looks_and_writes(tmp_path, sampleCache):
+	script, folder = tmp_path / "scene.py", tmp_path / "left"
+	folder.mkdir()
+	script.write_text(writing.format(faults=str(here.parent / "faults"), folder=str(folder), cache=str(sampleCache)))
+	status, said, complained = ended(started(command(2, script)))
+	names = sorted(path.name for path in folder.iterdir())
+	print(names, re.findall("step .*ranks.*", complained)[-1:])
+	assert status == 0, said + complained
+	assert names == ["kept.checkpoint", "looked0", "picture0.png", "points.pvd", "points_00000.vtu", "scene0.yade", "summary0.json"]
+	assert said.count("the script printed this") == 1
+	assert re.search(r"steps/s, 2 ranks, broken \d+", complained)
+	assert json.loads((folder / "summary0.json").read_text())["ranks"] == 2
+
+
+# ---- one end --------------------------------------------------------------------------------------------------------------
+
+endless = """
+import os, sys, time, talik
+from pathlib import Path
+sys.path.insert(0, {faults!r})
+from breakingGround import breakingGround
+from talik import rve
+from yade import O
+mpm = breakingGround(rve.pack(rve.prepare(grains=30, porosity=0.19, cache={cache!r})), onBlowUp="isolate", blowUpFolder="")
+mpm.damping = 0.9
+{before}
+O.run(5, True)
+(Path({folder!r}) / f"pid{{talik.ranks.rank}}").write_text(str(os.getpid()))
+{after}
+O.run(10**9, True)
+"""
+
+
+def endlessRun(folder, cache, before="", after="", start=None):
+	script = folder / "scene.py"
+	script.write_text(endless.format(faults=str(here.parent / "faults"), cache=str(cache), folder=str(folder), before=before, after=after))
+	return started(start(script) if start else command(2, script))
+
+
+def pids(folder, process, patience=120):
+	files = [folder / f"pid{rank}" for rank in (0, 1)]
+	until = time.monotonic() + patience
+	while not all(file.exists() and file.read_text() for file in files):
+		assert time.monotonic() < until and process.poll() is None, process.communicate()
+		time.sleep(0.05)
+	return [int(file.read_text()) for file in files]
+
+
+def alive(pid):
+	try:
+		return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+	except OSError:
+		return False
+
+
+def secondsToTheEnd(process, ranks, begin):
+	status, said, complained = ended(process, timeout=60)
+	while any(map(alive, ranks)):
+		assert time.monotonic() < begin + 60
+		time.sleep(0.02)
+	return time.monotonic() - begin, status, said + complained
+
+
+def test_an_exception_on_one_rank_ends_all_with_its_message(tmp_path, sampleCache):
+	process = endlessRun(tmp_path, sampleCache, after="if talik.ranks.rank == 1:\n\traise ValueError('there is no such slope')")
+	ranks = pids(tmp_path, process)
+	seconds, status, said = secondsToTheEnd(process, ranks, time.monotonic())
+	print(f"all ranks had ended {seconds:.1f} s after the exception on rank 1; limit 10 s")
+	assert seconds < 10 and status != 0
+	assert "rank 1: ValueError: there is no such slope" in said and "Talik: rank 1 failed; all 2 ranks end." in said
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_rank_that_is_killed_ends_the_job(rank, tmp_path, sampleCache):
+	process = endlessRun(tmp_path, sampleCache)
+	ranks = pids(tmp_path, process)
+	time.sleep(0.5)
+	begin = time.monotonic()
+	os.kill(ranks[rank], signal.SIGKILL)
+	seconds, status, said = secondsToTheEnd(process, ranks, begin)
+	print(f"all ranks had ended {seconds:.1f} s after rank {rank} was killed; limit 10 s")
+	assert seconds < 10 and status != 0
+
+
+def test_ctrl_c_ends_the_job(tmp_path, sampleCache):
+	process = endlessRun(tmp_path, sampleCache)
+	ranks = pids(tmp_path, process)
+	time.sleep(0.5)
+	begin = time.monotonic()
+	os.kill(process.pid, signal.SIGINT)
+	seconds, status, _ = secondsToTheEnd(process, ranks, begin)
+	print(f"all ranks had ended {seconds:.1f} s after Ctrl-C; limit 10 s")
+	assert seconds < 10 and status != 0
+
+
+@pytest.mark.parametrize(
+	"how, part",
+	[
+		("mpm.damping = 0.9 + 1e-12 * talik.ranks.rank", "The ground of rank 1"),
+		("O.run(1 + talik.ranks.rank, True); raise SystemExit", "The ranks of this job do different things: rank 0"),
+	],
+	ids=["another setting", "another number of steps"],
+)
+def test_ranks_whose_scripts_differ_are_refused_by_name(how, part, tmp_path, sampleCache):
+	process = endlessRun(tmp_path, sampleCache, after=how)
+	status, said, complained = ended(process, timeout=60)
+	sentence = next((line for line in complained.splitlines() if part in line), "nothing")
+	print(sentence)
+	assert status != 0 and "rank 1 (" in sentence
+
+
+def test_ranks_with_different_builds_are_refused_by_name(tmp_path, sampleCache):
+	module = Path(talik._talik.__file__).resolve()
+	other = tmp_path / "python" / "talik"
+	shutil.copytree(Path(talik.__file__).parent, other, ignore=shutil.ignore_patterns("__pycache__"))
+	(other / module.name).write_bytes(module.read_bytes() + b"\0")
+
+	def start(script):
+		whole = command(2, script)
+		begin = whole.index("yade")
+		options, yade = [*whole[3:begin]], whole[begin:]
+		return ["mpirun", *options, "-n", "1", *yade, ":", "-n", "1", "-x", f"PYTHONPATH={other.parent}", *yade]
+
+	status, said, complained = ended(endlessRun(tmp_path, sampleCache, start=start), timeout=60)
+	sentence = next((line for line in complained.splitlines() if "another build" in line), complained)
+	print(sentence)
+	assert status != 0 and re.search(r"rank 1 on .* runs another build of Talik \(\w{12}\) than rank 0 on", sentence)
+
+
+def test_threads_without_cores_are_told_with_the_remedy(tmp_path):
+	script = tmp_path / "scene.py"
+	script.write_text("import os\ncores = sorted(os.sched_getaffinity(0))\nos.sched_setaffinity(0, cores[:1])\nimport talik\n")
+	status, said, complained = ended(started(command(2, script, threads=2)), timeout=60)
+	told = [line for line in complained.splitlines() if line.startswith("Talik warns:")]
+	print(told)
+	assert status == 0 and len(told) == 1
+	assert "rank 0 has 2 threads and may use 1 of the processor's cores" in told[0] and "mpirun --bind-to none" in told[0]
+
+
+def test_a_yade_that_is_alone_makes_no_call_of_mpi(tmp_path, sampleCache):
+	script = tmp_path / "scene.py"
+	script.write_text(
+		"import sys, talik\n"
+		f"sys.path.insert(0, {str(here.parent / 'faults')!r})\n"
+		"from breakingGround import breakingGround, run\n"
+		"from talik import rve\n"
+		f"mpm = breakingGround(rve.pack(rve.prepare(grains=30, porosity=0.19, cache={str(sampleCache)!r})))\n"
+		"run(10)\n"
+		"from mpi4py import rc\n"
+		"rc.initialize = rc.finalize = False\n"
+		"from mpi4py import MPI\n"
+		"print('STARTED', MPI.Is_initialized(), talik.ranks.count, 'owned' in mpm.skeleton.counters, flush=True)\n"
+	)
+	status, said, complained = ended(started(command(1, script)))
+	print(re.search("STARTED.*", said).group(0))
+	assert status == 0 and "STARTED False 1 False" in said
