@@ -211,7 +211,7 @@ template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D
 		const int p = w.first + k;
 		if (!near(p)) continue;
 		if (water_) mappedLiquid_[p] = liquidMass(p);
-		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(grid, w, k);
+		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(w, k);
 	}
 }
 
@@ -223,7 +223,7 @@ template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightB
 	for (int i = 0; i < D; ++i)
 		mean += motion_->stress[i][p];
 	const double replace = motion_->meanStress ? motion_->meanStress[p] - mean * (1.0 / D) : 0.0;
-	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 		if (slot_[node] < 0) return;
 		double* r = record(slot_[node]);
 		r[massAt] += s * m;
@@ -247,12 +247,12 @@ template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightB
 	});
 }
 
-template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k)
+template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
 {
 	const int    p      = w.first + k;
 	const double volume = motion_->volume[p], pressure = water_ ? water_->pressure[p] : 0.0;
 	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0;
-	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 		if (slot_[node] < 0) return;
 		double* r = record(slot_[node]);
 		r[thawedVolumeAt] += s * volume;
@@ -265,10 +265,10 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 	});
 }
 
-template <int D> void ThawFront<D>::push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force)
+template <int D> void ThawFront<D>::push(const WeightBlock<D>& w, int k, const Vec<D>& force)
 {
 	if (!present() || !near(w.first + k) || !frozen(w.first + k)) return;
-	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 		if (slot_[node] < 0) return;
 		for (int i = 0; i < D; ++i)
 			record(slot_[node])[forceAt + i] += s * force[i];
@@ -611,7 +611,7 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 		const int  offset = thawed ? sideSize : 0;
 		Vec<D>     velocity {}, gain {}, liquidGain {}, slipping {};
 		double     gradient[D][D] = {}, slip[D][D] = {}, lacking[D][D] = {}, widening[D][D] = {}, limit = 0.0, weight = 0.0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 			if (slot_[node] < 0) return;
 			const double* r = result(slot_[node]);
 			for (int i = 0; i < D; ++i) {

@@ -95,7 +95,7 @@ template <int D> void FreeSurface<D>::findNeeded(const Grid<D>& grid, const Cell
 		widen(stride_[a]);
 }
 
-template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 {
 	if (cells_) {
 		bool any = false;
@@ -106,7 +106,7 @@ template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock
 	for (int k = 0; k < w.count; ++k) {
 		const double v     = volume_[w.first + k];
 		const double kappa = conductivity_ ? conductivity_[w.first + k] : 0.0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 			double* r = nodes[node];
 			for (int i = 0; i < D; ++i)
 				r[i] += v * g[i];

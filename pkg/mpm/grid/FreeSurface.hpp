@@ -28,7 +28,7 @@ public:
 
 	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
 	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
-	void map(const Grid<D>& grid, const WeightBlock<D>& w);
+	void map(const WeightBlock<D>& w);
 	/// Lists the nodes of every boundary that uses the surface, but for those that face bodies.
 	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
 

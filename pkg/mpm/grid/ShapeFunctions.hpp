@@ -48,7 +48,7 @@ std::vector<std::string> shapeFunctionNames();
 template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::string& name);
 
 /// work(node, S, G) for every node of point k of the block; G is the gradient of S [1/m].
-template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const Grid<D>&, const WeightBlock<D>& w, int k, Work&& work)
+template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const WeightBlock<D>& w, int k, Work&& work)
 {
 	const int base = w.base[k];
 #pragma GCC unroll 9
