@@ -214,10 +214,13 @@ template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool
 	return inOrder(
 	        first, last, [&](int p) __attribute__((always_inline)) {
 		        double trace = 0.0, density = 0.0;
+#pragma GCC unroll 3
 		        for (int a = 0; a < D; ++a)
 			        trace += g[a * D + a][p];
 		        const double missing = replace ? (cells->mean(p, trace) - trace) * (1.0 / D) : 0.0;
+#pragma GCC unroll 3
 		        for (int i = 0; i < D; ++i)
+#pragma GCC unroll 3
 			        for (int j = 0; j < D; ++j)
 				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
 		        return volume[p] * density;
@@ -232,6 +235,7 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 	return inOrder(
 	        first, last, [&](int p) __attribute__((always_inline)) {
 		        double trace = 0.0;
+#pragma GCC unroll 3
 		        for (int a = 0; a < D; ++a)
 			        trace += g[a * D + a][p];
 		        return volume[p] * pressure[p] * (replace ? cells->mean(p, trace) : trace);

@@ -35,6 +35,10 @@ template <int D> struct NodeColumns {
 	struct Conducted {
 		static constexpr int heat = 0, unseen = 1, size = 2;
 	};
+	/// FreeSurface::nodes, mapped from the points.
+	struct Surface {
+		static constexpr int area = 0, volume = D, conduction = D + 1, size = D + 2; ///< outward area vector, volume, volume times conductivity
+	};
 	/// PoreWater::flux.
 	struct Flux {
 		static constexpr int size = plane ? 2 : 4;

@@ -8,6 +8,7 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
 
@@ -136,7 +137,9 @@ private:
 	double        lackingPressure(const Meeting& meeting) const;
 	double        widenedShare(const Meeting& meeting) const;
 	void          correct(int slot);
-	void          lead(int place, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D]);
+	struct AtPoint;
+	TALIK_PROCESSOR_VERSIONS AtPoint sum(const WeightBlock<D>& w, int k, bool thawed) const;
+	void                             lead(int place, double dt, const AtPoint& sums, double (&slip)[D][D]);
 
 	ThawFrontSettings          settings_;
 	PointFields::Handle        sideField_, slipField_, ledField_, strainField_;

@@ -51,6 +51,9 @@ template <int D> struct NodeLoops {
 	/// Sums S number.
 	void (*gatherNumber)(const WeightBlock<D>& w, const double* nodes, double (&sums)[blockSize]);
 
+	/// V grad S, S V and S V conductivity (null: zero) to records Surface.
+	void (*mapSurface)(const WeightBlock<D>& w, const double* volume, const double* conductivity, double* nodes);
+
 	/// Conduction in a step, eq. (9.4), temperatures of nodes relative to that of reference: heat -V kappa duration grad T . grad S +
 	/// V produced S, and what the grid does not see, C (T_grid - T) S.
 	struct HeatFlow {

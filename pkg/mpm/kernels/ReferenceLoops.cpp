@@ -98,6 +98,22 @@ namespace {
 			sums[k] = list[0][k];
 	}
 
+	template <int D> void mapSurface(const WeightBlock<D>& w, const double* volume, const double* conductivity, double* nodes)
+	{
+		using Surface = typename NodeColumns<D>::Surface;
+		for (int k = 0; k < w.count; ++k) {
+			const double v     = volume[w.first + k];
+			const double kappa = conductivity ? conductivity[w.first + k] : 0.0;
+			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
+				double* r = nodes + static_cast<long>(node) * Surface::size;
+				for (int i = 0; i < D; ++i)
+					r[Surface::area + i] += v * g[i];
+				r[Surface::volume] += s * v;
+				r[Surface::conduction] += s * v * kappa;
+			});
+		}
+	}
+
 	/// One number of the nodes' records and where the flow that its gradient drives goes.
 	struct Field {
 		const double* from;
@@ -202,6 +218,7 @@ template <int D> const NodeLoops<D>& referenceLoops()
 		                          &mapRecords<D, 2>,
 		                          &gatherRecords<D, Columns::Gathered::size>,
 		                          &gatherNumber<D>,
+		                          &mapSurface<D>,
 		                          &flowHeat<D>,
 		                          &flowPressure<D>,
 		                          &flowHeatAndPressure<D>,

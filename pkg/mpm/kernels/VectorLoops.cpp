@@ -91,21 +91,21 @@ namespace HWY_NAMESPACE {
 #endif
 		}
 
-		/// Value i of point k for every number i of a record of values.
-		template <int n> HWY_INLINE Numbers<n> numbers(const double (&values)[n][blockSize], int k)
+		HWY_INLINE Numbers<8> numbers(const Numbers<4>& low, const Numbers<4>& high)
 		{
-			if constexpr (n == 2) {
-				return numbers(values[0][k], values[1][k]);
-			} else {
-				Numbers<n> all;
-#pragma GCC unroll 3
-				for (int first = 0; first < n; first += 4) {
-					const Numbers<4> four = numbers(values[first][k], values[first + 1][k], values[first + 2][k], values[first + 3][k]);
-					for (int i = 0; i < four.parts; ++i)
-						all.part[first / four.lanes + i] = four.part[i];
-				}
-				return all;
+			Numbers<8> q;
+			for (int i = 0; i < low.parts; ++i) {
+				q.part[i]             = low.part[i];
+				q.part[low.parts + i] = high.part[i];
 			}
+			return q;
+		}
+		/// n numbers of point k from number first of values on.
+		template <int n, int size> HWY_INLINE Numbers<n> numbers(const double (&values)[size][blockSize], int k, int first = 0)
+		{
+			if constexpr (n == 2) return numbers(values[first][k], values[first + 1][k]);
+			else if constexpr (n == 4) return numbers(values[first][k], values[first + 1][k], values[first + 2][k], values[first + 3][k]);
+			else return numbers(numbers<4>(values, k, first), numbers<4>(values, k, first + 4));
 		}
 		/// The components of a vector behind a first number, and zero in what is left of four.
 		template <int D> HWY_INLINE Numbers<4> numbers(double first, const double (&vector)[D][blockSize], int k)
@@ -115,9 +115,7 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Numbers that a record does not have: they cost nothing.
-		struct Nothing {
-			HWY_INLINE Nothing operator[](int) const { return {}; }
-		};
+		struct Nothing {};
 		HWY_INLINE Nothing          scaled(Nothing, double) { return {}; }
 		HWY_INLINE Nothing          added(Nothing, double, Nothing) { return {}; }
 		template <int n> HWY_INLINE Numbers<n> added(Nothing, double, const Numbers<n>& to) { return to; }
@@ -148,30 +146,82 @@ namespace HWY_NAMESPACE {
 			[[gnu::always_inline]] long at(int row, int column) const { return number[row * supportNodes + column]; }
 		};
 
-		/// Adds S value + sum_a dS/dx_a slopes[a] to the records of the support of point k; what the nodes of a row share is formed once.
-		template <class Record, int D, class Value, class Slopes>
-		HWY_INLINE void scatter(const WeightBlock<D>& w, int k, const Offsets<D>& offsets, double* base, const Value& value, const Slopes& slopes)
+		/// The record of the base node of point k.
+		template <int D> HWY_INLINE double* baseOf(const WeightBlock<D>& w, int k, double* nodes, int recordSize)
 		{
-			const FirstAxis s(w, k);
+			return nodes + static_cast<long>(w.base[k]) * recordSize;
+		}
+		template <int D> HWY_INLINE const double* baseOf(const WeightBlock<D>& w, int k, const double* nodes, int recordSize)
+		{
+			return nodes + static_cast<long>(w.base[k]) * recordSize;
+		}
+
+		/// What a point gives to each record of its support: S value + sum_a dS/dx_a slope[a].
+		template <int D, class Value, class Slope> struct Share {
+			Value value;
+			Slope slope[D];
+		};
+		template <int D, int n> HWY_INLINE Share<D, Numbers<n>, Nothing> shareOf(const Numbers<n>& value) { return { value, {} }; }
+
+		/// Adds the shares of the points first .. last - 1, which have one base. The records of some rows stay in registers while all these
+		/// points add to them: every record has one order of its sum, however long the run. What the nodes of a row share is formed once.
+		template <class Record, int D, class Value, class Slope>
+		HWY_INLINE void scatter(
+		        const WeightBlock<D>& w, int first, int last, const Offsets<D>& offsets, double* base, const Share<D, Value, Slope>* shares)
+		{
+			constexpr int rows = D == 2 ? 1 : supportNodes;
 #pragma GCC unroll 3
-			for (int row = 0; row < supportRows<D>; ++row) {
-				const double shared   = w.row(0, row)[k];
-				auto         rowValue = added(slopes[1], w.row(1, row)[k], scaled(value, shared));
-				if constexpr (D == 3) rowValue = added(slopes[2], w.row(2, row)[k], rowValue);
-				const auto rowSlope = scaled(slopes[0], shared);
+			for (int firstRow = 0; firstRow < supportRows<D>; firstRow += rows) {
+				Record record[rows][supportNodes];
 #pragma GCC unroll 3
-				for (int column = 0; column < supportNodes; ++column) {
-					double* to = base + offsets.at(row, column);
-					Record  record;
-					load(to, record);
-					store(added(rowSlope, s.slope[column], added(rowValue, s.value[column], record)), to);
+				for (int row = 0; row < rows; ++row)
+#pragma GCC unroll 3
+					for (int column = 0; column < supportNodes; ++column)
+						load(base + offsets.at(firstRow + row, column), record[row][column]);
+				for (int k = first; k < last; ++k) {
+					const FirstAxis               s(w, k);
+					const Share<D, Value, Slope>& share = shares[k - first];
+#pragma GCC unroll 3
+					for (int row = 0; row < rows; ++row) {
+						const double shared   = w.row(0, firstRow + row)[k];
+						auto         rowValue = added(share.slope[1], w.row(1, firstRow + row)[k], scaled(share.value, shared));
+						if constexpr (D == 3) rowValue = added(share.slope[2], w.row(2, firstRow + row)[k], rowValue);
+						const auto rowSlope = scaled(share.slope[0], shared);
+#pragma GCC unroll 3
+						for (int column = 0; column < supportNodes; ++column)
+							record[row][column] = added(
+							        rowSlope, s.slope[column], added(rowValue, s.value[column], record[row][column]));
+					}
 				}
+#pragma GCC unroll 3
+				for (int row = 0; row < rows; ++row)
+#pragma GCC unroll 3
+					for (int column = 0; column < supportNodes; ++column)
+						store(record[row][column], base + offsets.at(firstRow + row, column));
 			}
 		}
-		template <int n, int D>
-		HWY_INLINE void scatter(const WeightBlock<D>& w, int k, const Offsets<D>& offsets, double* base, const Numbers<n>& value)
+
+		/// Adds the shares of all points of a block, shareOf(k) of point k, to records of recordSize numbers. In space points with one base
+		/// follow each other, see MaterialPoints::sort.
+		template <class Record, int D, class ShareOf>
+		HWY_INLINE void scatterBlock(const WeightBlock<D>& w, double* nodes, int recordSize, ShareOf&& shareOf)
 		{
-			scatter<Numbers<n>>(w, k, offsets, base, value, Nothing());
+			const Offsets<D> at(w, recordSize);
+			if constexpr (D == 2) {
+				for (int k = 0; k < w.count; ++k) {
+					const auto share = shareOf(k);
+					scatter<Record>(w, k, k + 1, at, baseOf(w, k, nodes, recordSize), &share);
+				}
+			} else {
+				decltype(shareOf(0)) shares[blockSize];
+				for (int k = 0; k < w.count; ++k)
+					shares[k] = shareOf(k);
+				for (int k = 0, end = 0; k < w.count; k = end) {
+					while (end < w.count && w.base[end] == w.base[k])
+						++end;
+					scatter<Record>(w, k, end, at, baseOf(w, k, nodes, recordSize), shares + k);
+				}
+			}
 		}
 
 		/// Sums over the support: S and dS/dx_a times records.
@@ -206,16 +256,6 @@ namespace HWY_NAMESPACE {
 			return sums;
 		}
 
-		/// The record of the base node of point k.
-		template <int D> HWY_INLINE double* baseOf(const WeightBlock<D>& w, int k, double* nodes, int recordSize)
-		{
-			return nodes + static_cast<long>(w.base[k]) * recordSize;
-		}
-		template <int D> HWY_INLINE const double* baseOf(const WeightBlock<D>& w, int k, const double* nodes, int recordSize)
-		{
-			return nodes + static_cast<long>(w.base[k]) * recordSize;
-		}
-
 		/// What the points of a block give to records Moving.
 		template <int D> struct MotionOfBlock {
 			double mass[blockSize], momentum[D][blockSize], force[D][D][blockSize]; ///< -V sigma
@@ -245,21 +285,20 @@ namespace HWY_NAMESPACE {
 		template <bool Carried, bool Replaced, int D> void mapMotionWith(const WeightBlock<D>& w, const typename NodeLoops<D>::MotionMap& a)
 		{
 			using Moving = typename NodeColumns<D>::Moving;
-			const Offsets<D> at(w, Moving::size);
 			MotionOfBlock<D> b;
 			load<Carried, Replaced>(w, a, b);
-			for (int k = 0; k < w.count; ++k) {
-				double* base = baseOf(w, k, a.nodes, Moving::size);
-				scatter(w, k, at, base, numbers(b.mass[k], b.momentum, k));
-				Numbers<4> slopes[D];
-				for (int i = 0; i < D; ++i) {
-					if constexpr (D == 2) slopes[i] = numbers(b.force[i][0][k], b.force[i][1][k], 0.0, 0.0);
-					else slopes[i] = numbers(b.force[i][0][k], b.force[i][1][k], b.force[i][2][k], 0.0);
-				}
-				if constexpr (Moving::carriesHeat)
-					scatter<Numbers<4>>(w, k, at, base + Moving::force, numbers(0.0, 0.0, b.heat[0][k], b.heat[1][k]), slopes);
-				else scatter<Numbers<4>>(w, k, at, base + Moving::force, Nothing(), slopes);
-			}
+			scatterBlock<Numbers<4>>(w, a.nodes, Moving::size, [&](int k) { return shareOf<D>(numbers(b.mass[k], b.momentum, k)); });
+			scatterBlock<Numbers<4>>(w, a.nodes + Moving::force, Moving::size, [&](int k) {
+				if constexpr (D == 2)
+					return Share<2, Numbers<4>, Numbers<4>> { numbers(0.0, 0.0, b.heat[0][k], b.heat[1][k]),
+						                                  { numbers(b.force[0][0][k], b.force[0][1][k], 0.0, 0.0),
+						                                    numbers(b.force[1][0][k], b.force[1][1][k], 0.0, 0.0) } };
+				else
+					return Share<3, Nothing, Numbers<4>> { {},
+						                               { numbers(b.force[0][0][k], b.force[0][1][k], b.force[0][2][k], 0.0),
+						                                 numbers(b.force[1][0][k], b.force[1][1][k], b.force[1][2][k], 0.0),
+						                                 numbers(b.force[2][0][k], b.force[2][1][k], b.force[2][2][k], 0.0) } };
+			});
 		}
 
 		template <int D> void mapMotion(const WeightBlock<D>& w, const typename NodeLoops<D>::MotionMap& a)
@@ -321,9 +360,9 @@ namespace HWY_NAMESPACE {
 
 		template <int D, int n> void mapRecords(const WeightBlock<D>& w, const double (&values)[n][blockSize], double* nodes)
 		{
-			const Offsets<D> at(w, n);
-			for (int k = 0; k < w.count; ++k)
-				scatter(w, k, at, baseOf(w, k, nodes, n), numbers(values, k));
+			constexpr int together = D == 2 ? n : HWY_MIN(n, 4);
+			for (int first = 0; first < n; first += together)
+				scatterBlock<Numbers<together>>(w, nodes + first, n, [&](int k) { return shareOf<D>(numbers<together>(values, k, first)); });
 		}
 
 		template <int D, int n> void gatherRecords(const WeightBlock<D>& w, const double* nodes, double (&sums)[n][blockSize])
@@ -342,6 +381,25 @@ namespace HWY_NAMESPACE {
 			const Offsets<D> at(w, 1);
 			for (int k = 0; k < w.count; ++k)
 				store(gather<Numbers<1>>(w, k, at, baseOf(w, k, nodes, 1)).value, sums + k);
+		}
+
+		void mapSurface(const WeightBlock<3>& w, const double* volume, const double* conductivity, double* nodes)
+		{
+			using Surface = NodeColumns<3>::Surface;
+			scatterBlock<Numbers<4>>(w, nodes, Surface::size, [&](int k) {
+				const double v = volume[w.first + k];
+				return Share<3, Numbers<4>, Numbers<4>> { numbers(0.0, 0.0, 0.0, v),
+					                                  { numbers(v, 0.0, 0.0, 0.0), numbers(0.0, v, 0.0, 0.0), numbers(0.0, 0.0, v, 0.0) } };
+			});
+			if (!conductivity) return;
+			scatterBlock<Numbers<1>>(w, nodes + Surface::conduction, Surface::size, [&](int k) {
+				return shareOf<3>(Numbers<1> { volume[w.first + k] * conductivity[w.first + k] });
+			});
+		}
+		/// The plane keeps the bits that it has always had.
+		void mapSurface(const WeightBlock<2>& w, const double* volume, const double* conductivity, double* nodes)
+		{
+			referenceLoops<2>().mapSurface(w, volume, conductivity, nodes);
 		}
 
 		/// Slopes of pressure and of temperature, and temperature itself, at the points of a block.
@@ -399,50 +457,52 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Adds heat and unseen to neighbouring columns.
-		template <int D> HWY_INLINE void scatterHeat(const WeightBlock<D>& w, int k, const Offsets<D>& at, double* base, const HeatOfBlock<D>& b)
+		template <int D> HWY_INLINE void scatterHeat(const WeightBlock<D>& w, double* nodes, int recordSize, const HeatOfBlock<D>& b)
 		{
-			Numbers<2> slopes[D];
-			for (int a = 0; a < D; ++a)
-				slopes[a] = numbers(b.flow[a][k], 0.0);
-			scatter<Numbers<2>>(w, k, at, base, numbers(b.produced[k], b.unseen[k]), slopes);
+			scatterBlock<Numbers<2>>(w, nodes, recordSize, [&](int k) {
+				Share<D, Numbers<2>, Numbers<2>> share { numbers(b.produced[k], b.unseen[k]), {} };
+				for (int a = 0; a < D; ++a)
+					share.slope[a] = numbers(b.flow[a][k], 0.0);
+				return share;
+			});
 		}
 
 		template <int D> void flowHeat(const WeightBlock<D>& w, const typename NodeLoops<D>::HeatFlow& h, const double* temperature, double* conducted)
 		{
 			using Conducted = typename NodeColumns<D>::Conducted;
-			const Offsets<D> at(w, Conducted::size);
-			Potentials<D>    g;
-			HeatOfBlock<D>   b;
+			Potentials<D>  g;
+			HeatOfBlock<D> b;
 			gatherTemperature(w, temperature, g);
 			findHeatFlow(w, h, g, b);
-			for (int k = 0; k < w.count; ++k)
-				scatterHeat(w, k, at, baseOf(w, k, conducted, Conducted::size), b);
+			scatterHeat(w, conducted, Conducted::size, b);
 		}
 
 		template <bool Heat, int D>
 		void flowBoth(const WeightBlock<D>& w, const typename NodeLoops<D>::HeatFlow& h, const double* volume, const double* driving, double* driven)
 		{
 			using Driven = typename NodeColumns<D>::Driven;
-			const Offsets<D> at(w, Driven::size);
-			Potentials<D>    g;
-			HeatOfBlock<D>   b;
+			Potentials<D>  g;
+			HeatOfBlock<D> b;
 			gatherPotentials<Heat>(w, driving, g);
 			for (int k = 0; k < w.count; ++k)
 				for (int a = 0; a < D; ++a)
 					g.pressureSlope[a][k] *= volume[w.first + k];
 			if (Heat) findHeatFlow(w, h, g, b);
-			for (int k = 0; k < w.count; ++k) {
-				double* base = baseOf(w, k, driven, Driven::size);
-				if constexpr (D == 3) {
-					scatter(w, k, at, base, numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], g.pressureSlope[2][k], 0.0));
-					if (Heat) scatterHeat(w, k, at, base + Driven::heat, b);
-				} else if constexpr (Heat) {
-					// one record has room for both
-					const Numbers<4> slopes[2] = { numbers(0.0, 0.0, b.flow[0][k], 0.0), numbers(0.0, 0.0, b.flow[1][k], 0.0) };
-					scatter<Numbers<4>>(
-					        w, k, at, base, numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], b.produced[k], b.unseen[k]), slopes);
-				} else scatter(w, k, at, base, numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], 0.0, 0.0));
+			if constexpr (Heat && D == 2) {
+				// one record has room for both
+				scatterBlock<Numbers<4>>(w, driven, Driven::size, [&](int k) {
+					return Share<2, Numbers<4>, Numbers<4>> {
+						numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], b.produced[k], b.unseen[k]),
+						{ numbers(0.0, 0.0, b.flow[0][k], 0.0), numbers(0.0, 0.0, b.flow[1][k], 0.0) }
+					};
+				});
+				return;
 			}
+			scatterBlock<Numbers<4>>(w, driven, Driven::size, [&](int k) {
+				if constexpr (D == 2) return shareOf<2>(numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], 0.0, 0.0));
+				else return shareOf<3>(numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], g.pressureSlope[2][k], 0.0));
+			});
+			if constexpr (Heat) scatterHeat(w, driven + Driven::heat, Driven::size, b);
 		}
 
 		template <int D> void flowPressure(const WeightBlock<D>& w, const double* volume, const double* driving, double* driven)
@@ -459,8 +519,7 @@ namespace HWY_NAMESPACE {
 		{
 			using Flux     = typename NodeColumns<D>::Flux;
 			using Gathered = typename NodeColumns<D>::Gathered;
-			const Offsets<D> from(w, Flux::size), to(w, Gathered::size);
-			double           q[Flux::size][blockSize], heat[blockSize];
+			double q[Flux::size][blockSize], heat[blockSize];
 			gatherRecords<D, Flux::size>(w, s.flux, q);
 			for (int k = 0; k < w.count; ++k) {
 				const double scale = s.massPerFlux * s.volume[w.first + k];
@@ -468,21 +527,20 @@ namespace HWY_NAMESPACE {
 					q[a][k] *= scale;
 				heat[k] = s.temperature ? s.specificHeat * s.temperature[w.first + k] + s.enthalpyAtZero : 0.0;
 			}
-			for (int k = 0; k < w.count; ++k) {
-				const int p    = w.first + k;
-				double*   base = baseOf(w, k, s.exchange, Gathered::size);
-				// mass, enthalpy and the first two components of momentum
-				const Numbers<4> carried = numbers(1.0, heat[k], s.velocity[0][p], s.velocity[1][p]);
-				Numbers<4>       flow[D];
+			// mass, enthalpy and the first two components of momentum
+			scatterBlock<Numbers<4>>(w, s.exchange, Gathered::size, [&](int k) {
+				const int                     p       = w.first + k;
+				const Numbers<4>              carried = numbers(1.0, heat[k], s.velocity[0][p], s.velocity[1][p]);
+				Share<D, Nothing, Numbers<4>> share;
 				for (int a = 0; a < D; ++a)
-					flow[a] = scaled(carried, q[a][k]);
-				scatter<Numbers<4>>(w, k, to, base, Nothing(), flow);
-				if constexpr (D == 3) {
-					const double     v       = s.velocity[2][p];
-					const Numbers<1> last[3] = { { q[0][k] * v }, { q[1][k] * v }, { q[2][k] * v } };
-					scatter<Numbers<1>>(w, k, to, base + Gathered::momentum + 2, Nothing(), last);
-				}
-			}
+					share.slope[a] = scaled(carried, q[a][k]);
+				return share;
+			});
+			if constexpr (D == 3)
+				scatterBlock<Numbers<1>>(w, s.exchange + Gathered::momentum + 2, Gathered::size, [&](int k) {
+					const double v = s.velocity[2][w.first + k];
+					return Share<3, Nothing, Numbers<1>> { {}, { { q[0][k] * v }, { q[1][k] * v }, { q[2][k] * v } } };
+				});
 		}
 
 	} // namespace
@@ -499,6 +557,7 @@ namespace HWY_NAMESPACE {
 			                          &mapRecords<D, 2>,
 			                          &gatherRecords<D, Columns::Gathered::size>,
 			                          &gatherNumber<D>,
+			                          &mapSurface,
 			                          &flowHeat<D>,
 			                          &flowPressure<D>,
 			                          &flowHeatAndPressure<D>,
