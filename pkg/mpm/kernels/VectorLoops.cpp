@@ -17,12 +17,11 @@ namespace HWY_NAMESPACE {
 
 		namespace hn = hwy::HWY_NAMESPACE;
 
-		/// n neighbouring numbers of a record, 1, 2 or a multiple of 4, in vectors of four where the processor has them: longer ones gain nothing on
-		/// processors that have one unit for them.
+		/// n neighbouring numbers of a record, 1, 2, 4 or 8, in the longest vectors that they fill.
 		template <int n> struct Numbers {
-			using Tag                  = hn::CappedTag<double, HWY_MIN(n, 4)>;
-			static constexpr int lanes = HWY_MIN(HWY_LANES(double), HWY_MIN(n, 4)), parts = n / lanes;
-			hn::Vec<Tag>         part[parts];
+			static constexpr int lanes = HWY_MIN(HWY_LANES(double), n), parts = n / lanes;
+			using Tag = hn::CappedTag<double, lanes>;
+			hn::Vec<Tag> part[parts];
 		};
 
 		template <> struct Numbers<1> {
@@ -94,12 +93,18 @@ namespace HWY_NAMESPACE {
 		HWY_INLINE Numbers<8> numbers(const Numbers<4>& low, const Numbers<4>& high)
 		{
 			Numbers<8> q;
+#if HWY_TARGET != HWY_SCALAR && HWY_MAX_BYTES >= 64
+			q.part[0] = hn::Combine(Numbers<8>::Tag(), high.part[0], low.part[0]);
+#else
 			for (int i = 0; i < low.parts; ++i) {
 				q.part[i]             = low.part[i];
 				q.part[low.parts + i] = high.part[i];
 			}
+#endif
 			return q;
 		}
+		/// Numbers that a run of points adds to at once: more would not stay in registers.
+		constexpr int mostTogether = HWY_MAX(4, HWY_LANES(double));
 		/// n numbers of point k from number first of values on.
 		template <int n, int size> HWY_INLINE Numbers<n> numbers(const double (&values)[size][blockSize], int k, int first = 0)
 		{
@@ -360,9 +365,11 @@ namespace HWY_NAMESPACE {
 
 		template <int D, int n> void mapRecords(const WeightBlock<D>& w, const double (&values)[n][blockSize], double* nodes)
 		{
-			constexpr int together = D == 2 ? n : HWY_MIN(n, 4);
-			for (int first = 0; first < n; first += together)
+			constexpr int together = D == 2 ? n : HWY_MIN(n, mostTogether), rest = n % together;
+			for (int first = 0; first + together <= n; first += together)
 				scatterBlock<Numbers<together>>(w, nodes + first, n, [&](int k) { return shareOf<D>(numbers<together>(values, k, first)); });
+			if constexpr (rest > 0)
+				scatterBlock<Numbers<rest>>(w, nodes + n - rest, n, [&](int k) { return shareOf<D>(numbers<rest>(values, k, n - rest)); });
 		}
 
 		template <int D, int n> void gatherRecords(const WeightBlock<D>& w, const double* nodes, double (&sums)[n][blockSize])
@@ -515,6 +522,19 @@ namespace HWY_NAMESPACE {
 			flowBoth<true>(w, h, h.volume, driving, driven);
 		}
 
+		/// Adds sum_a dS/dx_a q[a] times what the water of point k carries, carriedBy(k), to n numbers of records Gathered.
+		template <int n, int D, int size, class CarriedBy>
+		HWY_INLINE void scatterFlow(const WeightBlock<D>& w, double* nodes, const double (&q)[size][blockSize], CarriedBy&& carriedBy)
+		{
+			scatterBlock<Numbers<n>>(w, nodes, NodeColumns<D>::Gathered::size, [&](int k) {
+				const Numbers<n>              carried = carriedBy(k);
+				Share<D, Nothing, Numbers<n>> share;
+				for (int a = 0; a < D; ++a)
+					share.slope[a] = scaled(carried, q[a][k]);
+				return share;
+			});
+		}
+
 		template <int D> void seep(const WeightBlock<D>& w, const typename NodeLoops<D>::Seepage& s)
 		{
 			using Flux     = typename NodeColumns<D>::Flux;
@@ -528,19 +548,15 @@ namespace HWY_NAMESPACE {
 				heat[k] = s.temperature ? s.specificHeat * s.temperature[w.first + k] + s.enthalpyAtZero : 0.0;
 			}
 			// mass, enthalpy and the first two components of momentum
-			scatterBlock<Numbers<4>>(w, s.exchange, Gathered::size, [&](int k) {
-				const int                     p       = w.first + k;
-				const Numbers<4>              carried = numbers(1.0, heat[k], s.velocity[0][p], s.velocity[1][p]);
-				Share<D, Nothing, Numbers<4>> share;
-				for (int a = 0; a < D; ++a)
-					share.slope[a] = scaled(carried, q[a][k]);
-				return share;
-			});
-			if constexpr (D == 3)
-				scatterBlock<Numbers<1>>(w, s.exchange + Gathered::momentum + 2, Gathered::size, [&](int k) {
-					const double v = s.velocity[2][w.first + k];
-					return Share<3, Nothing, Numbers<1>> { {}, { { q[0][k] * v }, { q[1][k] * v }, { q[2][k] * v } } };
-				});
+			const auto first = [&](int k) { return numbers(1.0, heat[k], s.velocity[0][w.first + k], s.velocity[1][w.first + k]); };
+			if constexpr (D == 3 && mostTogether == 8) {
+				scatterFlow<8>(w, s.exchange, q, [&](int k) { return numbers(first(k), numbers(s.velocity[2][w.first + k], 0.0, 0.0, 0.0)); });
+			} else {
+				scatterFlow<4>(w, s.exchange, q, first);
+				if constexpr (D == 3)
+					scatterFlow<1>(
+					        w, s.exchange + Gathered::momentum + 2, q, [&](int k) { return Numbers<1> { s.velocity[2][w.first + k] }; });
+			}
 		}
 
 	} // namespace
