@@ -75,7 +75,7 @@ namespace {
 			yielding[k] = (cone > cut ? cone : cut) <= 0.0 ? 0 : 1;
 		}
 	}
-	/// The cone through the inner edges of that of Mohr and Coulomb. No principal stress passes the tensile strength t where t 1 - sigma
+	/// Eq. (23.3): the cone through the inner edges of that of Mohr and Coulomb. No principal stress passes the tensile strength t where t 1 - sigma
 	/// has no negative principal minor.
 	TALIK_PROCESSOR_VERSIONS void findYielding(
 	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 6>& stress, int count,
