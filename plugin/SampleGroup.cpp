@@ -26,7 +26,7 @@ namespace {
 			options.minSteps          = sample.minSteps;
 			for (std::size_t k = 0; k < copies; k++)
 				requests.push_back({ k, PackedTypes<Dim>::Matrix::Zero(), sample.iceSaturation() });
-			results.resize(copies);
+			stresses.resize(copies, PackedTypes<Dim>::Matrix::Zero());
 		}
 
 		/// Every copy is asked once, all in turn; returns the DEM steps done.
@@ -36,25 +36,27 @@ namespace {
 			options.tangent = tangent;
 			for (auto& request : requests)
 				request.displacementGradient = displacementGradient.template topLeftCorner<Dim, Dim>();
+			std::vector<PackedUpdateResult<Dim>> results;
 			Py_BEGIN_ALLOW_THREADS;
 			results = pool.update(requests, options, threads);
 			Py_END_ALLOW_THREADS;
 			long done = 0;
-			for (const auto& result : results) {
-				if (result.blewUp) throw std::runtime_error("SampleGroup.apply: a sample blew up: " + result.reason);
-				done += result.steps;
+			for (std::size_t k = 0; k < results.size(); ++k) {
+				if (results[k].blewUp) throw std::runtime_error("SampleGroup.apply: a sample blew up: " + results[k].reason);
+				stresses[k] = results[k].stress;
+				done += results[k].steps;
 			}
 			return done;
 		}
 
-		std::vector<double>    stress(std::size_t sample) const { return components<Dim>(results.at(sample).stress); }
+		std::vector<double>    stress(std::size_t sample) const { return components<Dim>(stresses.at(sample)); }
 		const SamplePool<Dim>& samples() const { return pool; }
 
 	private:
-		SamplePool<Dim>                      pool;
-		PackedUpdateOptions                  options;
-		std::vector<PackedRequest<Dim>>      requests;
-		std::vector<PackedUpdateResult<Dim>> results;
+		SamplePool<Dim>                                pool;
+		PackedUpdateOptions                            options;
+		std::vector<PackedRequest<Dim>>                requests;
+		std::vector<typename PackedTypes<Dim>::Matrix> stresses; ///< of the last call [Pa]
 	};
 
 	/// Such a group of discs or of spheres.

@@ -81,8 +81,10 @@ namespace HWY_NAMESPACE {
 	}
 	template <class Number> HWY_INLINE InSpace<Number> limitedShear(const InSpace<Number>& trial, Number limit)
 	{
-		const Number norm = Sqrt(dot(trial, trial));
-		return scaled(trial, IfThenElse(Lt(limit, norm), Div(limit, norm), oneLike(norm)));
+		const Number square = dot(trial, trial);
+		const auto   beyond = Lt(Mul(limit, limit), square);
+		if (!holdsSomewhere(square, beyond)) return trial;
+		return scaled(trial, IfThenElse(beyond, Div(limit, Sqrt(square)), oneLike(square)));
 	}
 	template <class Number> HWY_INLINE InSpace<Number> slidIce(const InSpace<Number>& iceShear, const InSpace<Number>& shear, const InSpace<Number>& trial)
 	{

@@ -77,6 +77,7 @@ Real RveSample::thawedStrength() const
 {
 	return withState([](const auto& s) { return s.ice.thawedStrength; });
 }
+Real   RveSample::thickness() const { return packed<2>().thickness; }
 string RveSample::path() const
 {
 	return withState([](const auto& s) { return string(SampleOf<decltype(s)>(s).path()); });

@@ -36,6 +36,7 @@ public:
 	void                    setThawStrain(Real);
 	Real                    thawedStrength() const;
 	void                    setThawedStrength(Real);
+	Real                    thickness() const;
 	Matrix3r                deformation() const;
 	::boost::python::object stateBytes() const;
 	string                  path() const;
@@ -102,6 +103,8 @@ public:
 				"scene opened from it keeps the radii of that moment.")
 		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice "
 				"has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.calibrate.thawedStrength finds the one that gives a cohesion.")
+		.add_property("thickness",&RveSample::thickness,"Of discs: thickness of the slice of ground that carries their forces [m], by which stress is divided; "
+				"set in talik.rve.prepare, or by O.tags['thickness'] of the scene that is packed. ValueError for spheres.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
 		.add_property("path",&RveSample::path,"What the steps of samples run on here: the vectors in use as the library Highway names them, such as AVX2, AVX3 "
 				"(AVX-512) or NEON, or portable.")

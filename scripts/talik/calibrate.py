@@ -175,7 +175,11 @@ class NormalStressControl:
 
 	pressure   to be held [Pa], compression positive
 	perCall    strain of a call across; the control gives three times as much at most
-	stiffness  order of magnitude of that of the sample [Pa]"""
+	stiffness  order of magnitude of that of the sample [Pa]
+
+	>>> control = talik.calibrate.NormalStressControl(pressure=10e3, perCall=2e-5, stiffness=3e7)
+	>>> control.strain(-9e3) < 0
+	True"""
 
 	def __init__(self, pressure, perCall, stiffness):
 		self.pressure, self.limit, self.stiffness, self.integral = pressure, 3 * perCall, stiffness, 0.0

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Periodic packings of discs or spheres in YADE's current scene: making them, bringing them to a stress, measuring them.
 
-A disc is a YADE sphere in one layer with z and the rotations about x and y blocked; its mass is that of a disc of the cell's
-thickness, rho pi r^2 t_z, its moment of inertia m r^2/2. A sphere is free to move. Every function works on the scene that is current in `O`; `talik.rve`
+A disc is a YADE sphere in one layer with z and the rotations about x and y blocked; its mass is that of a disc as deep as the cell,
+rho pi r^2 t_z, its moment of inertia m r^2/2. Stress of discs is force over length and thickness, which is the depth of the cell unless
+O.tags["thickness"] [m] gives another. A sphere is free to move. Every function works on the scene that is current in `O`; `talik.rve`
 calls them inside a scene of its own. Stresses are in Pa, tension positive.
 """
 
@@ -46,7 +47,7 @@ class Grains:
 	number: int
 	radiusMin: float
 	radiusMax: float
-	thickness: float
+	thickness: float  # of the slice that carries the forces of discs: stress is divided by it
 	young: float
 	stiffnessRatio: float
 	density: float
@@ -54,15 +55,21 @@ class Grains:
 	ice: bool
 	iceBond: tuple  # (name, value) pairs for IceBondMat
 	dimension: int = 2  # 2: discs, 3: spheres, to which thickness means nothing
+	depth: float = None  # of the cell of discs and of their masses; None: the thickness
 
 	@property
 	def radiusMean(self):
 		return 0.5 * (self.radiusMin + self.radiusMax)
 
 	@property
+	def cellDepth(self):
+		"""t_z, size of cell and discs along z [m]."""
+		return self.thickness if self.depth is None else self.depth
+
+	@property
 	def timeStep(self):
 		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z, of spheres rho 4/3 pi r^3."""
-		length = self.thickness if self.dimension == 2 else 4 / 3 * self.radiusMin
+		length = self.cellDepth if self.dimension == 2 else 4 / 3 * self.radiusMin
 		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young)
 
 	@property
@@ -167,8 +174,24 @@ def stress():
 
 	>>> with talik.inspect(packed.open()):
 	...     xx, yy, xy = talik.packing.stress()"""
-	s = utils.getStress()
-	return np.array([0.5 * (s[i, j] + s[j, i]) for i, j in _pairs[dimension()]])
+	s, d = utils.getStress(), dimension()
+	return np.array([0.5 * (s[i, j] + s[j, i]) for i, j in _pairs[d]]) * (O.cell.hSize[2, 2] / thickness() if d == 2 else 1)
+
+
+def thickness():
+	"""Thickness [m] of the slice that carries the forces of the current scene's discs: O.tags["thickness"], or the depth of the cell.
+
+	>>> with talik.inspect(packed.open()):
+	...     thickness = talik.packing.thickness()"""
+	if "thickness" not in O.tags.keys():
+		return float(O.cell.hSize[2, 2])
+	try:
+		value = float(O.tags["thickness"])
+	except ValueError:
+		value = math.nan
+	if not 0 < value < math.inf:
+		raise ValueError(f'O.tags["thickness"] is {O.tags["thickness"]!r}; it must be the thickness of the discs in m, a number greater than 0')
+	return value
 
 
 def contactNormals():
@@ -250,7 +273,9 @@ def fillCloud(grains, friction, seed):
 	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)"""
 	side = (grains.number * grains.meanSolid / cloudDensity[grains.dimension]) ** (1 / grains.dimension)
 	O.periodic = True
-	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, grains.thickness if grains.dimension == 2 else side)
+	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, grains.cellDepth if grains.dimension == 2 else side)
+	if grains.depth is not None:
+		O.tags["thickness"] = repr(grains.thickness)
 	O.materials.append(grains.material(friction))
 	for centre, radius in _cloud(grains, side, seed):
 		O.bodies.append(_grain(centre, radius, grains))
@@ -265,7 +290,7 @@ def fillPair(grains):
 	>>> with talik.scratchScene():
 	...     talik.packing.fillPair(grains)"""
 	radius = grains.radiusMean
-	depth = grains.thickness if grains.dimension == 2 else 10 * radius
+	depth = grains.cellDepth if grains.dimension == 2 else 10 * radius
 	middle = 0.5 * depth
 	O.periodic = True
 	O.cell.hSize = Matrix3(10 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, depth)
@@ -277,7 +302,7 @@ def fillPair(grains):
 
 
 def _cloud(grains, side, seed):
-	low, high = (0, side) if grains.dimension == 3 else (0.5 * grains.thickness, 0.5 * grains.thickness)
+	low, high = (0, side) if grains.dimension == 3 else (0.5 * grains.cellDepth, 0.5 * grains.cellDepth)
 	spheres = pack.SpherePack()
 	fuzz = (grains.radiusMax - grains.radiusMin) / (grains.radiusMax + grains.radiusMin)
 	yadeLog.setLevel("SpherePack", 1)  # it warns that the cloud is flat, which is what we want
@@ -294,7 +319,7 @@ def _grain(centre, radius, grains):
 	body = utils.sphere(centre, radius, material="grain")
 	if grains.dimension == 3:
 		return body
-	body.state.mass = grains.density * math.pi * radius**2 * grains.thickness
+	body.state.mass = grains.density * math.pi * radius**2 * grains.cellDepth
 	body.state.inertia = 0.5 * body.state.mass * radius**2 * Vector3(1, 1, 1)
 	body.state.blockedDOFs = "zXY"
 	return body
@@ -308,8 +333,9 @@ def compact(grains, pressure, maxSteps=400_000):
 	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)
 	...     talik.packing.compact(grains, pressure=100e3)"""
 	d, rate = grains.dimension, compactionRate[grains.dimension]
+	inYade = pressure if grains.depth is None else pressure * grains.thickness / grains.depth  # YADE divides by the depth of the cell
 	triax = wrapper.PeriTriaxController(
-		goal=(-pressure, -pressure, -pressure if d == 3 else 0),
+		goal=(-inYade, -inYade, -inYade if d == 3 else 0),
 		stressMask=7 if d == 3 else 3,
 		dynCell=True,
 		maxStrainRate=(rate, rate, rate if d == 3 else 0),

@@ -52,7 +52,7 @@ class Sample:
 	path: str  # the YADE scene file
 	parameters: dict  # everything it was made from
 	grains: int
-	thickness: float  # size of the cell along z [m]; of discs t_z, their thickness
+	thickness: float  # of discs: of the slice that carries their forces, of spheres: size of the cell along z [m]
 	size: tuple  # lengths of the cell vectors [m], of discs those in the plane
 	porosity: float  # of discs two-dimensional
 	stress: tuple  # (xx, yy, xy) [Pa], of spheres (xx, yy, zz, yz, xz, xy), tension positive
@@ -110,8 +110,10 @@ def prepare(
 	pressure        [Pa], > 0, compression positive
 	porosity        of discs two-dimensional, met to 0.005 by the friction used during compaction; default 0.18 for discs (friction about
 					0.2), 0.39 for spheres
-	thickness       t_z, out-of-plane size of cell and discs [m], default 0.1, larger than 2.1 times two largest radii and a
-					smallest one, which YADE wants; stiffness and strength go with 1/t_z. Spheres have none
+	thickness       of the slice of ground that carries the forces of the discs [m], from the smallest radius to 1 m, default 0.1; stress is
+					divided by it, so stiffness and strength go with its inverse. One mean diameter is that of a single layer of
+					grains. Kept in the file, as O.tags["thickness"] where the cell is deeper: YADE's collider wants a cell of more than
+					2.1 times two largest radii and a smallest one. Spheres have none
 	seed            of the random positions; the next seeds are tried where fabric or porosity miss their tolerance
 	young           contact modulus E_c0 without ice [Pa]
 	stiffnessRatio  k_s/k_n (YADE's "poisson")
@@ -382,7 +384,7 @@ def _measured(path, parameters):
 		path=path,
 		parameters=parameters,
 		grains=number,
-		thickness=float(h[2, 2]),
+		thickness=packing.thickness() if packing.dimension() == 2 else float(h[2, 2]),
 		size=tuple(float(length) for length in np.linalg.norm(cell, axis=0)),
 		porosity=float(packing.porosity()),
 		stress=tuple(float(component) for component in packing.stress()),
@@ -424,6 +426,8 @@ def _valuesOf(material):
 	values = dataclasses.asdict(material)
 	if values["dimension"] == 2:
 		del values["dimension"]
+	if values["depth"] is None:
+		del values["depth"]
 	return values
 
 
@@ -434,13 +438,9 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 	except (TypeError, ValueError):
 		raise ValueError(f"radius is {radius!r}; it must be a pair (smallest, largest) in m") from None
 	_require("radius", radius, 0 < smallest <= largest < math.inf, "a pair (smallest, largest) in m with 0 < smallest <= largest")
+	if dimension == 2:
+		_require("thickness", thickness, smallest <= thickness <= 1, f"between the smallest radius, {smallest:g} m, and 1 m")
 	thinnest = yadesCell * (2 * largest + smallest)  # a disc with the collider's margin, half a smallest radius on either side
-	_require(
-		"thickness",
-		thickness,
-		dimension == 3 or thinnest < thickness < math.inf,
-		f"in m and more than {thinnest:g} m, which YADE's collider wants for these radii",
-	)
 	for name, value in (("young", young), ("stiffnessRatio", stiffnessRatio), ("density", density)):
 		_require(name, value, 0 < value < math.inf, "greater than 0 and finite")
 	_require("damping", damping, 0 < damping < 1, "between 0 and 1")
@@ -460,6 +460,7 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 		ice=withIce,
 		iceBond=tuple(sorted(iceBond.items())),
 		dimension=dimension,
+		depth=None if dimension == 3 or thickness > thinnest else max(0.1, 1.05 * thinnest),
 	)
 
 

@@ -217,6 +217,28 @@ TEST(PackedSample, bothPathsAgreeThroughBreakage)
 	EXPECT_LT(difference, 1e-7);
 }
 
+// indices are parked in as many bits as the number of grains needs
+TEST(PackedSample, parkedContactsComeBackWhateverTheNumberOfGrains)
+{
+	for (const std::size_t grains : { 200u, 256u, 257u, 700u, 4000u, 5000u, 65000u }) {
+		State s  = frozen(0.2);
+		s.grains = std::make_shared<PackedGrains>(PackedGrains { std::vector<double>(grains, 1), std::vector<double>(grains, 1),
+		                                                         std::vector<double>(grains, 1), std::vector<std::int32_t>(grains, 0) });
+		s.position.resize(grains, State::Vector::Zero());
+		s.velocity.resize(grains, State::Vector::Zero());
+		s.angularVelocity.resize(grains, 0);
+		s.orientation.resize(grains, 0);
+		for (std::size_t k = 0; k < s.contacts.size(); ++k) {
+			s.contacts.second[k] = std::uint16_t(grains - 1 - k % 3);
+			s.contacts.first[k]  = std::uint16_t(k * 7919 % (grains - 4));
+		}
+		State back;
+		ParkedSample<2>(s).unpark(back);
+		EXPECT_TRUE(s.toBytes() == back.toBytes()) << grains << " grains";
+	}
+	std::printf("contacts of 200 to 65000 grains, parked and taken back: the same bytes\n");
+}
+
 TEST(PackedSample, parkedFormIsSmall)
 {
 	// the reference has 200 grains; the figures are for 400

@@ -175,8 +175,7 @@ def test_scenes_that_cannot_serve_are_refused_with_the_reason(tmp_path):
 		(dict(pressure=-1e5), "pressure"),
 		(dict(pressure=float("nan")), "pressure"),
 		(dict(porosity=0.4), "porosity"),
-		(dict(thickness=0.01), "thickness"),
-		(dict(thickness=0.035), "thickness"),  # YADE's collider wants 0.0357 m
+		(dict(thickness=0.002), "thickness"),  # the smallest radius is 0.003 m
 		(dict(young=0), "young"),
 		(dict(friction=-0.1), "friction"),
 		(dict(seed=-1), "seed"),

@@ -75,13 +75,13 @@ namespace {
 
 	double volumeOf(const Cell& cell) { return std::abs(cell.hSize.determinant()); }
 
-	Matrix3r loveWeber(const Scene& scene)
+	Matrix3r loveWeber(const Scene& scene, double volume)
 	{
 		Matrix3r sum = Matrix3r::Zero();
 		forContacts(scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
 			sum -= forceOf(contact) * branch.transpose();
 		});
-		return sum / volumeOf(*scene.cell);
+		return sum / volume;
 	}
 
 	Matrix3r symmetric(const Matrix3r& m) { return 0.5 * (m + m.transpose()); }
@@ -194,7 +194,7 @@ void OpenSample::adopt(shared_ptr<Scene> adopted)
 	forbidRedirection(*scene);
 	scene->dt = timeStepForIce(*scene);
 	measureGrains();
-	meanStress = loveWeber(*scene);
+	meanStress = loveWeber(*scene, stressVolume());
 }
 
 void OpenSample::measureGrains()
@@ -216,7 +216,11 @@ void OpenSample::measureGrains()
 	averageRadius /= double(spheres);
 	density /= double(spheres);
 	iceMaterials.assign(withIce.begin(), withIce.end());
+	thicknessOverDepth = discs ? thicknessOf(*scene) / std::abs(scene->cell->hSize(2, 2)) : 1;
+	density /= thicknessOverDepth;
 }
+
+double OpenSample::stressVolume() const { return volumeOf(*scene->cell) * thicknessOverDepth; }
 
 void OpenSample::setBondCounts(const std::array<std::uint64_t, 2>& counts)
 {
@@ -280,7 +284,7 @@ void OpenSample::run(long steps, long averaged)
 	const long first = steps - std::max(1l, std::min(averaged, steps));
 	for (long k = 0; k < steps; k++) {
 		scene->moveToNextTimeStep();
-		if (k >= first) sum += loveWeber(*scene);
+		if (k >= first) sum += loveWeber(*scene, stressVolume());
 	}
 	if (steps > 0) meanStress = sum / double(steps - first);
 	scene->speed = 0; // steps per second by the clock on the wall, which YADE archives: the same run is to give the same bytes
@@ -416,7 +420,7 @@ Matrix3r OpenSample::stress() const { return symmetric(meanStress); }
 PackedTangent<3> OpenSample::tangent() const
 {
 	PackedTangent<3> result {};
-	const double     volume = volumeOf(*scene->cell);
+	const double     volume = stressVolume();
 	forContacts(*scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
 		const auto*    normal = dynamic_cast<const NormPhys*>(contact.phys.get());
 		const auto*    shear  = dynamic_cast<const NormShearPhys*>(contact.phys.get());
@@ -487,7 +491,7 @@ StiffnessBound OpenSample::stiffnessBound() const
 	if (hasIce()) bound.ice = iceMaterials.front()->model();
 	const auto   contacts = tangent();
 	const double stiffest = std::max({ contacts[0], contacts[40], contacts[80] }), present = hasIce() ? bound.ice.young(iceSaturation()) : bound.young;
-	bound.scale = discs ? averageRadius / std::abs(scene->cell->hSize(2, 2)) : 1;
+	bound.scale = discs ? averageRadius / (thicknessOverDepth * std::abs(scene->cell->hSize(2, 2))) : 1;
 	if (present > 0) bound.network = stiffest / present;
 	else bound.young = stiffest; // a material without modulus: the contacts are all there is
 	return bound;

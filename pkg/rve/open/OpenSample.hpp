@@ -88,6 +88,8 @@ public:
 private:
 	void adopt(boost::shared_ptr<yade::Scene>);
 	void measureGrains();
+	/// Volume that stress is a mean over: of discs area times thickness [m^3].
+	double stressVolume() const;
 
 	friend class SampleUpdate<OpenSample>;
 	using Matrix                          = Eigen::Matrix3d;
@@ -110,8 +112,9 @@ private:
 	boost::shared_ptr<yade::Scene> scene;
 	std::vector<yade::IceBondMat*> iceMaterials;
 	bool                           discs         = false;
-	double                         averageRadius = 0, density = 0;
-	Eigen::Matrix3d                meanStress = Eigen::Matrix3d::Zero(); ///< of the last steps that were run, not symmetrised [Pa]
+	double                         averageRadius = 0, density = 0;               ///< density of discs: mass over their area and the thickness
+	double                         thicknessOverDepth = 1;                       ///< of discs: thickness over depth of the cell [-]
+	Eigen::Matrix3d                meanStress         = Eigen::Matrix3d::Zero(); ///< of the last steps that were run, not symmetrised [Pa]
 	std::uint64_t                  formed = 0, melted = 0;
 	std::string                    kept;
 	std::array<std::uint64_t, 2>   keptCounts {};

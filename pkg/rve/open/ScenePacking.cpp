@@ -9,6 +9,7 @@
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 
+#include <algorithm>
 #include <boost/archive/codecvt_null.hpp>
 #include <boost/archive/xml_iarchive.hpp>
 #include <boost/math/special_functions/nonfinite_num_facets.hpp>
@@ -324,7 +325,7 @@ namespace {
 		state.velGrad     = part<Dim>(cell.velGrad);
 		state.nextVelGrad = part<Dim>(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
 		state.trsf        = part<Dim>(cell.trsf);
-		if (Dim == 2) state.thickness = std::abs(cell.hSize(2, 2));
+		if (Dim == 2) state.thickness = thicknessOf(scene);
 	}
 
 	template <int Dim> void packParameters(const Scene& scene, PackedState<Dim>& state)
@@ -337,7 +338,7 @@ namespace {
 		const auto& material    = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
 		state.friction          = std::tan(material.frictionAngle);
 		state.stiffnessRatio    = material.poisson;
-		state.density           = material.density;
+		state.density           = Dim == 2 ? material.density * (std::abs(scene.cell->hSize(2, 2)) / state.thickness) : material.density;
 		state.ice               = IceBondModel::none();
 		if (isIceBondScene(scene)) {
 			const auto& ice                    = static_cast<const IceBondMat&>(material);
@@ -587,6 +588,32 @@ template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedSt
 
 template PackedState<2> packScene<2>(const Scene&, const PackedState<2>*);
 template PackedState<3> packScene<3>(const Scene&, const PackedState<3>*);
+
+namespace {
+	const std::string thicknessTag = "thickness=";
+
+	const std::string* findThickness(const Scene& scene)
+	{
+		const auto has = [](const std::string& tag) { return tag.compare(0, thicknessTag.size(), thicknessTag) == 0; };
+		const auto tag = std::find_if(scene.tags.begin(), scene.tags.end(), has);
+		return tag == scene.tags.end() ? nullptr : &*tag;
+	}
+} // namespace
+
+double thicknessOf(const Scene& scene)
+{
+	const std::string* tag = findThickness(scene);
+	if (!tag) return std::abs(scene.cell->hSize(2, 2));
+	std::istringstream stream(tag->substr(thicknessTag.size()));
+	double             thickness = 0;
+	stream.imbue(std::locale::classic());
+	stream >> thickness;
+	if (stream.fail() || !stream.eof() || !(thickness > 0) || !std::isfinite(thickness))
+		throw std::invalid_argument(
+		        "O.tags[\"thickness\"] is '" + tag->substr(thicknessTag.size())
+		        + "'; it must be the thickness of the discs in m, a number greater than 0");
+	return thickness;
+}
 
 template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 {

@@ -11,6 +11,10 @@ std::string reasonAgainstPacking(const yade::Scene& scene);
 /// 2 for a scene of discs, that is of bodies that lie in one layer or are held there, 3 for one of spheres.
 int packedDimension(const yade::Scene& scene);
 
+/// Thickness of the slice that carries the forces of a scene of discs [m]: O.tags["thickness"], or the depth of the cell. Stress is divided by
+/// it. Throws std::invalid_argument if the tag is no positive number.
+double thicknessOf(const yade::Scene& scene);
+
 /// Time step [s] with which a scene stays stable when full ice saturation stiffens its contacts: that of the scene, lowered where it is
 /// too long. A scene that has it keeps it.
 double timeStepForIce(const yade::Scene& scene);

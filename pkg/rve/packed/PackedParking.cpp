@@ -8,10 +8,23 @@ namespace talik {
 namespace {
 
 	/// Blocks come in few sizes, so that the block one sample leaves fits the next.
-	constexpr std::size_t blockStep = 512;
+	constexpr std::size_t blockStep = 1024;
+
+	constexpr unsigned bondBits = 4;
+	static_assert((PackedContacts<2>::iceSpringUncut | 3) < 1 << bondBits, "every bond fits");
+
+	/// Bits of an index that its low byte does not hold: 0, 1, 2, 4 or 8, so that a whole number of them fills a byte.
+	unsigned highBits(std::size_t largest)
+	{
+		unsigned bits = largest > 0xff ? 1 : 0;
+		while (bits > 0 && bits < 8 && (largest >> 8 >> bits) != 0)
+			bits *= 2;
+		return bits;
+	}
 
 	struct Measure {
 		std::size_t             bytes = 0;
+		template <class T> void bitsOf(const std::vector<T>&, std::size_t number, unsigned bits, unsigned) { bytes += (number * bits + 7) / 8; }
 		template <class T> void array(const std::vector<T>&, std::size_t to, std::size_t from = 0) { bytes += (to - from) * sizeof(T); }
 		void                    sparse(const std::vector<double>&, std::size_t, std::size_t others) { bytes += others * (sizeof(double) + 4); }
 	};
@@ -40,6 +53,19 @@ namespace {
 				value(items[k]);
 			}
 		}
+		/// Of each number the `bits` bits from `shift` on; 8 is a multiple of `bits`.
+		template <class T> void bitsOf(const std::vector<T>& items, std::size_t number, unsigned bits, unsigned shift)
+		{
+			if (bits == 0) return;
+			const std::size_t each = 8 / bits;
+			const unsigned    mask = (1u << bits) - 1;
+			for (std::size_t k = 0; k < number; k += each) {
+				unsigned byte = 0;
+				for (std::size_t j = 0; j < std::min(each, number - k); ++j)
+					byte |= ((items[k + j] >> shift) & mask) << (j * bits);
+				value(static_cast<unsigned char>(byte));
+			}
+		}
 		template <class T> void array(const std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
 			if (to == from) return;
@@ -63,6 +89,16 @@ namespace {
 				value(place);
 				value(items[place]);
 			}
+		}
+		template <class T> void bitsOf(std::vector<T>& items, std::size_t number, unsigned bits, unsigned shift)
+		{
+			if (shift == 0) items.assign(number, 0);
+			if (bits == 0) return;
+			const std::size_t each = 8 / bits;
+			const unsigned    mask = (1u << bits) - 1;
+			for (std::size_t k = 0; k < number; k += each, ++at)
+				for (std::size_t j = 0; j < std::min(each, number - k); ++j)
+					items[k + j] = T(items[k + j] | ((*at >> (j * bits)) & mask) << shift);
 		}
 		template <class T> void array(std::vector<T>& items, std::size_t to, std::size_t from = 0)
 		{
@@ -126,13 +162,17 @@ template <int Dim> template <class Stream, class State, class Lists> void Parked
 	stream.array(c.iceShear, bonds);
 	stream.array(c.iceReference, bonds);
 	stream.sparse(c.grainReference, bonds, gaps);
-	stream.array(c.first, unlisted);
-	stream.array(c.second, unlisted);
-	stream.array(lists.first, pairs);
-	stream.array(lists.second, pairs);
+	const auto indices = [&](auto& of, std::size_t number) {
+		stream.bitsOf(of, number, 8, 0);
+		stream.bitsOf(of, number, highBits(grainCount), 8);
+	};
+	indices(c.first, unlisted);
+	indices(c.second, unlisted);
+	indices(lists.first, pairs);
+	indices(lists.second, pairs);
 	stream.array(c.cellDist, unlisted, listed ? 0 : contactsInside);
 	stream.array(lists.cellDist, pairs - pairsInside);
-	stream.array(c.bond, bonds);
+	stream.bitsOf(c.bond, bonds, bondBits, 0);
 }
 
 template <int Dim>
@@ -154,6 +194,7 @@ ParkedSample<Dim>::ParkedSample(const PackedState<Dim>& state, const PackedLists
 	gaps = std::uint32_t(std::count_if(state.contacts.grainReference.begin(), state.contacts.grainReference.end(), [](double u) { return !isZero(u); }));
 	Measure measure;
 	stream(measure, state, listed ? *lists : none);
+	if (!listed) measure.bytes += contacts; // the lists that come with the first update then fit its place
 	capacity = (measure.bytes + blockStep - 1) / blockStep * blockStep;
 	block.reset(new unsigned char[capacity]);
 	Put put { block.get() };

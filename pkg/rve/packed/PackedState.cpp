@@ -149,7 +149,7 @@ template <int Dim> void PackedParameters<Dim>::checkParameters() const
 	if (!(damping >= 0 && damping < 1)) refuse("damping", damping, "must lie in 0..1; 0.2 to 0.5 is usual");
 	if (!(friction >= 0)) refuse("friction", friction, "(a tangent) must not be negative");
 	if (!(stiffnessRatio >= 0)) refuse("stiffnessRatio", stiffnessRatio, "must not be negative");
-	if (Dim == 2 && !(thickness > 0)) refuse("thickness", thickness, "m must be positive; 0.1 m is the usual disc");
+	if (Dim == 2 && !(thickness > 0)) refuse("thickness", thickness, "m must be positive; 0.1 m is the usual slice");
 	if (!(density > 0)) refuse("density", density, "kg/m^3 must be positive");
 	if (!(ice.grainYoung > 0)) refuse("ice.grainYoung", ice.grainYoung, "Pa must be positive");
 	if (!(ice.iceYoung >= 0) || !std::isfinite(ice.iceYoung)) refuse("ice.iceYoung", ice.iceYoung, "Pa must be finite and not negative");

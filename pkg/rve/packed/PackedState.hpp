@@ -80,10 +80,10 @@ template <int Dim> struct PackedParameters {
 	Matrix stress         = Matrix::Zero();     ///< Love-Weber stress of the last step, tension positive, not symmetrised [Pa]
 	double dt             = 1.5e-5;             ///< [s], > 0
 	double damping        = 0.2;                ///< numerical damping of the integrator [-], 0 to 1
-	double thickness      = 0.1;                ///< out-of-plane size of the cell, discs only [m], > 0
+	double thickness      = 0.1;                ///< of the slice that carries the forces of discs: stress is divided by it [m], > 0
 	double friction       = 0.5;                ///< tangent of the contact friction angle [-], >= 0
 	double stiffnessRatio = 0.8;                ///< k_s/k_n [-], >= 0
-	double density        = 2650;               ///< of the grains, for the inertial number only [kg/m^3], > 0
+	double density        = 2650;               ///< of grains, of discs mass over area and thickness; for the inertial number only [kg/m^3], > 0
 
 	IceBondModel     ice;               ///< ice.grainYoung is the contact modulus of the grains, with or without bonds
 	double           iceSaturation = 0; ///< S_i [-]

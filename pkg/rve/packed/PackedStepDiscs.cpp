@@ -49,7 +49,7 @@ namespace HWY_NAMESPACE {
 				double*           second = view.force + p.second()[l] + at;
 				store(Add(load(first), rows.part[k]), first);
 				store(Add(load(second), Mul(rows.part[k], load(ofSecond + at))), second);
-				if (Periodic) {
+				if (Periodic && view.sampleStress) {
 					double* sum = view.shiftForce + p.shift()[l] + at;
 					store(Add(load(sum), rows.part[k]), sum);
 				}

@@ -112,7 +112,7 @@ namespace HWY_NAMESPACE {
 				store(Add(firstMoments.part[k], load(first + Layout::moment)), first + Layout::moment);
 				store(Sub(load(second + Layout::force), forces.part[k]), second + Layout::force);
 				store(Add(secondMoments.part[k], load(second + Layout::moment)), second + Layout::moment);
-				if (Periodic) {
+				if (Periodic && view.sampleStress) {
 					double* sum = view.shiftForce + p.shift()[l] + at;
 					store(Add(load(sum), forces.part[k]), sum);
 				}
@@ -157,18 +157,6 @@ namespace HWY_NAMESPACE {
 			Many                  step, halfStep; ///< dt, dt/2 [s]
 		};
 
-		/// How normals turn in a step: axis of the turn from the old to the new one, and the mean spin about the new one times dt.
-		struct Turn {
-			Vector axis, n;
-			Many   twist;
-			/// A shear force of the previous step carried along, as ScGeom::rotate does.
-			HWY_INLINE Vector operator()(const Vector& shear) const
-			{
-				const Vector turned = crossAdd(axis, shear, shear);
-				return crossAdd(scaled(n, twist), turned, turned);
-			}
-		};
-
 		template <bool Bonded, bool Periodic>
 		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Response& r)
 		{
@@ -180,18 +168,21 @@ namespace HWY_NAMESPACE {
 			const Many      sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
 			const Many      overlap = Sub(sum, g.distance());
 			// the branch of the last step is l - dt v: from it the turn of the normal follows, to the last place
-			const Many   inverse = g.inverse(), lengthening = dot(velocity, n), turning = Mul(c.step, inverse);
-			const Vector slip      = crossAdd(n, rim, scaled(NegMulAdd(lengthening, n, velocity), Mul(sum, inverse)));
+			const Many   inverse = g.inverse(), turning = Mul(c.step, inverse), stretch = Mul(sum, inverse);
+			const Vector across    = cross(n, velocity);
+			const Many   bend      = MulAdd(Mul(turning, dot(velocity, n)), turning, turning);
+			const Vector turn      = mulAdd(bend, across, scaled(n, Mul(c.halfStep, dot(n, spin))));
+			const Vector slip      = cross(n, NegMulAdd(stretch, across, rim));
 			const Vector increment = scaled(slip, Mul(c.shearStep, stiffness));
-			const Turn   turn { scaled(cross(n, velocity), MulAdd(Mul(turning, lengthening), turning, turning)), n, Mul(c.halfStep, dot(n, spin)) };
-			const Vector shear = turn(load3(block.shear, p.lane));
+			const Vector before = load3(block.shear, p.lane), shear = crossAdd(turn, before, before);
 			Forces       f;
 			if constexpr (Bonded) {
-				PackedIceBlock<3>&          ice = p.ice();
+				PackedIceBlock<3>&          ice   = p.ice();
+				const Vector                ofIce = load3(ice.iceShear, p.lane);
 				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
-				        contact, c.friction, overlap, shear, turn(load3(ice.iceShear, p.lane)), increment,
+				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment,
 				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
 				store3(f.iceShear, ice.iceShear, p.lane);
 			} else {

@@ -77,7 +77,7 @@ template <int Dim> struct PackedStepView {
 	PackedPairs<Dim> inner, periodic;
 
 	double*            shiftMotion; ///< rows (H c, L H_prev c)
-	double*            shiftForce;  ///< rows: sum of G over the pairs with this shift
+	double*            shiftForce;  ///< rows: sum of G over the pairs with this shift, in steps that form the virial
 	const std::int8_t* shiftCell;   ///< Dim entries per shift: c
 	std::size_t        shifts;
 
@@ -90,7 +90,7 @@ template <int Dim> struct PackedStepView {
 	void* owner;
 	void (*bondEvent)(void* owner, PackedBondEvent<Dim>* event);
 
-	int    sampleStress;         ///< 1: this step forms the virial
+	int    sampleStress;         ///< 1: this step forms the virial and the sums of shiftForce
 	double virial[Dim * Dim];    ///< sum G (x) x over grains
 	double maxFluctuationSquare; ///< of the step, |v - L x|^2
 
