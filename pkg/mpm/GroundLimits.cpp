@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/GroundParts.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +21,41 @@ namespace {
 		for (int a = 0; a < D; ++a)
 			sum += v[a][p] * v[a][p];
 		return std::sqrt(sum);
+	}
+
+	/// The smallest and the largest of some numbers, count >= 1.
+	struct Extent {
+		double low, high;
+		bool   numbers; ///< false: one of them is not finite
+	};
+	TALIK_PROCESSOR_VERSIONS Extent extentOf(int count, const double* x)
+	{
+		constexpr int lanes = 8; // independent of each other, so that the compiler makes vectors of them
+		double        low[lanes], high[lanes], notFinite[lanes];
+		for (int l = 0; l < lanes; ++l) {
+			low[l] = high[l] = x[0];
+			notFinite[l]     = 0.0;
+		}
+		int k = 0;
+		for (; k + lanes <= count; k += lanes)
+			for (int l = 0; l < lanes; ++l) {
+				const double value = x[k + l];
+				low[l]             = value < low[l] ? value : low[l];
+				high[l]            = value > high[l] ? value : high[l];
+				notFinite[l] += value - value;
+			}
+		for (; k < count; ++k) {
+			low[0]  = x[k] < low[0] ? x[k] : low[0];
+			high[0] = x[k] > high[0] ? x[k] : high[0];
+			notFinite[0] += x[k] - x[k];
+		}
+		Extent all { low[0], high[0], notFinite[0] == 0.0 };
+		for (int l = 1; l < lanes; ++l) {
+			all.low     = low[l] < all.low ? low[l] : all.low;
+			all.high    = high[l] > all.high ? high[l] : all.high;
+			all.numbers = all.numbers && notFinite[l] == 0.0;
+		}
+		return all;
 	}
 } // namespace
 
@@ -149,7 +183,7 @@ template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) con
 	Vec<D> next;
 	for (int a = 0; a < D; ++a)
 		next[a] = x[a][p];
-	overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+	overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
 		const double* jump = front ? front->correction(node, p) : nullptr;
 		for (int a = 0; a < D; ++a)
 			next[a] += clock.dt * s * (motion->solved[node][D + a] + (jump ? jump[a] : 0.0));
@@ -167,10 +201,10 @@ template <int D> void Ground<D>::Parts::boundPositions(int strip, int first, int
 	PositionBounds& b = bounds[strip];
 	b.numbers         = true;
 	for (int a = 0; a < D && first < last; ++a) {
-		const PlaneLoops::Extent extent = planeLoops().extent(last - first, points->position(a) + first);
-		b.low[a]                        = extent.low;
-		b.high[a]                       = extent.high;
-		b.numbers                       = b.numbers && extent.numbers;
+		const Extent extent = extentOf(last - first, points->position(a) + first);
+		b.low[a]            = extent.low;
+		b.high[a]           = extent.high;
+		b.numbers           = b.numbers && extent.numbers;
 	}
 }
 

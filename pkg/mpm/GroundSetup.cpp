@@ -109,23 +109,20 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (front) front->start();
 }
 
-/// In the plane the nodal numbers of heat lie in the records of other effects, so that one pass over the points serves all.
+/// Nodal numbers of heat lie in the records of other effects as far as these have columns for them, so that one pass over the points serves all.
 template <int D> void Ground<D>::Parts::shareRecords()
 {
 	using Columns = NodeColumns<D>;
-	if constexpr (Columns::shared) {
-		if (!heat) return;
-		if (motion) {
-			motion->nodes.shareColumns(heat->nodes, Columns::Moving::capacity);
-			heat->carriedByMotion();
-		}
-		if (water) {
-			water->nodal.shareColumns(heat->nodal, Columns::Driving::temperature);
-			water->force.shareColumns(heat->energy, Columns::Driven::heat);
-			water->force.shareColumns(heat->noise, Columns::Driven::unseen);
-			water->exchange.shareColumns(heat->rise, Columns::Gathered::rise);
-		} else heat->receiveInOneRecord(grid);
+	if (!heat) return;
+	if (motion && Columns::Moving::carriesHeat) {
+		motion->nodes.shareColumns(heat->nodes, Columns::Moving::capacity);
+		heat->carriedByMotion();
 	}
+	if (!water) return heat->receiveInOneRecord(grid);
+	water->nodal.shareColumns(heat->nodal, Columns::Driving::temperature);
+	water->force.shareColumns(heat->energy, Columns::Driven::heat);
+	water->force.shareColumns(heat->noise, Columns::Driven::unseen);
+	if (Columns::Gathered::carriesRise) water->exchange.shareColumns(heat->rise, Columns::Gathered::rise);
 }
 
 template <int D> void Ground<D>::Parts::checkFreeSurface()
@@ -133,7 +130,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	if (!surface) return;
 	clearNodes();
 	locateInCells();
-	scatter([&](const WeightBlock<D>& w) { surface->map(grid, w); });
+	scatter([&](const WeightBlock<D>& w) { surface->map(w); });
 	surface->collect(grid, *cells, clock.range);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];

@@ -27,19 +27,18 @@ template <int D> void Ground<D>::Parts::findFlows()
 		water->addPotential(grid, clock.range, *motion, momentum->heldAxes());
 		cost.lap(CostMeter::water);
 	}
-	if constexpr (D == 2)
-		if (conducts && water) {
-			const PlaneLoops::HeatFlow flow = heat->flow(clock.dt);
-			scatter([&](const WeightBlock<D>& w) { planeLoops().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
-			cost.lap(CostMeter::flows);
-			return;
-		}
+	if (conducts && water) {
+		const typename NodeLoops<D>::HeatFlow flow = heat->flow(clock.dt);
+		scatter([&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
+		cost.lap(CostMeter::flows);
+		return;
+	}
 	if (conducts) {
-		scatter([&](const WeightBlock<D>& w) { heat->conduct(grid, w, clock.dt); });
+		scatter([&](const WeightBlock<D>& w) { heat->conduct(w, clock.dt); });
 		cost.lap(CostMeter::heat);
 	}
 	if (water) {
-		scatter([&](const WeightBlock<D>& w) { water->pressureForce(grid, w); });
+		scatter([&](const WeightBlock<D>& w) { water->pressureForce(w); });
 		cost.lap(CostMeter::water);
 	}
 }
@@ -98,7 +97,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 template <int D> void Ground<D>::Parts::seep()
 {
 	waterRests = settings.resting && !water->flows(clock.range);
-	if (!waterRests) scatter([&](const WeightBlock<D>& w) { water->seep(grid, w, clock.dt, liquidDensity(), enthalpyModel()); });
+	if (!waterRests) scatter([&](const WeightBlock<D>& w) { water->seep(w, clock.dt, liquidDensity(), enthalpyModel()); });
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.drains())
@@ -215,10 +214,13 @@ template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool
 	return inOrder(
 	        first, last, [&](int p) __attribute__((always_inline)) {
 		        double trace = 0.0, density = 0.0;
+#pragma GCC unroll 3
 		        for (int a = 0; a < D; ++a)
 			        trace += g[a * D + a][p];
 		        const double missing = replace ? (cells->mean(p, trace) - trace) * (1.0 / D) : 0.0;
+#pragma GCC unroll 3
 		        for (int i = 0; i < D; ++i)
+#pragma GCC unroll 3
 			        for (int j = 0; j < D; ++j)
 				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
 		        return volume[p] * density;
@@ -233,6 +235,7 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 	return inOrder(
 	        first, last, [&](int p) __attribute__((always_inline)) {
 		        double trace = 0.0;
+#pragma GCC unroll 3
 		        for (int a = 0; a < D; ++a)
 			        trace += g[a * D + a][p];
 		        return volume[p] * pressure[p] * (replace ? cells->mean(p, trace) : trace);
@@ -345,7 +348,7 @@ template <int D> void Ground<D>::p2g()
 				for (int k = 0; k < w.count; ++k)
 					g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k, g.motion->meanStress[w.first + k]);
 			else if (g.water) g.useMeanStress(w.first, w.count);
-			g.motion->map(g.grid, w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
+			g.motion->map(w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
 			sample.lap(CostMeter::motion);
 			if (g.affine) {
 				g.affine->map(g.grid, w, *g.motion);
@@ -357,15 +360,15 @@ template <int D> void Ground<D>::p2g()
 			}
 		}
 		if (g.water) {
-			g.water->map(g.grid, w, g.averagingCells());
+			g.water->map(w, g.averagingCells());
 			sample.lap(CostMeter::water);
 		}
 		if (conducts) {
-			g.heat->map(g.grid, w);
+			g.heat->map(w);
 			sample.lap(CostMeter::heat);
 		}
 		if (g.surface) {
-			g.surface->map(g.grid, w);
+			g.surface->map(w);
 			sample.lap(CostMeter::surface);
 		}
 	});
@@ -391,20 +394,19 @@ template <int D> void Ground<D>::g2p()
 	g.clock.halfDone = 1;
 	if (g.allRests()) return;
 	if (g.averaging()) g.cells->clearSums(g.clock.range);
-	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = D == 2 && conducts && g.water;
+	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = conducts && g.water && NodeColumns<D>::Gathered::carriesRise;
 	const auto gather = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
 		double gained[blockSize];
 		if (g.water) {
-			g.water->gather(
-			        g.grid, w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
+			g.water->gather(w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
 			sample.lap(CostMeter::water);
 		}
 		if (conducts) {
-			g.heat->gather(g.grid, w, inRecordOfWater ? gained : nullptr);
+			g.heat->gather(w, inRecordOfWater ? gained : nullptr);
 			sample.lap(CostMeter::heat);
 		}
 		if (!g.motion) return;
-		g.motion->gather(g.grid, w, g.clock.dt);
+		g.motion->gather(w, g.clock.dt);
 		sample.lap(CostMeter::motion);
 		if (g.affine) {
 			g.affine->gather(g.grid, w, *g.motion);
@@ -553,7 +555,7 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 		case CostMeter::heat: return bool(heat);
 		case CostMeter::freezing: return content && content->iceMass;
 		case CostMeter::water: return bool(water);
-		case CostMeter::flows: return D == 2 && heat && water;
+		case CostMeter::flows: return heat && water;
 		case CostMeter::surface:
 		case CostMeter::boundaries: return bool(surface);
 		case CostMeter::record: return bool(record);

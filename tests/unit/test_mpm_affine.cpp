@@ -62,14 +62,14 @@ template <int D> struct RandomPoints {
 	void map()
 	{
 		forBlocks([&](const WeightBlock<D>& w) {
-			motion.map(grid, w);
+			motion.map(w);
 			affine.map(grid, w, motion);
 		});
 	}
 	void gather()
 	{
 		forBlocks([&](const WeightBlock<D>& w) {
-			motion.gather(grid, w, 0.0);
+			motion.gather(w, 0.0);
 			affine.gather(grid, w, motion);
 		});
 	}
@@ -80,7 +80,7 @@ template <int D> struct RandomPoints {
 		std::vector<double> moment(points.count(), 0.0);
 		forBlocks([&](const WeightBlock<D>& w) {
 			for (int k = 0; k < w.count; ++k)
-				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+				overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 					const double d = nodePosition(node, axis) - points.position(axis)[w.first + k];
 					moment[w.first + k] += s * d * d;
 				});

@@ -53,7 +53,7 @@ template <int D> ShapeErrors shapeErrors(const std::string& name)
 	for (int k = 0; k < count; ++k) {
 		double sum = 0.0;
 		Vec<D> gradients {}, centre {};
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 			EXPECT_GE(node, 0);
 			EXPECT_LT(node, grid.nodeCount());
 			sum += s;

@@ -126,7 +126,7 @@ template <int D> double stressPairError()
 	g.cells.finish(g.range);
 	for (int p = 0; p < g.points.count(); ++p)
 		g.motion.meanStress[p] = g.cells.mean(p, 0.0);
-	g.forBlocks([&](const WeightBlock<D>& w) { g.motion.map(g.grid, w); });
+	g.forBlocks([&](const WeightBlock<D>& w) { g.motion.map(w); });
 	g.randomVelocities(g.motion.solved);
 	double power = 0.0, size = 0.0;
 	for (int i = 0; i < g.grid.nodeCount(); ++i)
@@ -135,7 +135,7 @@ template <int D> double stressPairError()
 			power += part;
 			size += std::abs(part);
 		}
-	g.forBlocks([&](const WeightBlock<D>& w) { g.motion.gather(g.grid, w, 1.0); });
+	g.forBlocks([&](const WeightBlock<D>& w) { g.motion.gather(w, 1.0); });
 	g.cells.clearSums(g.range);
 	const auto trace = [&](int p) {
 		double sum = 0.0;
@@ -171,13 +171,13 @@ template <int D> double seepagePairError(bool averaged)
 	std::vector<double> pressure(g.water.pressure, g.water.pressure + g.points.count());
 	std::vector<double> before(g.field(g.waterMass), g.field(g.waterMass) + g.points.count());
 	g.forBlocks([&](const WeightBlock<D>& w) {
-		g.water.map(g.grid, w, cells);
-		surface.map(g.grid, w);
+		g.water.map(w, cells);
+		surface.map(w);
 	});
 	surface.collect(g.grid, g.cells, g.range);
 	EXPECT_FALSE(surface.patch(0).nodes.empty());
 	g.water.nodalPressure(g.range);
-	g.forBlocks([&](const WeightBlock<D>& w) { g.water.pressureForce(g.grid, w); });
+	g.forBlocks([&](const WeightBlock<D>& w) { g.water.pressureForce(w); });
 	g.water.liquidForce(g.range);
 	g.water.drainedForce(surface.patch(0), 0.0);
 	double work = 0.0, size = 0.0;
@@ -189,10 +189,10 @@ template <int D> double seepagePairError(bool averaged)
 			size += std::abs(part);
 			g.water.flux[i][a] = g.water.nodal[i][1] * relative;
 		}
-	g.forBlocks([&](const WeightBlock<D>& w) { g.water.seep(g.grid, w, g.dt, rho, nullptr); });
+	g.forBlocks([&](const WeightBlock<D>& w) { g.water.seep(w, g.dt, rho, nullptr); });
 	g.water.drain(surface.patch(0), true, g.dt, rho, nullptr, nullptr);
 	g.water.finishExchange(g.range);
-	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(g.grid, w, g.field(g.waterMass), nullptr, cells); });
+	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(w, g.field(g.waterMass), nullptr, cells); });
 	if (cells) g.water.finishCells(g.range);
 	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr, g.motion.velocity); });
 	double mass = 0.0, largest = 0.0;
@@ -232,8 +232,8 @@ TEST(MpmTransfers, NodesReceiveAllMassAndMomentum)
 {
 	RandomGround<3> g;
 	g.forBlocks([&](const WeightBlock<3>& w) {
-		g.motion.map(g.grid, w);
-		g.water.map(g.grid, w, nullptr);
+		g.motion.map(w);
+		g.water.map(w, nullptr);
 	});
 	double mass = 0.0, momentum = 0.0, force = 0.0, pointMass = 0.0, pointMomentum = 0.0, forceSize = 0.0;
 	for (int i = 0; i < g.grid.nodeCount(); ++i) {
@@ -279,7 +279,7 @@ TEST(MpmTransfers, SurfaceAreaOfABlockIsItsPerimeter)
 	WeightBlock<2> w;
 	for (int first = 0; first < points.count(); first += blockSize) {
 		shape->evaluate(grid, { points.position(0), points.position(1) }, first, std::min(blockSize, points.count() - first), w);
-		surface.map(grid, w);
+		surface.map(w);
 	}
 	surface.collect(grid, cells, range);
 	double right = 0.0, left = 0.0, top = 0.0, bottom = 0.0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/HeatTransfer.hpp>
-#include <pkg/mpm/effects/NodeColumns.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -125,37 +124,25 @@ template <int D> void HeatTransfer<D>::rest(const ActiveRange& range)
 	});
 }
 
-template <int D> void HeatTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+template <int D> void HeatTransfer<D>::map(const WeightBlock<D>& w)
 {
-	if (walls_) mapMoments(grid, w);
+	if (walls_) mapMoments(w);
 	if (carried_) return;
-	if constexpr (D == 2) {
-		double values[2][blockSize];
-		for (int k = 0; k < w.count; ++k) {
-			values[0][k] = share[w.first + k];
-			values[1][k] = share[w.first + k] * (temperature[w.first + k] - reference);
-		}
-		planeLoops().mapTwo(w, values, nodes[0]);
-		return;
-	}
+	double values[2][blockSize];
 	for (int k = 0; k < w.count; ++k) {
-		const double c  = share[w.first + k];
-		const double ct = c * (temperature[w.first + k] - reference);
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-			double* r = nodes[node];
-			r[0] += s * c;
-			r[1] += s * ct;
-		});
+		values[0][k] = share[w.first + k];
+		values[1][k] = share[w.first + k] * (temperature[w.first + k] - reference);
 	}
+	nodeLoops<D>().mapPair(w, values, nodes[0]);
 }
 
-template <int D> void HeatTransfer<D>::mapMoments(const Grid<D>& grid, const WeightBlock<D>& w)
+template <int D> void HeatTransfer<D>::mapMoments(const WeightBlock<D>& w)
 {
 	for (int k = 0; k < w.count; ++k) {
 		Vec<D> cx;
 		for (int a = 0; a < D; ++a)
 			cx[a] = share[w.first + k] * position_[a][w.first + k];
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 			for (int a = 0; a < D; ++a)
 				moments[node][a] += s * cx[a];
 		});
@@ -233,44 +220,13 @@ void HeatTransfer<D>::nodalTemperature(
 	prescribe(grid, dt);
 }
 
-template <int D> PlaneLoops::HeatFlow HeatTransfer<D>::flow(double dt) const
+template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt) const
 {
 	const double scaled = dt * scale;
 	return { volume, conductivity, share, temperature, scaled, scaled * settings->source, reference };
 }
 
-template <int D> void HeatTransfer<D>::conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
-{
-	if constexpr (D == 2) {
-		planeLoops().flowHeat(w, flow(dt), nodal[0], energy[0]);
-		return;
-	}
-	const double scaled = dt * scale;
-	const double source = scaled * settings->source;
-	for (int k = 0; k < w.count; ++k) {
-		const int p = w.first + k;
-		Vec<D>    slope {};
-		double    ofGrid = 0.0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
-			const double t = nodal[node][0];
-			for (int i = 0; i < D; ++i)
-				slope[i] += g[i] * t;
-			ofGrid += s * t;
-		});
-		const double conductance = -volume[p] * conductivity[p] * scaled;
-		const double produced    = volume[p] * source;
-		const double unseen      = share[p] * (ofGrid - (temperature[p] - reference));
-		for (int i = 0; i < D; ++i)
-			slope[i] *= conductance;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
-			double e = s * produced;
-			for (int i = 0; i < D; ++i)
-				e += g[i] * slope[i];
-			energy[node][0] += e;
-			noise[node][0] += s * unseen;
-		});
-	}
-}
+template <int D> void HeatTransfer<D>::conduct(const WeightBlock<D>& w, double dt) { nodeLoops<D>().flowHeat(w, flow(dt), nodal[0], energy[0]); }
 
 template <int D> void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
 {
@@ -337,19 +293,11 @@ template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, dou
 	});
 }
 
-template <int D> void HeatTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained)
+template <int D> void HeatTransfer<D>::gather(const WeightBlock<D>& w, const double* gained)
 {
 	double sums[blockSize];
-	if (!gained) {
-		gained = sums;
-		if constexpr (D == 2) planeLoops().gatherScalar(w, rise[0], sums);
-		else
-			for (int k = 0; k < w.count; ++k) {
-				sums[k] = 0.0;
-				overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) { sums[k] += s * rise[node][0]; });
-			}
-	}
-	warm(w.first, w.count, gained);
+	if (!gained) nodeLoops<D>().gatherNumber(w, rise[0], sums);
+	warm(w.first, w.count, gained ? gained : sums);
 }
 
 template <int D> void HeatTransfer<D>::warm(int first, int count, const double* gained)

@@ -6,7 +6,7 @@
 #include <pkg/mpm/grid/NodeField.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/kernels/NodeLoops.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>
@@ -22,7 +22,7 @@ public:
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 	/// Its numbers are mapped along by motion, whose record holds them.
 	void carriedByMotion() { carried_ = true; }
-	/// In the plane, where no water has a record for both, conducted heat and noise lie in one record of its own.
+	/// Where no water has a record for both, conducted heat and noise lie in one record of its own.
 	void receiveInOneRecord(const Grid<D>& grid);
 
 	/// Collects the nodes with prescribed temperature.
@@ -48,23 +48,23 @@ public:
 		if (walls_) moments.clear(first, last);
 	}
 	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
-	void map(const Grid<D>& grid, const WeightBlock<D>& w);
+	void map(const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
 	void nodalTemperature(
 	        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	/// Shares, for motion to map along with the temperature, or null.
 	const double* carriedShare() const { return carried_ ? share : nullptr; }
-	/// Conduction of a step as the plane loops see it.
-	PlaneLoops::HeatFlow flow(double dt) const;
+	/// Conduction of a step as the loops over nodes see it.
+	typename NodeLoops<D>::HeatFlow flow(double dt) const;
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
-	void conduct(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
+	void conduct(const WeightBlock<D>& w, double dt);
 	/// Heat of a surface patch, implicit in the temperature of each node.
 	void exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
 	void finishNodes(const ActiveRange& range, double dt);
 	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, const double* gained = nullptr);
+	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
 	const HeatSettings* settings;
 	double *            enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
@@ -86,7 +86,7 @@ public:
 	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:
-	void mapMoments(const Grid<D>& grid, const WeightBlock<D>& w);
+	void mapMoments(const WeightBlock<D>& w);
 	void mirrorWalls(const Grid<D>& grid);
 	void prescribe(const Grid<D>& grid, double dt);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
@@ -109,7 +109,7 @@ private:
 	std::vector<double>    wanted_;              ///< temperature of each prescribed node
 	std::vector<double>    expected_;            ///< mean temperature of the points around it that goes with this wall temperature
 	std::array<double*, D> position_ {};
-	NodeField<2>           received_;       ///< energy and noise in one record, in 2-D without water
+	NodeField<2>           received_;       ///< energy and noise in one record, without water
 	double                 smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
 	bool                   walls_ = false, carried_ = false;
 };

@@ -4,36 +4,50 @@
 namespace talik {
 
 /// Which number of which effect stands in which column of the records on the nodes. Numbers that one pass over the points writes or
-/// reads together lie in one record. In the plane a record is as long as the vectors of the plane loops and serves several effects;
-/// in space each effect has records of its own. The effect named at a record allocates it.
+/// reads together lie in one record, which is as long as the vectors of the loops over nodes: a record may end in columns that nobody
+/// uses. The effect named at a record allocates it.
 template <int D> struct NodeColumns {
-	static constexpr bool shared = D == 2;
+	static constexpr bool plane = D == 2;
 
-	/// SolidMotion::nodes, mapped from the points. Shared: capacity and heat are HeatTransfer::nodes.
+	/// SolidMotion::nodes, mapped from the points. In the plane capacity and heat are HeatTransfer::nodes.
 	struct Moving {
-		static constexpr int mass = 0, momentum = 1, force = 4, capacity = 6, heat = 7, size = 8;
+		static constexpr int  mass = 0, momentum = 1, force = 4, capacity = 6, heat = 7, size = 8;
+		static constexpr bool carriesHeat = plane;
+	};
+	/// SolidMotion::solved, what the points gather.
+	struct Solved {
+		static constexpr int change = 0, velocity = D, size = 2 * D;
 	};
 	/// PoreWater::nodes, mapped from the points.
 	struct Liquid {
 		static constexpr int mass = 0, momentum = 1, volume = 1 + D, liquidVolume = 2 + D, pressure = 3 + D, drag = 4 + D, potential = 5 + D,
-		                     size = 6 + D;
+		                     numbers = 6 + D, size = plane ? 8 : 12;
 	};
-	/// PoreWater::nodal, whose gradients drive. Shared: temperature is HeatTransfer::nodal.
+	/// PoreWater::nodal, whose gradients drive. temperature is HeatTransfer::nodal.
 	struct Driving {
-		static constexpr int pressure = 0, liquidFraction = 1, perLiquidMass = 2, temperature = 3, size = shared ? 4 : 3;
+		static constexpr int pressure = 0, liquidFraction = 1, perLiquidMass = 2, temperature = 3, size = 4;
 	};
-	/// PoreWater::force, what the gradients do. Shared: heat and unseen are HeatTransfer::energy and noise.
+	/// PoreWater::force, what the gradients do. heat and unseen are HeatTransfer::energy and noise.
 	struct Driven {
-		static constexpr int force = 0, heat = D, unseen = D + 1, size = shared ? D + 2 : D;
+		static constexpr int force = 0, heat = plane ? 2 : 4, unseen = heat + 1, size = plane ? 4 : 8;
 	};
-	/// Record of HeatTransfer in ground without water, as the plane loops write it.
+	/// Record of HeatTransfer in ground without water.
 	struct Conducted {
 		static constexpr int heat = 0, unseen = 1, size = 2;
 	};
-	/// PoreWater::exchange, what the points gather. Shared: velocity is PoreWater::solved, rise HeatTransfer::rise.
+	/// FreeSurface::nodes, mapped from the points.
+	struct Surface {
+		static constexpr int area = 0, volume = D, conduction = D + 1, size = D + 2; ///< outward area vector, volume, volume times conductivity
+	};
+	/// PoreWater::flux.
+	struct Flux {
+		static constexpr int size = plane ? 2 : 4;
+	};
+	/// PoreWater::exchange, what the points gather. velocity is PoreWater::solved, in the plane rise is HeatTransfer::rise.
 	struct Gathered {
-		static constexpr int water = 0, enthalpy = 1, momentum = 2, exchange = 2 + D; ///< of seepage; first sums, then per liquid mass of the node
-		static constexpr int velocity = exchange, rise = velocity + D, size = shared ? 8 : exchange;
+		static constexpr int  water = 0, enthalpy = 1, momentum = 2, exchange = 2 + D; ///< of seepage; first sums, then per liquid mass of the node
+		static constexpr int  velocity = exchange, rise = velocity + D, size = 8;
+		static constexpr bool carriesRise = plane;
 	};
 };
 

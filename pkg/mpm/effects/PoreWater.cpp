@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/kernels/NodeLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 namespace talik {
-
-static_assert(PlaneLoops::potentialSize == NodeColumns<2>::Driving::size && NodeColumns<2>::Driving::pressure == 0, "loops and records agree");
 
 namespace {
 	/// Part of its liquid that a cell gives away in a step at most.
@@ -56,7 +54,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	start.allocate(grid.nodeCount());
 	exchange.allocate(grid.nodeCount());
 	open_.assign(grid.nodeCount(), 0);
-	if constexpr (Columns::shared) exchange.shareColumns(solved, Gathered::velocity);
+	exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
 }
 
@@ -154,7 +152,7 @@ void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& r
 
 template <int D>
 void PoreWater<D>::fillRecords(
-        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize], double (&values)[8][blockSize]) const
+        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize], double (&values)[Liquid::size][blockSize]) const
 {
 	const double* const ice    = iceMass_ ? iceMass_ + w.first : none_.data();
 	const double* const water  = waterMass_ + w.first;
@@ -170,7 +168,7 @@ void PoreWater<D>::fillRecords(
 		values[liquidVolumeAt][k] = volume[k] * liquid[k];
 		values[pressureAt][k]     = m * driving[k];
 		values[dragAt][k]         = drags[k];
-		if constexpr (D == 2) values[potentialAt][k] = m * potential[k];
+		values[potentialAt][k]    = m * potential[k];
 	}
 	for (int i = 0; i < D; ++i) {
 		const double* const v = velocity[i] + w.first;
@@ -190,7 +188,7 @@ template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, c
 		v[k] = chi * v[k] + change[k];
 }
 
-template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells)
+template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans<D>* cells)
 {
 	double driving[blockSize], height[blockSize];
 	for (int k = 0; k < w.count; ++k) {
@@ -203,31 +201,11 @@ template <int D> void PoreWater<D>::map(const Grid<D>& grid, const WeightBlock<D
 			driving[k] = drivingPressure(cells->cell(w.first + k));
 			height[k]  = cells_[cells->cell(w.first + k)].height;
 		}
-	if constexpr (D == 2) {
-		double values[8][blockSize];
-		fillRecords(w, driving, height, values);
-		planeLoops().mapEight(w, values, nodes[0]);
-		return;
-	}
-	for (int k = 0; k < w.count; ++k) {
-		const int    p = w.first + k;
-		const double m = liquidMass(p);
-		Vec<D>       momentum;
-		for (int i = 0; i < D; ++i)
-			momentum[i] = m * velocity[i][p];
-		const double v = volume_[p], vl = v * liquidFraction[p], mp = m * driving[k], mh = m * height[k], q = drag[p];
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-			double* r = nodes[node];
-			r[massAt] += s * m;
-			for (int i = 0; i < D; ++i)
-				r[momentumAt + i] += s * momentum[i];
-			r[volumeAt] += s * v;
-			r[liquidVolumeAt] += s * vl;
-			r[pressureAt] += s * mp;
-			r[dragAt] += s * q;
-			r[potentialAt] += s * mh;
-		});
-	}
+	double values[Liquid::size][blockSize];
+	for (int i = Liquid::numbers; i < Liquid::size; ++i)
+		std::fill_n(values[i], w.count, 0.0);
+	fillRecords(w, driving, height, values);
+	nodeLoops<D>().mapLiquid(w, values, nodes[0]);
 }
 
 template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
@@ -282,27 +260,7 @@ void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, c
 	});
 }
 
-template <int D> void PoreWater<D>::pressureForce(const Grid<D>& grid, const WeightBlock<D>& w)
-{
-	if constexpr (D == 2) {
-		planeLoops().flowPressure(w, volume_, nodal[0], force[0]);
-		return;
-	}
-	for (int k = 0; k < w.count; ++k) {
-		Vec<D> slope {};
-		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
-			const double p = nodal[node][Driving::pressure];
-			for (int i = 0; i < D; ++i)
-				slope[i] += g[i] * p;
-		});
-		for (int i = 0; i < D; ++i)
-			slope[i] *= volume_[w.first + k];
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-			for (int i = 0; i < D; ++i)
-				force[node][i] += s * slope[i];
-		});
-	}
-}
+template <int D> void PoreWater<D>::pressureForce(const WeightBlock<D>& w) { nodeLoops<D>().flowPressure(w, volume_, nodal[0], force[0]); }
 
 template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 {
@@ -328,47 +286,16 @@ template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
 	return false;
 }
 
-template <int D> void PoreWater<D>::seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+template <int D> void PoreWater<D>::seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
 {
-	if constexpr (D == 2) {
-		const double slope = enthalpy ? enthalpy->properties().liquid.specificHeat : 0.0;
-		planeLoops().seep(
-		        w,
-		        { flux[0],
-		          volume_,
-		          { velocity[0], velocity[1] },
-		          enthalpy ? temperature_ : nullptr,
-		          dt * liquidDensity,
-		          slope,
-		          enthalpy ? enthalpy->liquidEnthalpy(0.0) : 0.0,
-		          exchange[0] });
-		return;
+	typename NodeLoops<D>::Seepage s { flux[0], volume_, {}, nullptr, dt * liquidDensity, 0.0, 0.0, exchange[0] };
+	std::copy(velocity.begin(), velocity.end(), s.velocity.begin());
+	if (enthalpy) {
+		s.temperature    = temperature_;
+		s.specificHeat   = enthalpy->properties().liquid.specificHeat;
+		s.enthalpyAtZero = enthalpy->liquidEnthalpy(0.0);
 	}
-	for (int k = 0; k < w.count; ++k) {
-		const int p = w.first + k;
-		Vec<D>    q {};
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-			for (int i = 0; i < D; ++i)
-				q[i] += s * flux[node][i];
-		});
-		const double scale = dt * liquidDensity * volume_[p];
-		const double heat  = enthalpy ? enthalpy->liquidEnthalpy(temperature_[p]) : 0.0;
-		Vec<D>       v;
-		for (int i = 0; i < D; ++i) {
-			q[i] *= scale;
-			v[i] = velocity[i][p];
-		}
-		overNodes<D>(grid, w, k, [&](int node, double, const Vec<D>& g) {
-			double m = 0.0;
-			for (int i = 0; i < D; ++i)
-				m += g[i] * q[i];
-			double* r = exchange[node];
-			r[Gathered::water] += m;
-			r[Gathered::enthalpy] += heat * m;
-			for (int i = 0; i < D; ++i)
-				r[Gathered::momentum + i] += v[i] * m;
-		});
-	}
+	nodeLoops<D>().seep(w, s);
 }
 
 template <int D>
@@ -450,47 +377,27 @@ template <int D> void PoreWater<D>::take(int p, const double* share, double dilu
 }
 
 template <int D>
-void PoreWater<D>::gather(
-        const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* rise)
+void PoreWater<D>::gather(const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* rise)
 {
-	if constexpr (D == 2) {
-		double got[Gathered::size][blockSize];
-		planeLoops().gatherEight(w, exchange[0], got);
+	double got[Gathered::size][blockSize];
+	nodeLoops<D>().gatherExchange(w, exchange[0], got);
+	if constexpr (Gathered::carriesRise)
 		if (rise) std::copy_n(got[Gathered::rise], w.count, rise);
-		for (int i = 0; i < 2; ++i)
-			accelerate(i, w.first, w.count, got[Gathered::velocity + i]);
-		for (int k = 0; k < w.count; ++k) {
-			const int p = w.first + k;
-			if (cells) {
-				double* const received = cells_[cells->cell(p)].exchange;
-				const double  liquid   = liquidMass(p);
-				for (int i = 0; i < exchangeSize; ++i)
-					received[i] += liquid * got[i][k];
-			} else {
-				const double share[exchangeSize] = { got[0][k], got[1][k], got[2][k], got[3][k] };
-				take(p, share, 1.0 / (1.0 + share[Gathered::water]), waterMass, enthalpy);
-			}
-		}
-		return;
-	}
+	for (int i = 0; i < D; ++i)
+		accelerate(i, w.first, w.count, got[Gathered::velocity + i]);
 	for (int k = 0; k < w.count; ++k) {
-		const int p                 = w.first + k;
-		Vec<D>    change            = {};
-		double    got[exchangeSize] = {};
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
-			for (int i = 0; i < D; ++i)
-				change[i] += s * solved[node][i];
-			for (int i = 0; i < exchangeSize; ++i)
-				got[i] += s * exchange[node][i];
-		});
-		for (int i = 0; i < D; ++i)
-			velocity[i][p] = kept * velocity[i][p] + change[i];
-		if (cells) {
-			double* const received = cells_[cells->cell(p)].exchange;
-			const double  liquid   = liquidMass(p);
-			for (int i = 0; i < exchangeSize; ++i)
-				received[i] += liquid * got[i];
-		} else take(p, got, 1.0 / (1.0 + got[Gathered::water]), waterMass, enthalpy);
+		const int p = w.first + k;
+		double    share[exchangeSize];
+		for (int i = 0; i < exchangeSize; ++i)
+			share[i] = got[i][k];
+		if (!cells) {
+			take(p, share, 1.0 / (1.0 + share[Gathered::water]), waterMass, enthalpy);
+			continue;
+		}
+		double* const received = cells_[cells->cell(p)].exchange;
+		const double  liquid   = liquidMass(p);
+		for (int i = 0; i < exchangeSize; ++i)
+			received[i] += liquid * share[i];
 	}
 }
 

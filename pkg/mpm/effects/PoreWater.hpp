@@ -52,11 +52,11 @@ public:
 	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 
 	/// cells null: without cell means.
-	void map(const Grid<D>& grid, const WeightBlock<D>& w, const CellMeans<D>* cells);
+	void map(const WeightBlock<D>& w, const CellMeans<D>* cells);
 	/// Nodal pressure and liquid fraction from the mapped sums.
 	void nodalPressure(const ActiveRange& range);
 	/// Adds sum V S grad p of a block to the nodes.
-	void pressureForce(const Grid<D>& grid, const WeightBlock<D>& w);
+	void pressureForce(const WeightBlock<D>& w);
 	/// Where water may cross the surface of the ground.
 	void open(const SurfacePatch<D>& patch);
 	/// Adds gravity's potential to the pressure, -rho_l g.x. Surfaces and walls leave the points on one side of a node; there x is the
@@ -71,7 +71,7 @@ public:
 	/// True unless the flux is zero at every node: then nothing seeps, and nothing is what seep() would add.
 	bool flows(const ActiveRange& range) const;
 	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
-	void seep(const Grid<D>& grid, const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
+	void seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.
 	void drain(
 	        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
@@ -81,8 +81,8 @@ public:
 	        const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
-	/// rise (may be null): receives the sums S rise of heat, whose column lies in the same record.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* rise = nullptr);
+	/// rise (may be null): receives the sums S rise of heat, where its column lies in the same record.
+	void gather(const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* rise = nullptr);
 	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
 	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
 	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
@@ -125,7 +125,7 @@ public:
 	double pressureAtNode(int node) const { return nodal[node][Driving::pressure] - nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass]; }
 	NodeField<Columns::Driven::size> force;  ///< on the liquid
 	NodeField<D>                     solved; ///< chi dt a + (1 - chi) v
-	NodeField<D>                     flux;   ///< n_I (v_l - v_s) of the solved velocities
+	NodeField<Columns::Flux::size>   flux;   ///< n_I (v_l - v_s) of the solved velocities
 	NodeField<D>                     start;  ///< v_l at the start of the step
 	NodeField<Gathered::size>        exchange;
 
@@ -187,7 +187,8 @@ private:
 	void leave(int node, double mass, double heat);
 	/// What a block maps to the nodes, number by number of their record.
 	TALIK_PROCESSOR_VERSIONS void fillRecords(
-	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize], double (&values)[8][blockSize]) const;
+	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize],
+	        double (&values)[Liquid::size][blockSize]) const;
 	/// Gravity's potential per volume of liquid, -rho_l g.x [Pa].
 	double potential(int p) const
 	{

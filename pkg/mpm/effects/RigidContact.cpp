@@ -309,11 +309,11 @@ void RigidContact<D>::push(
 		for (const Touch& t : touches) {
 			shape.evaluate(grid, x, t.place, 1, w);
 			shape.moveToFace(grid, t.toFace, 0, w);
-			overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+			overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
 				for (int i = 0; i < D; ++i)
 					motion.nodes[node][motion.forceAt + i] += s * t.force[i];
 			});
-			if (front) front->push(grid, w, 0, t.force);
+			if (front) front->push(w, 0, t.force);
 		}
 	});
 	deliver(impulse);
@@ -342,7 +342,7 @@ template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, cons
 				const double face   = area(p);
 				shape.evaluate(grid, x, p, 1, w);
 				shape.moveToFace(grid, plus<D>({}, -halfSize(p), normal), 0, w);
-				overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) {
+				overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
 					for (int i = 0; i < D; ++i)
 						surface.nodes[node][i] += s * face * normal[i];
 				});
@@ -394,7 +394,7 @@ void RigidContact<D>::collectFaces(
 				if (facing.area == 0.0) continue;
 				shape.evaluate(grid, x, p, 1, w);
 				shape.moveToFace(grid, plus<D>({}, -halfSize(p), facing.normal), 0, w);
-				overNodes<D>(grid, w, 0, [&](int node, double s, const Vec<D>&) { faces_[node][0] += s * facing.area; });
+				overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) { faces_[node][0] += s * facing.area; });
 			}
 		}
 	});

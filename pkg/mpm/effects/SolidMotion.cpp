@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
+#include <pkg/mpm/kernels/NodeLoops.hpp>
+
+#include <algorithm>
 
 namespace talik {
-
-static_assert(PlaneLoops::motionSize == NodeColumns<2>::Moving::size, "loops and records agree");
 
 template <int D>
 SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool replacesMean)
@@ -40,90 +40,17 @@ template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid
 	solved.allocate(grid.nodeCount());
 }
 
-template <int D>
-void SolidMotion<D>::map(
-        const Grid<D>& grid, const WeightBlock<D>& w, [[maybe_unused]] const double* capacity, [[maybe_unused]] const double* carried,
-        [[maybe_unused]] double carriedFrom)
+template <int D> void SolidMotion<D>::map(const WeightBlock<D>& w, const double* capacity, const double* carried, double carriedFrom)
 {
-	if constexpr (D == 2) {
-		planeLoops().mapMotion(
-		        w,
-		        { mass,
-		          volume,
-		          meanStress,
-		          { velocity[0], velocity[1] },
-		          { stress[0], stress[1], stress[2], stress[3] },
-		          capacity,
-		          carried,
-		          carriedFrom,
-		          nodes[0] });
-		return;
-	}
-	for (int k = 0; k < w.count; ++k) {
-		const int    p = w.first + k;
-		const double m = mass[p];
-		Vec<D>       momentum;
-		double       mean = 0.0;
-		for (int i = 0; i < D; ++i) {
-			momentum[i] = m * velocity[i][p];
-			mean += stress[i][p];
-		}
-		const double replace = meanStress ? meanStress[p] - mean * (1.0 / D) : 0.0;
-		double       t[D][D];
-		for (int i = 0; i < D; ++i)
-			for (int j = 0; j < D; ++j)
-				t[i][j] = volume[p] * (stress[stressIndex<D>(i, j)][p] + (i == j ? replace : 0.0));
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
-			double* r = nodes[node];
-			r[massAt] += s * m;
-			for (int i = 0; i < D; ++i)
-				r[momentumAt + i] += s * momentum[i];
-			for (int i = 0; i < D; ++i) {
-				double f = t[i][0] * g[0];
-				for (int j = 1; j < D; ++j)
-					f += t[i][j] * g[j];
-				r[forceAt + i] -= f;
-			}
-		});
-	}
+	typename NodeLoops<D>::MotionMap of { mass, volume, meanStress, {}, {}, capacity, carried, carriedFrom, nodes[0] };
+	std::copy(velocity.begin(), velocity.end(), of.velocity.begin());
+	std::copy(stress.begin(), stress.end(), of.stress.begin());
+	nodeLoops<D>().mapMotion(w, of);
 }
 
-template <int D> void SolidMotion<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt)
+template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt)
 {
-	const double chi = kept;
-	if constexpr (D == 2) {
-		planeLoops().gatherMotion(
-		        w,
-		        { solved[0],
-		          { velocity[0], velocity[1] },
-		          { position[0], position[1] },
-		          { displacement[0], displacement[1] },
-		          { gradient[0], gradient[1], gradient[2], gradient[3] },
-		          chi,
-		          dt });
-		return;
-	}
-	for (int k = 0; k < w.count; ++k) {
-		const int p = w.first + k;
-		Vec<D>    change {}, v {};
-		double    l[D][D] = {};
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
-			const double* r = solved[node];
-			for (int i = 0; i < D; ++i) {
-				change[i] += s * r[i];
-				v[i] += s * r[D + i];
-				for (int j = 0; j < D; ++j)
-					l[i][j] += g[j] * r[D + i];
-			}
-		});
-		for (int i = 0; i < D; ++i) {
-			velocity[i][p] = chi * velocity[i][p] + change[i];
-			position[i][p] += dt * v[i];
-			displacement[i][p] += dt * v[i];
-			for (int j = 0; j < D; ++j)
-				gradient[i * D + j][p] = dt * l[i][j];
-		}
-	}
+	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt });
 }
 
 template class SolidMotion<2>;

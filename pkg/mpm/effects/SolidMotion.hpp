@@ -21,11 +21,11 @@ public:
 	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool replacesMean = true);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 
-	/// Adds mass, momentum and internal force of a block; the mean stress is that of meanStress. In 2-D maps capacity and capacity
-	/// times (carried - carriedFrom) along, if not null.
-	void map(const Grid<D>& grid, const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
+	/// Adds mass, momentum and internal force of a block; the mean stress is that of meanStress. Maps capacity and capacity times
+	/// (carried - carriedFrom) along, if not null, where records Moving have columns for them.
+	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
 	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt);
+	void gather(const WeightBlock<D>& w, double dt);
 
 	const MotionSettings<D>* settings;
 	double                   kept = 1.0; ///< chi of this step, see keptFraction()
@@ -39,7 +39,7 @@ public:
 	double*                    meanStress; ///< total mean stress that the momentum balance uses [Pa]; null: that of the stress
 
 	NodeField<Record::size> nodes;
-	NodeField<2 * D>        solved; ///< chi dt a + (1 - chi) v, then v
+	NodeField<2 * D>        solved; ///< records NodeColumns::Solved: chi dt a + (1 - chi) v, then v
 
 private:
 	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, meanStress_ = -1;

@@ -218,7 +218,7 @@ template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D
 		const int p = w.first + k;
 		if (!near(p)) continue;
 		if (water_) mappedLiquid_[p] = liquidMass(p);
-		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(grid, w, k);
+		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(w, k);
 	}
 }
 
@@ -230,7 +230,7 @@ template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightB
 	for (int i = 0; i < D; ++i)
 		mean += motion_->stress[i][p];
 	const double replace = motion_->meanStress ? motion_->meanStress[p] - mean * (1.0 / D) : 0.0;
-	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 		if (slot_[node] < 0) return;
 		double* r = record(slot_[node]);
 		r[massAt] += s * m;
@@ -254,12 +254,12 @@ template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightB
 	});
 }
 
-template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k)
+template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
 {
 	const int    p      = w.first + k;
 	const double volume = motion_->volume[p], pressure = water_ ? water_->pressure[p] : 0.0;
 	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0;
-	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 		if (slot_[node] < 0) return;
 		double* r = record(slot_[node]);
 		r[thawedVolumeAt] += s * volume;
@@ -272,10 +272,10 @@ template <int D> void ThawFront<D>::addThawed(const Grid<D>& grid, const WeightB
 	});
 }
 
-template <int D> void ThawFront<D>::push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force)
+template <int D> void ThawFront<D>::push(const WeightBlock<D>& w, int k, const Vec<D>& force)
 {
 	if (!present() || !near(w.first + k) || !frozen(w.first + k)) return;
-	overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>&) {
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 		if (slot_[node] < 0) return;
 		for (int i = 0; i < D; ++i)
 			record(slot_[node])[forceAt + i] += s * force[i];
@@ -608,73 +608,95 @@ namespace {
 	}
 } // namespace
 
+/// Sums of the results of front nodes over the support of a point.
+template <int D> struct ThawFront<D>::AtPoint {
+	double side[sideSize]               = {}; ///< of its own side
+	double gradient[D][D]               = {}; ///< of velocity component i along axis j at [j][i]
+	double product[D][limitAt - slipAt] = {}; ///< slip, lacking and widening times component j of the normal at [j]
+	Vec<D> slipping {};
+	double limit = 0.0, weight = 0.0;
+	double slip(int i, int j) const { return product[j][i]; }
+	double lacking(int i, int j) const { return product[j][lackingAt - slipAt + i]; }
+	double widening(int i, int j) const { return product[j][wideningAt - slipAt + i]; }
+};
+
+template <int D> typename ThawFront<D>::AtPoint ThawFront<D>::sum(const WeightBlock<D>& w, int k, bool thawed) const
+{
+	AtPoint   sums;
+	const int offset = thawed ? sideSize : 0;
+	overNodes<D>(
+	        w, k, [&](int node, double s, const Vec<D>& g) __attribute__((always_inline)) {
+		        if (slot_[node] < 0) return;
+		        const double* const r = result(slot_[node]);
+#pragma GCC unroll 1
+		        for (int c = 0; c < sideSize; ++c)
+			        sums.side[c] += s * r[offset + c];
+		        for (int j = 0; j < D; ++j)
+			        for (int i = 0; i < D; ++i)
+				        sums.gradient[j][i] += r[offset + velocityAt + i] * g[j];
+		        if (!thawed) return;
+		        sums.weight += s;
+		        for (int i = 0; i < D; ++i) {
+			        sums.limit += s * r[limitAt + i] * r[normalAt + i];
+			        sums.slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i]);
+		        }
+		        for (int j = 0; j < D; ++j)
+#pragma GCC unroll 1
+			        for (int c = 0; c < limitAt - slipAt; ++c)
+				        sums.product[j][c] += s * r[slipAt + c] * r[normalAt + j];
+	        });
+	return sums;
+}
+
 template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine)
 {
 	if (!present()) return;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
-		const bool thawed = !frozen(p);
-		const int  offset = thawed ? sideSize : 0;
-		Vec<D>     velocity {}, gain {}, liquidGain {}, slipping {};
-		double     gradient[D][D] = {}, slip[D][D] = {}, lacking[D][D] = {}, widening[D][D] = {}, limit = 0.0, weight = 0.0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
-			if (slot_[node] < 0) return;
-			const double* r = result(slot_[node]);
-			for (int i = 0; i < D; ++i) {
-				velocity[i] += s * r[offset + velocityAt + i];
-				gain[i] += s * r[offset + gainAt + i];
-				liquidGain[i] += s * r[offset + liquidGainAt + i];
-				for (int j = 0; j < D; ++j)
-					gradient[i][j] += r[offset + velocityAt + i] * g[j];
-			}
-			if (!thawed) return;
-			weight += s;
-			for (int i = 0; i < D; ++i) {
-				limit += s * r[limitAt + i] * r[normalAt + i];
-				slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i]);
-				for (int j = 0; j < D; ++j) {
-					slip[i][j] += s * r[slipAt + i] * r[normalAt + j];
-					widening[i][j] += s * r[wideningAt + i] * r[normalAt + j];
-					lacking[i][j] += s * r[lackingAt + i] * r[normalAt + j];
-				}
-			}
-		});
+		const bool    thawed     = !frozen(p);
+		const AtPoint sums       = sum(w, k, thawed);
+		double        slip[D][D] = {};
 		if (thawed) {
 			// ground without pressure of its own would only open further
 			double trace = 0.0;
 			for (int i = 0; i < D; ++i)
 				trace += motion_->stress[i][p];
-			for (int i = 0; i < D && trace < 0.0; ++i)
-				for (int j = 0; j < D; ++j)
-					slip[i][j] += dilatancy_[p] * widening[i][j];
-			limitStrain(slip, limit / (weight * modulus_[p] * dt));
+			for (int i = 0; i < D; ++i)
+				for (int j = 0; j < D; ++j) {
+					slip[i][j] = sums.slip(i, j);
+					if (trace < 0.0) slip[i][j] += dilatancy_[p] * sums.widening(i, j);
+				}
+			limitStrain(slip, sums.limit / (sums.weight * modulus_[p] * dt));
 			// water holds the normal stress by itself; what grains gained would be taken off its pressure
-			if (!water_) lead(p, dt, limit / weight, slip, lacking);
+			if (!water_) lead(p, dt, sums, slip);
 		}
 		for (int i = 0; i < D; ++i) {
-			motion_->velocity[i][p] += gain[i];
+			const double velocity = sums.side[velocityAt + i];
+			motion_->velocity[i][p] += sums.side[gainAt + i];
 			// water that came by seepage since has diluted the momentum
-			if (water_) water_->velocity[i][p] += liquidGain[i] * (mappedLiquid_[p] / liquidMass(p));
-			motion_->position[i][p] += dt * velocity[i];
-			motion_->displacement[i][p] += dt * velocity[i];
+			if (water_) water_->velocity[i][p] += sums.side[liquidGainAt + i] * (mappedLiquid_[p] / liquidMass(p));
+			motion_->position[i][p] += dt * velocity;
+			motion_->displacement[i][p] += dt * velocity;
 			for (int j = 0; j < D; ++j) {
-				motion_->gradient[i * D + j][p] += dt * gradient[i][j];
+				motion_->gradient[i * D + j][p] += dt * sums.gradient[j][i];
 				strain_[i * D + j][p] = dt * slip[i][j];
 			}
 		}
-		slip_[p] += dt * std::sqrt(dot<D>(slipping, slipping));
-		if (affine) affine->addGradient(grid, w, k, [&](int node) { return slot_[node] < 0 ? nullptr : result(slot_[node]) + offset + velocityAt; });
+		slip_[p] += dt * lengthOf<D>(sums.slipping);
+		if (affine)
+			affine->addGradient(
+			        grid, w, k, [&](int node) { return slot_[node] < 0 ? nullptr : result(slot_[node]) + (thawed ? sideSize : 0) + velocityAt; });
 	}
 }
 
 /// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
-/// settling: settlingStress times the reaction per area [Pa].
-template <int D> void ThawFront<D>::lead(int p, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D])
+template <int D> void ThawFront<D>::lead(int p, double dt, const AtPoint& sums, double (&slip)[D][D])
 {
-	double pressure = 0.0, square = 0.0;
+	const double settling = sums.limit / sums.weight; // settlingStress times the reaction per area [Pa]
+	double       pressure = 0.0, square = 0.0;
 	for (int i = 0; i < D; ++i) {
-		pressure += lacking[i][i];
+		pressure += sums.lacking(i, i);
 		for (int j = 0; j < D; ++j)
 			square += slip[i][j] * slip[i][j];
 	}
@@ -686,7 +708,7 @@ template <int D> void ThawFront<D>::lead(int p, double dt, double settling, doub
 	led_[p] += strain;
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
-			slip[i][j] += strain * lacking[i][j] / (pressure * dt);
+			slip[i][j] += strain * sums.lacking(i, j) / (pressure * dt);
 }
 
 template <int D> void ThawFront<D>::addSlip(int first, int last)

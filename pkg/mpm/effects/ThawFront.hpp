@@ -8,6 +8,7 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
 
@@ -67,7 +68,7 @@ public:
 	/// Adds what the points of a block near the front bring to the front nodes; affine may be null.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
-	void push(const Grid<D>& grid, const WeightBlock<D>& w, int k, const Vec<D>& force);
+	void push(const WeightBlock<D>& w, int k, const Vec<D>& force);
 	/// Adds the weight of the frozen side; call before mirrors are folded.
 	void addGravity();
 	/// Gives the frozen side its part, by mass, of a surface load on a node [N]; call before mirrors are folded.
@@ -127,7 +128,7 @@ private:
 	void          markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 	void          markNear();
 	void          addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine);
-	void          addThawed(const Grid<D>& grid, const WeightBlock<D>& w, int k);
+	void          addThawed(const WeightBlock<D>& w, int k);
 	void          fold(const Mirrors& mirrors);
 	void          unfold(const Mirrors& mirrors, Vec<D>& impulse);
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
@@ -139,7 +140,9 @@ private:
 	double        lackingPressure(const Meeting& meeting) const;
 	double        widenedShare(const Meeting& meeting) const;
 	void          correct(int slot);
-	void          lead(int place, double dt, double settling, double (&slip)[D][D], const double (&lacking)[D][D]);
+	struct AtPoint;
+	TALIK_PROCESSOR_VERSIONS AtPoint sum(const WeightBlock<D>& w, int k, bool thawed) const;
+	void                             lead(int place, double dt, const AtPoint& sums, double (&slip)[D][D]);
 
 	ThawFrontSettings          settings_;
 	PointFields::Handle        sideField_, slipField_, ledField_, strainField_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/kernels/NodeLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -95,7 +96,7 @@ template <int D> void FreeSurface<D>::findNeeded(const Grid<D>& grid, const Cell
 		widen(stride_[a]);
 }
 
-template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock<D>& w)
+template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 {
 	if (cells_) {
 		bool any = false;
@@ -103,17 +104,7 @@ template <int D> void FreeSurface<D>::map(const Grid<D>& grid, const WeightBlock
 			any |= needed_[place_[cells_->cell(w.first + k)]] != 0;
 		if (!any) return;
 	}
-	for (int k = 0; k < w.count; ++k) {
-		const double v     = volume_[w.first + k];
-		const double kappa = conductivity_ ? conductivity_[w.first + k] : 0.0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
-			double* r = nodes[node];
-			for (int i = 0; i < D; ++i)
-				r[i] += v * g[i];
-			r[D] += s * v;
-			r[D + 1] += s * v * kappa;
-		});
-	}
+	nodeLoops<D>().mapSurface(w, volume_, conductivity_, nodes[0]);
 }
 
 template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/NodeField.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
@@ -19,7 +20,7 @@ template <int D> struct SurfacePatch {
 /// surface, at nodes near an empty cell.
 template <int D> class FreeSurface {
 public:
-	static constexpr int mapSize = D + 2; ///< area vector, volume, volume times conductivity
+	using Record = typename NodeColumns<D>::Surface;
 
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* conductivity);
 	/// Ground that touches the grid's box rests against a wall there; the rest of its surface is free. Air comes in from the top, and in
@@ -28,7 +29,7 @@ public:
 
 	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
 	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
-	void map(const Grid<D>& grid, const WeightBlock<D>& w);
+	void map(const WeightBlock<D>& w);
 	/// Lists the nodes of every boundary that uses the surface, but for those that face bodies.
 	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
 
@@ -38,7 +39,7 @@ public:
 	/// Mean conductivity around a node [W/(m K)].
 	double conductivity(int node) const { return nodes[node][D + 1] / nodes[node][D]; }
 
-	NodeField<mapSize> nodes;
+	NodeField<Record::size> nodes;
 
 private:
 	/// True if the ground near a node rests against the box along axis: that part of its area belongs to the wall.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/thm/Errors.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,41 @@
 namespace talik {
 
 namespace {
+	/// Factors and slopes along one axis of points whose support is the node and those beside it that lie nearest; adds the axis' share to base.
+	TALIK_PROCESSOR_VERSIONS void quadraticSpline(
+	        int count, const double* x, double lower, double inverseSpacing, int stride, int* base, double (&value)[supportNodes][blockSize],
+	        double (&slope)[supportNodes][blockSize])
+	{
+		// positions are no part of the block
+#pragma GCC ivdep
+		for (int k = 0; k < count; ++k) {
+			const double s    = (x[k] - lower) * inverseSpacing + 0.5; // half a cell behind the node coordinate: never negative inside the box
+			const int    node = static_cast<int>(s);
+			const double f    = s - node; // 0 .. 1 from the middle between the first two nodes
+			base[k] += node * stride;
+			value[0][k] = 0.5 * (1.0 - f) * (1.0 - f);
+			value[1][k] = 0.5 + f * (1.0 - f);
+			value[2][k] = 0.5 * f * f;
+			slope[0][k] = (f - 1.0) * inverseSpacing;
+			slope[1][k] = (1.0 - 2.0 * f) * inverseSpacing;
+			slope[2][k] = f * inverseSpacing;
+		}
+	}
+
+	void                          formProducts(WeightBlock<2>&) {}
+	TALIK_PROCESSOR_VERSIONS void formProducts(WeightBlock<3>& w)
+	{
+		for (int row = 0; row < supportRows<3>; ++row) {
+			const int y = row % supportNodes, z = row / supportNodes;
+#pragma GCC ivdep
+			for (int k = 0; k < w.count; ++k) {
+				w.product[0][row][k] = w.value[1][y][k] * w.value[2][z][k];
+				w.product[1][row][k] = w.slope[1][y][k] * w.value[2][z][k];
+				w.product[2][row][k] = w.value[1][y][k] * w.slope[2][z][k];
+			}
+		}
+	}
+
 	/// N = 3/4 - xi^2 for |xi| <= 1/2, (3/2 - |xi|)^2/2 up to 3/2, xi = (x - x_I)/h.
 	template <int D> class QuadraticBSpline final : public ShapeFunction<D> {
 	public:
@@ -27,7 +62,7 @@ namespace {
 		}
 		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
 		{
-			planeLoops().spline(count, x, grid.lower()[axis], grid.inverseSpacing(), grid.nodeStride(axis), w.base, w.value[axis], w.slope[axis]);
+			quadraticSpline(count, x, grid.lower()[axis], grid.inverseSpacing(), grid.nodeStride(axis), w.base, w.value[axis], w.slope[axis]);
 		}
 	};
 
@@ -146,6 +181,7 @@ void ShapeFunction<D>::evaluate(const Grid<D>& grid, const std::array<const doub
 	}
 	for (int a = 0; a < D; ++a)
 		along(grid, a, position[a] + first, count, w);
+	formProducts(w);
 }
 
 template <int D> void ShapeFunction<D>::moveToFace(const Grid<D>& grid, const Vec<D>& toFace, int k, WeightBlock<D>& w) const

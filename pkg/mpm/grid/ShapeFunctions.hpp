@@ -23,7 +23,7 @@ public:
 	virtual double steepness() const = 0;
 	/// Weights of count <= blockSize points from place first on; position[axis] are whole arrays.
 	void evaluate(const Grid<D>& grid, const std::array<const double*, D>& position, int first, int count, WeightBlock<D>& weights) const;
-	/// Moves the values (not the slopes) of one point of a block to its face at toFace from the middle, for points as wide as toFace is
+	/// Moves the values (not slopes, not products) of one point of a block to its face at toFace from the middle, for points as wide as toFace is
 	/// twice long: to what the slopes of such points behind it, times their width, add up to. A pressure on the face then balances
 	/// the same stress in all points behind; put at the middle of the point it leaves stripes, for the face is where ground ends.
 	void moveToFace(const Grid<D>& grid, const Vec<D>& toFace, int point, WeightBlock<D>& weights) const;
@@ -48,7 +48,7 @@ std::vector<std::string> shapeFunctionNames();
 template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::string& name);
 
 /// work(node, S, G) for every node of point k of the block; G is the gradient of S [1/m].
-template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const Grid<D>&, const WeightBlock<D>& w, int k, Work&& work)
+template <int D, class Work> [[gnu::always_inline]] inline void overNodes(const WeightBlock<D>& w, int k, Work&& work)
 {
 	const int base = w.base[k];
 #pragma GCC unroll 9

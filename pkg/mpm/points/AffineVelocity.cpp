@@ -24,7 +24,7 @@ template <int D> void AffineVelocity<D>::map(const Grid<D>& grid, const WeightBl
 		for (int i = 0; i < D; ++i)
 			for (int j = 0; j < D; ++j)
 				momentum[i][j] = motion.mass[p] * gradient[i * D + j][p];
-		overSupport(grid, w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
+		overSupport(w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
 			double* r = motion.nodes[node] + motion.momentumAt;
 			for (int i = 0; i < D; ++i) {
 				double sum = 0.0;
@@ -46,7 +46,7 @@ template <int D> template <bool Apic> void AffineVelocity<D>::gatherBlock(const 
 	for (int k = 0; k < w.count; ++k) {
 		const auto arms    = armsOf(w, k, grid.spacing());
 		double     c[D][D] = {};
-		overSupport(grid, w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
+		overSupport(w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
 			const double* v = motion.solved[node] + D;
 			for (int j = 0; j < D; ++j) {
 				const double factor = Apic ? s * arms[j].distance[index[j]] / arms[j].moment : g[j];

@@ -22,7 +22,7 @@ public:
 	{
 		const int  p    = w.first + k;
 		const auto arms = armsOf(w, k, grid.spacing());
-		overSupport(grid, w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
+		overSupport(w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
 			Vec<D> momentum {};
 			for (int i = 0; i < D; ++i) {
 				for (int j = 0; j < D; ++j)
@@ -36,7 +36,7 @@ public:
 	template <class Velocity> void addGradient(const Grid<D>& grid, const WeightBlock<D>& w, int k, Velocity&& velocityAt) const
 	{
 		const auto arms = armsOf(w, k, grid.spacing());
-		overSupport(grid, w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
+		overSupport(w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
 			const double* v = velocityAt(node);
 			if (!v) return;
 			for (int j = 0; j < D; ++j) {
@@ -72,10 +72,10 @@ private:
 		return arms;
 	}
 	/// work(node, S, grad S, index along each axis) for the nodes of the support of point k of the block.
-	template <class Work> static void overSupport(const Grid<D>& grid, const WeightBlock<D>& w, int k, Work&& work)
+	template <class Work> static void overSupport(const WeightBlock<D>& w, int k, Work&& work)
 	{
 		int n = 0;
-		overNodes<D>(grid, w, k, [&](int node, double s, const Vec<D>& g) {
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 			std::array<int, D> index;
 			for (int a = 0, rest = n; a < D; ++a, rest /= supportNodes)
 				index[a] = rest % supportNodes;

@@ -21,36 +21,70 @@ template <int D> void MaterialPoints<D>::allocate(int count)
 	from_    = id_;
 	scratch_ = id_;
 	skeleton_.assign(count, 0);
-	cell_.assign(count, 0);
+	number_.assign(count, 0);
 }
+
+namespace {
+	/// Order of the points. In the plane it is that of their cells. In space points with the same support follow each other within a strip,
+	/// so that the loops over nodes may keep the support in registers; it changes in the middle of a cell.
+	template <int D> class Order {
+	public:
+		Order(const Grid<D>& grid, const std::array<const double*, D>& position)
+		        : grid_(grid)
+		        , position_(position)
+		{}
+		int of(int p) const
+		{
+			int number = 0;
+			for (int a = 0; a < D; ++a) {
+				const double cells = (position_[a][p] - grid_.lower()[a]) * grid_.inverseSpacing();
+				if (D == 2) {
+					number += std::clamp(static_cast<int>(cells), 0, grid_.cells(a) - 1) * grid_.cellStride(a);
+					continue;
+				}
+				const int half  = std::clamp(static_cast<int>(2.0 * cells), 0, 2 * grid_.cells(a) - 1);
+				const int strip = a == grid_.slowAxis() ? half / (2 * Strips::rows) : 0;
+				number += ((half + 1) / 2 + strip) * grid_.nodeStride(a);
+			}
+			return number;
+		}
+		/// Smallest number of a strip.
+		int ofStrip(int strip) const
+		{
+			const int axis = grid_.slowAxis();
+			return D == 2 ? std::min(strip * Strips::rows * grid_.cellStride(axis), grid_.cellCount())
+			              : strip * (Strips::rows + 1) * grid_.nodeStride(axis);
+		}
+
+	private:
+		const Grid<D>&               grid_;
+		std::array<const double*, D> position_;
+	};
+} // namespace
 
 template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 {
-	const int n = count();
-	for (int p = 0; p < n; ++p) {
-		int c = 0;
-		for (int a = 0; a < D; ++a) {
-			const int i = static_cast<int>((position(a)[p] - grid.lower()[a]) * grid.inverseSpacing());
-			c += std::min(std::max(i, 0), grid.cells(a) - 1) * grid.cellStride(a);
-		}
-		cell_[p] = c;
-	}
-
-	cellStart_.assign(grid.cellCount() + 1, 0);
+	const int                    n = count();
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = position(a);
+	const Order<D> order(grid, x);
+	strips_.axis     = grid.slowAxis();
+	const int strips = (grid.cells(strips_.axis) + Strips::rows - 1) / Strips::rows;
 	for (int p = 0; p < n; ++p)
-		++cellStart_[cell_[p] + 1];
-	for (int c = 0; c < grid.cellCount(); ++c)
-		cellStart_[c + 1] += cellStart_[c];
+		number_[p] = order.of(p);
 
-	strips_.axis       = grid.slowAxis();
-	const int rowCells = grid.cellStride(strips_.axis);
-	const int count    = (grid.cells(strips_.axis) + Strips::rows - 1) / Strips::rows;
-	strips_.first.resize(count + 1);
-	for (int s = 0; s <= count; ++s)
-		strips_.first[s] = cellStart_[std::min(s * Strips::rows * rowCells, grid.cellCount())];
+	start_.assign(order.ofStrip(strips) + 1, 0);
+	for (int p = 0; p < n; ++p)
+		++start_[number_[p] + 1];
+	for (std::size_t k = 1; k < start_.size(); ++k)
+		start_[k] += start_[k - 1];
+	strips_.first.resize(strips + 1);
+	for (int s = 0; s <= strips; ++s)
+		strips_.first[s] = start_[order.ofStrip(s)];
 
 	for (int p = 0; p < n; ++p)
-		from_[cellStart_[cell_[p]]++] = p;
+		from_[start_[number_[p]]++] = p;
 
 	const auto reorder = [&](std::vector<int>& values) {
 		for (int k = 0; k < n; ++k)

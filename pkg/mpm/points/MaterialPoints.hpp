@@ -43,7 +43,7 @@ private:
 	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
 };
 
-/// The material points: contiguous arrays, one per component, sorted by grid cell so that neighbours in space are neighbours in
+/// The material points: contiguous arrays, one per component, sorted so that neighbours in space are neighbours in
 /// memory. A point's place in the arrays changes when points are sorted; its id does not.
 template <int D> class MaterialPoints {
 public:
@@ -70,7 +70,8 @@ public:
 	int*       skeletons() { return skeleton_.data(); }
 	const int* skeletons() const { return skeleton_.data(); }
 
-	/// Sorts by cell (stable) and cuts the points into strips.
+	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
+	/// same support.
 	void sort(const Grid<D>& grid);
 	/// How often the points were sorted: caches of places are valid as long as it stands.
 	long order() const { return order_; }
@@ -85,7 +86,7 @@ private:
 	PointFields         fields_;
 	PointFields::Handle position_, volume_;
 	std::vector<int>    id_, place_, skeleton_;
-	std::vector<int>    cell_, from_, cellStart_, scratch_;
+	std::vector<int>    number_, from_, start_, scratch_;
 	Strips              strips_;
 	long                order_ = 0;
 };

@@ -3,6 +3,8 @@
 
 #include <pkg/mpm/grid/Vector.hpp>
 
+#include <cstddef>
+
 namespace talik {
 
 /// Strain and rotation of one step at the middle of the step (Hughes and Winget): a rigid rotation gives no strain and turns
@@ -54,66 +56,56 @@ template <> struct MidpointIncrement<3> {
 
 	explicit MidpointIncrement(const double* g)
 	{
-		double m[3][3], h[3][3];
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j)
-				m[i][j] = 0.5 * g[i * 3 + j] + (i == j ? 1.0 : 0.0);
-		double inverse[3][3];
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j) {
-				const int a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
-				inverse[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-			}
-		const double det = m[0][0] * inverse[0][0] + m[0][1] * inverse[1][0] + m[0][2] * inverse[2][0];
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j) {
-				h[i][j] = 0.0;
-				for (int k = 0; k < 3; ++k)
-					h[i][j] += g[i * 3 + k] * inverse[k][j];
-				h[i][j] /= det;
-			}
-		for (int i = 0; i < 3; ++i)
-			for (int j = i; j < 3; ++j)
-				strain[stressIndex<3>(i, j)] = 0.5 * (h[i][j] + h[j][i]);
-		// Cayley transform of the skew part: Q = 1 + 2/(1 + t.t) (T + T^2)
+		// h = G (1 + G/2)^-1
+		double m[3][3], adjugate[3][3], h[3][3];
+		fill(m, [&](int i, int j) { return 0.5 * g[i * 3 + j] + (i == j ? 1.0 : 0.0); });
+		fill(adjugate, [&](int i, int j) {
+			const int a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+			return m[a][c] * m[b][d] - m[a][d] * m[b][c];
+		});
+		const double perDeterminant = 1.0 / (m[0][0] * adjugate[0][0] + m[0][1] * adjugate[1][0] + m[0][2] * adjugate[2][0]);
+		fill(h, [&](int i, int j) {
+			return (g[i * 3] * adjugate[0][j] + g[i * 3 + 1] * adjugate[1][j] + g[i * 3 + 2] * adjugate[2][j]) * perDeterminant;
+		});
+		fillSymmetric(strain, [&](int i, int j) { return 0.5 * (h[i][j] + h[j][i]); });
+		// Cayley transform of the skew part: Q = 1 + 2/(1 + t.t) (T + T^2), T^2 = t t - t.t 1
 		const double t[3]    = { 0.25 * (h[2][1] - h[1][2]), 0.25 * (h[0][2] - h[2][0]), 0.25 * (h[1][0] - h[0][1]) };
 		const double T[3][3] = { { 0.0, -t[2], t[1] }, { t[2], 0.0, -t[0] }, { -t[1], t[0], 0.0 } };
-		const double scale   = 2.0 / (1.0 + t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j) {
-				double square = 0.0;
-				for (int k = 0; k < 3; ++k)
-					square += T[i][k] * T[k][j];
-				q[i][j] = (i == j ? 1.0 : 0.0) + scale * (T[i][j] + square);
-			}
+		const double square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2], scale = 2.0 / (1.0 + square);
+		fill(q, [&](int i, int j) { return scale * (T[i][j] + t[i] * t[j]) + (i == j ? 1.0 - scale * square : 0.0); });
 	}
 	/// stress xx, yy, zz, yz, xz, xy
 	void rotate(double* s) const
 	{
-		double half[3][3], turned[6];
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j) {
-				half[i][j] = 0.0;
-				for (int k = 0; k < 3; ++k)
-					half[i][j] += q[i][k] * s[stressIndex<3>(k, j)];
-			}
-		for (int i = 0; i < 3; ++i)
-			for (int j = i; j < 3; ++j) {
-				double sum = 0.0;
-				for (int k = 0; k < 3; ++k)
-					sum += half[i][k] * q[j][k];
-				turned[stressIndex<3>(i, j)] = sum;
-			}
-		for (int c = 0; c < 6; ++c)
-			s[c] = turned[c];
+		double half[3][3];
+		fill(half,
+		     [&](int i, int j) { return q[i][0] * s[stressIndex<3>(0, j)] + q[i][1] * s[stressIndex<3>(1, j)] + q[i][2] * s[stressIndex<3>(2, j)]; });
+		fillSymmetric(s, [&](int i, int j) { return half[i][0] * q[j][0] + half[i][1] * q[j][1] + half[i][2] * q[j][2]; });
 	}
 	void addElastic(double* s, double lambda, double shear) const
 	{
 		const double volumetric = lambda * (strain[0] + strain[1] + strain[2]);
+		fillSymmetric(
+		        s, [&](int i, int j) { return s[stressIndex<3>(i, j)] + ((i == j ? volumetric : 0.0) + 2.0 * shear * strain[stressIndex<3>(i, j)]); });
+	}
+
+private:
+	// loops over points are vectors only where those over components are unrolled
+	template <class Entry> static void fill(double (&m)[3][3], Entry&& entry)
+	{
+#pragma GCC unroll 3
 		for (int i = 0; i < 3; ++i)
-			s[i] += volumetric;
-		for (int c = 0; c < 6; ++c)
-			s[c] += 2.0 * shear * strain[c];
+#pragma GCC unroll 3
+			for (int j = 0; j < 3; ++j)
+				m[i][j] = entry(i, j);
+	}
+	template <class Entry> static void fillSymmetric(double* s, Entry&& entry)
+	{
+#pragma GCC unroll 3
+		for (int i = 0; i < 3; ++i)
+#pragma GCC unroll 3
+			for (int j = i; j < 3; ++j)
+				s[stressIndex<3>(i, j)] = entry(i, j);
 	}
 };
 
@@ -126,5 +118,20 @@ struct LameModuli {
 	{}
 	double oedometer() const { return lambda + 2.0 * shear; }
 };
+
+/// Arrays of points from a place on.
+template <class T, std::size_t n> std::array<T*, n> from(std::array<T*, n> fields, int place)
+{
+	for (T*& field : fields)
+		field += place;
+	return fields;
+}
+
+/// Hooke's law for the midpoint increments of count points in sequence: displacement gradient and stress [Pa] begin with the first, order
+/// of stressIndex<D>(); Lame's moduli of each [Pa].
+template <int D>
+void updateElastic(
+        int count, const double* lambda, const double* shear, const std::array<const double*, D * D>& gradient,
+        const std::array<double*, stressSize<D>>& stress);
 
 } // namespace talik

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Errors.hpp>
-#include <pkg/mpm/kernels/PlaneLoops.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 
@@ -30,56 +27,11 @@ namespace {
 		return std::sqrt(2.0 / 3.0 * sum) / (2.0 * shear);
 	}
 
-	/// Plane strain: two principal stresses in the plane, the third is zz. change(p) gets the principal stresses, largest first, and
-	/// says whether it changed them; returns the same.
-	template <class Change> bool inPrincipalStresses(double (&s)[4], Change&& change)
-	{
-		const double centre = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]);
-		const double radius     = std::sqrt(half * half + s[3] * s[3]);
-		const double inPlane[3] = { centre + radius, centre - radius, s[2] };
-		int          order[3]   = { 0, 1, 2 };
-		if (inPlane[2] > inPlane[0]) order[0] = 2, order[1] = 0, order[2] = 1;
-		else if (inPlane[2] > inPlane[1]) order[1] = 2, order[2] = 1;
-		double after[3] = { inPlane[order[0]], inPlane[order[1]], inPlane[order[2]] };
-		if (!change(after)) return false;
-		double corrected[3];
-		for (int i = 0; i < 3; ++i)
-			corrected[order[i]] = after[i];
-		const double newCentre = 0.5 * (corrected[0] + corrected[1]), newRadius = 0.5 * (corrected[0] - corrected[1]);
-		const double cosine = radius > 0.0 ? half / radius : 1.0, sine = radius > 0.0 ? s[3] / radius : 0.0;
-		s[0] = newCentre + newRadius * cosine;
-		s[1] = newCentre - newRadius * cosine;
-		s[2] = corrected[2];
-		s[3] = newRadius * sine;
-		return true;
-	}
-
-	template <class Change> bool inPrincipalStresses(double (&s)[6], Change&& change)
-	{
-		Eigen::Matrix3d tensor;
-		for (int i = 0; i < 3; ++i)
-			for (int j = 0; j < 3; ++j)
-				tensor(i, j) = s[stressIndex<3>(i, j)];
-		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(tensor);
-		const auto&                                          values   = spectrum.eigenvalues(); // ascending
-		double                                               after[3] = { values[2], values[1], values[0] };
-		if (!change(after)) return false;
-		tensor.setZero();
-		for (int k = 0; k < 3; ++k) {
-			const Eigen::Vector3d n = spectrum.eigenvectors().col(2 - k);
-			tensor += after[k] * n * n.transpose();
-		}
-		for (int i = 0; i < 3; ++i)
-			for (int j = i; j < 3; ++j)
-				s[stressIndex<3>(i, j)] = tensor(i, j);
-		return true;
-	}
-
 	/// Returns the plastic strain of the correction.
-	template <int N> double correct(const MohrCoulombState& m, double (&s)[N])
+	template <int D> double correct(const MohrCoulombState& m, PrincipalStresses<D>& stress)
 	{
 		double plastic = 0.0;
-		inPrincipalStresses(s, [&](double* p) {
+		stress.apply([&](double* p) {
 			const double before[3] = { p[0], p[1], p[2] };
 			if (!returnToMohrCoulomb(m, p)) return false;
 			plastic = equivalentStrain(before, p, m.shear);
@@ -89,62 +41,64 @@ namespace {
 	}
 
 	/// Takes tension above the limit off principal stresses; returns the sum of what was taken [Pa].
-	double cut(double limit, double* p)
+	template <int D> double cut(double limit, PrincipalStresses<D>& stress)
 	{
 		double taken = 0.0;
-		for (int i = 0; i < 3; ++i)
-			if (p[i] > limit) {
-				taken += p[i] - limit;
-				p[i] = limit;
-			}
+		stress.apply([&](double* p) {
+			for (int i = 0; i < 3; ++i)
+				if (p[i] > limit) {
+					taken += p[i] - limit;
+					p[i] = limit;
+				}
+			return taken > 0.0;
+		});
 		return taken;
 	}
 
-	/// Marks the points that cannot keep their trial stress, without finding the order of their principal stresses.
-	void findYielding(
-	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 4>& s, int count,
+	/// Marks the points in sequence that cannot keep their trial stress: some principal stress passes tensileStrength, or some pair of
+	/// them the cone of Mohr and Coulomb. Stresses that are not numbers count as yielding. In space points next to yielding are marked too.
+	TALIK_PROCESSOR_VERSIONS void findYielding(
+	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 4>& stress, int count,
 	        long long* yielding)
 	{
-		const double* const stress[4] = { s[0], s[1], s[2], s[3] };
-		planeLoops().findYielding(count, { cohesion, tensileStrength, m.sinFriction, m.cosFriction }, stress, yielding);
-	}
-	void findYielding(const MohrCoulombState&, const double*, const double*, const std::array<double*, 6>&, int count, long long* yielding)
-	{
-		std::fill(yielding, yielding + count, 1);
-	}
-
-	/// Elastic trial stress of points in sequence, from place first on; stress begins with the first.
-	void predict(const SkeletonBatch<2>& b, int first, int count, const double* lambda, const double* shear, const std::array<double*, 4>& s)
-	{
-		const double* const gradient[4] = { b.gradient[0] + first, b.gradient[1] + first, b.gradient[2] + first, b.gradient[3] + first };
-		double* const       stress[4]   = { s[0], s[1], s[2], s[3] };
-		planeLoops().elastic(count, lambda, shear, gradient, stress);
-	}
-	void predict(const SkeletonBatch<3>& b, int first, int count, const double* lambda, const double* shear, const std::array<double*, 6>& stress)
-	{
+		const double* const xx   = stress[0];
+		const double* const yy   = stress[1];
+		const double* const zz   = stress[2];
+		const double* const xy   = stress[3];
+		const double        sine = m.sinFriction, twoCosine = 2.0 * m.cosFriction;
+#pragma GCC ivdep
 		for (int k = 0; k < count; ++k) {
-			double gradient[9], s[6];
-			for (int c = 0; c < 9; ++c)
-				gradient[c] = b.gradient[c][first + k];
-			for (int c = 0; c < 6; ++c)
-				s[c] = stress[c][k];
-			const MidpointIncrement<3> increment(gradient);
-			increment.rotate(s);
-			increment.addElastic(s, lambda[k], shear[k]);
-			for (int c = 0; c < 6; ++c)
-				stress[c][k] = s[c];
+			const double centre = 0.5 * (xx[k] + yy[k]), half = 0.5 * (xx[k] - yy[k]);
+			const double radius = __builtin_sqrt(half * half + xy[k] * xy[k]), most = centre + radius, least = centre - radius;
+			const double high = most > zz[k] ? most : zz[k], low = least < zz[k] ? least : zz[k];
+			const double cone = (high - low) + (high + low) * sine - cohesion[k] * twoCosine, cut = high - tensileStrength[k];
+			yielding[k] = (cone > cut ? cone : cut) <= 0.0 ? 0 : 1;
 		}
 	}
-
-	template <int D> void loadStress(const std::array<double*, stressSize<D>>& stress, int k, double (&s)[stressSize<D>])
+	/// Eq. (23.3): the cone through the inner edges of that of Mohr and Coulomb. No principal stress passes the tensile strength t where t 1 - sigma
+	/// has no negative principal minor.
+	TALIK_PROCESSOR_VERSIONS void findYielding(
+	        const MohrCoulombState& m, const double* cohesion, const double* tensileStrength, const std::array<double*, 6>& stress, int count,
+	        long long* yielding)
 	{
-		for (int c = 0; c < stressSize<D>; ++c)
-			s[c] = stress[c][k];
-	}
-	template <int D> void storeStress(const double (&s)[stressSize<D>], const std::array<double*, stressSize<D>>& stress, int k)
-	{
-		for (int c = 0; c < stressSize<D>; ++c)
-			stress[c][k] = s[c];
+		const double* const xx   = stress[0];
+		const double* const yy   = stress[1];
+		const double* const zz   = stress[2];
+		const double* const yz   = stress[3];
+		const double* const xz   = stress[4];
+		const double* const xy   = stress[5];
+		const double        sine = m.sinFriction, cosine = m.cosFriction, edge = std::sqrt(1.0 + sine * sine / 3.0);
+#pragma GCC ivdep
+		for (int k = 0; k < count; ++k) {
+			const double mean = (xx[k] + yy[k] + zz[k]) * (1.0 / 3.0), dx = xx[k] - mean, dy = yy[k] - mean, dz = zz[k] - mean;
+			const double yz2 = yz[k] * yz[k], xz2 = xz[k] * xz[k], xy2 = xy[k] * xy[k], j2 = 0.5 * (dx * dx + dy * dy + dz * dz) + yz2 + xz2 + xy2;
+			const double cone = edge * __builtin_sqrt(j2) + sine * mean - cohesion[k] * cosine;
+			const double x = tensileStrength[k] - xx[k], y = tensileStrength[k] - yy[k], z = tensileStrength[k] - zz[k];
+			const double ofYz = y * z - yz2, ofXz = x * z - xz2, ofXy = x * y - xy2;
+			const double all   = x * ofYz - xy2 * z - xz2 * y - 2.0 * yz[k] * xz[k] * xy[k];
+			const double sides = std::min(std::min(x, y), z), faces = std::min(std::min(ofYz, ofXz), ofXy);
+			yielding[k] = (cone <= 0.0) & (sides >= 0.0) & (faces >= 0.0) & (all >= 0.0) ? 0 : 1;
+		}
 	}
 
 	/// phi(S_i) = 1 - (1 - S_i^m)^m
@@ -311,25 +265,19 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 		lambda[k] = piece.youngModulus[k] * unit.lambda;
 		shear[k]  = piece.youngModulus[k] * unit.shear;
 	}
-	std::array<double*, stressSize<D>> stress;
-	for (int c = 0; c < stressSize<D>; ++c)
-		stress[c] = b.stress[c] + first;
-	predict(b, first, count, lambda, shear, stress);
+	const std::array<double*, stressSize<D>> stress = from(b.stress, first);
+	updateElastic<D>(count, lambda, shear, from(b.gradient, first), stress);
 
 	long long yielding[pieceSize];
 	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
-	for (int k = 0; k < count; ++k) {
-		if (!yielding[k]) continue;
-		m.lambda          = lambda[k];
-		m.shear           = shear[k];
-		m.cohesion        = piece.cohesion[k];
-		m.tensileStrength = piece.tensileStrength[k];
-		double s[stressSize<D>];
-		loadStress<D>(stress, k, s);
+	overMarked(yielding, count, stress, [&](int k, PrincipalStresses<D>& s) {
+		m.lambda             = lambda[k];
+		m.shear              = shear[k];
+		m.cohesion           = piece.cohesion[k];
+		m.tensileStrength    = piece.tensileStrength[k];
 		const double plastic = correct(m, s);
-		storeStress<D>(s, stress, k);
 		if (plasticStrain) plasticStrain[first + k] += plastic;
-	}
+	});
 }
 
 template <int D>
@@ -383,8 +331,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 		takeIceOff(count, parts.keptIce, stress[c], ice[c]);
 		if (c < 3) addTo(count, parts.hidden, stress[c]);
 	}
-	predict(b, first, count, parts.grainLambda, parts.grainShear, stress);
-	predict(b, first, count, parts.iceLambda, parts.iceShear, ice);
+	updateElastic<D>(count, parts.grainLambda, parts.grainShear, from(b.gradient, first), stress);
+	updateElastic<D>(count, parts.iceLambda, parts.iceShear, from(b.gradient, first), ice);
 	partGrains(first, count, parts, stress);
 	for (int c = 0; c < stressSize<D>; ++c)
 		addTo(count, ice[c], stress[c]);
@@ -405,31 +353,27 @@ template <int D> void MohrCoulombSkeleton<D>::partGrains(int first, int count, c
 	for (int k = 0; k < count; ++k) {
 		opening[k] = 0.0;
 		// without ice the grains slide before they part: see limitSum
-		if (!parted[k] || !(parts.iceShear[k] > 0.0)) continue;
-		double s[stressSize<D>], taken = 0.0;
-		loadStress<D>(stress, k, s);
-		inPrincipalStresses(s, [&](double* p) { return (taken = cut(parts.grainTension[k], p)) > 0.0; });
-		storeStress<D>(s, stress, k);
-		opening[k] = taken / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
+		parted[k] = parted[k] && parts.iceShear[k] > 0.0;
 	}
+	overMarked(parted, count, stress, [&](int k, PrincipalStresses<D>& s) {
+		opening[k] = cut(parts.grainTension[k], s) / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
+	});
 }
 
 /// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without
 /// the share of dilation.
-template <int D>
-double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>])
+template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned)
 {
-	double undilated[stressSize<D>];
-	std::copy(returned, returned + stressSize<D>, undilated);
+	PrincipalStresses<D> undilated = returned;
 	if (m.sinDilation > 0.0) {
 		MohrCoulombState sheared = m;
 		sheared.sinDilation      = 0.0;
-		std::copy(trial, trial + stressSize<D>, undilated);
+		undilated                = trial;
 		correct(sheared, undilated);
 	}
 	double taken = 0.0;
 	for (int i = 0; i < 3; ++i)
-		taken += trial[i] - undilated[i];
+		taken += trial.normal(i) - undilated.normal(i);
 	return std::max(0.0, taken) / (3.0 * m.lambda + 2.0 * m.shear);
 }
 
@@ -445,28 +389,24 @@ void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, 
 	m.sinDilation = std::sin(dilationAngle * degree);
 	long long yielding[pieceSize];
 	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
-	for (int k = 0; k < count; ++k) {
-		if (!yielding[k]) continue;
-		m.lambda          = parts.grainLambda[k] + parts.iceLambda[k];
-		m.shear           = parts.grainShear[k] + parts.iceShear[k];
-		m.cohesion        = piece.cohesion[k];
-		m.tensileStrength = piece.tensileStrength[k];
-		const bool hasIce = m.shear > parts.grainShear[k];
-		double     s[stressSize<D>], before[stressSize<D>], taken = 0.0;
-		loadStress<D>(stress, k, s);
-		std::copy(s, s + stressSize<D>, before);
-		if (hasIce) inPrincipalStresses(s, [&](double* p) { return (taken = cut(m.tensileStrength, p)) > 0.0; });
+	overMarked(yielding, count, stress, [&](int k, PrincipalStresses<D>& s) {
+		m.lambda                          = parts.grainLambda[k] + parts.iceLambda[k];
+		m.shear                           = parts.grainShear[k] + parts.iceShear[k];
+		m.cohesion                        = piece.cohesion[k];
+		m.tensileStrength                 = piece.tensileStrength[k];
+		const bool                 hasIce = m.shear > parts.grainShear[k];
+		const PrincipalStresses<D> before = s;
+		const double               taken  = hasIce ? cut(m.tensileStrength, s) : 0.0;
 		plasticStrain[k] += correct(m, s);
-		storeStress<D>(s, stress, k);
 		if (!hasIce) {
 			opening[k] = openedBy(m, before, s);
-			continue;
+			return;
 		}
 		opening[k] += taken / (3.0 * m.lambda + 2.0 * m.shear);
 		const double share = parts.iceShear[k] / m.shear;
 		for (int c = 0; c < stressSize<D>; ++c)
-			fields_->component(iceStress_, c)[first + k] += share * (s[c] - before[c]);
-	}
+			fields_->component(iceStress_, c)[first + k] += share * (s.component(c) - before.component(c));
+	});
 }
 
 template <int D> void MohrCoulombSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
+#include <pkg/mpm/skeleton/PrincipalStresses.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
@@ -79,7 +80,7 @@ private:
 	void          updateRun(const SkeletonBatch<D>&, int first, int count);
 	void          updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
 	void          partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
-	static double openedBy(const MohrCoulombState& m, const double (&trial)[stressSize<D>], const double (&returned)[stressSize<D>]);
+	static double openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned);
 	void          limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 
 	PointFields*        fields_        = nullptr;

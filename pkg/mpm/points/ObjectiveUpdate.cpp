@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
+#include <pkg/thm/ProcessorVersions.hpp>
+
+namespace talik {
+
+namespace {
+	template <int D>
+	[[gnu::always_inline]] inline void update(
+	        int count, const double* lambda, const double* shear, std::array<const double*, D * D> gradient, std::array<double*, stressSize<D>> stress)
+	{
+		// fields of the points never overlap
+#pragma GCC ivdep
+		for (int p = 0; p < count; ++p) {
+			double g[D * D], s[stressSize<D>];
+			for (int c = 0; c < D * D; ++c)
+				g[c] = gradient[c][p];
+			for (int c = 0; c < stressSize<D>; ++c)
+				s[c] = stress[c][p];
+			const MidpointIncrement<D> increment(g);
+			increment.rotate(s);
+			increment.addElastic(s, lambda[p], shear[p]);
+			for (int c = 0; c < stressSize<D>; ++c)
+				stress[c][p] = s[c];
+		}
+	}
+} // namespace
+
+template <>
+TALIK_PROCESSOR_VERSIONS void updateElastic<2>(
+        int count, const double* lambda, const double* shear, const std::array<const double*, 4>& gradient, const std::array<double*, 4>& stress)
+{
+	update<2>(count, lambda, shear, gradient, stress);
+}
+
+template <>
+TALIK_PROCESSOR_VERSIONS void updateElastic<3>(
+        int count, const double* lambda, const double* shear, const std::array<const double*, 9>& gradient, const std::array<double*, 6>& stress)
+{
+	update<3>(count, lambda, shear, gradient, stress);
+}
+
+} // namespace talik
