@@ -29,7 +29,7 @@ class Preset:
 	days: float  # of thaw
 
 
-presets = {"test": Preset(1.8, 60, 18.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
+presets = {"test": Preset(1.8, 60, 36.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
 skeletons = ("samples", "MohrCoulomb")
 
 frozen, warm, porosity = -5.0, 10.0, 0.4  # [degC], [-]
@@ -151,22 +151,18 @@ def drawSlope(frame, mpm, path):
 	return plots.save(fig, path, dpi=110)
 
 
-def drawSection(frame, hill, middle, thickness, letters, path):
-	"""Fields along the axis of the hollow, with thaw front and former surface."""
-	near = np.abs(frame["position"][:, 1] - middle) < 0.5 * thickness
-	place, area = frame["position"][near][:, [0, 2]], frame["volume"][near] ** (2 / 3)
-	former = np.linspace(hill.lower[0], hill.upper[0], 200)
-	fig = plots.figure(13, 3.4)
+def drawSection(frame, mpm, hill, path):
+	"""Fields along the axis of the hollow."""
+	middle, former = 0.5 * (mpm.lower[1] + mpm.upper[1]), np.linspace(hill.lower[0], hill.upper[0], 200)
+	foot = hill.surface(np.array([barrierAt]), np.array([middle]))[0]
+	fig = plots.figure(13, 3.6)
 	for axes, name in zip(fig.subplots(1, 3, sharey=True), ("iceSaturation", "deviatoricStrain", "displacement")):
-		label, colourMap, limits = plots.slopeFields[name]
-		values = plots.magnitude(frame[name])[near]
-		plots.slopeField(axes, place, values, area, None, colourMap, (limits[0], limits[1]))
-		axes.figure.colorbar(axes.collections[0], ax=axes, label=label, location="bottom", shrink=0.8, aspect=30)
-		plots.thawFront(axes, place, frame["iceSaturation"][near], area)
+		plots3d.section(axes, frame, name, middle, mpm.lower, mpm.upper, colourMap={"displacement": "YlOrRd"}.get(name))
 		axes.plot(former, hill.surface(former, np.full(200, middle)), color="0.4", linestyle="--", linewidth=0.8)
-		axes.plot(2 * [barrierAt], hill.surface(np.array([barrierAt]), np.array([middle]))[0] + np.array([0, barrierHeight]), color="black", linewidth=2.5)
+		axes.plot(2 * [barrierAt], [foot, foot + barrierHeight], color="black", linewidth=2.5)
+		axes.set_ylim(0, hill.upper[2] + 0.3)
 		axes.set_ylabel("z [m]" if name == "iceSaturation" else "")
-	fig.suptitle(f"section at y = {middle:.1f} m, day {frame['day']:.0f}; crimson: thaw front, dashed: former surface, black: barrier", fontsize=10)
+	fig.suptitle(f"section at y = {middle:.1f} m, day {frame['day']:.0f}; crimson: thaw front; dashed: former surface; thick: barrier", fontsize=10)
 	return plots.save(fig, path, dpi=110)
 
 
@@ -243,9 +239,9 @@ def main():
 	points = watched(mpm) if options.skeleton == "samples" else {}
 	output.writeSummary(folder / "summary.json", **summary(run, options, points, started))
 	run.frames.save(folder / "frames.npz")
-	last, middle = run.frames.frames[-1], 0.5 * (mpm.lower[1] + mpm.upper[1])
+	last = run.frames.frames[-1]
 	drawSlope(last, mpm, folder / "slope.png")
-	drawSection(last, hill, middle, 0.5 * preset.gridSpacing, points, folder / "section.png")
+	drawSection(last, mpm, hill, folder / "section.png")
 	drawHistory(run.history, folder / "history.png")
 	if points:
 		drawSamples(mpm, points, folder / "samples.png", folder / "paraview")

@@ -36,7 +36,8 @@ smearing = 0.5  # standard deviation of a point on that raster, in spacings
 renderTimeout = 300  # [s]
 surfaceLevel = 0.45  # part of the volume filled at the surface
 frontSaturation = 0.5  # ice saturation at the thaw front
-frozenColour, bodyColour, grainColour = "#d6e6f2", "#8a8a8a", "#d9d3c7"
+frozenColour, cutColour, bodyColour, grainColour = "#d6e6f2", "#a07850", "#9a9a9a", "#d9d3c7"
+_bar = dict(shrink=0.7, aspect=35, pad=0.02)  # of colours
 viewFromSlope = (-50.0, 28.0)  # azimuth from x and elevation of the viewer [deg]: down the slope, to its right
 
 
@@ -67,7 +68,7 @@ def slope(axes, frame, field, lower, upper, stripped=None, bodies=(), view=viewF
 	norm = Normalize(low, max(high, low + 1e-12))
 	vertices, triangles, shown, bare = _surface(frame, values, lower, upper, stripped)
 	colours = colourMap(norm(shown))[:, :3]
-	colours[bare] = to_rgb(frozenColour)
+	colours[bare > 0.02], colours[bare > 0.98] = to_rgb(cutColour), to_rgb(frozenColour)
 	parts = [_mesh(vertices, triangles, colours)]
 	corners, faces = bodiesOfScene.mesh(bodies)
 	if len(faces):
@@ -76,12 +77,45 @@ def slope(axes, frame, field, lower, upper, stripped=None, bodies=(), view=viewF
 	place = _show(axes, parts, np.vstack([box, corners]) if len(faces) else box, view)
 	_scales(axes, place, box, view)
 	if bar:
-		axes.figure.colorbar(ScalarMappable(norm, colourMap), ax=axes, label=label, location="bottom", shrink=0.6, aspect=35, pad=0.02)
+		axes.figure.colorbar(ScalarMappable(norm, colourMap), ax=axes, label=label, location="bottom", ticks=MaxNLocator(6), **_bar)
+	return axes
+
+
+def section(axes, frame, field, y, lower, upper, limits=None, label=None, colourMap=None, bar=True):
+	"""Ground in space cut at a y [m]: a field over x and z, the outline of the ground black, the thaw front crimson where there is ice.
+
+	Arguments as those of slope(); vectors by their length.
+
+	>>> lattice = np.stack(np.meshgrid(*3 * [np.arange(8) + 0.5]), axis=-1).reshape(-1, 3)
+	>>> frame = {"position": lattice, "volume": np.ones(512), "displacement": 0.1 * lattice}
+	>>> drawn = talik.plots3d.section(axes, frame, "displacement", 4.2, (0, 0, 0), (8, 8, 10))"""
+	usual = slopeFields.get(field, (field, "viridis", (None, None)))
+	raster = _Raster(frame["position"], frame["volume"], lower, upper)
+	filled, values = raster.smeared(1.0), magnitude(frame[field])
+	row = int(np.clip((y - raster.lower[1]) / raster.step[1], 0, raster.shape[1] - 1))
+	cut = lambda smeared: smeared[:, row].T / np.maximum(filled[:, row].T, 1e-12)
+	level, shown = filled[:, row].T / surfaceLevel, cut(raster.smeared(values))
+	low, high = (given if given is not None else found for given, found in zip(limits or usual[2], finiteRange(shown[level >= 1])))
+	x, z = raster.nodes(0), raster.nodes(2)
+	drawn = axes.pcolormesh(
+		x, z, np.where(level >= 1, shown, np.nan), cmap=colourMap or usual[1], vmin=low, vmax=max(high, low + 1e-12), shading="nearest"
+	)
+	axes.contour(x, z, level, levels=[1.0], colors="black", linewidths=0.8)
+	if "iceSaturation" in frame:
+		ice = np.where(level >= 1, cut(raster.smeared(frame["iceSaturation"])), np.nan)
+		if np.nanmin(ice) < frontSaturation < np.nanmax(ice):
+			axes.contour(x, z, ice, levels=[frontSaturation], colors="crimson", linewidths=1.4)
+	axes.set_aspect("equal")
+	axes.set_xlabel("x [m]")
+	axes.set_ylabel("z [m]")
+	if bar:
+		axes.figure.colorbar(drawn, ax=axes, label=label or usual[0], location="bottom", ticks=MaxNLocator(6), **_bar)
 	return axes
 
 
 def _surface(frame, values, lower, upper, stripped):
-	"""(vertices (n, 3), triangles (m, 3), value (n,) at the vertices, bare (n,) where only frozen ground is shown)."""
+	"""(vertices (n, 3), triangles (m, 3), value (n,) at the vertices, bare (n,): 1 where only frozen ground is shown, between 0 and 1 on
+	the cut)."""
 	raster = _Raster(frame["position"], frame["volume"], lower, upper)
 	filled = raster.smeared(1.0)
 	mean = lambda field: raster.smeared(field) / np.maximum(filled, 1e-12)
@@ -90,7 +124,7 @@ def _surface(frame, values, lower, upper, stripped):
 		bare[:, raster.nodes(1) < stripped] = 1
 		level = np.where(bare > 0, np.minimum(level, mean(frame["iceSaturation"]) / frontSaturation), level)
 	vertices, triangles, (shown, bare) = raster.contour(level, 1.0, [mean(values), bare])
-	return vertices, triangles, shown, bare > 0.5
+	return vertices, triangles, shown, bare
 
 
 class _Raster:
@@ -271,4 +305,4 @@ def _scales(axes, place, box, view, unit="m", factor=1.0):
 		for value, at in zip(ticks, line(ticks)):
 			axes.plot(*np.transpose([at, at + tick * out]), color="0.35", linewidth=0.8)
 			axes.text(*(at + 2.6 * tick * out), f"{value:g}", ha="center", va="center", fontsize=8)
-		axes.text(*(ends.mean(axis=0) + 6.5 * tick * out), f"{'xyz'[axis]} [{unit}]", ha="center", va="center", fontsize=9)
+		axes.text(*(ends.mean(axis=0) + (7.5 if axis == 2 else 6.0) * tick * out), f"{'xyz'[axis]} [{unit}]", ha="center", va="center", fontsize=9)

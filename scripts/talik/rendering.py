@@ -90,11 +90,11 @@ def actor(part):
 
 
 def lit(renderer, camera):
-	"""Light of a low sun from behind the viewer's left, and some of the sky."""
+	"""Light of a low sun from behind the viewer's left, some from the viewer, and some of the sky."""
 	focus, towards = np.array(camera["focus"]), np.array(camera["position"]) - camera["focus"]
 	left = np.cross(np.array([0, 0, 1.0]), -towards)
 	size = np.linalg.norm(towards)
-	for direction, strength in ((towards + 0.9 * size * left / np.linalg.norm(left) + [0, 0, 0.5 * size], 0.85), (np.array([0, 0, size]), 0.3)):
+	for direction, strength in ((towards + 0.9 * size * left / np.linalg.norm(left) + [0, 0, 0.5 * size], 0.65), (towards, 0.35), (np.array([0, 0, size]), 0.2)):
 		light = vtkLight()
 		light.SetLightTypeToSceneLight()
 		light.SetPosition(*(focus + direction))
