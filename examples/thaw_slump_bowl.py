@@ -29,7 +29,7 @@ class Preset:
 	days: float  # of thaw
 
 
-presets = {"test": Preset(1.8, 60, 36.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
+presets = {"test": Preset(1.8, 80, 60.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
 skeletons = ("samples", "MohrCoulomb")
 
 frozen, warm, porosity = -5.0, 10.0, 0.4  # [degC], [-]
@@ -63,7 +63,12 @@ def barrier(hill):
 	for left, right in zip(ends, ends[1:]):
 		foot = [hill.surface(np.array([barrierAt]), np.array([y]))[0] for y in (left, right)]
 		top = hill.surface(np.array([barrierAt]), np.array([middle]))[0] + barrierHeight
-		corners = [(barrierAt, left, foot[0]), (barrierAt, right, foot[1]), (barrierAt, right, max(top, foot[1] + 0.3)), (barrierAt, left, max(top, foot[0] + 0.3))]
+		corners = [
+			(barrierAt, left, foot[0]),
+			(barrierAt, right, foot[1]),
+			(barrierAt, right, max(top, foot[1] + 0.3)),
+			(barrierAt, left, max(top, foot[0] + 0.3)),
+		]
 		wall += [utils.facet([corners[0], corners[1], corners[2]]), utils.facet([corners[0], corners[2], corners[3]])]
 	return O.bodies.append(wall)
 

@@ -122,6 +122,7 @@ _submodules = (
 	"output",
 	"packing",
 	"plots",
+	"plots3d",
 	"progress",
 	"realisation",
 	"refinement",

@@ -97,9 +97,7 @@ def section(axes, frame, field, y, lower, upper, limits=None, label=None, colour
 	level, shown = filled[:, row].T / surfaceLevel, cut(raster.smeared(values))
 	low, high = (given if given is not None else found for given, found in zip(limits or usual[2], finiteRange(shown[level >= 1])))
 	x, z = raster.nodes(0), raster.nodes(2)
-	drawn = axes.pcolormesh(
-		x, z, np.where(level >= 1, shown, np.nan), cmap=colourMap or usual[1], vmin=low, vmax=max(high, low + 1e-12), shading="nearest"
-	)
+	drawn = axes.pcolormesh(x, z, np.where(level >= 1, shown, np.nan), cmap=colourMap or usual[1], vmin=low, vmax=max(high, low + 1e-12), shading="nearest")
 	axes.contour(x, z, level, levels=[1.0], colors="black", linewidths=0.8)
 	if "iceSaturation" in frame:
 		ice = np.where(level >= 1, cut(raster.smeared(frame["iceSaturation"])), np.nan)
@@ -182,8 +180,9 @@ def sample(axes, arrays, view=(-60.0, 18.0), size=0.55, widest=0.3):
 	size    of the grains drawn, in their own
 	widest  radius of the rod with the largest force, in mean radii of the grains
 
-	>>> with talik.inspect(talik.rve.pack(talik.rve.prepare(grains=100, dimension=3)).open()):  # doctest: +SKIP
-	...     drawn = talik.plots3d.sample(axes, talik.packing.sampleArrays())"""
+	>>> centres = np.array([(0, 0, 0), (0.01, 0, 0.002)])
+	>>> pair = dict(centre=centres, radius=np.array([5e-3, 5e-3]), start=centres[:1], end=centres[1:], normalForce=[5.0], state=[1])
+	>>> drawn = talik.plots3d.sample(axes, pair)"""
 	centre = np.asarray(arrays["centre"], dtype=float)
 	if centre.ndim != 2 or centre.shape[1] != 3:
 		raise ValueError(f"sample: centre has shape {centre.shape}; give a sample of spheres, (n, 3); talik.plots.sampleForces draws discs")

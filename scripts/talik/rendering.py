@@ -19,6 +19,7 @@ from vtkmodules.vtkFiltersCore import vtkGlyph3D, vtkPolyDataNormals, vtkTubeFil
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
+
 def polyData(points, cells, kind):
 	data, places, array = vtkPolyData(), vtkPoints(), vtkCellArray()
 	places.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
@@ -94,7 +95,11 @@ def lit(renderer, camera):
 	focus, towards = np.array(camera["focus"]), np.array(camera["position"]) - camera["focus"]
 	left = np.cross(np.array([0, 0, 1.0]), -towards)
 	size = np.linalg.norm(towards)
-	for direction, strength in ((towards + 0.9 * size * left / np.linalg.norm(left) + [0, 0, 0.5 * size], 0.65), (towards, 0.35), (np.array([0, 0, size]), 0.2)):
+	for direction, strength in (
+		(towards + 0.9 * size * left / np.linalg.norm(left) + [0, 0, 0.5 * size], 0.65),
+		(towards, 0.35),
+		(np.array([0, 0, size]), 0.2),
+	):
 		light = vtkLight()
 		light.SetLightTypeToSceneLight()
 		light.SetPosition(*(focus + direction))

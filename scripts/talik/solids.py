@@ -291,7 +291,7 @@ def _readGeoTiff(path):
 	try:
 		with rasterio.open(path) as raster:
 			heights, place, system = raster.read(1, masked=True), raster.transform, raster.crs
-	except rasterio.errors.RasterioError as problem:
+	except (rasterio.errors.RasterioError, OSError) as problem:
 		raise ValueError(f"'{path}' is no GeoTIFF that can be read ({problem})") from None
 	if system is not None and not (system.is_projected and abs(system.linear_units_factor[1] - 1) < 1e-9):
 		raise ValueError(f"'{path}' has coordinates of {system}, which are not metres; project it first, e.g. gdalwarp -t_srs EPSG:25832")

@@ -38,7 +38,7 @@ def ofOctant(spacing, radius, **settings):
 
 
 def cryer(poisson, storage, times):
-	"""Pore pressure at the centre over that at the start, Cryer 1963; Verruijt 2016, eq. (3.89), with storage K S [-]. times c_v t/a^2 (n,)."""
+	"""Pore pressure at the centre over that at the start, Cryer 1963; Verruijt 2016, section 3.2, with storage K S [-]. times c_v t/a^2 (n,)."""
 	eta = 0.5 * (2 * (1 + poisson) / (3 * (1 - 2 * poisson)) + 4 / 3) * (1 + storage)
 	characteristic = lambda x: (1 - 0.5 * eta * x * x) * np.sin(x) - x * np.cos(x)
 	x = np.linspace(0.5, 150 * math.pi, 60000)
@@ -103,9 +103,7 @@ def test_the_pressure_at_the_centre_of_a_sphere_is_nearer_to_cryer_on_a_finer_gr
 
 def warmedSphere(cells, factors):
 	"""[(Fourier number, radii [m], temperatures)] of a sphere of 1 m of 1 degC, whose surface is put to 2 degC."""
-	mpm = ofOctant(
-		1.0 / cells, 1.0, motion=False, heat=wrapper.HeatTransfer(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=2.0)]
-	)
+	mpm = ofOctant(1.0 / cells, 1.0, motion=False, heat=wrapper.HeatTransfer(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=2.0)])
 	talik.geometry.fill(mpm, octant(1.0), porosity=porosity, temperature=1.0)
 	O.engines = [mpm]
 	mpm.initialise()
@@ -159,9 +157,7 @@ def collapsed(aspect, spacing):
 	)
 	heights = talik.solids.terrain(lambda x, y: np.where(np.hypot(x, y) < 1, aspect, np.nan), base=0.0, lower=(0, 0), upper=(1, 1))
 	weight = 0.6 * 2650 * 9.81
-	talik.geometry.fill(
-		mpm, heights, porosity=porosity, stress=lambda x, y, z: -weight * (aspect - z)[:, None] * np.array([0.3 / 0.7, 0.3 / 0.7, 1, 0, 0, 0])
-	)
+	talik.geometry.fill(mpm, heights, porosity=porosity, stress=lambda x, y, z: -weight * (aspect - z)[:, None] * np.array([0.3 / 0.7, 0.3 / 0.7, 1, 0, 0, 0]))
 	O.engines = [mpm]
 	talik.runUntil(4.5 * math.sqrt(aspect / 9.81))
 	radius = np.sort(np.linalg.norm(mpm.field("position")[:, :2], axis=1))
@@ -189,9 +185,7 @@ def test_a_cube_that_turns_about_an_oblique_axis_keeps_angle_energy_and_shape_of
 	share of the angular momentum in the first step: the rigid cube turns slower by that."""
 	report, h, side, speed = Report("Space.Block", "rigid body"), 0.125, 1.0, 4.0
 	axis = np.array([1.0, 2.0, 2.0]) / 3
-	mpm = wrapper.MpmEngine(
-		gridSpacing=h, lower=(0, 0, 0), upper=(2.5,) * 3, transfer="apic", skeleton=wrapper.ElasticSkeleton(young=2e7)
-	)
+	mpm = wrapper.MpmEngine(gridSpacing=h, lower=(0, 0, 0), upper=(2.5,) * 3, transfer="apic", skeleton=wrapper.ElasticSkeleton(young=2e7))
 	turning = lambda x, y, z: np.cross(speed * axis, np.column_stack([x, y, z]) - 1.25)
 	talik.geometry.fill(mpm, talik.solids.box((1.25 - 0.5 * side,) * 3, (1.25 + 0.5 * side,) * 3), velocity=turning)
 	O.engines = [mpm]
