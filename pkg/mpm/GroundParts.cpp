@@ -87,6 +87,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		cells->locate(grid, *points, first, last);
 		if (!average) return;
 		if (front && !water) front->leaveOutOfMeans(*cells, first, last);
+		if (front && water) front->meanBySides(*cells, first, last);
 		if (water) water->addPressure(*cells, first, last);
 		useMeanStress(first, last - first);
 		const double* volume = points->volume();

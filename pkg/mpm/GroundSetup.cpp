@@ -88,7 +88,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
-	if (averaging() && front && !water) cells->allowLeavingOut();
+	if (averaging() && front) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
 	if (std::any_of(inputs.begin(), inputs.end(), [](const auto& in) { return !std::isnan(in.poreFill); }))
 		for (const auto& in : inputs)
