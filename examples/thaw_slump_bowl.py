@@ -149,8 +149,9 @@ def drawSlope(frame, mpm, path):
 	fig = plots.figure(13, 5.6)
 	panels = fig.subplots(1, 2)
 	middle = 0.5 * (mpm.lower[1] + mpm.upper[1])
+	largest = np.quantile(plots.magnitude(frame["displacement"]), 0.995)  # a few points may run ahead
 	for axes, stripped in zip(panels, (None, middle)):
-		plots3d.slope(axes, frame, "displacement", mpm.lower, mpm.upper, stripped, O.bodies, colourMap="YlOrRd")
+		plots3d.slope(axes, frame, "displacement", mpm.lower, mpm.upper, stripped, O.bodies, limits=(0, largest), colourMap="YlOrRd")
 	panels[0].set_title(f"day {frame['day']:.0f} of thaw")
 	panels[1].set_title("left half: only what is frozen ($S_i \\geq 0.5$); cut: thawed ground")
 	return plots.save(fig, path, dpi=110)

@@ -77,8 +77,13 @@ def slope(axes, frame, field, lower, upper, stripped=None, bodies=(), view=viewF
 	place = _show(axes, parts, np.vstack([box, corners]) if len(faces) else box, view)
 	_scales(axes, place, box, view)
 	if bar:
-		axes.figure.colorbar(ScalarMappable(norm, colourMap), ax=axes, label=label, location="bottom", ticks=MaxNLocator(6), **_bar)
+		axes.figure.colorbar(ScalarMappable(norm, colourMap), ax=axes, label=label, location="bottom", ticks=MaxNLocator(6), **_extending(norm, values), **_bar)
 	return axes
+
+
+def _extending(norm, values):
+	"""Whether the colour bar ends in an arrow: where there is more than it shows."""
+	return {"extend": "max"} if np.nanmax(values) > norm.vmax * (1 + 1e-9) else {}
 
 
 def section(axes, frame, field, y, lower, upper, limits=None, label=None, colourMap=None, bar=True):
@@ -303,5 +308,12 @@ def _scales(axes, place, box, view, unit="m", factor=1.0):
 		tick = 0.012 * np.ptp(axes.get_xlim())
 		for value, at in zip(ticks, line(ticks)):
 			axes.plot(*np.transpose([at, at + tick * out]), color="0.35", linewidth=0.8)
-			axes.text(*(at + 2.6 * tick * out), f"{value:g}", ha="center", va="center", fontsize=8)
-		axes.text(*(ends.mean(axis=0) + (7.5 if axis == 2 else 6.0) * tick * out), f"{'xyz'[axis]} [{unit}]", ha="center", va="center", fontsize=9)
+			across = "center" if axis < 2 else "right" if out[0] < 0 else "left"
+			axes.text(*(at + (2.6 if axis < 2 else 1.6) * tick * out), f"{value:g}", ha=across, va="center", fontsize=8)
+		axes.text(
+			*(ends.mean(axis=0) + (5.0 + 1.2 * max(len(f"{value:g}") for value in ticks) if axis == 2 else 6.8) * tick * out),
+			f"{'xyz'[axis]} [{unit}]",
+			ha="center",
+			va="center",
+			fontsize=9,
+		)
