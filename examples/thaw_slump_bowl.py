@@ -226,13 +226,19 @@ def summary(run, options, points, started):
 	}
 
 
+def _days(text):
+	if not 0 < float(text) < float("inf"):
+		raise argparse.ArgumentTypeError(f"{text} is no length of time: give days, above 0")
+	return float(text)
+
+
 def main():
 	parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 	parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 	parser.add_argument("--output", default="output/thaw_slump_bowl", help="folder for the results")
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample of spheres behind every point, or a law")
 	parser.add_argument("--heights", default=Path(sys.argv[0]).parent / "thawbowl" / "hillside.asc", help="height grid: ESRI ASCII grid or GeoTIFF")
-	parser.add_argument("--days", type=float, help="of thaw, in place of the preset's")
+	parser.add_argument("--days", type=_days, help="of thaw, in place of the preset's")
 	options = parser.parse_args()
 	started, folder, preset = time.monotonic(), writableFolder(Path(options.output)), presets[options.preset]
 	preset.days = options.days or preset.days

@@ -310,10 +310,6 @@ def _scales(axes, place, box, view, unit="m", factor=1.0):
 			axes.plot(*np.transpose([at, at + tick * out]), color="0.35", linewidth=0.8)
 			across = "center" if axis < 2 else "right" if out[0] < 0 else "left"
 			axes.text(*(at + (2.6 if axis < 2 else 1.6) * tick * out), f"{value:g}", ha=across, va="center", fontsize=8)
-		axes.text(
-			*(ends.mean(axis=0) + (5.0 + 1.2 * max(len(f"{value:g}") for value in ticks) if axis == 2 else 6.8) * tick * out),
-			f"{'xyz'[axis]} [{unit}]",
-			ha="center",
-			va="center",
-			fontsize=9,
-		)
+		longest = max((len(f"{value:g}") for value in ticks), default=1)
+		away, across = (6.8, "center") if axis < 2 else (2.4 + 1.3 * longest, "right" if out[0] < 0 else "left")
+		axes.text(*(ends.mean(axis=0) + away * tick * out), f"{'xyz'[axis]} [{unit}]", ha=across, va="center", fontsize=9)

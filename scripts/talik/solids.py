@@ -257,6 +257,8 @@ def readHeights(path):
 	>>> size = open(folder + "/hill.asc", "w").write(chr(10).join(lines))
 	>>> talik.solids.readHeights(folder + "/hill.asc").z[0]
 	array([1., 4.])"""
+	if not os.path.isfile(path):
+		raise ValueError(f"there is no file '{os.fspath(path)}' of heights")
 	if os.path.splitext(os.fspath(path))[1].lower() in (".tif", ".tiff"):
 		return _readGeoTiff(os.fspath(path))
 	return _readAsciiGrid(path)
@@ -286,8 +288,6 @@ def _readAsciiGrid(path):
 def _readGeoTiff(path):
 	import rasterio
 
-	if not os.path.isfile(path):
-		raise ValueError(f"there is no file '{path}'")
 	try:
 		with rasterio.open(path) as raster:
 			heights, place, system = raster.read(1, masked=True), raster.transform, raster.crs
