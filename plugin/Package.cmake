@@ -6,7 +6,7 @@ endif()
 set(talikPackage lib/python3/dist-packages/talik) # on the search path of /usr/bin/python3, where yade's own package lies
 install(TARGETS _talik LIBRARY DESTINATION ${talikPackage})
 install(DIRECTORY scripts/talik/ DESTINATION ${talikPackage} FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
-install(DIRECTORY examples/ DESTINATION share/doc/talik/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "*.md" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
+install(DIRECTORY examples/ DESTINATION share/doc/talik/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "*.asc" PATTERN "*.md" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
 install(FILES README.md DESTINATION share/doc/talik)
 install(FILES LICENSE DESTINATION share/doc/talik RENAME copyright)
 
@@ -22,5 +22,5 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "thawing and freezing ground at two scales,
  grains and ice bonds behind every point, loaded by the stock yade: import talik.")
 # the binary interface is that of one release; the module checks it again when it is loaded
 set(CPACK_DEBIAN_PACKAGE_DEPENDS
-	"yade (>= ${yadeVersion}), yade (<< ${yadeVersion}.1), python3-numpy, python3-scipy, python3-matplotlib, python3-shapely, python3-tqdm, python3-vtk9, libgomp1, libhwy1 | libhwy1t64, libboost-python${Boost_VERSION_STRING}, libboost-serialization${Boost_VERSION_STRING}")
+	"yade (>= ${yadeVersion}), yade (<< ${yadeVersion}.1), python3-numpy, python3-scipy, python3-matplotlib, python3-shapely, python3-tqdm, python3-vtk9, python3-rasterio, xvfb, libgl1-mesa-dri, libgomp1, libhwy1 | libhwy1t64, libboost-python${Boost_VERSION_STRING}, libboost-serialization${Boost_VERSION_STRING}")
 include(CPack)

@@ -123,6 +123,7 @@ _submodules = (
 	"output",
 	"packing",
 	"plots",
+	"plots3d",
 	"progress",
 	"ranks",
 	"realisation",

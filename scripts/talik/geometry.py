@@ -32,6 +32,10 @@ class Solid:
 		"""Positions (n, 3) [m] and volumes (n,) [m3] on the lattice of cubes of a side [m] whose corner is the origin (3,)."""
 		raise NotImplementedError
 
+	def depth(self, x, y, z):
+		"""Depth below the highest surface [m] of places x, y, z [m]; boxes, extruded outlines and terrain know it."""
+		raise ValueError(f"{type(self).__name__.strip('_')}: a closed surface does not know the depth below it; describe the ground by talik.solids.terrain")
+
 
 def rectangle(x0, y0, x1, y1):
 	"""Corners of an axis-aligned rectangle, counter-clockwise.
@@ -113,6 +117,21 @@ def polygonArea(corners):
 		return 0.0, corners.mean(axis=0)
 	centroid = np.array([((x + xNext) * cross).sum(), ((y + yNext) * cross).sum()]) / (3 * twice)
 	return 0.5 * abs(twice), base + centroid
+
+
+def surfaceHeight(polygon, x):
+	"""Height of the highest edge of a polygon above x [m].
+
+	>>> talik.geometry.surfaceHeight([(0, 0), (4, 0), (4, 1), (0, 3)], 2)
+	2.0"""
+	corners = list(polygon)
+	heights = []
+	for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1]):
+		if min(x0, x1) <= x <= max(x0, x1):
+			heights.append(max(y0, y1) if x0 == x1 else y0 + (y1 - y0) * (x - x0) / (x1 - x0))
+	if not heights:
+		raise ValueError(f"surfaceHeight: x = {x:g} m lies beside the polygon")
+	return max(heights)
 
 
 def checkedPolygon(polygon):

@@ -7,6 +7,7 @@ bands while they are still frictional; they are frozen afterwards, by the first 
 
 import numpy as np
 
+from talik.geometry import Solid, surfaceHeight
 from yade import wrapper
 
 
@@ -21,26 +22,11 @@ def geostaticStress(depth, density, gravity=9.81, lateralRatio=0.7, smallest=2e3
 	return -lateralRatio * vertical, -vertical
 
 
-def surfaceHeight(polygon, x):
-	"""Height of the highest edge of a polygon above x [m].
-
-	>>> talik.slope.surfaceHeight([(0, 0), (4, 0), (4, 1), (0, 3)], 2)
-	2.0"""
-	corners = list(polygon)
-	heights = []
-	for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1]):
-		if min(x0, x1) <= x <= max(x0, x1):
-			heights.append(max(y0, y1) if x0 == x1 else y0 + (y1 - y0) * (x - x0) / (x1 - x0))
-	if not heights:
-		raise ValueError(f"surfaceHeight: x = {x:g} m lies beside the polygon")
-	return max(heights)
-
-
 def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRatio=0.7, gravity=9.81, seed=1, load=0.0):
 	"""Samples of depth bands and the band of each point: (samples, sampleOf) for RveSkeleton.
 
-	position       (n,2) of the points [m]
-	polygon        outline of the ground, for the depth below its surface
+	position       (n,2) or, in space, (n,3) of the points [m]
+	polygon        outline of the ground, in space its solid (box, extruded, terrain), for the depth below its surface
 	sample         RveSample, frictional, that is brought to the stress in the middle of each band; a list: realisations of it, dealt to
 				   the points of every band by chance
 	density        of the ground [kg/m3]
@@ -51,7 +37,7 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 
 	>>> position = talik.geometry.fillPolygon([(0, 0), (1, 0), (1, 2), (0, 2)], 0.5)[0]
 	>>> samples, sampleOf = talik.slope.depthBands(position, [(0, 0), (1, 0), (1, 2), (0, 2)], packed, density=2000, bandThickness=1)"""
-	depth = np.array([surfaceHeight(polygon, x) - y for x, y in position])
+	depth = _depth(polygon, position)
 	band = np.maximum(0, np.floor(depth / bandThickness)).astype(int)
 	realisations = sample if isinstance(sample, (list, tuple)) else [sample]
 	pairs = list(zip(map(int, band), wrapper.RveSkeleton.deal(position, len(realisations), seed)))
@@ -66,7 +52,7 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	A sample that freezes at a pressure that its point does not carry expands when its ice melts: 8 mm in two metres of ground with
 	samples of 100 kPa under 20 kPa. The samples of mpm.skeleton are replaced by those of depth bands; several of them are realisations.
 
-	polygon        outline of the ground, for the depth below its surface
+	polygon        outline of the ground, in space its solid (box, extruded, terrain), for the depth below its surface
 	bandThickness  [m]; default a cell of the grid
 	lateralRatio   horizontal over vertical effective stress at rest [-]
 	load           pressure on the surface [Pa], 0 or more
@@ -79,25 +65,30 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 		raise ValueError("settle: mpm.skeleton has no samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
 	if mpm.begun:
 		raise ValueError("settle: the ground has begun; settle its samples before the first step")
-	if len(mpm.gravity) == 3:
-		raise ValueError(
-			"settle: the ground is in space by MpmEngine.gravity, and settle() knows outlines in the plane; bring samples to their stress by RveSample.servo"
-		)
-	if not mpm.gravity[1] < 0:
-		raise ValueError(f"settle: mpm.gravity is {tuple(mpm.gravity)}, nothing weighs on the samples; give a gravity downwards")
-	masses, weight = mpm.balance(), -mpm.gravity[1]
+	if isinstance(polygon, Solid) != (mpm.dimension == 3):
+		raise ValueError(f"settle: the ground has {mpm.dimension} dimensions; give {'a solid of talik.solids' if mpm.dimension == 3 else 'its outline'}")
+	gravity = tuple(mpm.gravity)
+	if not gravity[-1] < 0:
+		raise ValueError(f"settle: mpm.gravity is {gravity}, nothing weighs on the samples; give a gravity downwards")
+	masses, weight = mpm.balance(), -gravity[-1]
 	density = (masses["solidMass"] + masses["waterMass"]) / mpm.field("volume").sum()
 	if mpm.water is not None:  # what the pore water carries the grains do not
-		depth = np.array([surfaceHeight(polygon, x) - y for x, y in mpm.field("position")])
+		depth = _depth(polygon, mpm.field("position"))
 		density -= float(mpm.field("pressure") @ depth / (depth @ depth)) / weight
 	skeleton.samples, skeleton.sampleOf = depthBands(
 		mpm.field("position"), polygon, list(skeleton.samples), density, bandThickness or mpm.gridSpacing, lateralRatio, weight, skeleton.seed, load
 	)
 
 
+def _depth(ground, position):
+	if isinstance(ground, Solid):
+		return ground.depth(*np.transpose(position))
+	return np.array([surfaceHeight(ground, x) - y for x, y in position])
+
+
 def _broughtTo(sample, goal, band):
-	banded = sample.copy()
-	if not banded.servo(*goal):
+	banded, (across, down) = sample.copy(), goal
+	if not banded.servo(*(across,) * (banded.dimension - 1), down):
 		raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {band}; choose a lateralRatio nearer to 1")
 	return banded
 

@@ -39,6 +39,11 @@ class _Extruded(Solid):
 		position = np.column_stack([x, y, np.repeat(section[:, 1], len(middles))])
 		return _ordered(position, np.outer(areas, lengths).ravel(), side)
 
+	def depth(self, x, y, z):
+		outline = [tuple(map(float, corner)) for corner in self.corners]
+		depth = np.array([geometry.surfaceHeight(outline, at) for at in np.ravel(x)]).reshape(np.shape(x)) - z
+		return depth if np.ndim(depth) else float(depth)
+
 
 def box(lower, upper):
 	"""The box between two corners (3,) [m].
@@ -242,13 +247,24 @@ def _place(nodes, values):
 
 
 def readHeights(path):
-	"""Heights of an ESRI ASCII grid (.asc): ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter, cellsize, NODATA_value, then the
-	rows from north to south [m]. They are heights of the middles of the cells.
+	"""Heights of a file [m]; each is that of the middle of its cell.
+
+	.asc         ESRI ASCII grid: ncols, nrows, xllcorner or xllcenter, yllcorner or yllcenter, cellsize, NODATA_value, then the rows from
+				 north to south
+	.tif, .tiff  GeoTIFF: the first band, columns to the east and rows to the south or the north; its coordinates must be metres
 
 	>>> lines = ["ncols 3", "nrows 2", "xllcorner 0", "yllcorner 0", "cellsize 1", "4 4 5", "1 2 3"]
 	>>> size = open(folder + "/hill.asc", "w").write(chr(10).join(lines))
 	>>> talik.solids.readHeights(folder + "/hill.asc").z[0]
 	array([1., 4.])"""
+	if not os.path.isfile(path):
+		raise ValueError(f"there is no file '{os.fspath(path)}' of heights")
+	if os.path.splitext(os.fspath(path))[1].lower() in (".tif", ".tiff"):
+		return _readGeoTiff(os.fspath(path))
+	return _readAsciiGrid(path)
+
+
+def _readAsciiGrid(path):
 	header, numbers = {}, []
 	try:
 		with open(path) as file:
@@ -267,6 +283,23 @@ def readHeights(path):
 	z = np.array(numbers).reshape(rows, columns)[::-1].T
 	z[z == header.get("nodata_value", -9999.0)] = np.nan
 	return Heights(corner[0] + cell * np.arange(columns), corner[1] + cell * np.arange(rows), z)
+
+
+def _readGeoTiff(path):
+	import rasterio
+
+	try:
+		with rasterio.open(path) as raster:
+			heights, place, system = raster.read(1, masked=True), raster.transform, raster.crs
+	except (rasterio.errors.RasterioError, OSError) as problem:
+		raise ValueError(f"'{path}' is no GeoTIFF that can be read ({problem})") from None
+	if system is not None and not (system.is_projected and abs(system.linear_units_factor[1] - 1) < 1e-9):
+		raise ValueError(f"'{path}' has coordinates of {system}, which are not metres; project it first, e.g. gdalwarp -t_srs EPSG:25832")
+	if place.is_identity or place.b or place.d or not place.a > 0:
+		raise ValueError(f"'{path}' does not say where its columns and rows lie, or they are turned; write it with columns to the east and rows to the south")
+	z = np.where(np.ma.getmaskarray(heights), np.nan, heights.data.astype(float)).T
+	x, y = place.c + place.a * (np.arange(z.shape[0]) + 0.5), place.f + place.e * (np.arange(z.shape[1]) + 0.5)
+	return Heights(x, y, z) if place.e > 0 else Heights(x, y[::-1], z[:, ::-1])
 
 
 def _isNumber(word):

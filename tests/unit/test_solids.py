@@ -2,6 +2,7 @@
 """Filling of solids in space against closed forms."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -113,6 +114,66 @@ def test_heights_of_an_ascii_grid_are_read_with_their_places_and_gaps(tmp_path):
 	np.testing.assert_allclose(heights.x, [101, 103, 105])
 	np.testing.assert_allclose(middle, [6, 5])
 	assert np.isnan(heights.z[2, 0]) and np.isnan(heights(np.array([104.9]), np.array([51.1]))[0])
+
+
+def geoTiff(path, northUp=True, system="EPSG:25832", place=None):
+	"""Six heights on cells of 2 m whose lower left corner is (100, 50), and a gap."""
+	rasterio = pytest.importorskip("rasterio")
+	z = np.array([[7, 8, 9], [4, 5, 6], [1, 2, -9999]], dtype=np.float32)
+	place = place or (rasterio.Affine(2, 0, 100, 0, -2, 56) if northUp else rasterio.Affine(2, 0, 100, 0, 2, 50))
+	shape = dict(width=3, height=3, count=1, dtype="float32", nodata=-9999, crs=system, transform=place)
+	with rasterio.open(path, "w", driver="GTiff", **shape) as file:
+		file.write(z if northUp else z[::-1], 1)
+	return path
+
+
+@pytest.mark.parametrize("northUp", [True, False], ids=["rows to the south", "rows to the north"])
+def test_heights_of_a_geotiff_are_those_of_the_same_ascii_grid(northUp, tmp_path):
+	path = tmp_path / "hill.asc"
+	path.write_text("ncols 3\nnrows 3\nxllcorner 100\nyllcorner 50\ncellsize 2\nNODATA_value -9999\n7 8 9\n4 5 6\n1 2 -9999\n")
+	ascii, tiff = solids.readHeights(path), solids.readHeights(geoTiff(tmp_path / "hill.tif", northUp))
+	print(f"x {tiff.x}, y {tiff.y}, the gap {tiff.z[2, 0]}")
+	for name in ("x", "y", "z"):
+		np.testing.assert_array_equal(getattr(tiff, name), getattr(ascii, name))
+
+
+def test_a_geotiff_that_is_none_or_not_in_metres_or_turned_is_refused_with_a_sentence(tmp_path):
+	import rasterio
+
+	(tmp_path / "text.tif").write_text("no picture")
+	degrees, turned = tmp_path / "degrees.tif", tmp_path / "turned.tif"
+	geoTiff(degrees, system="EPSG:4326")
+	geoTiff(turned, place=rasterio.Affine(2, 1, 100, 1, -2, 56))
+	for path, message in (
+		(tmp_path / "text.tif", "is no GeoTIFF that can be read"),
+		(tmp_path / "nowhere.tif", "there is no file"),
+		(degrees, "has coordinates of EPSG:4326, which are not metres"),
+		(turned, "or they are turned"),
+	):
+		with pytest.raises(ValueError, match=message) as refusal:
+			solids.readHeights(path)
+		print(refusal.value)
+
+
+def test_the_heights_of_thaw_slump_bowl_are_those_of_its_formula(monkeypatch):
+	example = Path(__file__).parents[2] / "examples" / "thawbowl"
+	monkeypatch.syspath_prepend(str(example))
+	import hillside
+
+	heights = solids.readHeights(example / "hillside.asc")
+	off = np.abs(heights.z - hillside.height(*np.meshgrid(heights.x, heights.y, indexing="ij"))).max()
+	print(f"{heights.z.shape} heights of {heights.z.min()} to {heights.z.max()} m, at most {off:.4f} m off the formula")
+	assert off <= 0.005 + 1e-9 and (example / "hillside.asc").read_text().splitlines() == list(hillside.lines())
+
+
+def test_depth_below_an_extruded_outline_and_terrain_is_that_below_their_surface():
+	x, y, z = np.array([1.0, 4.5, 8.0]), np.array([0.5, 0.5, 0.5]), np.array([1.0, 2.0, 0.25])
+	outline, hill = solids.extruded(slope, 0, 1), solids.terrain(lambda x, y: np.interp(x, [0, 3, 6, 10], [4, 4, 1, 1]), 0.0, (0, 0), (10, 1))
+	print(outline.depth(x, y, z), hill.depth(x, y, z))
+	np.testing.assert_allclose(outline.depth(x, y, z), [3.0, 0.5, 0.75], atol=1e-12)
+	np.testing.assert_allclose(hill.depth(x, y, z), [3.0, 0.5, 0.75], atol=1e-12)
+	with pytest.raises(ValueError, match="describe the ground by talik.solids.terrain"):
+		solids.closedSurface(sphere(1.0)).depth(0, 0, 0)
 
 
 def test_layers_of_terrain_go_by_the_depth_below_its_surface():

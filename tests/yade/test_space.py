@@ -552,6 +552,29 @@ def test_samples_of_spheres_stand_behind_the_points_and_give_six_stresses(sample
 		assert len(O.bodies) == 100
 
 
+@pytest.mark.parametrize("solid", ["terrain", "extruded"])
+def test_samples_of_spheres_are_brought_to_the_weight_above_their_points(solid, sampleCache):
+	sample = talik.rve.pack(talik.rve.prepare(grains=100, dimension=3, ice=True, cache=sampleCache))
+	outline = [(0, 0), (2, 0), (2, 1), (0, 3)]
+	hill = {
+		"terrain": talik.solids.terrain(lambda x, y: 3 - x, base=0.0, lower=(0, 0), upper=(2, 1)),
+		"extruded": talik.solids.extruded(outline, 0, 1),
+	}[solid]
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0, 0), upper=(2, 1, 4), gravity=(0, 0, -9.81), skeleton=wrapper.RveSkeleton(samples=[sample]))
+	talik.geometry.fill(mpm, hill, porosity=0.4)
+	with pytest.raises(ValueError, match="the ground has 3 dimensions; give a solid of talik.solids"):
+		talik.slope.settle(mpm, outline)
+	talik.slope.settle(mpm, hill, bandThickness=0.25, lateralRatio=0.6)
+	O.engines = [mpm]
+	mpm.initialise()
+	x, y, z = mpm.field("position").T
+	weight, stress = 0.6 * 2650 * 9.81 * (3 - x - z), mpm.field("stress")
+	off = np.abs(stress[:, 2] + weight).max() / weight.max()
+	sideways = np.abs(stress[:, :2] / stress[:, 2:3] - 0.6).max()
+	print(f"{solid}: vertical stress off by up to {off:.1%} of the largest weight, lateral ratio by {sideways:.3f}")
+	assert off < 0.1 and sideways < 0.05
+
+
 def test_samples_of_discs_behind_points_in_space_are_refused(sampleCache):
 	sample = talik.rve.pack(talik.rve.prepare(grains=30, cache=sampleCache))
 	with pytest.raises((ValueError, RuntimeError), match="disc|plane|dimension") as refusal:

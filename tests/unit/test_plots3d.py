@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pictures in space from synthetic data: what is drawn is what was given. They are left in the folder TALIK_PICTURES, if set."""
+
+import os
+
+import numpy as np
+import pytest
+
+from talik import plots, plots3d
+
+box = (0, 0, 0), (4, 3, 4)
+
+
+def block(height=2.0, side=0.25):
+	"""Ground of 4 by 3 m, frozen below 1 m, that moved by its x."""
+	axes = [(np.arange(round(length / side)) + 0.5) * side for length in (4, 3, height)]
+	position = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+	return dict(
+		position=position,
+		volume=np.full(len(position), side**3),
+		displacement=position * (1, 0, 0),
+		iceSaturation=(position[:, 2] < 1).astype(float),
+	)
+
+
+def volumeWithin(vertices, triangles):
+	a, b, c = (vertices[triangles[:, k]] for k in range(3))
+	return abs(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6
+
+
+@pytest.fixture
+def folder(tmp_path):
+	return os.environ.get("TALIK_PICTURES", str(tmp_path))
+
+
+def test_the_surface_drawn_encloses_the_volume_of_the_points_and_has_their_values():
+	frame = block()
+	vertices, triangles, values, bare = plots3d._surface(frame, frame["displacement"][:, 0], *box, stripped=None)
+	volume, off = volumeWithin(vertices, triangles) / 24 - 1, np.abs(values - vertices[:, 0]).max()
+	print(f"{len(triangles)} triangles; volume {volume:+.1%}, values off by up to {off:.3f} of 4 m; top at {vertices[:, 2].max():.3f} m")
+	assert abs(volume) < 0.02 and off < 0.15 and abs(vertices[:, 2].max() - 2) < 0.05 and not bare.any()
+
+
+def test_the_stripped_part_ends_at_the_thaw_front():
+	frame = block()
+	vertices, _, _, bare = plots3d._surface(frame, frame["displacement"][:, 0], *box, stripped=1.5)
+	stripped, whole = vertices[bare > 0.98], vertices[bare < 0.02]
+	print(f"stripped up to y = {stripped[:, 1].max():.2f} and z = {stripped[:, 2].max():.2f} m, the rest from y = {whole[:, 1].min():.2f} m")
+	assert abs(stripped[:, 2].max() - 1) < 0.07 and abs(stripped[:, 1].max() - 1.5) < 0.13 and abs(whole[:, 2].max() - 2) < 0.05
+
+
+def coloursOf(axes):
+	return axes.images[0].get_array().reshape(-1, 3).astype(int)
+
+
+def test_a_slope_in_space_is_drawn_with_scales_in_metres_and_a_labelled_colour_bar(folder):
+	fig = plots.figure(6, 5)
+	axes = plots3d.slope(fig.subplots(), block(), "displacement", *box, stripped=1.5)
+	texts, bars = {text.get_text() for text in axes.texts}, [other.get_xlabel() for other in fig.axes if other is not axes]
+	plots.save(fig, f"{folder}/slope_in_space.png", dpi=70)
+	seen = len(np.unique(coloursOf(axes), axis=0))
+	print(f"texts {sorted(texts)}, colour bars {bars}, {seen} colours")
+	assert {"x [m]", "y [m]", "z [m]", "0", "2", "4"} <= texts and bars == ["displacement $|u|$ [m]"] and seen > 500
+
+
+def test_a_section_shows_the_field_inside_the_ground_and_the_thaw_front():
+	frame = block()
+	axes = plots3d.section(plots.figure(6, 4).subplots(), frame, "displacement", 1.5, *box)
+	values = axes.collections[0].get_array().reshape(-1)
+	shown = values.compressed() if np.ma.isMaskedArray(values) else values[np.isfinite(values)]
+	lines = [path.vertices for collection in axes.collections[1:] for path in collection.get_paths() if len(path.vertices)]
+	front = lines[-1][:, 1]
+	print(f"values {shown.min():.2f} to {shown.max():.2f} m, front at z = {front.min():.3f} to {front.max():.3f} m")
+	assert 0 <= shown.min() < 0.3 and 3.7 < shown.max() <= 4 and np.abs(front - 1).max() < 0.05
+
+
+def test_a_sample_of_spheres_shows_intact_bonds_red_and_counts_them(folder):
+	centre = np.array([(x, y, z) for x in (0, 0.01) for y in (0, 0.01) for z in (0, 0.01)], dtype=float)
+	start, end = centre[[0, 2, 4, 0]], centre[[1, 3, 5, 2]]
+	arrays = dict(centre=centre, radius=np.full(8, 5e-3), start=start, end=end, normalForce=[1.0, 4.0, 2.0, 0.0], state=[1, 1, 2, 0])
+	fig = plots.figure(5, 5)
+	axes = plots3d.sample(fig.subplots(), arrays)
+	plots.save(fig, f"{folder}/sample_in_space.png", dpi=70)
+	red, green, blue = coloursOf(axes).T
+	legend = [text.get_text() for text in axes.get_legend().get_texts()]
+	print(f"{legend}, {np.sum((red > 100) & (green < 60))} red pixels")
+	assert legend == ["intact bonds (2)", "broken or frictional (2)"] and np.sum((red > 100) & (green < 60) & (blue < 90)) > 1000
+	assert "x [mm]" in {text.get_text() for text in axes.texts}
+
+
+def test_what_cannot_be_drawn_in_space_is_refused_with_a_sentence(monkeypatch):
+	axes = plots.figure(3, 3).subplots()
+	plane = {"position": np.zeros((3, 2)), "volume": np.ones(3), "displacement": np.zeros((3, 2))}
+	with pytest.raises(ValueError, match="talik.plots draws ground in the plane"):
+		plots3d.slope(axes, plane, "displacement", *box)
+	with pytest.raises(ValueError, match="talik.plots.sampleForces draws discs"):
+		plots3d.sample(axes, dict(centre=np.zeros((2, 2)), radius=np.ones(2)))
+	monkeypatch.setattr(plots3d.shutil, "which", lambda program: None)
+	with pytest.raises(RuntimeError, match="install Debian's package xvfb") as refusal:
+		plots3d.slope(axes, block(), "displacement", *box)
+	print(refusal.value)
