@@ -119,6 +119,7 @@ _submodules = (
 	"checkpoint",
 	"files",
 	"geometry",
+	"layers",
 	"output",
 	"packing",
 	"plots",

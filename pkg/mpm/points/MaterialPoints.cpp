@@ -24,6 +24,12 @@ template <int D> void MaterialPoints<D>::allocate(int count)
 	cell_.assign(count, 0);
 }
 
+template <int D> void MaterialPoints<D>::distinguishMaterials()
+{
+	material_.assign(count(), 0);
+	materialScratch_ = material_;
+}
+
 template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 {
 	const int n = count();
@@ -52,14 +58,15 @@ template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 	for (int p = 0; p < n; ++p)
 		from_[cellStart_[cell_[p]]++] = p;
 
-	const auto reorder = [&](std::vector<int>& values) {
+	const auto reorder = [&](auto& values, auto& scratch) {
 		for (int k = 0; k < n; ++k)
-			scratch_[k] = values[from_[k]];
-		values.swap(scratch_);
+			scratch[k] = values[from_[k]];
+		values.swap(scratch);
 	};
 	fields_.reorder(from_.data());
-	reorder(id_);
-	reorder(skeleton_);
+	reorder(id_, scratch_);
+	reorder(skeleton_, scratch_);
+	if (!material_.empty()) reorder(material_, materialScratch_);
 	idsRestored();
 }
 
