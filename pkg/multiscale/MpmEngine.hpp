@@ -210,8 +210,8 @@ public:
 		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, "
 				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan, material=0): add material points before the first step. position (n,2) or, in space, "
 				"(n,3) [m], volume [m^2 per metre; m^3], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy or (n,6) "
-				"xx yy zz yz xz xy [Pa] as field('stress') gives it, not of points with samples, velocity as position [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine, "
-				"material: name or number of one of materials; all but position may be scalars. ValueError names what is wrong.")
+				"xx yy zz yz xz xy [Pa] as field('stress') gives it, not of points with samples, velocity as position [m/s], poreFill: part of the "
+				"pores that holds water or ice [-], nan: that of the engine, material: name or number of one of materials; all but position may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value "
 				"and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
