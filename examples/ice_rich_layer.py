@@ -3,7 +3,7 @@
 
 	scripts/run ice_rich_layer [--preset test|draft|standard]
 
-By hand: the settled area of the profile is the thaw strain times the area of the lens, and the thaw reaches the lens's top after the
+By hand: the settled area of the profile is the thaw strain times the area of the lens, and the thaw reaches the highest point of the lens after the
 days of Stefan's formula, L d^2/(2 k T) with the latent heat L = n rho_i L_f and the conductivity k of thawed silt. Change the
 outline of the lens or the two porosities first.
 """
@@ -34,7 +34,7 @@ mpm = MpmEngine(
 	gravity=(0, -9.81),
 	damping=0.3,
 	heat=HeatTransfer(thermalTimeScale=4e6),
-	freezing=FreezingCurve(),
+	freezing=FreezingCurve(width=0.2),
 	skeleton=MohrCoulombSkeleton(young=1e7, youngFrozen=5e7, frictionAngle=28, cohesion=500, cohesionFrozen=2e5),
 	boundaries=[RollerBoundary(region=side) for side in ("left", "right", "bottom")] + [SurfaceTemperature(region="surface", temperature=warm)],
 )
@@ -51,7 +51,7 @@ while mpm.field("iceSaturation")[layers["ice-rich"]].max() > 0:
 	rows.append((mpm.calendar["day"], width * depth - mpm.field("volume").sum(), ice.min()))
 states.append((rows[-1][0], mpm.field("position"), mpm.field("volume"), mpm.field("iceSaturation")))
 
-area, cover = talik.geometry.polygonArea(lens)[0], depth - max(y for _, y in lens)
+area, cover = talik.geometry.polygonArea(lens)[0], depth - states[0][1][layers["ice-rich"], 1].max()  # cover of the highest point of the lens
 latent, conductivity = 0.4 * 910 * 334e3, 0.6 * 1.0 + 0.4 * 0.6  # of the silt [J/m3, W/(m K)]
 day, settled = np.interp(-0.5, [-ice for _, _, ice in rows], [day for day, _, _ in rows]), rows[-1][1]
 dayByHand, settledByHand = latent * cover**2 / (2 * conductivity * warm) / talik.day, strain * area

@@ -172,8 +172,8 @@ public:
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or "
 				"linear (debugging only)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
-		((vector<shared_ptr<GroundMaterial>>,materials,,,"Materials of a ground of several soils, in place of material; addPoints(material=i), or its name, says which a "
-				"point has."))
+		((vector<shared_ptr<GroundMaterial>>,materials,,,"Materials of a ground of several soils, in place of material; addPoints(material=i), or its name, says "
+				"which a point has."))
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
 		((shared_ptr<ThawFront>,thawFront,shared_ptr<ThawFront>(new ThawFront),,"Effect: frozen and thawed ground have velocities of their own where they meet, so "
@@ -211,7 +211,8 @@ public:
 				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan, material=0): add material points before the first step. position (n,2) or, in space, "
 				"(n,3) [m], volume [m^2 per metre; m^3], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy or (n,6) "
 				"xx yy zz yz xz xy [Pa] as field('stress') gives it, not of points with samples, velocity as position [m/s], poreFill: part of the "
-				"pores that holds water or ice [-], nan: that of the engine, material: name or number of one of materials; all but position may be scalars. ValueError names what is wrong.")
+				"pores that holds water or ice [-], nan: that of the engine, material: name or number of one of materials; all but position "
+				"may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value "
 				"and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
