@@ -122,8 +122,8 @@ template <int D> struct Ground<D>::Parts {
 	bool hasContent() const { return settings.heat || settings.water; }
 	bool hasFront() const;
 	bool hasThawStrain() const;
-	/// Points at the front keep their own strain, in ground that neither holds water nor shares thaw strain between the points of a cell.
-	bool frontLeavesMeans() const { return front && !water && !thawStrain; }
+	/// Points at the front are exceptions from the means of cells, except in ground whose cells share thaw strain.
+	bool frontHasOwnMeans() const { return front && !thawStrain; }
 	/// The effects whose points the content of the pores changes.
 	typename PoreContent<D>::Effects contentOf() const { return { motion.get(), heat.get(), water.get() }; }
 	bool                             averaging() const { return motion && motion->settings->bBar; }

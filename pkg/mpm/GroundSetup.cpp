@@ -97,7 +97,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
-	if (averaging() && frontLeavesMeans()) cells->allowLeavingOut();
+	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
 	if (std::any_of(inputs.begin(), inputs.end(), [](const auto& in) { return !std::isnan(in.poreFill); }))
 		for (const auto& in : inputs)

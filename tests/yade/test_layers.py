@@ -62,8 +62,8 @@ def test_only_the_ice_rich_layer_settles_and_by_its_thaw_strain():
 	assert (mpm.field("thawStrainReleased")[layers["clay"]] == 0).all()
 
 
-def test_ice_rich_ground_settles_with_samples_too(sample):
-	mpm = ground(skeleton=wrapper.RveSkeleton(samples=[sample.copy()]), heat=wrapper.HeatTransfer(thermalTimeScale=4e6))
+def test_ice_rich_ground_settles_with_samples_too(draftSample):
+	mpm = ground(skeleton=wrapper.RveSkeleton(samples=[talik.rve.pack(draftSample)]), heat=wrapper.HeatTransfer(thermalTimeScale=4e6))
 	outline = rectangle(0, 0, 0.1, 1)
 	talik.layers.fill(mpm, {"ice-rich": dict(polygon=outline, temperature=-1, porosity=0.6, material=Material(thawStrain=0.35))})
 	talik.slope.settle(mpm, outline)
@@ -160,7 +160,7 @@ def test_materials_that_cannot_be_are_refused_by_a_sentence(settings, material, 
 
 
 def test_points_take_materials_by_name_and_a_ground_looked_at_follows_a_change_of_a_curve():
-	mpm = ground(materials=[Material(name="silt"), Material(name="clay", freezing=wrapper.FreezingCurve(freezingTemperature=-2))], motion=False)
+	mpm = ground(materials=[Material(name="silt"), Material(name="clay", freezing=wrapper.FreezingCurve(freezingTemperature=-2))], motion=False, boundaries=[])
 	talik.geometry.fill(mpm, rectangle(0, 0, 0.1, 1), material=lambda x, y: np.where(y > 0.5, "clay", "silt"), temperature=-1)
 	y, ice = mpm.field("position")[:, 1], mpm.field("iceSaturation")
 	assert (ice[y > 0.5] == 0).all() and (ice[y < 0.5] > 0.9).all()

@@ -28,7 +28,15 @@ def test_bonds_that_outlast_their_ice_give_thawed_ground_the_cohesion_asked_for(
 	strength, measured = calibrate.thawedStrength(several, 4e3)
 	none = np.mean([calibrate.thawedCohesion(sample, 0.0) for sample in several])
 	print(f"bonds of {1e-6 * strength:.2f} MPa: {1e-3 * measured:.2f} kPa measured where 4 kPa were asked for; without them {none:.1e} kPa")
-	assert measured == pytest.approx(4e3, rel=0.3) and abs(none) < 1e-6
+	assert measured == pytest.approx(4e3, rel=0.1) and abs(none) < 1e-6
+
+
+def test_the_cohesion_of_thawed_bonds_is_the_same_at_every_pressure(several):
+	"""Coulomb's law for a direct shear box: shear strength over normal stress is a line, and bonds raise it without turning it."""
+	pressures = (2e3, 4e3, 8e3)
+	cohesions = np.array([[calibrate.thawedCohesion(sample, 0.6e6, (pressure,)) for pressure in pressures] for sample in several]).mean(axis=0)
+	print(", ".join(f"{1e-3 * cohesion:.2f} kPa at {1e-3 * pressure:g} kPa" for pressure, cohesion in zip(pressures, cohesions)))
+	assert np.ptp(cohesions) < 0.2 * cohesions.mean()
 
 
 def test_a_law_calibrated_on_realisations_has_the_friction_that_fits_all_of_their_tests(several):

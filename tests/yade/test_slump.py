@@ -8,6 +8,7 @@ from yade import O
 
 import talik
 import thawslump
+from thaw_slump_base import case as heatedFromBelow
 from thaw_slump_surface import case
 from talik import accuracy
 from thawslump import shearband
@@ -208,3 +209,22 @@ def test_water_of_a_slope_that_runs_dry_under_hastened_seepage_keeps_its_speed_a
 	for name, value in run.closures().items():
 		print(f"{name}: {value:+.1e} is missing")
 		assert abs(value) < 1e-11
+
+
+# ---- energy ----------------------------------------------------------------------------------------------------------------
+
+
+def test_slip_under_the_frozen_roof_of_case_two_takes_up_no_more_than_gravity_gives_slow(tmp_path):
+	"""At a quarter of the scale of time the thawed pocket has four times as long to shake between its base and the roof."""
+	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=72.0)
+	ground = thawslump.Ground(thawedCohesion=2000.0, followsMotion=True, thermalTimeScale=8.64e5 / 4)
+	run = thawslump.ThawSlump(heatedFromBelow, preset, tmp_path, ground, skeleton="MohrCoulomb")
+	run.mpm.energyLedger = True
+	run.rest()
+	start = run.mpm.balance()
+	talik.runUntilDay(run.mpm, preset.days)
+	end = run.mpm.balance()
+	slip, gravity = (end[name] - start[name] for name in ("slipWork", "gravityEnergy"))
+	moved = sizes(run.mpm.field("displacement")).max()
+	print(f"slip takes up {slip:.0f} J/m, gravity gives {-gravity:.0f} J/m; largest displacement {moved:.3f} m under a roof that stands")
+	assert slip < -gravity and moved < 0.1

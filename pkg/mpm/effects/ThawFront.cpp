@@ -194,6 +194,13 @@ template <int D> void ThawFront<D>::leaveOutOfMeans(CellMeans<D>& cells, int fir
 		cells.leaveOut(p, near(p));
 }
 
+template <int D> void ThawFront<D>::meanBySides(CellMeans<D>& cells, int first, int last) const
+{
+	const double* volume = points_->volume();
+	for (int p = first; p < last; ++p)
+		cells.setApart(p, near(p) && frozen(p), volume[p]);
+}
+
 template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vector<int>& places)
 {
 	chosen_.clear();

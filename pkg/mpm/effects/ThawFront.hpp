@@ -48,6 +48,9 @@ public:
 	/// Leaves points near the front out of the means of cells. What shears and dilates there would otherwise strain the rows beside it, and
 	/// the normal force between the sides would swing. Not for saturated ground, whose pressure is that of cells.
 	void leaveOutOfMeans(CellMeans<D>& cells, int first, int last) const;
+	/// Gives the frozen points of cells near the front a mean of their own. What the thawed points strain is not strain of the frozen ones,
+	/// which at thirty times their stiffness would answer with stress that the front then lacks.
+	void meanBySides(CellMeans<D>& cells, int first, int last) const;
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
 	int  nodeCount() const { return static_cast<int>(nodes_.size()); }

@@ -21,14 +21,22 @@ public:
 		sum_.assign(grid.cellCount(), 0.0);
 		averaged_ = cell_.data();
 	}
-	/// From now on points may be left out.
-	void allowLeavingOut()
+	/// From now on points may be left out or set apart.
+	void allowExceptions()
 	{
-		averagedOrNot_.assign(cell_.size(), 0);
-		averaged_ = averagedOrNot_.data();
+		exceptions_.assign(cell_.size(), 0);
+		averaged_ = exceptions_.data();
+		apart_.assign(volume_.size(), 0.0);
+		sum_.assign(2 * volume_.size(), 0.0);
 	}
-	/// Whether a located point keeps its own values; needs allowLeavingOut().
-	void leaveOut(int place, bool leftOut) { averagedOrNot_[place] = leftOut ? noCell : cell_[place]; }
+	/// Whether a located point keeps its own values; needs allowExceptions().
+	void leaveOut(int place, bool leftOut) { exceptions_[place] = leftOut ? noCell : cell_[place]; }
+	/// Whether a located point of a given volume has a mean with the other points of its cell that are set apart; needs allowExceptions().
+	void setApart(int place, bool apart, double volume)
+	{
+		exceptions_[place] = apart ? cell_[place] + count() : cell_[place];
+		if (apart) apart_[cell_[place]] += volume;
+	}
 
 	/// Finds the cells of points first .. last and adds up their volumes; call within MaterialPoints::strips().scatter.
 	void locate(const Grid<D>& grid, const MaterialPoints<D>& points, int first, int last)
@@ -45,24 +53,39 @@ public:
 			volume_[c] += volume[p];
 		}
 	}
-	void clearVolumes(const ActiveRange& r) { std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0); }
-	void clearSums(const ActiveRange& r) { std::fill(sum_.begin() + r.firstCell, sum_.begin() + r.lastCell, 0.0); }
+	void clearVolumes(const ActiveRange& r)
+	{
+		std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0);
+		if (!apart_.empty()) std::fill(apart_.begin() + r.firstCell, apart_.begin() + r.lastCell, 0.0);
+	}
+	void clearSums(const ActiveRange& r)
+	{
+		std::fill(sum_.begin() + r.firstCell, sum_.begin() + r.lastCell, 0.0);
+		if (!apart_.empty()) std::fill(sum_.begin() + count() + r.firstCell, sum_.begin() + count() + r.lastCell, 0.0);
+	}
 	void clearAll()
 	{
 		std::fill(volume_.begin(), volume_.end(), 0.0);
+		std::fill(apart_.begin(), apart_.end(), 0.0);
 		std::fill(sum_.begin(), sum_.end(), 0.0);
 	}
 
 	/// Cells of the grid.
 	int  count() const { return static_cast<int>(volume_.size()); }
 	int  cell(int place) const { return cell_[place]; }
-	void add(int place, double volumeTimesValue) { sum_[cell_[place]] += volumeTimesValue; }
+	void add(int place, double volumeTimesValue)
+	{
+		if (averaged_[place] != noCell) sum_[averaged_[place]] += volumeTimesValue;
+	}
 	/// Turns the sums into means; nothing can be added until they are cleared.
 	void finish(const ActiveRange& r)
 	{
 		r.overCells([&](int first, int last) {
-			for (int c = first; c < last; ++c)
-				sum_[c] = volume_[c] > 0.0 ? sum_[c] / volume_[c] : 0.0;
+			for (int c = first; c < last; ++c) {
+				const double apart = apart_.empty() ? 0.0 : apart_[c], together = volume_[c] - apart;
+				sum_[c] = together > 0.0 ? sum_[c] / together : 0.0;
+				if (apart > 0.0) sum_[count() + c] /= apart;
+			}
 		});
 	}
 	/// The mean that holds for a point whose own value is given.
@@ -73,9 +96,10 @@ public:
 private:
 	static constexpr int noCell = -1;
 
-	std::vector<int>    cell_, averagedOrNot_;
-	const int*          averaged_ = nullptr; ///< by place: the cell whose mean holds for the point, or noCell
-	std::vector<double> volume_, sum_;
+	std::vector<int>    cell_, exceptions_;
+	const int*          averaged_ = nullptr; ///< by place: the mean that holds for the point, or noCell
+	std::vector<double> volume_, apart_;     ///< by cell, of all its points and of those set apart [m^D]
+	std::vector<double> sum_;                ///< by cell, then by cell of the points set apart; means once finished
 };
 
 } // namespace talik
