@@ -79,8 +79,9 @@ print(f"the pipe has settled by {1e3 * settlement:.0f} mm, by hand {1e3 * settle
 figure = plots.figure(8, 8.5)
 panels = figure.subplots(2, 1)
 plots.slopeField(panels[0], mpm.field("position"), mpm.field("iceSaturation"), mpm.field("volume"), "ice saturation [-]", "Blues", (0, 1))
-panels[0].plot(*np.array(trench + trench[:1]).T, color="crimson")
-panels[0].set_title(f"after {day / 365:.1f} years; the pipe at the start in red", loc="left", fontsize=10)
+for sunk, colour in ((0, "crimson"), (settlement, "black")):
+	panels[0].plot(*(np.array(trench + trench[:1]) - (0, sunk)).T, color=colour)
+panels[0].set_title(f"after {day / 365:.1f} years; the pipe at the start in red, now in black", loc="left", fontsize=10)
 time, bulbs, _, settlements = np.array(rows).T
 panels[1].plot(time / 365, bulbs, color="black", label="radius of the thaw bulb [m]")
 panels[1].plot(time / 365, np.interp(time - 10, days, radii), "--", color="black", label="by hand, no heat lost to frozen ground [m]")

@@ -148,7 +148,8 @@ public:
 		((Real,thawStrain,0,,"Volume that ice-rich ground loses on complete thaw over its volume at the start [-], 0 to below its porosity: 1-(1-n_0)/(1-n_1) with "
 				"the porosity n_0 of the frozen ground, excess ice included, and n_1 of the thawed soil (talik.layers.thawStrain). It is lost along gravity as the ice "
 				"saturation falls from that at the start to 0, and not regained by freezing; open room carries no stress. Any skeleton law takes it; "
-				"that of the grains of a sample, RveSample.thawStrain, comes on top. Adds the fields thawStrainReleased and thawStrainOpen [-], logarithmic. Needs freezing, motion and gravity."))
+				"that of the grains of a sample, RveSample.thawStrain, comes on top. Adds the fields thawStrainReleased [-], of the "
+				"volume at the start, and thawStrainOpen [-], what is not closed yet of the present volume. Needs freezing, motion and gravity."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Freezing curve of this material; None: MpmEngine.freezing, which must be there in either case."))
 		((Real,hydraulicConductivity,NaN,,"Saturated hydraulic conductivity of this material, thawed, at referencePorosity [m/s], > 0; NaN: PoreWater.conductivity."))
 		((Real,referencePorosity,NaN,,"Porosity at which hydraulicConductivity holds [-], in (0,1); NaN: PoreWater.referencePorosity."))

@@ -50,7 +50,8 @@ def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 
 	Attributes are those of MpmEngine.addPoints: porosity [-], poreFill (part of the pores that holds water or ice) [-], temperature
 	[degC], pressure (pore water) [Pa], stress (n, 4) xx yy zz xy or, in space, (n, 6) xx yy zz yz xz xy [Pa], velocity (n, 2) or (n, 3) [m/s],
-	skeleton (index), material (name or index of one of mpm.materials). Each is a number (a row of components), an array of one value per point, or a function f(x, y), in space f(x, y, z),
+	skeleton (index), material (name or index of one of mpm.materials).
+	Each is a number (a row of components), an array of one value per point, or a function f(x, y), in space f(x, y, z),
 	of the points' coordinates [m], arrays (n,), that returns such an array. ValueError names what lies outside of the grid's box:
 
 	>>> mpm = MpmEngine(gridSpacing=0.5, heat=HeatTransfer())
