@@ -28,6 +28,7 @@ public:
 		surface,
 		boundaries,
 		record,
+		thawStrain,
 		ledger,
 		calendar,
 		limits,
@@ -103,12 +104,23 @@ public:
 	double             secondsOfSkeleton(int k) const { return skeletons_[k]; }
 	static const char* nameOf(Entry e)
 	{
-		static constexpr const char* names[entries] = {
-			"sorting",         "motion",     "transfer",           "thaw front",    "bodies",
-			"cell averages",   "heat",       "freezing",           "water",         "conduction and pore pressure",
-			"free surface",    "boundaries", "deformation record", "energy ledger", "calendar",
-			"time step limits"
-		};
+		static constexpr const char* names[entries] = { "sorting",
+			                                        "motion",
+			                                        "transfer",
+			                                        "thaw front",
+			                                        "bodies",
+			                                        "cell averages",
+			                                        "heat",
+			                                        "freezing",
+			                                        "water",
+			                                        "conduction and pore pressure",
+			                                        "free surface",
+			                                        "boundaries",
+			                                        "deformation record",
+			                                        "thaw strain",
+			                                        "energy ledger",
+			                                        "calendar",
+			                                        "time step limits" };
 		return names[e];
 	}
 

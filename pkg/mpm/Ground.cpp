@@ -154,6 +154,7 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 				list.push_back({ f.list()[k].name + "." + std::to_string(c), f.component(static_cast<int>(k), c), n * sizeof(double) });
 	list.push_back({ "id", g.points->idArray().data(), n * sizeof(int) });
 	list.push_back({ "skeleton", g.points->skeletons(), n * sizeof(int) });
+	if (auto* const materials = g.points->materials()) list.push_back({ "material", materials, n * sizeof(*materials) });
 	std::vector<int>& first = g.points->strips().first;
 	list.push_back({ "strips", first.data(), first.size() * sizeof(int) });
 	list.push_back({ "clock", &g.clock, sizeof(g.clock) });

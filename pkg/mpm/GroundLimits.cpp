@@ -67,9 +67,9 @@ template <int D> double Ground<D>::Parts::signalSpeed(int p, double modulus) con
 	if (water) {
 		const double               porosity = content->porosity[p];
 		const double               sl       = content->iceSaturation ? 1.0 - content->iceSaturation[p] : 1.0;
-		const double               t        = heat ? heat->temperature[p] : settings.mixture.referenceTemperature;
-		const PressureCoefficients k        = settings.water->state.coefficients(settings.mixture, { porosity, sl, 0.0, t });
-		c                                   = largestWaveSpeed(settings.mixture, VolumeFractions::of(porosity, sl), k, modulus);
+		const double               t        = heat ? heat->temperature[p] : content->mixture(p).referenceTemperature;
+		const PressureCoefficients k        = settings.water->state.coefficients(content->mixture(p), { porosity, sl, 0.0, t });
+		c                                   = largestWaveSpeed(content->mixture(p), VolumeFractions::of(porosity, sl), k, modulus);
 		v                                   = std::max(v, sizeAt<D>(water->velocity, p));
 	}
 	if (v > fastestGround)
@@ -88,7 +88,7 @@ template <int D> double Ground<D>::Parts::advectionStep(int p) const
 		q += w * w;
 	}
 	q               = water->liquidFraction[p] * std::sqrt(q);
-	const Phase& of = settings.mixture.liquid;
+	const Phase& of = content->mixture(p).liquid;
 	return grid.spacing() * heat->heatCapacity[p] / (points->volume()[p] * of.density * of.specificHeat * q);
 }
 

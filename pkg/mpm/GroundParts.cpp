@@ -86,8 +86,10 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	points->strips().scatter([&](int, int first, int last) {
 		cells->locate(grid, *points, first, last);
 		if (!average) return;
-		if (front && !water) front->leaveOutOfMeans(*cells, first, last);
-		if (front && water) front->meanBySides(*cells, first, last);
+		if (frontHasOwnMeans()) {
+			if (water) front->meanBySides(*cells, first, last);
+			else front->leaveOutOfMeans(*cells, first, last);
+		}
 		if (water) water->addPressure(*cells, first, last);
 		useMeanStress(first, last - first);
 		const double* volume = points->volume();

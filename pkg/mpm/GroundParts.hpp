@@ -13,6 +13,7 @@
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/effects/ThawStrain.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
@@ -79,6 +80,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<CellMeans<D>>           cells;
 	EffectPart<RigidContact<D>>        bodies;
 	EffectPart<ThawFront<D>>           front;
+	EffectPart<ThawStrain<D>>          thawStrain;
 	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
 	std::vector<std::vector<int>> skeletonPlaces;
@@ -119,6 +121,9 @@ template <int D> struct Ground<D>::Parts {
 	bool facesBodies() const;
 	bool hasContent() const { return settings.heat || settings.water; }
 	bool hasFront() const;
+	bool hasThawStrain() const;
+	/// Points at the front are exceptions from the means of cells, except in ground whose cells share thaw strain.
+	bool frontHasOwnMeans() const { return front && !thawStrain; }
 	/// The effects whose points the content of the pores changes.
 	typename PoreContent<D>::Effects contentOf() const { return { motion.get(), heat.get(), water.get() }; }
 	bool                             averaging() const { return motion && motion->settings->bBar; }
@@ -183,6 +188,7 @@ template <int D> struct Ground<D>::Parts {
 	void   useScale();
 	bool   allRests() const { return heatRests && !motion; }
 	void   findFrontStiffness();
+	void   closeThawStrain();
 	void   collectSurfaces();
 	void   findFlows();
 	void   updateTemperature();
@@ -215,10 +221,10 @@ template <int D> struct Ground<D>::Parts {
 	std::string whereabouts(int place) const;
 	void        sort();
 
-	SkeletonBatch<D>     batch(int skeleton) const;
-	double               largestModulus() const;
-	double               liquidDensity() const { return settings.mixture.liquid.density; }
-	CostMeter::Entry     base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
+	SkeletonBatch<D> batch(int skeleton) const;
+	double           largestModulus() const;
+	double           liquidDensity() const { return (settings.materials.empty() ? settings.mixture : settings.materials.front().mixture).liquid.density; }
+	CostMeter::Entry base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
 };
 

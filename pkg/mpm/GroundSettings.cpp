@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -44,9 +46,58 @@ template <int D> void checkCalendar(const GroundSettings<D>& s)
 	        "must be positive, in m, e.g. 0.02");
 }
 
+namespace {
+	/// Throws unless water and ice of a material are those of the first: water that moves would change its energy on the way.
+	void requireSameWater(const MixtureProperties& first, const MixtureProperties& other, const std::string& name)
+	{
+		const auto same = [&](double a, double b, const char* attribute) {
+			std::ostringstream remedy;
+			remedy << "must be that of materials[0], " << b << ": water moves from one material to the other";
+			requireSetting(a == b, name + attribute, a, remedy.str());
+		};
+		const auto samePhase = [&](const Phase& a, const Phase& b, const std::string& phase) {
+			same(a.density, b.density, (phase + ".density").c_str());
+			same(a.specificHeat, b.specificHeat, (phase + ".specificHeat").c_str());
+			same(a.expansivity, b.expansivity, (phase + ".expansivity").c_str());
+		};
+		samePhase(other.ice, first.ice, "ice");
+		samePhase(other.liquid, first.liquid, "liquid");
+		same(other.latentHeat, first.latentHeat, "latentHeat");
+		same(other.referenceTemperature, first.referenceTemperature, "referenceTemperature");
+	}
+
+	template <int D> void checkThawStrain(const GroundSettings<D>& s, double thawStrain, const std::string& name)
+	{
+		requireSetting(thawStrain >= 0.0 && thawStrain < 1.0, name, thawStrain, "must lie in [0, 1)");
+		if (thawStrain == 0.0) return;
+		requireSetting(bool(s.freezing), name, thawStrain, "ground that does not freeze has none; add freezing or leave it out");
+		requireSetting(bool(s.motion), name, thawStrain, "rigid ground does not settle; add motion or leave it out");
+		requireSetting(lengthOf<D>(s.motion->gravity) > 0.0, name, thawStrain, "acts along gravity; give gravity or leave it out");
+	}
+
+	template <int D> void checkMaterials(const GroundSettings<D>& s)
+	{
+		constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
+		requireSetting(s.materials.size() <= most, "materials", s.materials.size(), "must be no more than 65535");
+		for (std::size_t k = 0; k < s.materials.size(); ++k) {
+			const SoilMaterial& m    = s.materials[k];
+			const std::string   name = "materials[" + std::to_string(k) + "].";
+			m.mixture.validate();
+			requireSameWater(s.materials.front().mixture, m.mixture, name);
+			if (m.freezing && !s.freezing)
+				throw std::invalid_argument(name + "freezing is set, but the scene does not freeze; add freezing or leave it out");
+			if (m.permeability && !s.water)
+				throw std::invalid_argument(name + "permeability is set, but the scene has no water; add water or leave it out");
+			if (m.permeability) m.permeability->validate();
+			checkThawStrain(s, m.thawStrain, name + "thawStrain");
+		}
+	}
+} // namespace
+
 template <int D> void checkSettings(const GroundSettings<D>& s)
 {
 	s.mixture.validate();
+	checkMaterials(s);
 	if (!s.motion && !s.heat) throw std::invalid_argument("no effect: the scene has neither motion nor heat; give it at least one");
 	if (s.freezing && !s.heat) throw std::invalid_argument("freezing without heat: ice forms when heat leaves; add heat or leave freezing out");
 	if (s.water && !s.motion) throw std::invalid_argument("water without motion: seepage needs the momentum balance; add motion or leave water out");
@@ -172,6 +223,14 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 			        in.temperature > -100.0 && in.temperature < 100.0, name(id, "temperature"), in.temperature,
 			        "must lie between -100 and 100 degC");
 		if (settings.water) requireSetting(std::isfinite(in.pressure), name(id, "pressure"), in.pressure, "must be finite, in Pa");
+		const int materials = std::max<int>(1, settings.materials.size());
+		requireSetting(
+		        in.material >= 0 && in.material < materials, name(id, "material"), in.material,
+		        "must be an index into the list of materials, 0 to " + std::to_string(materials - 1));
+		const double thawStrain = settings.materials.empty() ? 0.0 : settings.materials[in.material].thawStrain;
+		requireSetting(
+		        thawStrain == 0.0 || thawStrain < in.porosity, name(id, "porosity"), in.porosity,
+		        "must exceed the thaw strain of its material: ice leaves no more room than it takes");
 		if (settings.motion) {
 			requireSetting(
 			        in.skeleton >= 0 && in.skeleton < static_cast<int>(settings.skeletons.size()), name(id, "skeleton"), in.skeleton,

@@ -112,12 +112,21 @@ struct RigidContactSettings {
 	void validate() const;
 };
 
+/// What one soil of a ground has of its own. Water is the same everywhere, because it moves from soil to soil.
+struct SoilMaterial {
+	MixtureProperties           mixture;      ///< densities, specific heats and expansivities of ice and liquid, and the latent heat: those of all others
+	FreezingCurvePtr            freezing;     ///< empty: that of the scene; needs one there
+	std::optional<Permeability> permeability; ///< empty: that of the scene
+	double thawStrain = 0.0;                  ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
+};
+
 /// What is fixed about a scene before it starts and has no direction. Absent optionals are absent effects: no field, no loop, no limit.
 struct SettingsOfAnyDimension {
 	double      gridSpacing   = 0.0;                ///< h [m], > 0
 	std::string shapeFunction = "quadraticBSpline"; ///< see shapeFunctionNames()
 
-	MixtureProperties mixture;
+	MixtureProperties         mixture;   ///< of a ground without materials
+	std::vector<SoilMaterial> materials; ///< PointInput::material counts in this list; empty: one soil, of mixture, freezing and water->permeability
 
 	std::optional<HeatSettings>         heat;
 	FreezingCurvePtr                    freezing; ///< needs heat
@@ -162,6 +171,7 @@ template <int D> struct PointInput {
 	double pressure    = 0.0;                                      ///< pore pressure [Pa], used if water is present
 	double poreFill    = std::numeric_limits<double>::quiet_NaN(); ///< part of the pores that holds water or ice, in [0, 1]; NaN: GroundSettings::poreFill
 	int    skeleton    = 0;                                        ///< index into GroundSettings::skeletons
+	int    material    = 0;                                        ///< index into GroundSettings::materials; 0 where that is empty
 	Vec<D> velocity {};                                            ///< of solid and liquid [m/s]
 	std::array<double, stressSize<D>> stress {};                   ///< effective stress [Pa], tension positive
 };

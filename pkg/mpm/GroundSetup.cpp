@@ -27,6 +27,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.heat && settings.heat->followsMotion) calendar = std::make_unique<Calendar<D>>(field, *settings.heat);
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
+	if (hasThawStrain()) thawStrain = std::make_unique<ThawStrain<D>>(field, settings);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
 }
 
@@ -41,19 +42,25 @@ template <int D> bool Ground<D>::Parts::hasFront() const
 	        && std::any_of(settings.skeletons.begin(), settings.skeletons.end(), [](const auto& skeleton) { return skeleton->canFail(); });
 }
 
+template <int D> bool Ground<D>::Parts::hasThawStrain() const
+{
+	return std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.thawStrain > 0.0; });
+}
+
 template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in, double fill)
 {
 	for (int a = 0; a < D; ++a)
 		points->position(a)[p] = in.position[a];
 	points->volume()[p]    = in.volume;
 	points->skeletons()[p] = in.skeleton;
+	if (points->materials()) points->materials()[p] = static_cast<std::uint16_t>(in.material);
 	if (motion) {
 		for (int a = 0; a < D; ++a)
 			motion->velocity[a][p] = in.velocity[a];
 		for (int c = 0; c < stressSize<D>; ++c)
 			motion->stress[c][p] = in.stress[c];
 		motion->initialVolume[p]   = in.volume;
-		const MixtureProperties& m = settings.mixture;
+		const MixtureProperties& m = settings.materials.empty() ? settings.mixture : settings.materials[in.material].mixture;
 		motion->mass[p]            = in.volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
 	}
 	if (water)
@@ -66,6 +73,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 {
 	const int n = static_cast<int>(inputs.size());
 	points->allocate(n);
+	if (settings.materials.size() > 1) points->distinguishMaterials();
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
 	if (bodies && facesBodies()) bodies->allocateFaces(grid);
@@ -80,6 +88,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
 	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass);
+	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
 	if (calendar) calendar->bind(*points, *motion, *heat);
 	shareRecords();
 	if (surface) {
@@ -88,7 +97,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
-	if (averaging() && front) cells->allowExceptions();
+	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
 	if (std::any_of(inputs.begin(), inputs.end(), [](const auto& in) { return !std::isnan(in.poreFill); }))
 		for (const auto& in : inputs)
@@ -107,6 +116,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (heat) heat->chooseSmoothing(grid, n);
 	if (front) front->start();
+	if (thawStrain) thawStrain->start(n);
 }
 
 /// Nodal numbers of heat lie in the records of other effects as far as these have columns for them, so that one pass over the points serves all.
@@ -175,7 +185,7 @@ template <int D> void Ground<D>::initialise()
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
 			g.settings.skeletons[k]->initialise(g.batch(k));
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
-		if (g.water) g.water->chooseLargestConductivity();
+		if (g.water) g.water->chooseLargestConductivity(g.content->smallestReferencePorosity());
 		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
 		for (int p = 0; p < g.points->count(); ++p)
 			g.clock.initialMass += g.motion->mass[p]
@@ -183,7 +193,7 @@ template <int D> void Ground<D>::initialise()
 	}
 	g.useScale();
 	for (int p = 0; g.water && p < g.points->count(); ++p)
-		g.water->drag[p] /= g.water->scale;
+		g.water->drag[p] /= g.content->seepageScale(p);
 	g.inputs.clear();
 	g.inputs.shrink_to_fit();
 	g.ready = true;

@@ -257,7 +257,7 @@ template <int D> void Ground<D>::Parts::useScale()
 	if (calendar) state.scale = calendar->scale(state, clock.dt);
 	else if (heat) state.scale = settings.heat->thermalTimeScale;
 	if (heat) heat->scale = state.scale;
-	if (water) water->scale = water->usedScale(state.scale);
+	if (water) content->useScale(*water, state.scale);
 }
 
 template <int D> void Ground<D>::Parts::findKeptFractions()
@@ -269,7 +269,7 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	for (int a = 0; a < D; ++a)
 		water->weight[a] = liquidDensity() * settings.motion->gravity[a];
 	const double given = settings.water->picTime, used = std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given;
-	water->kept = keptFraction(water->scale > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
+	water->kept = keptFraction(water->fastest > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
 
 template <int D> void Ground<D>::beginStep(double dt)
@@ -311,6 +311,22 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 			front->strengthSlope()[p] = settings.skeletons[k]->strengthSlope();
 		}
 	}
+}
+
+/// The skeleton laws get the strain of the soil in place of that of the ground, until restoreGradients().
+template <int D> void Ground<D>::Parts::closeThawStrain()
+{
+	thawStrain->release(averagingCells());
+	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
+		const std::vector<int>& places = thawStrain->openAmong(skeletonPlaces[k]);
+		if (places.empty()) continue;
+		SkeletonBatch<D> open = batch(k);
+		open.place            = places.data();
+		open.count            = static_cast<int>(places.size());
+		settings.skeletons[k]->tangentModulus(open, scratch.data());
+	}
+	thawStrain->close(scratch.data());
+	cost.lap(CostMeter::thawStrain);
 }
 
 template <int D> void Ground<D>::Parts::collectSurfaces()
@@ -506,6 +522,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 {
 	Parts&             g = *parts_;
 	std::exception_ptr stop;
+	if (g.thawStrain) g.closeThawStrain();
 	if (g.motion)
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k) {
 			try {
@@ -515,6 +532,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 			}
 			g.cost.lapSkeleton(static_cast<int>(k));
 		}
+	if (g.thawStrain) g.thawStrain->restoreGradients();
 	if (g.motion && g.settings.energyLedger) {
 		g.keepStrainWork(false);
 		g.cost.lap(CostMeter::ledger);
@@ -559,6 +577,7 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 		case CostMeter::surface:
 		case CostMeter::boundaries: return bool(surface);
 		case CostMeter::record: return bool(record);
+		case CostMeter::thawStrain: return bool(thawStrain);
 		case CostMeter::calendar: return bool(calendar);
 		case CostMeter::ledger: return motion && settings.energyLedger;
 		default: return true;

@@ -4,6 +4,8 @@
 #include <pkg/multiscale/GroundEffects.hpp>
 #include <pkg/multiscale/ScriptNames.hpp>
 
+#include <tuple>
+
 namespace yade {
 YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater));
 
@@ -35,6 +37,52 @@ talik::MixtureProperties GroundMaterial::build() const
 	          { "conductivityMean", "GroundMaterial.conductivityMean" } },
 	        check);
 	return m;
+}
+
+bool GroundMaterial::isOwnSoil() const
+{
+	return freezing || thawStrain != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+}
+
+bool GroundMaterial::hasDefaultPhases() const
+{
+	const auto values = [](const GroundMaterial& m) {
+		return std::tie(
+		        m.solidDensity, m.iceDensity, m.liquidDensity, m.solidSpecificHeat, m.iceSpecificHeat, m.liquidSpecificHeat, m.solidConductivity,
+		        m.iceConductivity, m.liquidConductivity, m.solidExpansivity, m.iceExpansivity, m.liquidExpansivity, m.latentHeat, m.conductivityMean);
+	};
+	const GroundMaterial byDefault;
+	return values(*this) == values(byDefault);
+}
+
+talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const PoreWater* water) const
+{
+	const auto require = [](bool valid, const char* attribute, Real value, const char* remedy) {
+		talik::requireSetting(valid, string("GroundMaterial.") + attribute, value, remedy);
+	};
+	talik::SoilMaterial s;
+	s.mixture    = build();
+	s.thawStrain = thawStrain;
+	require(thawStrain >= 0 && thawStrain < 1, "thawStrain", thawStrain, "must lie between 0 and below 1");
+	if (freezing && !ofScene)
+		throw std::invalid_argument("GroundMaterial.freezing is set but MpmEngine.freezing is None: add freezing=FreezingCurve() or leave it out.");
+	if (freezing) s.freezing = freezing->build();
+	const bool ownSeepage = !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+	if (ownSeepage && !water)
+		throw std::invalid_argument("GroundMaterial.hydraulicConductivity, referencePorosity or impedance is set but MpmEngine.water is None: add "
+		                            "water=PoreWater() or leave it out.");
+	if (!water) return s;
+	const FreezingCurve* const curve = freezing ? freezing.get() : ofScene;
+	s.permeability                   = water->build(curve ? curve->residualSaturation : 0).permeability;
+	if (!std::isnan(hydraulicConductivity)) s.permeability->referenceConductivity = hydraulicConductivity;
+	if (!std::isnan(referencePorosity)) s.permeability->referencePorosity = referencePorosity;
+	if (!std::isnan(impedance)) s.permeability->impedance = impedance;
+	talik::underScriptNames(
+	        { { "referenceConductivity", "GroundMaterial.hydraulicConductivity" },
+	          { "referencePorosity", "GroundMaterial.referencePorosity" },
+	          { "impedance", "GroundMaterial.impedance" } },
+	        [&] { s.permeability->validate(); });
+	return s;
 }
 
 talik::ThawFrontSettings ThawFront::build() const

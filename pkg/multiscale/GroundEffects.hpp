@@ -5,33 +5,6 @@
 
 namespace yade {
 
-/// Phases of the ground, Yu & Zhao section 3.
-class GroundMaterial : public Serializable {
-public:
-	virtual ~GroundMaterial() {};
-	talik::MixtureProperties build() const;
-	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. "
-			"Example: GroundMaterial(conductivityMean='geometric').",
-		((Real,solidDensity,2650,,"Intrinsic density of the soil grains [kg/m^3], > 0."))
-		((Real,iceDensity,910,,"Intrinsic density of ice [kg/m^3], > 0."))
-		((Real,liquidDensity,1000,,"Intrinsic density of liquid water [kg/m^3], > 0."))
-		((Real,solidSpecificHeat,800,,"[J/(kg K)], > 0."))
-		((Real,iceSpecificHeat,2060,,"[J/(kg K)], > 0."))
-		((Real,liquidSpecificHeat,4200,,"[J/(kg K)], > 0."))
-		((Real,solidConductivity,1.0,,"Thermal conductivity [W/(m K)], > 0."))
-		((Real,iceConductivity,2.2,,"Thermal conductivity [W/(m K)], > 0."))
-		((Real,liquidConductivity,0.6,,"Thermal conductivity [W/(m K)], > 0."))
-		((Real,solidExpansivity,2.4e-5,,"Volumetric thermal expansivity [1/K]."))
-		((Real,iceExpansivity,1.6e-4,,"Volumetric thermal expansivity [1/K]."))
-		((Real,liquidExpansivity,2.1e-4,,"Volumetric thermal expansivity [1/K]."))
-		((Real,latentHeat,334e3,,"Latent heat of fusion at 0 degC [J/kg], > 0 (the paper gives none)."))
-		((string,conductivityMean,"arithmetic",,"How conductivities of the phases combine: arithmetic, geometric or harmonic."))
-	);
-	// clang-format on
-};
-REGISTER_SERIALIZABLE(GroundMaterial);
-
 /// Effect: heat conduction with enthalpy on the points, Yu & Zhao eq. (4).
 class HeatTransfer : public Serializable {
 public:
@@ -140,5 +113,50 @@ public:
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(PoreWater);
+
+/// Phases of the ground, Yu & Zhao section 3.
+class GroundMaterial : public Serializable {
+public:
+	virtual ~GroundMaterial() {};
+	talik::MixtureProperties build() const;
+	/// With what it has of its own and, for the rest, what the scene has (null: nothing). Throws std::invalid_argument.
+	talik::SoilMaterial soil(const FreezingCurve* ofScene, const PoreWater* water) const;
+	/// True if it has a freezing curve, a conductivity or a thaw strain of its own.
+	bool isOwnSoil() const;
+	/// True if its phases are the default ones.
+	bool hasDefaultPhases() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. "
+			"MpmEngine.materials lists several, with the same densities, specific heats, expansivities and latent heat of ice and liquid. "
+			"Example: GroundMaterial(conductivityMean='geometric').",
+		((Real,solidDensity,2650,,"Intrinsic density of the soil grains [kg/m^3], > 0."))
+		((Real,iceDensity,910,,"Intrinsic density of ice [kg/m^3], > 0."))
+		((Real,liquidDensity,1000,,"Intrinsic density of liquid water [kg/m^3], > 0."))
+		((Real,solidSpecificHeat,800,,"[J/(kg K)], > 0."))
+		((Real,iceSpecificHeat,2060,,"[J/(kg K)], > 0."))
+		((Real,liquidSpecificHeat,4200,,"[J/(kg K)], > 0."))
+		((Real,solidConductivity,1.0,,"Thermal conductivity [W/(m K)], > 0."))
+		((Real,iceConductivity,2.2,,"Thermal conductivity [W/(m K)], > 0."))
+		((Real,liquidConductivity,0.6,,"Thermal conductivity [W/(m K)], > 0."))
+		((Real,solidExpansivity,2.4e-5,,"Volumetric thermal expansivity [1/K]."))
+		((Real,iceExpansivity,1.6e-4,,"Volumetric thermal expansivity [1/K]."))
+		((Real,liquidExpansivity,2.1e-4,,"Volumetric thermal expansivity [1/K]."))
+		((Real,latentHeat,334e3,,"Latent heat of fusion at 0 degC [J/kg], > 0 (the paper gives none)."))
+		((string,conductivityMean,"arithmetic",,"How conductivities of the phases combine: arithmetic, geometric or harmonic."))
+		((string,name,"",,"Name by which points are given this material, e.g. talik.geometry.fill(mpm,polygon,material='peat'). Names in "
+				"MpmEngine.materials differ."))
+		((Real,thawStrain,0,,"Volume that ice-rich ground loses on complete thaw over its volume at the start [-], 0 to below its porosity: 1-(1-n_0)/(1-n_1) with "
+				"the porosity n_0 of the frozen ground, excess ice included, and n_1 of the thawed soil (talik.layers.thawStrain). It is lost along gravity as the ice "
+				"saturation falls from that at the start to 0, and not regained by freezing; open room carries no stress. Any skeleton law takes it; "
+				"that of the grains of a sample, RveSample.thawStrain, comes on top. Adds the fields thawStrainReleased [-], of the "
+				"volume at the start, and thawStrainOpen [-], what is not closed yet of the present volume. Needs freezing, motion and gravity."))
+		((shared_ptr<FreezingCurve>,freezing,,,"Freezing curve of this material; None: MpmEngine.freezing, which must be there in either case."))
+		((Real,hydraulicConductivity,NaN,,"Saturated hydraulic conductivity of this material, thawed, at referencePorosity [m/s], > 0; NaN: PoreWater.conductivity."))
+		((Real,referencePorosity,NaN,,"Porosity at which hydraulicConductivity holds [-], in (0,1); NaN: PoreWater.referencePorosity."))
+		((Real,impedance,NaN,,"Omega of this material [-], >= 0; NaN: PoreWater.impedance."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(GroundMaterial);
 
 } // namespace yade

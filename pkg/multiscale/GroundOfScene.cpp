@@ -54,7 +54,8 @@ namespace {
 		s.gridSpacing = engine.gridSpacing;
 		placeBox(engine, s);
 		s.shapeFunction = engine.shapeFunction;
-		s.mixture       = engine.material->build();
+		s.mixture       = engine.activeMaterials().front()->build();
+		s.materials     = engine.soils();
 		if (engine.motion) s.motion = motionOf<D>(engine);
 		if (engine.heat) s.heat = engine.heat->build();
 		if (engine.bodies) s.bodies = engine.bodies->build(D);

@@ -361,6 +361,14 @@ void MpmEngine::setDay(Real day)
 	begun = true;
 }
 
+py::list MpmEngine::pointMaterials() const
+{
+	py::list numbers;
+	for (int id = 0; id < pointCount(); id++)
+		numbers.append(points.material(id));
+	return numbers;
+}
+
 double MpmEngine::skemptonB()
 {
 	auto& g = runningGround();

@@ -60,9 +60,10 @@ void MpmEngine::followInputs()
 
 py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 {
-	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure", "skeleton", "stress", "velocity", "poreFill" };
+	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure",
+		                             "skeleton", "stress", "velocity", "poreFill",    "material" };
 	MpmEngine&               self    = py::extract<MpmEngine&>(args[0]);
-	for (int i = 1; i < py::len(args) && i <= 9; i++)
+	for (int i = 1; i < py::len(args) && i <= 10; i++)
 		keywords[names[i - 1]] = args[i];
 	self.addPoints(keywords);
 	return py::object();
@@ -72,6 +73,10 @@ void MpmEngine::addPoints(py::dict arrays)
 {
 	if (hasBegun()) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
 	talik::PointTable more = points;
+	if (arrays.has_key("material")) {
+		arrays             = arrays.copy();
+		arrays["material"] = materialNumbers(arrays["material"]);
+	}
 	more.add(arrays);
 	if (more.dimension() != 0) requireDimension(more.dimension());
 	points = more;
@@ -105,6 +110,40 @@ int MpmEngine::usedDimension() const
 	return inSpace(lower) || inSpace(upper) || inSpace(gravity) ? 3 : 2;
 }
 
+/// Place of a material in the list.
+int MpmEngine::materialNumber(const string& name) const
+{
+	string known;
+	for (size_t k = 0; k < materials.size(); k++) {
+		if (!materials[k] || materials[k]->name.empty()) continue;
+		if (materials[k]->name == name) return k;
+		known += (known.empty() ? "" : ", ") + materials[k]->name;
+	}
+	throw std::invalid_argument(
+	        "MpmEngine.addPoints: material is '" + name + "', and MpmEngine.materials has "
+	        + (known.empty() ? "no material with a name: set materials=[GroundMaterial(name='" + name + "', …)] first." : "only " + known + "."));
+}
+
+/// Names of materials become their numbers; numbers stay.
+py::object MpmEngine::materialNumbers(const py::object& given) const
+{
+	const py::extract<string> name(given);
+	if (name.check()) return py::object(materialNumber(name()));
+	if (!PySequence_Check(given.ptr())) return given;
+	py::list  numbers;
+	const int count = PySequence_Size(given.ptr());
+	if (count < 0) { // an array without length is a number
+		PyErr_Clear();
+		return given;
+	}
+	for (int k = 0; k < count; k++) {
+		const py::object          value = given[k];
+		const py::extract<string> one(value);
+		numbers.append(one.check() ? py::object(materialNumber(one())) : value);
+	}
+	return std::move(numbers);
+}
+
 int MpmEngine::pointCount() const { return points.count(); }
 
 // ---- settings --------------------------------------------------------------------------------------------------------------
@@ -116,6 +155,40 @@ vector<shared_ptr<SkeletonLaw>> MpmEngine::activeSkeletons() const
 	return {};
 }
 
+vector<shared_ptr<GroundMaterial>> MpmEngine::activeMaterials() const
+{
+	if (!materials.empty()) return materials;
+	return { material };
+}
+
+vector<talik::SoilMaterial> MpmEngine::soils() const
+{
+	const auto given = activeMaterials();
+	if (given.size() == 1 && !given.front()->isOwnSoil()) return {};
+	vector<talik::SoilMaterial> list;
+	for (const auto& m : given)
+		list.push_back(m->soil(freezing.get(), water.get()));
+	return list;
+}
+
+void MpmEngine::checkMaterials() const
+{
+	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
+	for (const auto& m : materials)
+		if (!m) throw std::invalid_argument("MpmEngine.materials holds None: give materials only.");
+	if (!materials.empty() && (material->isOwnSoil() || !material->hasDefaultPhases()))
+		throw std::invalid_argument("MpmEngine.material and MpmEngine.materials are both set: put all of them into materials.");
+	std::set<string> names;
+	for (const auto& m : materials)
+		if (!m->name.empty() && !names.insert(m->name).second)
+			throw std::invalid_argument("MpmEngine.materials has two materials named '" + m->name + "': give each a name of its own.");
+	for (const auto& m : activeMaterials())
+		if (m->freezing && water && m->freezing->residualSaturation < 0.01)
+			throw std::invalid_argument(
+			        "FreezingCurve.residualSaturation of material '" + m->name + "' is " + std::to_string(m->freezing->residualSaturation)
+			        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+}
+
 void MpmEngine::checkPresence() const
 {
 	if (pointCount() == 0)
@@ -123,7 +196,7 @@ void MpmEngine::checkPresence() const
 		        "MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
 	if (!(gridSpacing > 0))
 		throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
-	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
+	checkMaterials();
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
 	if (freezing && water && freezing->residualSaturation < 0.01)
 		throw std::invalid_argument(
@@ -174,6 +247,7 @@ void MpmEngine::initialise()
 	checkPresence();
 	shareAmongRanks();
 	boundaryCount     = boundaries.size();
+	materialCount     = materials.size();
 	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
 	ground            = &groundOfScene->ground();
 	stepsUntilLimit   = 0;
@@ -307,6 +381,7 @@ void MpmEngine::checkFixed() const
 	groundOfScene->checkBox(*this);
 	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
 	require(!built || built->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
+	require(materialCount == materials.size(), "materials", "a list of " + std::to_string(materials.size()));
 	require(boundaryCount == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
 }
 

@@ -62,6 +62,7 @@ public:
 	::boost::python::object estimatedError();
 	int                     pointCount() const;
 	::boost::python::list   skeletonNumbers() const;
+	::boost::python::list   pointMaterials() const;
 	double                  groundTime() const;
 	::boost::python::dict   calendar();
 	::boost::python::list   events();
@@ -82,11 +83,18 @@ public:
 
 	/// The running ground; throws if there is none yet.
 	talik::AnyGround& runningGround();
+	/// Materials in use: those listed, or the single one.
+	vector<shared_ptr<GroundMaterial>> activeMaterials() const;
+	/// As the ground takes them; empty if one material has nothing that the scene has not. Throws std::invalid_argument.
+	vector<talik::SoilMaterial> soils() const;
 	/// Skeletons in use: those listed, or the single one.
 	vector<shared_ptr<SkeletonLaw>> activeSkeletons() const;
 
 private:
 	void                            checkPresence() const;
+	void                            checkMaterials() const;
+	int                             materialNumber(const string& name) const;
+	::boost::python::object         materialNumbers(const ::boost::python::object& given) const;
 	void                            checkChangeable() const;
 	void                            checkFixed() const;
 	bool                            isAsSet() const;
@@ -127,8 +135,8 @@ private:
 	void                            recordWatched();
 
 	std::shared_ptr<GroundOfScene> groundOfScene;
-	talik::AnyGround*              ground          = nullptr; ///< that of groundOfScene
-	std::size_t                    boundaryCount   = 0;       ///< with which the ground was built
+	talik::AnyGround*              ground        = nullptr;              ///< that of groundOfScene
+	std::size_t                    boundaryCount = 0, materialCount = 0; ///< with which the ground was built
 	long                           stepsUntilLimit = 0, stepsAtStart = 0;
 	long                           nextNote    = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed = false; ///< boundaries have found the bodies that they name
@@ -168,6 +176,8 @@ public:
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or "
 				"linear (debugging only)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
+		((vector<shared_ptr<GroundMaterial>>,materials,,,"Materials of a ground of several soils, in place of material; addPoints(material=i), or its name, says "
+				"which a point has."))
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
 		((shared_ptr<ThawFront>,thawFront,shared_ptr<ThawFront>(new ThawFront),,"Effect: frozen and thawed ground have velocities of their own where they meet, so "
@@ -202,13 +212,14 @@ public:
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
-		,/*ctor*/ enrol(); talik::GroundVector::registerOnce(); ,
+		,/*ctor*/ enrol(); talik::GroundVector::registerOnce(); talik::SequenceConverter<GroundMaterial>::registerOnce(); ,
 		/*py*/
 		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, "
-				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan): add material points before the first step. position (n,2) or, in space, (n,3) [m], volume [m^2 per "
-				"metre; m^3], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy or (n,6) xx yy zz yz xz xy [Pa] as field('stress') gives it, not of "
-				"points with samples, velocity as position [m/s], poreFill: part of the pores that holds water or ice [-], nan: that of the engine; all but "
-				"position may be scalars. ValueError names what is wrong.")
+				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan, material=0): add material points before the first step. position (n,2) or, in space, "
+				"(n,3) [m], volume [m^2 per metre; m^3], temperature [degC], pressure [Pa], effective stress (n,4) xx yy zz xy or (n,6) "
+				"xx yy zz yz xz xy [Pa] as field('stress') gives it, not of points with samples, velocity as position [m/s], poreFill: part of the "
+				"pores that holds water or ice [-], nan: that of the engine, material: name or number of one of materials; all but position "
+				"may be scalars. ValueError names what is wrong.")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value "
 				"and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
@@ -235,8 +246,8 @@ public:
 				"pore content.")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: "
 				"motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free "
-				"surface', boundaries, 'deformation record', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them steps, their "
-				"number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
+				"surface', boundaries, 'deformation record', 'thaw strain', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them "
+				"steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B of the softest thawed point with the numerical bulk modulus in use [-], from the skeleton's oedometer "
 				"modulus.")
 		.def("doubts",&MpmEngine::doubts,"Sentences about settings that are valid and yet hardly what was meant; talik.check(mpm) prints them, the first step "
@@ -252,6 +263,7 @@ public:
 				"strain, as they were measured. None without tolerance. Error of grid and time step is not in it.")
 		.add_property("pointCount",&MpmEngine::pointCount,"Number of material points.")
 		.add_property("skeletonOf",&MpmEngine::skeletonNumbers,"List: the number of each point's skeleton law, by id.")
+		.add_property("materialOf",&MpmEngine::pointMaterials,"List: the number of each point's material in materials, by id.")
 		.add_property("time",&MpmEngine::groundTime,"Time of motion of the ground [s]; see calendar for that of heat, weather and seepage.")
 		.add_property("calendar",&MpmEngine::calendar,"Dictionary: day, calendar time in days, at which tables of boundaries are read; scale, calendar time per "
 				"time of motion in the last step [-]; followsMotion; speed of the fastest ground, the largest mean velocity of the points of a cell [m/s], and moving, "

@@ -154,9 +154,8 @@ namespace {
 		else doubts.add(grave, r.name, " is ", r.value, " ", r.unit, ": ", r.least, " to ", r.most, " would be usual.");
 	}
 
-	void doubtMaterial(Doubts& doubts, const MpmEngine& mpm)
+	void doubtMaterial(Doubts& doubts, const MpmEngine& mpm, const yade::GroundMaterial& m)
 	{
-		const auto& m = *mpm.material;
 		for (const Range& r : { Range { "GroundMaterial.solidDensity", m.solidDensity, 300, 2e4, "kg/m^3" },
 		                        Range { "GroundMaterial.iceDensity", m.iceDensity, 300, 2e4, "kg/m^3" },
 		                        Range { "GroundMaterial.liquidDensity", m.liquidDensity, 300, 2e4, "kg/m^3" } })
@@ -238,7 +237,8 @@ namespace {
 		Doubts doubts;
 		if (mpm.gridSpacing > 0 && !points.empty()) doubtPlaces<D>(doubts, points, mpm.gridSpacing);
 		if (mpm.motion) doubtGravity<D>(doubts, mpm);
-		if (mpm.material) doubtMaterial(doubts, mpm);
+		for (const auto& m : mpm.activeMaterials())
+			if (m) doubtMaterial(doubts, mpm, *m);
 		doubtStates<D>(doubts, mpm, points);
 		if (mpm.motion) doubtSkeletons(doubts, mpm);
 		if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))

@@ -3,6 +3,7 @@
 #include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/PointTable.hpp>
 
+#include <algorithm>
 #include <boost/lexical_cast.hpp>
 #include <cmath>
 #include <limits>
@@ -51,14 +52,14 @@ namespace {
 		return numbers;
 	}
 
-	/// skeleton is the number of a law: half a number is none.
-	void requireWholeNumbers(const std::vector<double>& column)
+	/// skeleton is the number of a law, material that of a material: half a number is none.
+	void requireWholeNumbers(const std::vector<double>& column, const std::string& name, const std::string& list)
 	{
 		for (const double number : column)
 			if (number != std::floor(number) || std::abs(number) > 1e9)
 				throw std::invalid_argument(
-				        "MpmEngine.addPoints: skeleton is " + boost::lexical_cast<std::string>(number)
-				        + ": give the number of a law in skeletons, a whole number.");
+				        "MpmEngine.addPoints: " + name + " is " + boost::lexical_cast<std::string>(number) + ": give " + list
+				        + ", a whole number.");
 	}
 } // namespace
 
@@ -96,11 +97,22 @@ void PointTable::add(const py::dict& arrays)
 		}
 		columns.push_back(columnFrom(arrays[column.name], column, points, dimension));
 		unknown.remove(column.name);
-		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back());
+		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back(), "skeleton", "the number of a law in skeletons");
+	}
+	std::vector<double> materials(points, 0.0);
+	if (arrays.has_key("material")) {
+		materials = columnFrom(arrays["material"], { "material", 1, 0 }, points, dimension);
+		unknown.remove("material");
+		requireWholeNumbers(materials, "material", "the name or number of a material in materials");
 	}
 	if (py::len(unknown) > 0)
 		throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + std::string(py::extract<std::string>(unknown[0])) + "'.");
 	if (points == 0) return;
+	const bool several = !materials_.empty() || std::any_of(materials.begin(), materials.end(), [](double m) { return m != 0.0; });
+	if (several) {
+		materials_.resize(count(), 0);
+		materials_.insert(materials_.end(), materials.begin(), materials.end());
+	}
 	dimension_ = dimension;
 	for (int p = 0; p < points; p++)
 		for (std::size_t c = 0; c < columns.size(); c++) {
@@ -126,6 +138,7 @@ template <int D> PointInput<D> PointTable::point(int id) const
 	for (double& v : p.velocity)
 		v = next();
 	p.poreFill = next();
+	p.material = material(id);
 	return p;
 }
 
@@ -139,6 +152,7 @@ std::uint64_t PointTable::digest() const
 		const double plain = std::isnan(number) ? none : number;
 		checksum.process_bytes(&plain, sizeof plain);
 	}
+	if (!materials_.empty()) checksum.process_bytes(materials_.data(), materials_.size() * sizeof(int));
 	return checksum.checksum();
 }
 

@@ -11,7 +11,7 @@
 namespace talik {
 
 /// Material points as a script added them, in the plane or in space: a row of numbers each, in the order of
-/// x y (z) volume porosity temperature pressure skeleton stress velocity poreFill.
+/// x y (z) volume porosity temperature pressure skeleton stress velocity poreFill; beside it the material.
 class PointTable {
 public:
 	int  dimension() const { return dimension_; } ///< 2 or 3; 0 without points
@@ -28,6 +28,7 @@ public:
 	double volume(int id) const { return row(id)[dimension_]; }
 	double porosity(int id) const { return row(id)[dimension_ + 1]; }
 	int    skeleton(int id) const { return int(row(id)[dimension_ + 4]); }
+	int    material(int id) const { return materials_.empty() ? 0 : materials_[id]; }
 	void   setSkeleton(int id, int number) { numbers_[std::size_t(id) * width() + dimension_ + 4] = number; }
 
 	/// Bit by bit, but for numbers that are none: archives of text keep only that.
@@ -37,6 +38,7 @@ public:
 	{
 		ar& boost::serialization::make_nvp("dimension", dimension_);
 		ar& boost::serialization::make_nvp("numbers", numbers_);
+		ar& boost::serialization::make_nvp("materials", materials_);
 	}
 
 private:
@@ -45,6 +47,7 @@ private:
 
 	int                 dimension_ = 0;
 	std::vector<double> numbers_;
+	std::vector<int>    materials_; ///< empty: all have material 0
 };
 
 /// A Python value as an array of doubles; std::invalid_argument names the argument of MpmEngine otherwise.

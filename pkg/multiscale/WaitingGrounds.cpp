@@ -37,7 +37,9 @@ namespace {
 			return false;
 		}
 		const py::extract<Serializable*> object(value);
-		return object.check() && object() == part.get();
+		if (!object.check()) return false;
+		const auto* const material = dynamic_cast<GroundMaterial*>(object());
+		return object() == part.get() || (material && material->freezing && material->freezing == part);
 	}
 } // namespace
 

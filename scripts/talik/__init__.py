@@ -120,6 +120,7 @@ _submodules = (
 	"checkpoint",
 	"files",
 	"geometry",
+	"layers",
 	"output",
 	"packing",
 	"plots",

@@ -45,15 +45,17 @@ def rectangle(x0, y0, x1, y1):
 	return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 
 
-def fill(mpm, polygon, pointsPerCell=None, **attributes):
+def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 	"""Adds points that fill an outline, or in space a solid, to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
 
 	polygon        corners (m, 2) of an outline [m], or a solid of talik.solids: box, extruded, closedSurface, terrain
 	pointsPerCell  a square number, in space a cubic one; default: two points in each direction
+	holes          outlines inside a polygon that are left out, each a list of corners (m, 2) [m]
 
 	Attributes are those of MpmEngine.addPoints: porosity [-], poreFill (part of the pores that holds water or ice) [-], temperature
 	[degC], pressure (pore water) [Pa], stress (n, 4) xx yy zz xy or, in space, (n, 6) xx yy zz yz xz xy [Pa], velocity (n, 2) or (n, 3) [m/s],
-	skeleton (index). Each is a number (a row of components), an array of one value per point, or a function f(x, y), in space f(x, y, z),
+	skeleton (index), material (name or index of one of mpm.materials).
+	Each is a number (a row of components), an array of one value per point, or a function f(x, y), in space f(x, y, z),
 	of the points' coordinates [m], arrays (n,), that returns such an array. ValueError names what lies outside of the grid's box:
 
 	>>> mpm = MpmEngine(gridSpacing=0.5, heat=HeatTransfer())
@@ -61,38 +63,61 @@ def fill(mpm, polygon, pointsPerCell=None, **attributes):
 	solid = polygon if isinstance(polygon, Solid) else None
 	_checkDimension(mpm, solid)
 	if solid is None:
-		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, 4 if pointsPerCell is None else pointsPerCell, _gridOrigin(mpm, 2))
+		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, 4 if pointsPerCell is None else pointsPerCell, _gridOrigin(mpm, 2), holes)
 	else:
+		if len(holes):
+			raise ValueError("fill: holes are for polygons in the plane; leave them out of a solid")
 		_refuseOutside(mpm, solid)
 		positions, volumes = solid.points(_latticeSide(mpm.gridSpacing, 8 if pointsPerCell is None else pointsPerCell, 3), _gridOrigin(mpm, 3))
 	values = {name: value(*positions.T) if callable(value) else value for name, value in attributes.items()}
 	return mpm.addPoints(position=positions, volume=volumes, **values)
 
 
-def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0)):
+def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0), holes=()):
 	"""Positions (n, 2) [m] and volumes (n,) [m2] of points that fill a polygon.
 
 	polygon        corners (m, 2), m >= 3, either orientation, not self-intersecting
 	gridSpacing    cell size [m], > 0
 	pointsPerCell  a square number: 1, 4, 9, 16
 	origin         of the grid [m]
+	holes          outlines inside the polygon that are left out [m]
 
 	>>> position, volume = talik.geometry.fillPolygon([(0, 0), (4, 0), (0, 2)], gridSpacing=0.5)
 	>>> float(round(volume.sum(), 9))
 	4.0"""
-	return latticeInPolygon(checkedPolygon(polygon), _latticeSide(gridSpacing, pointsPerCell, 2), np.asarray(origin, dtype=float))
+	checked = ground(polygon, holes)
+	rings = [np.array(ring.coords)[:-1] for ring in (checked.exterior, *checked.interiors)]
+	return latticeInPolygon(rings[0], _latticeSide(gridSpacing, pointsPerCell, 2), np.asarray(origin, dtype=float), rings[1:])
 
 
-def latticeInPolygon(corners, side, origin):
-	"""Positions (n, 2) [m] and volumes (n,) [m2] of the lattice squares of a side [m] inside corners (m, 2) that are checked.
+def ground(polygon, holes=()):
+	"""A polygon of shapely of checked corners (m, 2) [m] without holes, each a list of corners; ValueError with what is wrong otherwise.
+
+	>>> talik.geometry.ground([(0, 0), (4, 0), (4, 2), (0, 2)], holes=[[(1, 1), (2, 1), (2, 1.5), (1, 1.5)]]).area
+	7.5"""
+	outline, cut = checkedPolygon(polygon), [checkedPolygon(hole) for hole in holes]
+	whole, parts = make_valid(Polygon(outline)), [make_valid(Polygon(hole)) for hole in cut]
+	for k, part in enumerate(parts):
+		if part.difference(whole).area > 1e-9 * part.area:
+			raise ValueError(f"holes[{k}] reaches out of the polygon; move its corners inside, or cut the polygon there")
+		if any(part.intersection(other).area > 1e-9 * part.area for other in parts[:k]):
+			raise ValueError(f"holes[{k}] overlaps another hole; give the outline of both as one hole")
+	return Polygon(outline, cut)
+
+
+def latticeInPolygon(corners, side, origin, holes=()):
+	"""Positions (n, 2) [m] and volumes (n,) [m2] of the lattice squares of a side [m] inside corners (m, 2), and outside holes, that are checked.
 
 	>>> position, volume = talik.geometry.latticeInPolygon(np.array([(0, 0), (4, 0), (0, 2)]), side=0.25, origin=np.zeros(2))
 	>>> len(volume) > 60
 	True"""
 	centres = _latticeCentres(corners, side, origin)
-	cut = _touchedByOutline(corners, centres, side)
-	whole = centres[~cut & Path(corners).contains_points(centres)]
-	partCentres, partAreas = _parts(corners, centres[cut], side)
+	cut, inside = _touchedByOutline(corners, centres, side), Path(corners).contains_points(centres)
+	for hole in holes:
+		cut |= _touchedByOutline(hole, centres, side)
+		inside &= ~Path(hole).contains_points(centres)
+	whole = centres[~cut & inside]
+	partCentres, partAreas = _parts(Polygon(corners, holes), centres[cut], side)
 	positions = np.vstack([whole, partCentres])
 	volumes = np.concatenate([np.full(len(whole), side * side), partAreas])
 	positions, volumes = _joinSmallParts(positions, volumes, smallestPart * side * side)
@@ -213,10 +238,10 @@ def _touchedByOutline(corners, centres, side):
 	return touched
 
 
-def _parts(corners, centres, side):
+def _parts(outline, centres, side):
 	"""Centroid and area of the parts of lattice squares inside the polygon; empty ones left out."""
-	ground, half = make_valid(Polygon(corners)), 0.5 * side
-	parts = [ground.intersection(box(x - half, y - half, x + half, y + half)) for x, y in centres]
+	inside, half = make_valid(outline), 0.5 * side
+	parts = [inside.intersection(box(x - half, y - half, x + half, y + half)) for x, y in centres]
 	found = [(part.area, (part.centroid.x, part.centroid.y)) for part in parts if part.area > 1e-9 * side * side]
 	return np.array([c for _, c in found]).reshape(-1, 2), np.array([a for a, _ in found])
 

@@ -17,26 +17,31 @@ namespace {
 	constexpr double smallestPorosity = 1e-3;
 } // namespace
 
-/// Some consecutive points with what is known only during an update.
+/// Some consecutive points of one material with what is known only during an update.
 template <int D> struct PoreContent<D>::Block {
-	int    first, count;
-	double temperature[blockSize];
-	double temperatureBefore[blockSize];
-	double poreVolume[blockSize];
-	double liquidSaturation[blockSize];
-	double saturationBefore[blockSize];
-	double iceBefore[blockSize];
-	double ice[blockSize];
-	double capacity[blockSize];
+	int             first, count;
+	const Material* of;
+	double          temperature[blockSize];
+	double          temperatureBefore[blockSize];
+	double          poreVolume[blockSize];
+	double          liquidSaturation[blockSize];
+	double          saturationBefore[blockSize];
+	double          iceBefore[blockSize];
+	double          ice[blockSize];
+	double          capacity[blockSize];
 };
 
 template <int D>
 PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settings)
         : settings_(&settings)
-        , enthalpyModel_(
-                  settings.mixture, settings.freezing, settings.heat ? settings.heat->enthalpyForm : EnthalpyForm::stateFunction,
-                  settings.heat ? settings.heat->latentDensity : LatentDensity::ice)
 {
+	std::vector<SoilMaterial> given = settings.materials;
+	if (given.empty()) given.push_back({ settings.mixture, {}, {} });
+	const HeatSettings heat         = settings.heat.value_or(HeatSettings {});
+	const Permeability permeability = settings.water ? settings.water->permeability : Permeability {};
+	for (const SoilMaterial& m : given)
+		materials_.push_back({ m.mixture, EnthalpyModel(m.mixture, m.freezing ? m.freezing : settings.freezing, heat.enthalpyForm, heat.latentDensity),
+		                       m.permeability.value_or(permeability) });
 	solidMass_ = fields.declare("solidMass", "poreContent", "kg", 1);
 	waterMass_ = fields.declare("waterMass", "poreContent", "kg", 1);
 	porosity_  = fields.declare("porosity", "poreContent", "-", 1);
@@ -61,24 +66,44 @@ template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points)
 	lastVolume_    = f.component(lastVolumeField_);
 	lastWater_     = f.component(lastWaterField_);
 	volume_        = points.volume();
+	points_        = &points;
+}
+
+template <int D> void PoreContent<D>::useScale(PoreWater<D>& water, double f)
+{
+	water.scale = water.fastest = water.usedScale(f, materials_.front().permeability);
+	for (Material& m : materials_) {
+		m.seepageScale = water.usedScale(f, m.permeability);
+		water.scale    = std::min(water.scale, m.seepageScale);
+		water.fastest  = std::max(water.fastest, m.seepageScale);
+	}
+}
+
+template <int D> double PoreContent<D>::smallestReferencePorosity() const
+{
+	double smallest = 1.0;
+	for (const Material& m : materials_)
+		smallest = std::min(smallest, m.permeability.referencePorosity);
+	return smallest;
 }
 
 template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill, const Effects& of)
 {
-	const MixtureProperties& mixture = settings_->mixture;
-	const double             t       = of.heat ? givenTemperature : mixture.referenceTemperature;
-	const double             sl      = enthalpyModel_.curve().liquidSaturation(t);
-	const double             vp      = givenPorosity * volume_[p];
-	const PoreWaterState     state   = settings_->water ? settings_->water->state : PoreWaterState {};
+	const Material&          material = this->of(p);
+	const MixtureProperties& mixture  = material.mixture;
+	const double             t        = of.heat ? givenTemperature : mixture.referenceTemperature;
+	const double             sl       = material.enthalpy.curve().liquidSaturation(t);
+	const double             vp       = givenPorosity * volume_[p];
+	const PoreWaterState     state    = settings_->water ? settings_->water->state : PoreWaterState {};
 
 	porosity[p]  = givenPorosity;
 	solidMass[p] = (volume_[p] - vp) * mixture.densityAt(mixture.solid, t);
 	waterMass[p] = poreFill * state.waterMass(mixture, settings_->water ? pressure : 0.0, sl, vp, t);
 
-	const ThermalState thermal = enthalpyModel_.stateAt({ solidMass[p], waterMass[p], vp }, t);
+	const ThermalState thermal = material.enthalpy.stateAt({ solidMass[p], waterMass[p], vp }, t);
 	if (of.heat) {
 		of.heat->temperature[p]  = t;
-		of.heat->enthalpy[p]     = enthalpyModel_.enthalpy({ solidMass[p], waterMass[p], vp }, t);
+		of.heat->enthalpy[p]     = material.enthalpy.enthalpy({ solidMass[p], waterMass[p], vp }, t);
 		of.heat->heatCapacity[p] = thermal.heatCapacity;
 	}
 	if (iceMass) {
@@ -96,10 +121,21 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 	if (of.motion) of.motion->mass[p] = solidMass[p] + (of.water ? thermal.iceMass : waterMass[p]);
 }
 
+/// As many points as a block takes, up to the last or the first of another material.
+template <int D> void PoreContent<D>::choosePoints(Block& b, int last) const
+{
+	b.of                              = &of(b.first);
+	b.count                           = std::min(blockSize, last - b.first);
+	const std::uint16_t* const number = points_->materials();
+	if (!number) return;
+	const auto* const begin = number + b.first;
+	b.count                 = static_cast<int>(std::find_if(begin, begin + b.count, [&](std::uint16_t m) { return m != *begin; }) - begin);
+}
+
 template <int D> void PoreContent<D>::load(Block& b, const HeatTransfer<D>* heat) const
 {
 	if (heat) std::copy_n(heat->temperature + b.first, b.count, b.temperature);
-	else std::fill_n(b.temperature, b.count, settings_->mixture.referenceTemperature);
+	else std::fill_n(b.temperature, b.count, b.of->mixture.referenceTemperature);
 	if (iceMass) {
 		std::copy_n(iceMass + b.first, b.count, b.ice);
 		for (int k = 0; k < b.count; ++k)
@@ -117,7 +153,7 @@ template <int D> void PoreContent<D>::load(Block& b, const HeatTransfer<D>* heat
 
 template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
 {
-	const MixtureProperties m      = settings_->mixture;
+	const MixtureProperties m      = b.of->mixture;
 	const double* const     volume = volume_ + b.first;
 	const double* const     solid  = solidMass + b.first;
 #pragma GCC ivdep
@@ -138,7 +174,7 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b, HeatTransfer<D>
 	batch.iceMass          = b.ice;
 	batch.heatCapacity     = heat.heatCapacity + b.first;
 	batch.apparentCapacity = iceMass ? heat.share + b.first : nullptr;
-	enthalpyModel_.temperatures(batch);
+	b.of->enthalpy.temperatures(batch);
 	if (iceMass) heat.limitShares(b.first, b.count);
 }
 
@@ -174,7 +210,7 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, Soli
 
 template <int D> void PoreContent<D>::updatePressure(const Block& b, PoreWater<D>& water) const
 {
-	const MixtureProperties m        = settings_->mixture;
+	const MixtureProperties m        = b.of->mixture;
 	const PoreWaterState    state    = settings_->water->state;
 	const double* const     contents = waterMass + b.first;
 	double* const           pressure = water.pressure + b.first;
@@ -185,7 +221,7 @@ template <int D> void PoreContent<D>::updatePressure(const Block& b, PoreWater<D
 
 template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
 {
-	const MixtureProperties m     = settings_->mixture;
+	const MixtureProperties m     = b.of->mixture;
 	const PoreWaterState    state = settings_->water->state;
 	const double* const     water = waterMass + b.first;
 #pragma GCC ivdep
@@ -206,7 +242,7 @@ template <int D> void PoreContent<D>::collectPressure(const Block& b, const Cell
 
 template <int D> void PoreContent<D>::updatePressureRate(const Block& b, PoreWater<D>& water)
 {
-	const MixtureProperties& m     = settings_->mixture;
+	const MixtureProperties& m     = b.of->mixture;
 	const PoreWaterState&    state = settings_->water->state;
 	for (int k = 0; k < b.count; ++k) {
 		const int    p      = b.first + k;
@@ -244,7 +280,7 @@ template <int D> void PoreContent<D>::updatePorosity(const Block& b)
 
 template <int D> void PoreContent<D>::updateConductivity(const Block& b, HeatTransfer<D>& heat) const
 {
-	const MixtureProperties m     = settings_->mixture;
+	const MixtureProperties m     = b.of->mixture;
 	const double* const     n     = porosity + b.first;
 	double* const           kappa = heat.conductivity + b.first;
 	if (m.conductivityMean == ConductivityMean::arithmetic) {
@@ -270,9 +306,9 @@ template <int D> void PoreContent<D>::updateIce(const Block& b)
 /// that drains then runs dry ever more slowly, and nothing flows that is not there.
 template <int D> void PoreContent<D>::updateDrag(const Block& b, PoreWater<D>& water) const
 {
-	Permeability law = settings_->water->permeability;
-	law.hydraulicTimeScale *= water.scale;
-	const double        perDensity = 1.0 / settings_->mixture.liquid.density, floor = law.floor;
+	Permeability law = b.of->permeability;
+	law.hydraulicTimeScale *= b.of->seepageScale;
+	const double        perDensity = 1.0 / b.of->mixture.liquid.density, floor = law.floor;
 	const double* const contents       = waterMass + b.first;
 	const double* const n              = porosity + b.first;
 	const double* const volume         = volume_ + b.first;
@@ -318,6 +354,7 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 	one.count = 1;
 	for (int k = 0; k < b.count; ++k) {
 		one.first          = b.first + k;
+		one.of             = b.of;
 		one.poreVolume[0]  = b.poreVolume[k];
 		one.temperature[0] = b.temperature[k];
 		one.ice[0]         = b.ice[k];
@@ -336,11 +373,11 @@ template <int D> int PoreContent<D>::update(int first, int last, const Effects& 
 template <int D> int PoreContent<D>::update(int first, int last, const Effects& of, const CellMeans<D>* cells, CostMeter::Sample& sample)
 {
 	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : of.heat ? CostMeter::heat : CostMeter::water;
-	for (int start = first; start < last; start += blockSize) {
+	Block                  b;
+	for (int start = first; start < last; start += b.count) {
 		sample.beginBlock();
-		Block b;
 		b.first = start;
-		b.count = std::min(blockSize, last - start);
+		choosePoints(b, last);
 		load(b, of.heat);
 		findPoreVolume(b);
 		if (of.heat) solveTemperature(b, *of.heat);
@@ -367,7 +404,7 @@ template <int D> int PoreContent<D>::update(int first, int last, const Effects& 
 
 template <int D> std::string PoreContent<D>::whyImpossible(int p, const HeatTransfer<D>* heat) const
 {
-	const MixtureProperties& m = settings_->mixture;
+	const MixtureProperties& m = of(p).mixture;
 	std::ostringstream       text;
 	const double             t    = heat ? heat->temperature[p] : m.referenceTemperature;
 	const double             pore = volume_[p] - solidMass[p] / m.densityAt(m.solid, t);

@@ -41,14 +41,30 @@ public:
 	/// Why a point is in an impossible state; heat may be null.
 	std::string whyImpossible(int place, const HeatTransfer<D>* heat) const;
 
-	const EnthalpyModel& enthalpyModel() const { return enthalpyModel_; }
+	/// Of the liquid, which is the same in every material.
+	const EnthalpyModel&     enthalpyModel() const { return materials_.front().enthalpy; }
+	const MixtureProperties& mixture(int place) const { return of(place).mixture; }
+	/// Seepage follows slow processes that run f times as fast as motion, in each material as far as its conductivity lets it.
+	void useScale(PoreWater<D>& water, double f);
+	/// f_H in force at a point [-].
+	double seepageScale(int place) const { return of(place).seepageScale; }
+	double smallestReferencePorosity() const;
 
 	double *solidMass, *waterMass, *porosity;
 	double* iceMass       = nullptr; ///< nullptr without freezing
 	double* iceSaturation = nullptr;
 
 private:
+	/// What one material has of its own, for loops over points of it.
+	struct Material {
+		MixtureProperties mixture;
+		EnthalpyModel     enthalpy;
+		Permeability      permeability;
+		double            seepageScale = 1.0; ///< f_H in this step [-]
+	};
+	const Material& of(int place) const { return materials_[points_->material(place)]; }
 	struct Block;
+	void                          choosePoints(Block& b, int last) const;
 	void                          load(Block& b, const HeatTransfer<D>* heat) const;
 	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
 	void                          solveTemperature(Block& b, HeatTransfer<D>& heat) const;
@@ -66,7 +82,8 @@ private:
 	int                           firstImpossible(const Block& b) const;
 
 	const GroundSettings<D>* settings_;
-	EnthalpyModel            enthalpyModel_;
+	std::vector<Material>    materials_; ///< one where the settings list none
+	MaterialPoints<D>*       points_ = nullptr;
 	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
 	double*                  volume_     = nullptr;
 	double*                  lastVolume_ = nullptr; ///< of the last update, in the rate form of pressure only

@@ -329,16 +329,16 @@ void PoreWater<D>::feed(
 	}
 }
 
-template <int D> void PoreWater<D>::chooseLargestConductivity()
+template <int D> void PoreWater<D>::chooseLargestConductivity(double smallestReferencePorosity)
 {
 	const double given  = settings->largestConductivity;
-	largestConductivity = std::isnan(given) ? longestRest * settings->permeability.referencePorosity * Permeability::gravity : given;
+	largestConductivity = std::isnan(given) ? longestRest * smallestReferencePorosity * Permeability::gravity : given;
 }
 
-template <int D> double PoreWater<D>::usedScale(double f) const
+template <int D> double PoreWater<D>::usedScale(double f, const Permeability& material) const
 {
 	const double wanted = std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale;
-	const double k = settings->permeability.referenceConductivity, largest = largestConductivity / k;
+	const double k = material.referenceConductivity, largest = largestConductivity / k;
 	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
 }
 

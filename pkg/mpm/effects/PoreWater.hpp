@@ -129,7 +129,8 @@ public:
 	NodeField<D>                     start;  ///< v_l at the start of the step
 	NodeField<Gathered::size>        exchange;
 
-	double scale = 1.0; ///< f_H in this step: multiplies conductivity and what is fed in [-]
+	double scale   = 1.0; ///< smallest f_H of the materials in this step: multiplies what is fed in [-]
+	double fastest = 1.0; ///< largest f_H of the materials in this step [-]
 	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
 	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
 	/// conductivity is larger takes this or untouched, whichever is larger.
@@ -138,9 +139,9 @@ public:
 	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
 	static constexpr double longestRest         = 0.0125;
 	double                  largestConductivity = std::numeric_limits<double>::infinity();
-	void                    chooseLargestConductivity();
-	/// f_H in force where slow processes run f times as fast as motion.
-	double usedScale(double f) const;
+	void                    chooseLargestConductivity(double smallestReferencePorosity);
+	/// f_H in force in a material where slow processes run f times as fast as motion: it multiplies its conductivity.
+	double usedScale(double f, const Permeability& material) const;
 
 	double waterOut = 0.0, enthalpyOut = 0.0; ///< through drained surfaces since the start [kg, J]
 	Vec<D> momentumOut {};

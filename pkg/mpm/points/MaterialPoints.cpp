@@ -24,6 +24,12 @@ template <int D> void MaterialPoints<D>::allocate(int count)
 	number_.assign(count, 0);
 }
 
+template <int D> void MaterialPoints<D>::distinguishMaterials()
+{
+	material_.assign(count(), 0);
+	materialScratch_ = material_;
+}
+
 namespace {
 	/// Order of the points. In the plane it is that of their cells. In space points with the same support follow each other within a strip,
 	/// so that the loops over nodes may keep the support in registers; it changes in the middle of a cell.
@@ -86,14 +92,15 @@ template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 	for (int p = 0; p < n; ++p)
 		from_[start_[number_[p]]++] = p;
 
-	const auto reorder = [&](std::vector<int>& values) {
+	const auto reorder = [&](auto& values, auto& scratch) {
 		for (int k = 0; k < n; ++k)
-			scratch_[k] = values[from_[k]];
-		values.swap(scratch_);
+			scratch[k] = values[from_[k]];
+		values.swap(scratch);
 	};
 	fields_.reorder(from_.data());
-	reorder(id_);
-	reorder(skeleton_);
+	reorder(id_, scratch_);
+	reorder(skeleton_, scratch_);
+	if (!material_.empty()) reorder(material_, materialScratch_);
 	idsRestored();
 }
 

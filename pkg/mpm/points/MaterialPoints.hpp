@@ -70,6 +70,13 @@ public:
 	int*       skeletons() { return skeleton_.data(); }
 	const int* skeletons() const { return skeleton_.data(); }
 
+	/// Material of the point at a place; null in ground of one material.
+	std::uint16_t*       materials() { return material_.empty() ? nullptr : material_.data(); }
+	const std::uint16_t* materials() const { return material_.empty() ? nullptr : material_.data(); }
+	int                  material(int place) const { return material_.empty() ? 0 : material_[place]; }
+	/// Gives points materials, 0 so far; after allocate().
+	void distinguishMaterials();
+
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
 	/// same support.
 	void sort(const Grid<D>& grid);
@@ -83,12 +90,13 @@ public:
 	void              idsRestored();
 
 private:
-	PointFields         fields_;
-	PointFields::Handle position_, volume_;
-	std::vector<int>    id_, place_, skeleton_;
-	std::vector<int>    number_, from_, start_, scratch_;
-	Strips              strips_;
-	long                order_ = 0;
+	PointFields                fields_;
+	PointFields::Handle        position_, volume_;
+	std::vector<int>           id_, place_, skeleton_;
+	std::vector<int>           number_, from_, start_, scratch_;
+	std::vector<std::uint16_t> material_, materialScratch_; ///< empty in ground of one material
+	Strips                     strips_;
+	long                       order_ = 0;
 };
 
 extern template class MaterialPoints<2>;

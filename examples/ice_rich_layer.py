@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A lens of ice-rich ground in silt thaws from the surface; the ground settles where the lens was.
+
+	scripts/run ice_rich_layer [--preset test|draft|standard]
+
+By hand: the settled area of the profile is the thaw strain times the area of the lens, and the thaw reaches the highest point of the lens after the
+days of Stefan's formula, L d^2/(2 k T) with the latent heat L = n rho_i L_f and the conductivity k of thawed silt. Change the
+outline of the lens or the two porosities first.
+"""
+
+import argparse
+
+import numpy as np
+from yade import O
+
+import talik
+from talik import output, plots
+from talik.files import writableFolder
+
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--preset", default="draft", choices=("test", "draft", "standard"), help="size of the job")
+parser.add_argument("--output", default="output/ice_rich_layer", help="folder for the results")
+options = parser.parse_args()
+folder = writableFolder(options.output)
+
+h = {"test": 0.25, "draft": 0.125, "standard": 0.0625}[options.preset]  # grid spacing [m]
+width, depth, warm = 8.0, 2.5, 5.0  # [m, degC]
+lens = [(2.5, 1.25), (3.25, 1.0), (4.75, 1.0), (5.5, 1.25), (4.75, 1.75), (3.25, 1.75)]
+strain = talik.layers.thawStrain(porosity=0.7, thawedPorosity=0.5)
+mpm = MpmEngine(
+	gridSpacing=h,
+	lower=(0, 0),
+	upper=(width, depth + 2 * h),
+	gravity=(0, -9.81),
+	damping=0.3,
+	heat=HeatTransfer(thermalTimeScale=4e6),
+	freezing=FreezingCurve(width=0.2),
+	skeleton=MohrCoulombSkeleton(young=1e7, youngFrozen=5e7, frictionAngle=28, cohesion=500, cohesionFrozen=2e5),
+	boundaries=[RollerBoundary(region=side) for side in ("left", "right", "bottom")] + [SurfaceTemperature(region="surface", temperature=warm)],
+)
+silt = dict(polygon=talik.geometry.rectangle(0, 0, width, depth), holes=[lens], porosity=0.4, temperature=-0.5)
+iceRich = dict(polygon=lens, porosity=0.7, temperature=-0.5, material=GroundMaterial(name="ice-rich", thawStrain=strain))
+layers = talik.layers.fill(mpm, {"silt": silt, "ice-rich": iceRich}, lateralRatio=0.5)
+O.engines = [mpm]
+O.step()
+
+rows, states = [], [(0.0, mpm.field("position"), mpm.field("volume"), mpm.field("iceSaturation"))]
+while mpm.field("iceSaturation")[layers["ice-rich"]].max() > 0:
+	talik.runUntilDay(mpm, mpm.calendar["day"] + 5)
+	ice = mpm.field("iceSaturation")[layers["ice-rich"]]
+	rows.append((mpm.calendar["day"], width * depth - mpm.field("volume").sum(), ice.min()))
+states.append((rows[-1][0], mpm.field("position"), mpm.field("volume"), mpm.field("iceSaturation")))
+
+area, cover = talik.geometry.polygonArea(lens)[0], depth - states[0][1][layers["ice-rich"], 1].max()  # cover of the highest point of the lens
+latent, conductivity = 0.4 * 910 * 334e3, 0.6 * 1.0 + 0.4 * 0.6  # of the silt [J/m3, W/(m K)]
+day, settled = np.interp(-0.5, [-ice for _, _, ice in rows], [day for day, _, _ in rows]), rows[-1][1]
+dayByHand, settledByHand = latent * cover**2 / (2 * conductivity * warm) / talik.day, strain * area
+print(f"{mpm.pointCount} points, {O.iter} steps")
+print(f"the lens begins to thaw on day {day:.0f}, by hand on day {dayByHand:.0f}")
+print(f"settled area {settled:.4f} m2, by hand {settledByHand:.4f} m2")
+
+figure = plots.figure(8, 6.5)
+panels = figure.subplots(2, 1, sharex=True)
+for axes, (time, position, volume, ice) in zip(panels, states):
+	plots.slopeField(axes, position, ice, volume, "ice saturation [-]", "Blues", (0, 1))
+	axes.plot(*zip(*lens, lens[0]), color="crimson")
+	axes.set_title(f"day {time:.0f}; outline of the lens at the start in red", loc="left", fontsize=10)
+	axes.set_ylim(0, depth + 0.2)
+plots.save(figure, folder / "ice_rich_layer.png", dpi=100)
+output.writeSummary(
+	folder / "summary.json",
+	**{"settled area [m2]": settled, "by hand [m2]": settledByHand, "lens begins to thaw [d]": day, "begins by hand [d]": dayByHand},
+)
+if abs(settled / settledByHand - 1) > 0.1 or abs(day / dayByHand - 1) > 0.15:
+	raise SystemExit("settlement or thaw is more than 10 or 15 % off the calculation by hand")
+print(f"picture and summary are in {folder}")

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawStrain.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+template <int D>
+ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings)
+        : settings_(&settings)
+{
+	frozenSaturationField_ = fields.declare("frozenSaturation", "thawStrain", "-", 1);
+	releasedField_         = fields.declare("thawStrainReleased", "thawStrain", "-", 1);
+	openField_             = fields.declare("thawStrainOpen", "thawStrain", "-", 1);
+	swollenField_          = fields.declare("thawStrainSwollen", "thawStrain", "-", 1);
+	lastVolumeField_       = fields.declare("volumeBefore", "thawStrain", "m^D", 1);
+}
+
+template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* iceSaturation, int cells)
+{
+	points_           = &points;
+	motion_           = &motion;
+	iceSaturation_    = iceSaturation;
+	frozenSaturation_ = points.fields().component(frozenSaturationField_);
+	released_         = points.fields().component(releasedField_);
+	open_             = points.fields().component(openField_);
+	swollen_          = points.fields().component(swollenField_);
+	lastVolume_       = points.fields().component(lastVolumeField_);
+	ownUnloading_     = bool(settings_->water);
+	sharing_.resize(motion.settings->bBar ? cells : points.count());
+	ofSkeleton_.reserve(points.count());
+	all_.reserve(points.count());
+	changed_.reserve(points.count());
+}
+
+template <int D> void ThawStrain<D>::start(int count)
+{
+	std::copy_n(iceSaturation_, count, frozenSaturation_);
+	std::copy_n(points_->volume(), count, lastVolume_);
+}
+
+template <int D> typename ThawStrain<D>::Sharing& ThawStrain<D>::sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }
+
+template <int D> void ThawStrain<D>::releaseAt(int p)
+{
+	const double most = settings_->materials[points_->material(p)].thawStrain;
+	if (most == 0.0 || iceSaturation_[p] >= frozenSaturation_[p]) return;
+	const double melted = most * (1.0 - iceSaturation_[p] / frozenSaturation_[p]);
+	const double more   = std::max(0.0, melted - released_[p]); // ice that forms again fills pores only
+	released_[p] += more;
+	open_[p] += more * motion_->initialVolume[p] / lastVolume_[p];
+}
+
+template <int D> void ThawStrain<D>::release(const CellMeans<D>* cells)
+{
+	cells_ = cells;
+	all_.clear();
+	std::fill(sharing_.begin(), sharing_.end(), Sharing {});
+	const double* const volume = points_->volume();
+	points_->strips().scatter([&](int, int first, int last) {
+		for (int p = first; p < last; ++p) {
+			releaseAt(p);
+			Sharing& s = sharing(p);
+			s.volume += volume[p];
+			s.room += lastVolume_[p] * open_[p];
+			s.contraction += lastVolume_[p] * (1.0 - swollen_[p]) - volume[p];
+			lastVolume_[p] = volume[p];
+		}
+	});
+}
+
+template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vector<int>& places)
+{
+	ofSkeleton_.clear();
+	for (const int p : places)
+		if (sharing(p).room > 0.0) ofSkeleton_.push_back(p);
+	all_.insert(all_.end(), ofSkeleton_.begin(), ofSkeleton_.end());
+	return ofSkeleton_;
+}
+
+template <int D> double ThawStrain<D>::unloadingAt(int p, const Vec<D>& down, const double* modulus) const
+{
+	double pressure = 0.0;
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j)
+			pressure -= down[i] * motion_->stress[stressIndex<D>(i, j)][p] * down[j];
+	return std::max(0.0, pressure) / modulus[p];
+}
+
+template <int D> void ThawStrain<D>::close(const double* modulus)
+{
+	const Vec<D>& gravity = motion_->settings->gravity;
+	const double  size    = lengthOf<D>(gravity);
+	if (size == 0.0) return;
+	Vec<D> down;
+	for (int a = 0; a < D; ++a)
+		down[a] = gravity[a] / size;
+	const double* const volume = points_->volume();
+	for (const int p : all_)
+		sharing(p).elastic += volume[p] * unloadingAt(p, down, modulus);
+	for (const int p : all_) {
+		const Sharing& s       = sharing(p);
+		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;
+		const double   unloaded = std::min(s.elastic, left);
+		const double   closes   = settled / s.volume
+		        + (ownUnloading_ && unloaded > 0.0 ? unloaded / s.elastic * unloadingAt(p, down, modulus) : unloaded / s.volume);
+		open_[p]    = (left - unloaded) / s.volume;
+		swollen_[p] = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
+		OfGrid before { p, {} };
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j) {
+				double* const gradient     = motion_->gradient[i * D + j];
+				before.gradient[i * D + j] = gradient[p];
+				gradient[p] += closes * down[i] * down[j];
+			}
+		changed_.push_back(before);
+	}
+}
+
+template <int D> void ThawStrain<D>::restoreGradients()
+{
+	for (const OfGrid& before : changed_)
+		for (int c = 0; c < D * D; ++c)
+			motion_->gradient[c][before.place] = before.gradient[c];
+	changed_.clear();
+}
+
+template class ThawStrain<2>;
+template class ThawStrain<3>;
+
+} // namespace talik

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Ground in named layers: outlines with holes, each with its material, its skeleton law and its state at the start.
+
+	layers = talik.layers.fill(mpm, {
+		"silt": dict(polygon=[(0, 1), (4, 1), (4, 2), (0, 2)], temperature=-2),
+		"ice-rich": dict(polygon=[(0, 0), (4, 0), (4, 1), (0, 1)], porosity=0.7, temperature=-2, material=GroundMaterial(thawStrain=0.4)),
+	})
+	mpm.field("temperature")[layers["ice-rich"]]
+
+Layers that overlap are refused. Lengths in m, per metre of thickness.
+"""
+
+import numpy as np
+from shapely.geometry import LineString
+from shapely.validation import make_valid
+
+from talik import geometry
+from yade import wrapper
+
+smallestOverlap = 1e-9  # of the smaller layer
+
+
+def thawStrain(porosity, thawedPorosity):
+	"""Volume that ground loses on thaw over its volume frozen [-]: the grains keep theirs, the pores go from the porosity of frozen ground, excess
+	ice included, to that of the thawed soil under its load.
+
+	porosity        n_0 of the frozen ground [-], 0 to below 1
+	thawedPorosity  n_1 of the thawed soil [-], 0 to n_0
+
+	>>> round(talik.layers.thawStrain(porosity=0.7, thawedPorosity=0.5), 3)
+	0.4"""
+	if not 0 <= thawedPorosity <= porosity < 1:
+		raise ValueError(f"thawStrain: porosity is {porosity} and thawedPorosity is {thawedPorosity}; give 0 <= thawedPorosity <= porosity < 1")
+	return 1 - (1 - porosity) / (1 - thawedPorosity)
+
+
+def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0):
+	"""Fills an MpmEngine in the plane with layers; returns {name: ids of the points (n,)}.
+
+	layers         {name: dict(polygon=corners (m, 2) [m], …)} with, where wanted, holes=[corners, …] that are left out, material=GroundMaterial(…),
+				   which is named like the layer unless it has a name, skeleton=a skeleton law, and attributes of talik.geometry.fill: porosity,
+				   temperature, pressure, velocity, poreFill
+	pointsPerCell  a square number; default 4
+	lateralRatio   horizontal over vertical effective stress at rest [-]: points start with the stress of the weight above them; None: with none
+	load           pressure on the surface at the start [Pa], with lateralRatio
+
+	A layer without material has MpmEngine.material, one without skeleton MpmEngine.skeleton. ValueError names layers that overlap.
+
+	>>> mpm = MpmEngine(gridSpacing=0.5, gravity=(0, -9.81), heat=HeatTransfer(), freezing=FreezingCurve(), skeleton=ElasticSkeleton())
+	>>> silt = dict(polygon=talik.geometry.rectangle(0, 1, 4, 2), temperature=-2)
+	>>> iceRich = dict(polygon=talik.geometry.rectangle(0, 0, 4, 1), porosity=0.7, temperature=-2, material=GroundMaterial(thawStrain=0.4))
+	>>> layers = talik.layers.fill(mpm, {"silt": silt, "ice-rich": iceRich}, lateralRatio=0.5)
+	>>> len(layers["ice-rich"])
+	64"""
+	outlines = {name: _outlineOf(name, layer) for name, layer in layers.items()}
+	_refuseOverlaps(outlines)
+	numbers = _numbersOfMaterials(mpm, layers)
+	laws = _numbersOfLaws(mpm, layers)
+	densities = {name: _density(mpm, layer) for name, layer in layers.items()} if lateralRatio is not None else {}
+	ids = {}
+	for name, layer in layers.items():
+		state = {key: value for key, value in layer.items() if key not in ("polygon", "holes", "material", "skeleton")}
+		if lateralRatio is not None:
+			state["stress"] = _geostatic(mpm, outlines, densities, lateralRatio, load, layer.get("pressure", 0.0))
+		first = mpm.pointCount
+		geometry.fill(mpm, layer["polygon"], pointsPerCell, holes=layer.get("holes", ()), material=numbers[name], skeleton=laws[name], **state)
+		ids[name] = np.arange(first, mpm.pointCount)
+	return ids
+
+
+def _outlineOf(name, layer):
+	if "polygon" not in layer:
+		raise ValueError(f"layer '{name}' has no polygon; give its corners (x, y) in m")
+	try:
+		return geometry.ground(layer["polygon"], layer.get("holes", ()))
+	except ValueError as problem:
+		raise ValueError(f"layer '{name}': {problem}") from None
+
+
+def _refuseOverlaps(outlines):
+	names = list(outlines)
+	for i, first in enumerate(names):
+		for second in names[i + 1 :]:
+			shared = make_valid(outlines[first]).intersection(make_valid(outlines[second]))
+			if shared.area > smallestOverlap * min(outlines[first].area, outlines[second].area):
+				x, y = shared.centroid.x, shared.centroid.y
+				raise ValueError(
+					f"layers '{first}' and '{second}' overlap in {shared.area:.3g} m2 around ({x:.3g}, {y:.3g}); move their corners, "
+					f"or leave one out of the other by holes"
+				)
+
+
+def _numbersOfMaterials(mpm, layers):
+	"""{layer: number of its material}; completes mpm.materials."""
+	if not any("material" in layer for layer in layers.values()):
+		return dict.fromkeys(layers, 0)
+	materials, numbers = list(mpm.materials), {}
+	without = [name for name, layer in layers.items() if "material" not in layer]
+	if without and materials:
+		raise ValueError(f"layer '{without[0]}' has no material, and MpmEngine.materials lists several; give it one of them")
+	if without or (mpm.pointCount > 0 and not materials):
+		materials, mpm.material = [mpm.material], wrapper.GroundMaterial()
+	for name, layer in layers.items():
+		material = layer.get("material")
+		if name in without:
+			numbers[name] = 0
+			continue
+		if not isinstance(material, wrapper.GroundMaterial):
+			raise ValueError(f"layer '{name}': material is {material!r}; give a GroundMaterial")
+		if material not in materials:
+			if not material.name:
+				material.name = name
+			materials.append(material)
+		numbers[name] = materials.index(material)
+	mpm.materials = materials
+	return numbers
+
+
+def _numbersOfLaws(mpm, layers):
+	"""{layer: number of its skeleton law}; completes mpm.skeletons."""
+	if not any("skeleton" in layer for layer in layers.values()):
+		return dict.fromkeys(layers, 0)
+	laws, numbers = list(mpm.skeletons) or ([mpm.skeleton] if mpm.skeleton is not None else []), {}
+	for name, layer in layers.items():
+		if "skeleton" not in layer:
+			if mpm.skeleton is None or mpm.skeletons:
+				raise ValueError(f"layer '{name}' has no skeleton law; give it one, or set MpmEngine.skeleton for layers without")
+			numbers[name] = 0
+			continue
+		if layer["skeleton"] not in laws:
+			laws.append(layer["skeleton"])
+		numbers[name] = laws.index(layer["skeleton"])
+	mpm.skeletons = laws
+	return numbers
+
+
+def _density(mpm, layer):
+	"""Of a layer as a whole [kg/m3], with ice where it is colder than its freezing point."""
+	material = layer.get("material", mpm.material)
+	porosity, temperature = layer.get("porosity", 0.4), layer.get("temperature", 0.0)
+	if callable(porosity) or np.ndim(porosity):
+		raise ValueError("layers.fill: with lateralRatio a layer has one porosity; give a number, or give the stress to talik.geometry.fill")
+	if mpm.heat is None and mpm.water is None:
+		filling = 0.0 if np.isnan(mpm.poreFill) else mpm.poreFill * material.liquidDensity
+	else:
+		curve = getattr(material, "freezing", None) or mpm.freezing
+		cold = curve is not None and not callable(temperature) and np.mean(temperature) < curve.freezingTemperature
+		filling = material.iceDensity if cold else material.liquidDensity
+	return (1 - porosity) * material.solidDensity + porosity * filling
+
+
+def _geostatic(mpm, outlines, densities, lateralRatio, load, pressure):
+	"""Function of x, y [m] that gives the effective stress (n, 4) of ground at rest [Pa, tension positive]."""
+	weight = -mpm.gravity[1]
+	top = max(outline.bounds[3] for outline in outlines.values()) + 1.0
+
+	def above(x, y):
+		line = LineString([(x, y), (x, top)])
+		return load + weight * sum(densities[name] * line.intersection(outline).length for name, outline in outlines.items())
+
+	def stress(x, y):
+		carried = pressure(x, y) if callable(pressure) else pressure
+		vertical = np.minimum(0.0, carried - np.array([above(*place) for place in zip(x, y)]))
+		return np.stack([lateralRatio * vertical, vertical, lateralRatio * vertical, 0 * vertical], axis=1)
+
+	return stress

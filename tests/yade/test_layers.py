@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Ground in named layers, each with its material, its law and its state at the start."""
+
+import numpy as np
+import pytest
+from yade import O, wrapper
+
+import talik
+from talik.geometry import rectangle
+
+Material = wrapper.GroundMaterial
+
+
+def ground(**settings):
+	return wrapper.MpmEngine(
+		**{
+			**dict(
+				gridSpacing=0.1,
+				lower=(0, 0),
+				upper=(0.1, 1.2),
+				gravity=(0, -9.81),
+				damping=0.3,
+				skeleton=wrapper.MohrCoulombSkeleton(young=1e7, youngFrozen=1e8, cohesion=0, cohesionFrozen=2e5),
+				heat=wrapper.HeatTransfer(thermalTimeScale=1e7),
+				freezing=wrapper.FreezingCurve(),
+				boundaries=[
+					*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+					wrapper.SurfaceTemperature(region="surface", temperature=5),
+				],
+			),
+			**settings,
+		}
+	)
+
+
+def iceRichColumn():
+	return {
+		"silt": dict(polygon=rectangle(0, 0.7, 0.1, 1), temperature=-1),
+		"ice-rich": dict(polygon=rectangle(0, 0.4, 0.1, 0.7), temperature=-1, porosity=0.7, material=Material(thawStrain=0.45)),
+		"clay": dict(polygon=rectangle(0, 0, 0.1, 0.4), temperature=-1, material=Material(solidConductivity=2)),
+	}
+
+
+def run(mpm, duration):
+	O.reset()
+	O.engines = [mpm]
+	O.step()
+	while O.time < duration:
+		talik.runSerially(200)
+
+
+def test_only_the_ice_rich_layer_settles_and_by_its_thaw_strain():
+	mpm = ground()
+	layers = talik.layers.fill(mpm, iceRichColumn(), lateralRatio=0.5)
+	assert [m.name for m in mpm.materials] == ["", "ice-rich", "clay"]
+	run(mpm, 3.0)
+	expected, settled = 0.3 * 0.45, 1 - mpm.field("volume").sum() / 0.1
+	print(f"settlement {settled:.4f} m, by hand {expected:.4f} m")
+	assert mpm.field("iceSaturation").max() == 0
+	assert abs(settled / expected - 1) < 0.02
+	assert (mpm.field("thawStrainReleased")[layers["ice-rich"]] == 0.45).all()
+	assert (mpm.field("thawStrainReleased")[layers["clay"]] == 0).all()
+
+
+def test_ice_rich_ground_settles_with_samples_too(draftSample):
+	mpm = ground(skeleton=wrapper.RveSkeleton(samples=[talik.rve.pack(draftSample)]), heat=wrapper.HeatTransfer(thermalTimeScale=4e6))
+	outline = rectangle(0, 0, 0.1, 1)
+	talik.layers.fill(mpm, {"ice-rich": dict(polygon=outline, temperature=-1, porosity=0.6, material=Material(thawStrain=0.35))})
+	talik.slope.settle(mpm, outline)
+	run(mpm, 6.0)
+	settled = 1 - mpm.field("volume").sum() / 0.1
+	print(f"settlement of ice-rich ground on samples {settled:.4f} m, by hand 0.35 m; ice left {mpm.field('iceSaturation').max():.2g}")
+	assert abs(settled / 0.35 - 1) < 0.05
+
+
+def test_a_checkpoint_goes_on_to_the_same_bits(tmp_path):
+	def state(mpm):
+		return np.concatenate([mpm.field(name).ravel() for name in ("position", "stress", "enthalpy", "thawStrainOpen")])
+
+	mpm = ground()
+	talik.layers.fill(mpm, iceRichColumn())
+	run(mpm, 0.2)
+	talik.checkpoint.write(str(tmp_path / "layers.checkpoint"))
+	talik.runSerially(300)
+	through, materials = state(mpm), mpm.materialOf
+	again = talik.resume(str(tmp_path / "layers.checkpoint"))
+	talik.runSerially(300)
+	assert again.materialOf == materials and [m.name for m in again.materials] == ["", "ice-rich", "clay"]
+	assert (state(again) == through).all()
+
+
+def test_layers_start_with_the_stress_of_the_weight_above_them():
+	mpm = ground(heat=None, freezing=None, boundaries=[], poreFill=0)
+	talik.layers.fill(
+		mpm,
+		{"sand": dict(polygon=rectangle(0, 0.5, 0.1, 1), porosity=0.5), "rock": dict(polygon=rectangle(0, 0, 0.1, 0.5), porosity=0.1)},
+		lateralRatio=0.4,
+		load=1e3,
+	)
+	mpm.initialise()
+	y, stress = mpm.field("position")[:, 1], mpm.field("stress")
+	weight = 9.81 * 2650
+	expected = -1e3 - weight * np.where(y > 0.5, 0.5 * (1 - y), 0.25 + 0.9 * (0.5 - y))
+	assert np.allclose(stress[:, 1], expected) and np.allclose(stress[:, 0], 0.4 * expected)
+
+
+def test_holes_are_left_out_and_what_remains_has_the_right_area():
+	hole = [(0.5 + 0.21 * np.cos(a), 0.5 + 0.21 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, 40, endpoint=False)]
+	mpm = wrapper.MpmEngine(gridSpacing=0.1, lower=(0, 0), upper=(1, 1.2))
+	talik.geometry.fill(mpm, rectangle(0, 0, 1, 1), holes=[hole])
+	mpm.skeleton = wrapper.ElasticSkeleton()
+	mpm.initialise()
+	error = mpm.field("volume").sum() / (1 - talik.geometry.polygonArea(hole)[0]) - 1
+	nearest = np.hypot(*(mpm.field("position") - 0.5).T).min()
+	print(f"area less that of the outline without the hole, over it: {error:.1e}; nearest point {nearest:.3f} m from the middle of a hole of 0.21 m")
+	assert abs(error) < 1e-12 and nearest > 0.2
+
+
+refused = {
+	"overlap": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6)), b=dict(polygon=rectangle(0, 0.5, 0.1, 1))), "layers 'a' and 'b' overlap in 0.01 m2"),
+	"hole outside": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), holes=[rectangle(0, 0.5, 0.1, 1)])), "layer 'a': holes\\[0\\] reaches out"),
+	"no polygon": (dict(a=dict(porosity=0.4)), "layer 'a' has no polygon"),
+	"no material": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), material="ice")), "layer 'a': material is 'ice'"),
+	"unknown attribute": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), ice=1)), "there is no argument 'ice'"),
+}
+
+
+@pytest.mark.parametrize("layers, sentence", refused.values(), ids=refused.keys())
+def test_layers_that_cannot_be_are_refused_by_name(layers, sentence):
+	with pytest.raises(ValueError, match=sentence):
+		talik.layers.fill(ground(), layers)
+
+
+materials = {
+	"number too high": (dict(materials=[Material(), Material()]), 2, "material = 2: must be an index into the list of materials, 0 to 1"),
+	"half a number": (dict(materials=[Material(), Material()]), 0.5, "material is 0.5: give the name or number"),
+	"unknown name": (dict(materials=[Material(name="silt")]), "clay", "material is 'clay', and MpmEngine.materials has only silt"),
+	"other ice": (dict(materials=[Material(), Material(iceDensity=900)]), 1, "ice.density = 900: must be that of materials"),
+	"thaw strain above porosity": (dict(materials=[Material(thawStrain=0.5)]), 0, "porosity = 0.4: must exceed the thaw strain"),
+	"thaw strain without ice": (dict(materials=[Material(thawStrain=0.3)], freezing=None), 0, "thawStrain = 0.3: ground that does not freeze"),
+	"thaw strain without gravity": (dict(materials=[Material(thawStrain=0.3)], gravity=(0, 0)), 0, "thawStrain = 0.3: acts along gravity"),
+	"curve without freezing": (dict(materials=[Material(freezing=wrapper.FreezingCurve())], freezing=None), 0, "MpmEngine.freezing is None"),
+	"conductivity without water": (dict(materials=[Material(hydraulicConductivity=1e-6)]), 0, "MpmEngine.water is None"),
+	"conductivity below zero": (
+		dict(materials=[Material(hydraulicConductivity=-1)], water=wrapper.PoreWater()),
+		0,
+		"GroundMaterial.hydraulicConductivity = -1: must be positive",
+	),
+	"one name twice": (dict(materials=[Material(name="a"), Material(name="a")]), 0, "two materials named 'a'"),
+	"both lists": (dict(materials=[Material(), Material()], material=Material(solidDensity=2000)), 0, "are both set"),
+}
+
+
+@pytest.mark.parametrize("settings, material, sentence", materials.values(), ids=materials.keys())
+def test_materials_that_cannot_be_are_refused_by_a_sentence(settings, material, sentence):
+	mpm = ground(**settings)
+	with pytest.raises(ValueError, match=sentence):
+		talik.geometry.fill(mpm, rectangle(0, 0, 0.1, 1), material=material, temperature=-1)
+		mpm.initialise()
+
+
+def test_points_take_materials_by_name_and_a_ground_looked_at_follows_a_change_of_a_curve():
+	mpm = ground(materials=[Material(name="silt"), Material(name="clay", freezing=wrapper.FreezingCurve(freezingTemperature=-2))], motion=False, boundaries=[])
+	talik.geometry.fill(mpm, rectangle(0, 0, 0.1, 1), material=lambda x, y: np.where(y > 0.5, "clay", "silt"), temperature=-1)
+	y, ice = mpm.field("position")[:, 1], mpm.field("iceSaturation")
+	assert (ice[y > 0.5] == 0).all() and (ice[y < 0.5] > 0.9).all()
+	mpm.materials[1].freezing.freezingTemperature = 0
+	assert (mpm.field("iceSaturation") > 0.9).all()
