@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Shaded pictures of ground and samples in space. Each function draws into Matplotlib axes that the caller gives and returns them, takes
-plain arrays, and needs no display: VTK renders in a process of its own, see talik.rendering.
+plain arrays, and needs no display: VTK renders in a process of its own, see _rendering.py.
 
 	frame = talik.output.allFields(mpm)
 	talik.plots3d.slope(talik.plots.figure(8, 6).subplots(), frame, "displacement", mpm.lower, mpm.upper, bodies=O.bodies)
@@ -259,7 +259,7 @@ def _rendered(scene):
 	with tempfile.TemporaryDirectory(prefix="talik-picture-") as folder, _display() as display:
 		given, made = Path(folder, "scene.pickle"), Path(folder, "picture.npz")
 		given.write_bytes(pickle.dumps(scene))
-		command = [python, "-B", str(Path(__file__).with_name("rendering.py")), str(given), str(made)]
+		command = [python, "-B", str(Path(__file__).with_name("_rendering.py")), str(given), str(made)]
 		done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "DISPLAY": display}, timeout=renderTimeout)
 		if done.returncode != 0:
 			raise RuntimeError(f"VTK did not render a picture in space: {(done.stderr or done.stdout).strip()[-500:] or f'it ended with {done.returncode}'}")

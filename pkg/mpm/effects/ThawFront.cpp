@@ -36,6 +36,8 @@ namespace {
 	constexpr double mostLed = 2.0;
 	/// Normal force that ties the sides outside frozen ground, over the one with which they press at the nodes beside, in ground without water.
 	constexpr double mostTied = 3.0;
+	/// Slip of thawed points over h from which on the sides of a cell strain each on their own.
+	constexpr double leastSlip = 1e-2;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
 	constexpr double insideShare = 0.25;
 } // namespace
@@ -102,6 +104,7 @@ void ThawFront<D>::bind(
 	strengthSlope_.assign(points.count(), 0.0);
 	if (water) mappedLiquid_.assign(points.count(), 0.0);
 	sides_.assign(size, 0);
+	slid_.assign(size, 0);
 	reached_.assign(size, 0);
 	near_.assign(size, 0);
 	slot_.assign(grid.nodeCount(), -1);
@@ -133,6 +136,7 @@ template <int D> void ThawFront<D>::markCells(const Grid<D>& grid, int first, in
 			lower += (std::min(static_cast<int>((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
 		cell_[p] = lower;
 		sides_[lower] |= frozen(p) ? frozenBit : thawedBit;
+		slid_[lower] |= !frozen(p) && slip_[p] > leastSlip * spacing_;
 	}
 }
 
@@ -176,6 +180,7 @@ template <int D> void ThawFront<D>::markNear()
 template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
 {
 	std::fill(sides_.begin(), sides_.end(), 0);
+	std::fill(slid_.begin(), slid_.end(), 0);
 	points_->strips().scatter([&](int, int first, int last) {
 		updateSides(first, last);
 		markCells(grid, first, last);
@@ -198,7 +203,7 @@ template <int D> void ThawFront<D>::meanBySides(CellMeans<D>& cells, int first, 
 {
 	const double* volume = points_->volume();
 	for (int p = first; p < last; ++p)
-		cells.setApart(p, near(p) && frozen(p), volume[p]);
+		cells.setApart(p, near(p) && frozen(p) && slid_[cell_[p]], volume[p]);
 }
 
 template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vector<int>& places)
@@ -636,9 +641,12 @@ template <int D> typename ThawFront<D>::AtPoint ThawFront<D>::sum(const WeightBl
 				        sums.gradient[j][i] += r[offset + velocityAt + i] * g[j];
 		        if (!thawed) return;
 		        sums.weight += s;
+		        double opened = 0.0;
+		        for (int i = 0; i < D; ++i)
+			        opened += (r[sideSize + velocityAt + i] - r[velocityAt + i]) * r[normalAt + i];
 		        for (int i = 0; i < D; ++i) {
 			        sums.limit += s * r[limitAt + i] * r[normalAt + i];
-			        sums.slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i]);
+			        sums.slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i] - opened * r[normalAt + i]);
 		        }
 		        for (int j = 0; j < D; ++j)
 #pragma GCC unroll 1

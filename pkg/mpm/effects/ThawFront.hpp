@@ -49,8 +49,9 @@ public:
 	/// Leaves points near the front out of the means of cells. What shears and dilates there would otherwise strain the rows beside it, and
 	/// the normal force between the sides would swing. Not for saturated ground, whose pressure is that of cells.
 	void leaveOutOfMeans(CellMeans<D>& cells, int first, int last) const;
-	/// Gives the frozen points of cells near the front a mean of their own. What the thawed points strain is not strain of the frozen ones,
-	/// which at thirty times their stiffness would answer with stress that the front then lacks.
+	/// Gives the frozen points of a cell whose thawed points have slid along the front a mean of their own. What these strain is not strain of
+	/// the frozen ones, which at thirty times their stiffness would answer with stress that the front then lacks. Sides that have not slid
+	/// share their strain: thawed rows would not close again after a winter without the rest of their cell.
 	void meanBySides(CellMeans<D>& cells, int first, int last) const;
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
@@ -160,6 +161,7 @@ private:
 
 	std::vector<int>                   cell_;    ///< by place: node at the lower corner of the point's cell, counted with the margin
 	std::vector<unsigned char>         sides_;   ///< by that node: sides of the points in the cell
+	std::vector<unsigned char>         slid_;    ///< by that node: its thawed points have slid along the front
 	std::vector<unsigned char>         reached_; ///< by node: sides that may reach it
 	std::vector<unsigned char>         near_;    ///< by the lower node of a cell: its points reach front nodes
 	std::vector<int>                   reach_;   ///< from a node to the lower nodes of the cells whose points may touch it

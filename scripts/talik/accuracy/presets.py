@@ -43,8 +43,8 @@ rowOf = {
 	"own_sample": lambda preset: ("column collapse", {"cells": round(1.0 / preset[1])}),  # a bank of 1 m
 	"look_inside": lambda preset: ("biaxial sample", {"grains": preset[0]}),
 }
-# presets of melting_column are columns of other sizes; the other examples compare themselves with a calculation by hand and have no table of presets
-withoutKnob = ("melting_column", "thaw_settlement_column", "ice_rich_layer", "warm_pipeline")
+# presets of melting_column are columns of other sizes; three examples compare themselves with a calculation by hand; no problem here is in space
+withoutKnob = ("melting_column", "thaw_settlement_column", "ice_rich_layer", "warm_pipeline", "thaw_slump_bowl")
 
 
 def presetsOf(file):

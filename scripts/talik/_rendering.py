@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Renders one picture in space by VTK, in a process of its own: graphics that fail cannot end a simulation.
 
-	DISPLAY=:7 /usr/bin/python3 rendering.py scene.pickle picture.npz
+	DISPLAY=:7 /usr/bin/python3 _rendering.py scene.pickle picture.npz
 
 The scene is made by talik.plots3d: meshes, spheres and tubes with colours, a camera, a size. The picture is an array of pixels and the matrix
 that takes places in space to them.
