@@ -4,9 +4,9 @@
 	scripts/run warm_pipeline [--preset test|draft|standard]
 
 By hand: heat that a cylinder of radius r gives to ground at the melting point thaws it up to R after the time
-L/(k T) (R^2/2 ln(R/r) - (R^2 - r^2)/4), steady between r and R (Lunardini 1981); what warms the ground and what the cold surface takes
+L/(k T) (R^2/2 ln(R/r) - (R^2 - r^2)/4), from 2 pi k T/ln(R/r) = 2 pi R L dR/dt; what warms the ground and what the cold surface takes
 is left out, so the bulb stays smaller. In the end its lowest point is that of two steady temperature fields around a buried pipe,
-thawed within frozen (Carslaw & Jaeger 1959, art. 16.10). The pipe settles by the thaw strain times the depth thawed below it.
+thawed within frozen, each of a line source and its image above the surface. The pipe settles by the thaw strain times the depth thawed below it.
 Change temperature, depth or radius of the pipe first.
 """
 
