@@ -102,8 +102,9 @@ TEST(ThawFront, LayerOfAnyThicknessSlidesWhereverTheFrontLies_slow)
 	for (const double above : { 0.0, 0.25, 0.5, 0.75 })
 		for (const double thickness : { 0.5, 1.0, 2.0, 4.0, 8.0 }) {
 			expectSlide("along the grid", layer(thickness, above), 5e-2);
-			// a single row of points between nodes has the pore pressure of its cell
-			expectSlide("along the grid, saturated", wet(layer(thickness, above)), thickness == 0.5 ? 1e-1 : 5e-2);
+			// a single row of points on a line of nodes
+			const bool singleRow = thickness == 0.5 && above == 0.75;
+			expectSlide("along the grid, saturated", wet(layer(thickness, above)), singleRow ? 1e-1 : 5e-2);
 			expectSlide("along the grid, psi = phi", dilating(layer(thickness, above)), 5e-2);
 		}
 }
@@ -124,7 +125,7 @@ TEST(ThawFront, MeanOfALayerOnAFrontInclinedToTheGridSlides_slow)
 	for (const double thickness : { 2.0, 4.0 })
 		expectRelative(
 		        label("front at 30 degrees to the grid, mean of all rows", inclined(thickness, 30.0)), meanSlideOf(inclined(thickness, 30.0)), 1.0,
-		        5e-2);
+		        1e-1);
 }
 
 TEST(ThawFront, EveryTransferAndShapeFunctionLetsTheLayerSlide)
