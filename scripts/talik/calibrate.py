@@ -86,9 +86,7 @@ def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5):
 	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa].
 
 	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=0.5, pressure=100e3, strain=2e-4)"""
-	tested = sample.copy()
-	if not tested.servo(-pressure, -pressure):
-		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	tested = _underPressure(sample, pressure)
 	tested.freeze(iceSaturation)
 	return _drive(tested, iceSaturation, pressure, strain, perCall)
 
@@ -97,9 +95,7 @@ def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5)
 	"""Largest axial tension [Pa] in extension with the lateral stress let off, of a sample frozen at `pressure` [Pa]; 0 without ice.
 
 	>>> tension = talik.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
-	tested = sample.copy()
-	if not tested.servo(-pressure, -pressure):
-		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	tested = _underPressure(sample, pressure)
 	tested.freeze(iceSaturation)
 	test = _drive(tested, iceSaturation, 0.0, -strain, perCall)
 	return max(0.0, float(-test.smooth(test.axial).min()))
@@ -110,12 +106,18 @@ def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
 	pressure and has thawed there: bonds that outlast their ice (RveSample.thawedStrength) are all that is left of them. Mean of both directions.
 
 	>>> strength = talik.calibrate.thawedShearStrength(packed, pressure=10e3, strain=2e-3)"""
-	thawed = sample.copy()
-	if not thawed.servo(-pressure, -pressure):
-		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	thawed = _underPressure(sample, pressure)
 	thawed.freeze(1)
 	thawed.freeze(0)
 	return float(np.mean([_largestShearStress(thawed.copy(), pressure, strain, direction * perCall) for direction in (1, -1)]))
+
+
+def _underPressure(sample, pressure):
+	"""A copy of a sample at an isotropic pressure [Pa]."""
+	pressed = sample.copy()
+	if not pressed.servo(-pressure, -pressure):
+		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
+	return pressed
 
 
 def _largestShearStress(sheared, pressure, strain, perCall):
@@ -136,8 +138,13 @@ def thawedCohesion(sample, strength, pressures=(2e3, 4e3, 8e3, 16e3)):
 	simple shear, and there the cohesion is the same at every pressure (within 5 % from 2 to 16 kPa, 100 grains, mean of eight realisations).
 
 	>>> cohesion = talik.calibrate.thawedCohesion(packed, strength=0.3e6, pressures=(8e3,))"""
-	bonded, plain = _withThawedStrength(sample, strength), _withThawedStrength(sample, 0.0)
-	return float(np.mean([thawedShearStrength(bonded, pressure) - thawedShearStrength(plain, pressure) for pressure in pressures]))
+	return float(np.mean(_thawedShearStrengths(sample, strength, pressures) - _thawedShearStrengths(sample, 0.0, pressures)))
+
+
+def _thawedShearStrengths(sample, strength, pressures):
+	tested = sample.copy()
+	tested.thawedStrength = strength
+	return np.array([thawedShearStrength(tested, pressure) for pressure in pressures])
 
 
 def thawedStrength(samples, cohesion, pressures=(2e3, 4e3, 8e3, 16e3)):
@@ -154,9 +161,10 @@ def thawedStrength(samples, cohesion, pressures=(2e3, 4e3, 8e3, 16e3)):
 	if cohesion == 0:
 		return 0.0, 0.0
 	samples = samples if isinstance(samples, (list, tuple)) else [samples]
+	plain = [_thawedShearStrengths(sample, 0.0, pressures) for sample in samples]
 
 	def measured(strength):
-		return float(np.mean([thawedCohesion(sample, strength, pressures) for sample in samples]))
+		return float(np.mean([np.mean(_thawedShearStrengths(sample, strength, pressures) - without) for sample, without in zip(samples, plain)]))
 
 	strengths, cohesions = [0.0], [0.0]
 	while cohesions[-1] < cohesion and len(strengths) < 9:
@@ -249,12 +257,6 @@ def scatter(grains=(60, 100, 200, 400), realisations=8, seed=1, strain=0.02, tol
 		table.append(scatterOf(rve.pack(rve.prepare(grains=number, realisations=realisations, seed=seed, ice=True, **prepared)), strain=strain))
 		told(table[-1].row())
 	return table
-
-
-def _withThawedStrength(sample, strength):
-	other = sample.copy()
-	other.thawedStrength = strength
-	return other
 
 
 def _drive(tested, iceSaturation, pressure, strain, perCall):
