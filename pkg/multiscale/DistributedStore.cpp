@@ -66,20 +66,22 @@ template <int Dim> struct DistributedStore<Dim>::Batch {
 	std::vector<double>         cost;
 	std::string                 failure; ///< of this rank, or, after spread(), of any
 
-	Batch(const std::vector<Request>& asked, std::vector<int> ranks)
+	Batch(const std::vector<Request>& asked, std::vector<int> ranks, int count)
 	        : requests(asked)
 	        , rankOf(std::move(ranks))
 	        , results(asked.size())
 	        , leader(asked.size(), Answer<Dim>::none)
 	        , cost(asked.size(), 0)
-	{}
-	std::vector<std::size_t> of(int rank) const
+	        , places_(std::size_t(count))
 	{
-		std::vector<std::size_t> places;
 		for (std::size_t k = 0; k < rankOf.size(); ++k)
-			if (rankOf[k] == rank) places.push_back(k);
-		return places;
+			places_[std::size_t(rankOf[k])].push_back(k);
 	}
+	/// Places of the requests of a rank, ascending.
+	const std::vector<std::size_t>& of(int rank) const { return places_[std::size_t(rank)]; }
+
+private:
+	std::vector<std::vector<std::size_t>> places_;
 };
 
 template <int Dim>
@@ -179,7 +181,7 @@ std::vector<PackedUpdateResult<Dim>> DistributedStore<Dim>::update(const std::ve
 	if (number < 0) number = talk->enrol(this);
 	++updates;
 	talk->meet("update " + std::to_string(updates) + " of samples " + std::to_string(number), digestOf(requests));
-	Batch batch(requests, dealt(requests));
+	Batch batch(requests, dealt(requests), talk->count());
 	compute(batch, options, threads);
 	spread(batch, options.tangent);
 	if (!batch.failure.empty()) throw std::runtime_error(batch.failure);
@@ -190,7 +192,7 @@ std::vector<PackedUpdateResult<Dim>> DistributedStore<Dim>::update(const std::ve
 
 template <int Dim> void DistributedStore<Dim>::compute(Batch& batch, const PackedUpdateOptions& options, int threads) const
 {
-	const auto               places = batch.of(talk->rank());
+	const auto&              places = batch.of(talk->rank());
 	std::vector<Request>     own;
 	std::vector<const void*> before;
 	for (const auto k : places) {
@@ -218,10 +220,10 @@ template <int Dim> void DistributedStore<Dim>::compute(Batch& batch, const Packe
 template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent) const
 {
 	const std::size_t        answerBytes = sizeof(Answer<Dim>) + (tangent ? sizeof(PackedTangent<Dim>) : 0);
-	std::vector<std::size_t> lengths(std::size_t(talk->count()), sizeof(Head));
-	for (const int rank : batch.rankOf)
-		lengths[std::size_t(rank)] += answerBytes;
-	const auto  mine = batch.of(talk->rank());
+	std::vector<std::size_t> lengths;
+	for (int rank = 0; rank < talk->count(); ++rank)
+		lengths.push_back(sizeof(Head) + batch.of(rank).size() * answerBytes);
+	const auto& mine = batch.of(talk->rank());
 	std::string going;
 	ByteWriter  words;
 	words.block(batch.failure);
