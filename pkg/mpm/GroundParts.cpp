@@ -86,10 +86,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	points->strips().scatter([&](int, int first, int last) {
 		cells->locate(grid, *points, first, last);
 		if (!average) return;
-		if (frontHasOwnMeans()) {
-			if (water) front->meanBySides(*cells, first, last);
-			else front->leaveOutOfMeans(*cells, first, last);
-		}
+		if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
 		if (water) water->addPressure(*cells, first, last);
 		useMeanStress(first, last - first);
 		const double* volume = points->volume();

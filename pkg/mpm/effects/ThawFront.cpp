@@ -193,17 +193,12 @@ template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange&
 	work_.assign(nodes_.size(), 0.0);
 }
 
-template <int D> void ThawFront<D>::leaveOutOfMeans(CellMeans<D>& cells, int first, int last) const
-{
-	for (int p = first; p < last; ++p)
-		cells.leaveOut(p, near(p));
-}
-
-template <int D> void ThawFront<D>::meanBySides(CellMeans<D>& cells, int first, int last) const
+template <int D> void ThawFront<D>::exceptFromMeans(CellMeans<D>& cells, int first, int last) const
 {
 	const double* volume = points_->volume();
 	for (int p = first; p < last; ++p)
-		cells.setApart(p, near(p) && frozen(p) && slid_[cell_[p]], volume[p]);
+		if (water_) cells.setApart(p, near(p) && frozen(p) && slid_[cell_[p]], volume[p]);
+		else cells.leaveOut(p, near(p));
 }
 
 template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vector<int>& places)

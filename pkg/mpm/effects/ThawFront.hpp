@@ -46,13 +46,12 @@ public:
 	/// they are folded: a node and its mirror image belong together. freeLiquid: nodes where the sides move together, as the liquid of a
 	/// ghost is not folded there.
 	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
-	/// Leaves points near the front out of the means of cells. What shears and dilates there would otherwise strain the rows beside it, and
-	/// the normal force between the sides would swing. Not for saturated ground, whose pressure is that of cells.
-	void leaveOutOfMeans(CellMeans<D>& cells, int first, int last) const;
-	/// Gives the frozen points of a cell whose thawed points have slid along the front a mean of their own. What these strain is not strain of
-	/// the frozen ones, which at thirty times their stiffness would answer with stress that the front then lacks. Sides that have not slid
-	/// share their strain: thawed rows would not close again after a winter without the rest of their cell.
-	void meanBySides(CellMeans<D>& cells, int first, int last) const;
+	/// Points near the front are exceptions from the means of cells. In ground without water they keep their own values: what shears and dilates
+	/// there would otherwise strain the rows beside it, and the normal force between the sides would swing. In saturated ground, whose pressure
+	/// is that of cells, the frozen points of a cell whose thawed points have slid along the front have a mean of their own. What these strain is
+	/// not strain of the frozen ones, which at thirty times their stiffness would answer with stress that the front then lacks. Sides that have
+	/// not slid share their strain: thawed rows would not close again after a winter without the rest of their cell.
+	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const;
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
 	int  nodeCount() const { return static_cast<int>(nodes_.size()); }
