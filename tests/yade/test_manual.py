@@ -79,7 +79,7 @@ def test_help_texts_lose_the_marks_of_boost_and_keep_their_units():
 def test_the_manual_builds_without_a_warning_is_installed_and_has_everything_public_in_its_index_slow(tmp_path):
 	build = Path(talik.__file__).parents[2]
 	environment = {**os.environ, "TALIK_BUILD": str(build)}
-	done = subprocess.run([str(root / "scripts" / "manual")], env=environment, capture_output=True, text=True, timeout=300)
+	done = subprocess.run([str(root / "scripts" / "manual"), "--pdf"], env=environment, capture_output=True, text=True, timeout=600)
 	assert done.returncode == 0, done.stderr + (build / "manual" / "build.log").read_text()
 	subprocess.run(["cmake", "--install", str(build), "--prefix", str(tmp_path)], check=True, capture_output=True)
 	manual = tmp_path / "share" / "doc" / "talik" / "html"
@@ -91,4 +91,5 @@ def test_the_manual_builds_without_a_warning_is_installed_and_has_everything_pub
 	print(f"{len(public)} classes, attributes and functions, {len(inventory['std:doc'])} pages")
 	assert public <= listed, sorted(public - listed)
 	assert all(word in words for word in ("thawstrain", "geostat", "courant")) and len(public) > 300
+	assert (build / "manual" / "manual.pdf").read_bytes().startswith(b"%PDF")
 	assert "yattr" not in "".join(page.read_text() for page in (manual / "reference").glob("*.html"))
