@@ -70,7 +70,16 @@ class Grains:
 	def timeStep(self):
 		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z, of spheres rho 4/3 pi r^3."""
 		length = self.cellDepth if self.dimension == 2 else 4 / 3 * self.radiusMin
-		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young)
+		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young) / math.sqrt(self.rotationalStiffening)
+
+	@property
+	def rotationalStiffening(self):
+		"""Stiffness of the rotation of the smallest grain on the largest one over that of grains that roll freely [-]."""
+		return 1 + dict(self.iceBond).get("alphaKr", 2.0) * self.radiusMax / self.radiusMin if self.resistsRolling else 1.0
+
+	@property
+	def resistsRolling(self):
+		return not {"alphaKr", "etaRoll"}.isdisjoint(dict(self.iceBond))
 
 	@property
 	def stiffness(self):
@@ -86,7 +95,7 @@ class Grains:
 	def material(self, friction):
 		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
 		if self.ice:
-			return wrapper.IceBondMat(**common, **dict(self.iceBond))
+			return (wrapper.RollingIceBondMat if self.resistsRolling else wrapper.IceBondMat)(**common, **dict(self.iceBond))
 		return wrapper.FrictMat(**common)
 
 	def interactionLoop(self):
@@ -382,7 +391,8 @@ def strainLimit(grains, pressure):
 	pressure = max(pressure, 1e3)
 	if grains.dimension == 3:
 		return inertialLimit * grains.timeStep / (2 * grains.radiusMean) * math.sqrt(pressure / grains.density)
-	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean))
+	slowness = math.sqrt(grains.rotationalStiffening)  # of the time step
+	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean)) / slowness
 
 
 def strainSince(former):

@@ -24,6 +24,7 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	static_cast<PackedParameters<Dim>&>(base) = state;
 	grains                                    = state.grains;
 	grainCount                                = state.size();
+	resistsRolling                            = state.resistsRolling();
 	rowCount                                  = (grainCount + 3) / 4 * 4;
 	copyMatrix<Dim>(base.hSize, view.hSize);
 	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
@@ -121,10 +122,11 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 	};
 	const auto pairsOf = [](Lanes& lanes, bool crosses) {
 		PackedPairs<Dim> pairs;
-		pairs.block  = lanes.block.data();
-		pairs.ice    = lanes.ice.data();
-		pairs.shift  = crosses ? lanes.shift.data() : nullptr;
-		pairs.blocks = lanes.block.size();
+		pairs.block   = lanes.block.data();
+		pairs.ice     = lanes.ice.data();
+		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
+		pairs.blocks  = lanes.block.size();
+		pairs.rolling = lanes.rolling.data();
 		return pairs;
 	};
 	view.motion           = motion.data()->value;
@@ -200,7 +202,7 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
 }
 
-template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = stepKernel<Dim>(carriesBonds, portable); }
+template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = stepKernel<Dim>(contactKind(), portable); }
 
 // ---------------------------------------------------------------------------------------------- steps
 
