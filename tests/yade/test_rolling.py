@@ -11,13 +11,22 @@ import talik
 from talik import calibrate, packing, rve
 
 alphaKr, etaRoll, friction, ratio, young = 1.5, 0.2, 0.5, 0.8, 0.6e9
-gradient = {2: Matrix3(0.25, 0.45, 0, -0.2, -0.4, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}
+gradient = {2: Matrix3(0.6, 1.0, 0, -0.5, -1.0, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}
 
 
-@pytest.fixture(params=[(2, 40), (3, 30)], ids=["discs", "spheres"])
+@pytest.fixture(params=[(2, 100), (3, 100)], ids=["discs", "spheres"])
 def rough(request, sampleCache):
+	"""A prepared sample, at rest again after its grains became rough."""
 	dimension, grains = request.param
-	return rve.pack(rve.prepare(grains=grains, dimension=dimension, ice=True, etaRoll=etaRoll, alphaKr=alphaKr, cache=sampleCache))
+	scene = rve.openScene(rve.prepare(grains=grains, dimension=dimension, ice=True, cache=sampleCache))
+	with talik.inspect(scene):
+		material = wrapper.RollingIceBondMat(young=young, poisson=ratio, frictionAngle=math.atan(friction), density=2650, etaRoll=etaRoll, alphaKr=alphaKr)
+		for body in O.bodies:
+			body.material = material
+		O.interactions.clear()
+		O.dt = O.dt / 2
+		talik.runSerially(2000)
+	return rve.pack(scene)
 
 
 def stockScene(scene):
@@ -83,7 +92,7 @@ def test_packed_grains_that_resist_rolling_follow_stock_yades_law_of_moments_to_
 		used = np.array([p.moment_bending.norm() / (p.maxRollPl * p.normalForce.norm()) for p in contacts if p.normalForce.norm() > 0])
 		print(f"\n{steps} steps: stress differs by {error:.1e}; moments at their limit in {100 * np.mean(used > 0.999):.0f} % of the contacts", end="")
 		assert error < most
-	assert 0.2 < np.mean(used > 0.999) < 0.9, "both branches of the law are passed through"
+	assert 0.1 < np.mean(used > 0.999) < 0.9, "both branches of the law are passed through"
 
 
 def test_opened_samples_with_bonds_that_resist_rolling_go_on_as_packed_and_come_back_to_the_last_bit(rough):
@@ -166,10 +175,10 @@ def test_a_grain_rolls_to_rest_on_a_plane_after_the_distance_of_rolling_friction
 	law = wrapper.Law2_ScGeom_IceBondPhys_IceBond(sphericalBodies=False)
 	loop = wrapper.InteractionLoop([wrapper.Ig2_Box_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [law])
 	O.engines = [wrapper.ForceResetter(), boxes, loop, wrapper.NewtonIntegrator(damping=0, gravity=(0, -gravity, 0))]
-	O.dt = 5e-6
+	O.dt = 1e-5
 	deceleration = etaRoll * gravity / (1 + (0.5 if disc else 0.4))
 	furthest = 0.0
-	while O.time < 1.5 * speed / deceleration:
+	while O.time < 1.1 * speed / deceleration:
 		O.run(500, True)
 		furthest = max(furthest, grain.pos[0])
 	distance = speed**2 / (2 * deceleration)
