@@ -6,6 +6,7 @@
 	scripts/calibrate --grains 400            # the same as a command: table, picture, JSON
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
+	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
@@ -23,7 +24,7 @@ import math
 import time
 
 import numpy as np
-from yade import Matrix3
+from yade import Matrix3, wrapper
 
 from talik import packing, plots, rve
 from talik.files import writableFolder, writeWhole
@@ -293,7 +294,7 @@ class RollingFriction:
 
 
 def rollingFriction(
-	grains=200, porosities=(0.16, 0.18, 0.20), coefficients=(0.0, 0.05, 0.1, 0.2, 0.4), realisations=3, pressure=100e3, strain=0.06, told=print, **prepared
+	grains=200, porosities=(0.16, 0.18), coefficients=(0.0, 0.05, 0.1, 0.2), realisations=3, pressure=100e3, strain=0.06, told=print, **prepared
 ):
 	"""Friction angle of thawed samples over porosity and coefficient of rolling friction, from biaxial tests at one pressure; each sample is
 	prepared with its own coefficient. `told` is given each line of the table as soon as it is known.
@@ -316,6 +317,50 @@ def rollingFriction(
 			cells[:, row, column] = angles.mean(), _deviation(angles), young
 			told(f"| {porosity:g} | {coefficient:g} | {angles.mean():.1f} ± {_deviation(angles):.1f} | {1e-6 * young:.0f} |")
 	return RollingFriction(grains, tuple(porosities), tuple(coefficients), *cells)
+
+
+# ---- rate and temperature -------------------------------------------------------------------------------------------------
+
+rates = tuple(10.0**k for k in range(-7, 1))  # [1/s]
+temperatures = (0.0, -2.0, -5.0, -10.0, -20.0, -30.0, -40.0, -56.7)  # [degC]
+
+
+def frozenStrength(sample, law, temperature, rate, pressure=100e3, strain=0.03):
+	"""(largest deviator in compression at a lateral pressure, largest tension) [Pa] of an ice-free RveSample that is frozen to full ice saturation, its
+	bonds as strong as an IceStrength says at a temperature [degC] and a strain rate [1/s in nature's time].
+
+	>>> compression, tension = talik.calibrate.frozenStrength(packed, IceStrength(), temperature=-5, rate=1e-3, strain=2e-4)"""
+	tested = sample.copy()
+	tested.tensileStrengthFactor, tested.shearStrengthFactor = law.factors(temperature, rate)
+	return biaxialTest(tested, 1.0, pressure, strain).deviator.max(), tensileTest(tested, 1.0)
+
+
+def strengthTable(sample, law=None, told=print):
+	"""Strengths [Pa] over `rates` at -10 degC, array (rate, 2), and over `temperatures` at 1e-4 1/s, array (temperature, 2); `told` is given
+	each line of the table as soon as it is known."""
+	law = law or wrapper.IceStrength()
+	told("| temperature [°C] | rate [1/s] | compression [MPa] | tension [MPa] |\n|---|---|---|---|")
+	tables = []
+	for conditions in ([(-10.0, rate) for rate in rates], [(temperature, 1e-4) for temperature in temperatures]):
+		tables.append([])
+		for temperature, rate in conditions:
+			tables[-1].append(frozenStrength(sample, law, temperature, rate))
+			told(f"| {temperature:g} | {rate:.0e} | {' | '.join(f'{1e-6 * strength:.2f}' for strength in tables[-1][-1])} |")
+	return tuple(np.array(table) for table in tables)
+
+
+def drawStrength(overRate, overTemperature):
+	"""Figure of strengthTable."""
+	fig = plots.figure(9, 4)
+	ofRate, ofTemperature = fig.subplots(1, 2, sharey=True)
+	for axes, across, table in ((ofRate, rates, overRate), (ofTemperature, temperatures, overTemperature)):
+		for column, label, mark in ((0, "compression at 100 kPa", "o-"), (1, "tension", "s--")):
+			axes.plot(across, 1e-6 * table[:, column], mark, color=("black", "red")[column], label=label)
+		axes.set_yscale("log")
+	ofRate.set(xscale="log", xlabel="strain rate in nature's time [1/s]", ylabel="strength [MPa]", title="at -10 °C")
+	ofTemperature.set(xlabel="temperature [°C]", title="at 1e-4 1/s")
+	ofRate.legend(frameon=False)
+	return fig
 
 
 def _drive(tested, iceSaturation, pressure, strain, perCall):
@@ -468,6 +513,7 @@ def main():
 		"--scatter", action="store_true", help="print mean and scatter of friction angle, stiffness and frozen strength over realisations instead"
 	)
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
+	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
 	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8) or --rolling (3)")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
@@ -476,6 +522,14 @@ def main():
 		lines = []
 		scatter(options.grains or (60, 100, 200, 400), options.realisations or 8, told=lambda line: (lines.append(line), print(line, flush=True)))
 		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
+		return
+	if options.strength:
+		lines = []
+		tables = strengthTable(
+			rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=lambda line: (lines.append(line), print(line, flush=True))
+		)
+		writeWhole(folder / "strength.md", "\n".join(lines) + "\n")
+		print(plots.save(drawStrength(*tables), folder / "strength.png"))
 		return
 	if options.rolling:
 		lines = []

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <pkg/icebond/IceBond.hpp>
+#include <pkg/icebond/IceStrengthLaw.hpp>
 #include <string>
 #include <type_traits>
 #include <vector>

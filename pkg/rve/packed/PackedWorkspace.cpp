@@ -197,8 +197,11 @@ template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
 
 template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 {
-	tensileStrength   = base.ice.tensileStrength(base.iceSaturation);
-	shearStrength     = base.ice.shearStrength(base.iceSaturation);
+	// what is left of a bond without ice is no ice
+	const BondStrengthFactors factors = base.ice.melted(base.iceSaturation) ? BondStrengthFactors() : strengthFactors;
+
+	tensileStrength   = factors.tensile * base.ice.tensileStrength(base.iceSaturation);
+	shearStrength     = factors.shear * base.ice.shearStrength(base.iceSaturation);
 	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
 }
 

@@ -45,9 +45,11 @@ public:
 	static constexpr bool hasIce() { return true; }
 	double                iceSaturation() const { return base.iceSaturation; }
 	void                  setIceSaturation(double iceSaturation);
-	std::size_t           bondAll();
-	void                  setFriction(double tangent);
-	bool                  flip(double skew);
+	/// Of intact ice bonds, from now on and for every state that is loaded.
+	void        setStrengthFactors(const BondStrengthFactors& factors);
+	std::size_t bondAll();
+	void        setFriction(double tangent);
+	bool        flip(double skew);
 
 	/// Throws PackedBlowUp when a number is not finite or grains overlap by more than a radius. Lists are checked before they are built;
 	/// whoever runs steps checks once more when it is done.
@@ -159,6 +161,7 @@ private:
 	bool                       listsValid = false, referenceKnown = false;
 	PackedListUse<Dim>         use;
 
+	BondStrengthFactors strengthFactors;
 	PackedKernel<Dim>   kernel;
 	PackedStepView<Dim> view;
 };
