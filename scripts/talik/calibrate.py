@@ -335,22 +335,27 @@ def frozenStrength(sample, law, temperature, rate, pressure=100e3, strain=0.03):
 	return biaxialTest(tested, 1.0, pressure, strain).deviator.max(), tensileTest(tested, 1.0)
 
 
-def strengthTable(sample, law=None, told=print):
+def strengthTable(sample, law=None, told=print, strain=0.03):
 	"""Strengths [Pa] over `rates` at -10 degC, array (rate, 2), and over `temperatures` at 1e-4 1/s, array (temperature, 2); `told` is given
-	each line of the table as soon as it is known."""
+	each line of the table as soon as it is known.
+
+	>>> lines = []
+	>>> overRate, overTemperature = talik.calibrate.strengthTable(packed, told=lines.append, strain=2e-4)"""
 	law = law or wrapper.IceStrength()
 	told("| temperature [°C] | rate [1/s] | compression [MPa] | tension [MPa] |\n|---|---|---|---|")
 	tables = []
 	for conditions in ([(-10.0, rate) for rate in rates], [(temperature, 1e-4) for temperature in temperatures]):
 		tables.append([])
 		for temperature, rate in conditions:
-			tables[-1].append(frozenStrength(sample, law, temperature, rate))
+			tables[-1].append(frozenStrength(sample, law, temperature, rate, strain=strain))
 			told(f"| {temperature:g} | {rate:.0e} | {' | '.join(f'{1e-6 * strength:.2f}' for strength in tables[-1][-1])} |")
 	return tuple(np.array(table) for table in tables)
 
 
 def drawStrength(overRate, overTemperature):
-	"""Figure of strengthTable."""
+	"""Figure of strengthTable.
+
+	>>> figure = talik.calibrate.drawStrength(np.ones((8, 2)), np.ones((8, 2)))"""
 	fig = plots.figure(9, 4)
 	ofRate, ofTemperature = fig.subplots(1, 2, sharey=True)
 	for axes, across, table in ((ofRate, rates, overRate), (ofTemperature, temperatures, overTemperature)):

@@ -2,12 +2,12 @@
 """Strength of ice bonds over temperature and strain rate: one bond, samples, points of a ground."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
 from yade import Matrix3, O, utils, wrapper
 
-import talik
 from talik import calibrate, rve
 
 
@@ -106,8 +106,17 @@ def test_a_frozen_sample_grows_stronger_with_rate_and_with_cold_and_its_tension_
 	assert growth[0] > 2 and 2 < growth[1] < 4
 
 
+def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
+	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--strength", "--grains", "40", "--output", str(tmp_path)])
+	calibrate.main()
+	said, written = capsys.readouterr().out, (tmp_path / "strength.md").read_text()
+	assert written.strip() in said and len(written.splitlines()) == 2 + len(calibrate.rates) + len(calibrate.temperatures)
+	assert (tmp_path / "strength.png").stat().st_size > 10_000
+
+
 def test_confinement_strengthens_frozen_samples_and_cohesion_follows_the_ice_while_friction_stays_slow(sampleCache):
-	"""Alkire & Andersland 1973 on frozen sand: cohesion follows ice saturation (97 and 55 %), friction is that of the unfrozen sand."""
+	"""Alkire & Andersland on frozen sand: cohesion follows ice saturation (97 and 55 %), friction is that of the unfrozen sand."""
 	samples = rve.pack(rve.prepare(grains=100, realisations=3, ice=True, cache=sampleCache))
 	pressures, lines = np.array((50e3, 200e3, 800e3)), {}
 	for ice in (0.0, 0.55, 0.97):
