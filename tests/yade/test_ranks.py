@@ -412,3 +412,20 @@ def test_a_yade_that_is_alone_makes_no_call_of_mpi(tmp_path, sampleCache):
 	status, said, complained = ended(started(command(1, script)))
 	print(re.search("STARTED.*", said).group(0))
 	assert status == 0 and "STARTED False 1 False" in said
+
+
+def test_the_benchmark_measures_equal_bits_and_its_record_is_replayed_slow(tmp_path):
+	scripts = here.parents[1] / "scripts"
+	environment = {**talik.ranks.alone(os.environ), "PYTHONPATH": f"{scripts / 'benchmarks'}:{os.environ['PYTHONPATH']}"}
+	benchmark = scripts / "benchmarks" / "ranks.py"
+	subprocess.run(["/usr/bin/python3", "-B", benchmark, tmp_path / "ranks.json", "--rounds", "1", "--steps", "30"], env=environment, check=True, timeout=1200)
+	for scene in ("samples", "space"):
+		file = tmp_path / f"record-{scene}.npz"
+		subprocess.run(["yade", "-n", "-x", "-j1", benchmark, "--record", scene, "30", file], env=environment, check=True, timeout=600)
+	said = subprocess.check_output(["/usr/bin/python3", "-B", scripts / "scaling.py", tmp_path], text=True, timeout=1200)
+	measured = {(its["scene"], its["ranks"], its["threads"]): its for its in json.loads((tmp_path / "ranks-measured.json").read_text())}
+	bits = {scene: len({its["state"] for kind, its in measured.items() if kind[0] == scene}) for scene in ("samples", "law", "space")}
+	gain = measured["samples", 1, 1]["work"] / measured["samples", 2, 1]["work"]
+	print(f"states at the end of each scene: {bits}; two ranks, work of one over that of the busier: {gain:.2f}")
+	print(re.search("largest deviation.*", said).group(0))
+	assert set(bits.values()) == {1} and gain > 1.5
