@@ -14,6 +14,7 @@
 #include <pkg/rve/open/RunningScene.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/open/StepGate.hpp>
+#include <pkg/rve/packed/PackedStepView.hpp>
 #include <sstream>
 
 TALIK_STOCK_POINTER(yade::Serializable, pointer_iserializer, binary_iarchive)
@@ -311,6 +312,9 @@ BOOST_PYTHON_MODULE(_talik)
 	        "True inside of O.step() and runSerially(): for what an engine of the scene calls. During O.run see O.running.");
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"),
 	        "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
+	py::def(
+	        "vectors", +[] { return stepKernel<2>(true, false).name; },
+	        "The vectors by which packed samples are computed on this processor, see RveSample.path: ranks need the same.");
 	py::def("knowsRanks", knowsRanks, "False in a module that was built without Open MPI.");
 	py::def("openRanks", openRanks, "Join the other processes of mpirun. Returns rank and number of ranks, (0, 1) for a process that is alone.");
 	py::def("describeRanks", describeRanks, (py::arg("own"), py::arg("name")),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <csignal>
 #include <iostream>
 #include <pkg/multiscale/Checkpoint.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
@@ -11,15 +12,40 @@ namespace py = boost::python;
 namespace yade {
 YADE_PLUGIN((Checkpoint));
 
+namespace {
+	volatile std::sig_atomic_t signalsSoFar = 0;
+
+	extern "C" void countSignal(int) { signalsSoFar = signalsSoFar + 1; }
+
+	void listenTo(int number)
+	{
+		struct sigaction listening {};
+		listening.sa_handler = countSignal;
+		listening.sa_flags   = SA_RESTART; // files that are being read or written do not notice
+		sigaction(number, &listening, nullptr);
+	}
+} // namespace
+
 void Checkpoint::start()
 {
 	if (!(every >= 0)) throw std::invalid_argument("Checkpoint.every is " + boost::lexical_cast<string>(every) + ": give 0 or more seconds.");
+	if (onSignal != 0 && onSignal != SIGUSR1 && onSignal != SIGUSR2)
+		throw std::invalid_argument(
+		        "Checkpoint.onSignal is " + std::to_string(onSignal) + ": give signal.SIGUSR1, signal.SIGUSR2, or 0 for none; others end a process.");
 	if (scene->engines.empty() || scene->engines.front().get() != this)
 		throw std::invalid_argument(
 		        "Checkpoint is not the first of O.engines: put it first, or use talik.checkpoint.keep(file); later engines find a step half done.");
 	if (talik::isFirstRank()) talik::requireWritable(file);
-	started = true;
-	last    = Clock::now();
+	if (onSignal != 0) listenTo(onSignal);
+	signalsAnswered = signalsSoFar;
+	started         = true;
+	last            = Clock::now();
+}
+
+bool Checkpoint::isDue() const
+{
+	const bool asked = onSignal != 0 && signalsSoFar != signalsAnswered;
+	return asked || every == 0 || std::chrono::duration<double>(Clock::now() - last).count() >= every;
 }
 
 void Checkpoint::action()
@@ -27,7 +53,8 @@ void Checkpoint::action()
 	const talik::StepGate gate;
 	if (!started) start();
 	if (!talik::isFirstRank()) return; // the first one asks the others for what it lacks
-	if (every > 0 && std::chrono::duration<double>(Clock::now() - last).count() < every) return;
+	if (!isDue()) return;
+	signalsAnswered = signalsSoFar;
 	tryToWrite();
 	last = Clock::now();
 }

@@ -19,9 +19,11 @@ public:
 private:
 	using Clock = std::chrono::steady_clock;
 	void start();
+	bool isDue() const;
 	void tryToWrite();
 
-	bool              started = false;
+	bool              started         = false;
+	int               signalsAnswered = 0;
 	Clock::time_point last;
 	long              done = 0, failures = 0;
 	string            problem;
@@ -34,6 +36,8 @@ public:
 			"O.engines=[Checkpoint(file='output/slope.checkpoint',every=600),mpm].",
 		((string,file,"",,"Where the scene is written; the folder is made if it is missing."))
 		((Real,every,600,,"Wall time between the end of one checkpoint and the next [s], >= 0; 0: in every step."))
+		((int,onSignal,0,,"A signal upon which the scene is written at once, too, as a batch system sends it before the time limit of a job: signal.SIGUSR1 or "
+				"signal.SIGUSR2 of Python; 0: none."))
 		,/*ctor*/ ,
 		/*py*/
 		.def("write",&Checkpoint::write,(::boost::python::arg("file")),"Write the current scene now. RuntimeError while O runs, or if the file cannot be "

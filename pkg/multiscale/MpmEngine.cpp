@@ -5,6 +5,7 @@
 #include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
+#include <pkg/ranks/Digest.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
 #include <pkg/rve/open/StepGate.hpp>
@@ -306,16 +307,16 @@ void MpmEngine::shareAmongRanks()
 	else say(ranks + "each compute all of this ground, which takes as long as on one" + (toShare ? "." : ": it has no samples to share out."));
 }
 
-/// Ranks whose ground drifts apart, as it does on different processors, are found when they meet next.
-void MpmEngine::noteForRanks()
+/// Ranks whose ground drifts apart, as it does on different processors, stop.
+void MpmEngine::compareRanks()
 {
 	constexpr long interval = 100; // steps
-	if (!talik::jobTalk() || ground->steps() < nextNote) return;
-	nextNote = ground->steps() + interval;
+	if (!talik::jobTalk() || ground->steps() < nextComparison) return;
+	nextComparison = ground->steps() + interval;
 	talik::Digest digest;
 	for (const auto& array : ground->state())
 		digest.add(array.data, array.bytes);
-	talik::jobTalk()->note(digest.value());
+	talik::jobTalk()->meet("step " + std::to_string(ground->steps()) + " of the ground", digest.value());
 }
 
 void MpmEngine::sayGraveDoubts()
@@ -553,7 +554,7 @@ void MpmEngine::stepGround()
 	const double before = ground->calendar().time;
 	if (bodies) advanceAmongBodies();
 	else advanceAlone(newLimit);
-	noteForRanks();
+	compareRanks();
 	if (watched) recordWatched();
 	stopAtTheDay(before);
 }

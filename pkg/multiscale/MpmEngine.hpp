@@ -115,7 +115,7 @@ private:
 	void                            sayGraveDoubts();
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
-	void                            noteForRanks();
+	void                            compareRanks();
 	bool                            leadsTimeStep() const;
 	Real                            timeStepOfOthers();
 	Real                            wantedStep();
@@ -138,8 +138,8 @@ private:
 	talik::AnyGround*              ground        = nullptr;              ///< that of groundOfScene
 	std::size_t                    boundaryCount = 0, materialCount = 0; ///< with which the ground was built
 	long                           stepsUntilLimit = 0, stepsAtStart = 0;
-	long                           nextNote    = 0;     ///< step from which on the ranks compare their ground again
-	bool                           bodiesNamed = false; ///< boundaries have found the bodies that they name
+	long                           nextComparison = 0;     ///< step from which on the ranks compare their ground again
+	bool                           bodiesNamed    = false; ///< boundaries have found the bodies that they name
 	bool                           begun = false, watchesDefault = false;
 	string                         failure;
 	std::set<string>               said;

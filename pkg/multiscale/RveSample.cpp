@@ -217,6 +217,7 @@ py::dict RveSample::statistics() const
 		d["fabric"]               = tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(stats.fabric));
 		d["unbalancedForce"]      = stats.unbalancedForce;
 		d["kineticEnergy"]        = stats.kineticEnergy;
+		d["steps"]                = s.step;
 		return d;
 	});
 }

@@ -47,9 +47,7 @@ std::vector<std::string> RankTalk::answer(const std::vector<Slip>& slips, const 
 
 void RankTalk::meet(const std::string& purpose, std::uint64_t digest)
 {
-	Digest state = noted;
-	state.add(digest);
-	const Slip mine(Slip::meeting, purpose, state.value());
+	const Slip mine(Slip::meeting, purpose, digest);
 	for (;;) {
 		const auto slips    = round(mine);
 		const auto question = std::find_if(slips.begin(), slips.end(), [](const Slip& slip) { return slip.asks(); });

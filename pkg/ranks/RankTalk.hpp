@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <map>
-#include <pkg/ranks/Digest.hpp>
 #include <pkg/ranks/Ranks.hpp>
 
 namespace talik {
@@ -38,9 +37,6 @@ public:
 	int  enrol(const Answerer* answerer);
 	void dismiss(int number) { answerers.erase(number); }
 
-	/// Something of the state that has to be the same on all ranks; compared in the meetings to come.
-	void note(std::uint64_t digest) { noted.add(digest); }
-
 	/// How a rank is called in errors: what tells it from the others.
 	void describe(std::vector<std::string> byRank) { descriptions = std::move(byRank); }
 
@@ -54,7 +50,6 @@ private:
 	std::shared_ptr<Ranks>         ranks_;
 	std::map<int, const Answerer*> answerers;
 	int                            nextAnswerer = 0;
-	Digest                         noted;
 	std::vector<std::string>       descriptions;
 };
 

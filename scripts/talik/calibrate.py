@@ -114,6 +114,26 @@ def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
 	return float(np.mean([_largestShearStress(thawed.copy(), pressure, strain, direction * perCall) for direction in (1, -1)]))
 
 
+def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall=2e-5):
+	"""Tensile strength [Pa] that bonds of a thawed strength [Pa] leave to ice-free RveSamples that were frozen at `pressures` [Pa] and have thawed
+	there: the largest axial tension in extension with the lateral stress let off, mean over realisations and pressures.
+
+	A cohesion without it holds next to nothing close to a surface, where normal stress is small.
+
+	>>> tension = talik.calibrate.thawedTension(packed, strength=0.3e6, pressures=(5e3,), strain=4e-4)"""
+	tensions = []
+	for sample in samples if isinstance(samples, (list, tuple)) else [samples]:
+		bonded = sample.copy()
+		bonded.thawedStrength = strength
+		for pressure in pressures:
+			thawed = _underPressure(bonded, pressure)
+			thawed.freeze(1)
+			thawed.freeze(0)
+			test = _drive(thawed, 0.0, 0.0, -strain, perCall)
+			tensions.append(max(0.0, float(-test.smooth(test.axial).min())))
+	return float(np.mean(tensions))
+
+
 def _underPressure(sample, pressure):
 	"""A copy of a sample at an isotropic pressure [Pa]."""
 	pressed = sample.copy()

@@ -21,11 +21,12 @@ from talik import _talik, ranks
 from talik.console import awaitRest, checkedLabels
 
 
-def keep(file, every=600.0):
-	"""Writes the scene into `file` every so many seconds of wall time [s]; returns the engine, a Checkpoint, which is now the first of O.engines.
+def keep(file, every=600.0, onSignal=0):
+	"""Writes the scene into `file` every so many seconds of wall time [s], and upon a signal (see Checkpoint.onSignal); returns the engine, a
+	Checkpoint, which is now the first of O.engines.
 
 	>>> keeper = talik.checkpoint.keep(folder + "/slope.checkpoint", every=600)"""
-	engine = wrapper.Checkpoint(file=os.path.abspath(os.fspath(file)), every=every)
+	engine = wrapper.Checkpoint(file=os.path.abspath(os.fspath(file)), every=every, onSignal=int(onSignal))
 	O.engines = [engine] + [other for other in O.engines if not isinstance(other, wrapper.Checkpoint)]
 	return engine
 

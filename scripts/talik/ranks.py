@@ -15,8 +15,10 @@ What only one rank does may look at the ground: the others answer when they come
 import atexit
 import hashlib
 import json
+import math
 import os
 import platform
+import struct
 import sys
 import time
 from pathlib import Path
@@ -96,23 +98,29 @@ class inTurn:
 # --- the start -------------------------------------------------------------------------------------------------------------
 
 
+_sameOnAll = (
+	("build", "runs another build of Talik", "install the same one for all ranks"),
+	("arithmetic", "computes by other instructions", "give the job processors of one kind and one Debian, e.g. by  sbatch --constraint"),
+	("script", "runs another script, or has other arguments,", "start the same script with the same arguments on all ranks"),
+)
+
+
 def _compare():
-	"""Ranks that run other programs are refused; threads without cores are told."""
+	"""Ranks whose numbers would differ are refused; threads without cores are told."""
 	own = {
 		"build": _digestOfBuild(),
+		"arithmetic": _arithmetic(),
+		"script": _script(sys.argv),
 		"host": platform.node(),
 		"processor": _processor(),
 		"cores": len(os.sched_getaffinity(0)),
 		"threads": int(os.environ.get("OMP_NUM_THREADS", "1")),
 	}
-	name = f"{own['host']}, {own['processor']}, build {own['build']}"
+	name = f"{own['host']}, {own['processor']}, {own['arithmetic']}, build {own['build']}"
 	ranks = [json.loads(text) for text in _talik.describeRanks(json.dumps(own).encode(), name)]
-	other = next((k for k, its in enumerate(ranks) if its["build"] != ranks[0]["build"]), None)
-	if other is not None:
-		raise ImportError(
-			f"rank {other} on {ranks[other]['host']} runs another build of Talik ({ranks[other]['build']}) than rank 0 on {ranks[0]['host']} "
-			f"({ranks[0]['build']}): install the same one for all ranks"
-		)
+	reason = _reasonAgainst(ranks)
+	if reason:
+		raise ImportError(reason)
 	starved = next((k for k, its in enumerate(ranks) if its["threads"] > its["cores"]), None)
 	if first and starved is not None:
 		print(
@@ -123,11 +131,40 @@ def _compare():
 		)
 
 
+def _reasonAgainst(ranks):
+	"""Why these ranks would not compute the same numbers; empty if they do."""
+	one = ranks[0]
+	for what, differs, remedy in _sameOnAll:
+		for k, other in enumerate(ranks):
+			if other[what] != one[what]:
+				return f"rank {k} on {other['host']} {differs} ({other[what]}) than rank 0 on {one['host']} ({one[what]}): {remedy}"
+	return ""
+
+
 def _digestOfBuild():
 	digest, folder = hashlib.sha256(), Path(__file__).parent
 	for file in [Path(_talik.__file__), *sorted(folder.rglob("*.py"))]:
 		digest.update(file.read_bytes())
 	return digest.hexdigest()[:12]
+
+
+def _arithmetic():
+	"""The vectors of samples, and a digest of mathematical functions, whose last bits depend on the instructions that libm chose."""
+	functions = (math.exp, math.expm1, math.sin, math.cos, math.tan, math.atan, math.sinh, math.tanh, math.log1p, lambda x: math.pow(x, 0.37))
+	digest = hashlib.sha256()
+	for k in range(1, 2000):  # two kinds of processors agree in most of them
+		digest.update(struct.pack(f"{len(functions)}d", *(function(0.0137 * k) for function in functions)))
+	return f"{_talik.vectors()}, libm {digest.hexdigest()[:6]}"
+
+
+def _script(arguments):
+	"""Name of the script, and a digest of what it says and of its arguments."""
+	if not arguments:
+		return "none"
+	digest, file = hashlib.sha256(json.dumps(arguments[1:]).encode()), Path(arguments[0])
+	if file.is_file():
+		digest.update(file.read_bytes())
+	return f"{file.name} {digest.hexdigest()[:12]}"
 
 
 def _processor():

@@ -36,6 +36,29 @@ def dryGround():
 	return mpm
 
 
+# ---- when it is written ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [signal.SIGUSR1, signal.SIGUSR2])
+def test_a_signal_writes_a_checkpoint_at_the_next_step_and_the_run_goes_on(number, tmp_path):
+	dryGround()
+	keeper = talik.checkpoint.keep(tmp_path / "ground.checkpoint", onSignal=number)
+	run(3)
+	before = keeper.written
+	os.kill(os.getpid(), number)
+	run(3)
+	step = talik.checkpoint.describe(tmp_path / "ground.checkpoint")["step"]
+	print(f"{before} checkpoints before the signal, {keeper.written} after it, of step {step}; O.iter {O.iter}")
+	assert (before, keeper.written, step, O.iter) == (0, 1, 3, 6)
+
+
+def test_a_signal_that_would_end_the_process_is_refused(tmp_path):
+	dryGround()
+	talik.checkpoint.keep(tmp_path / "ground.checkpoint", onSignal=signal.SIGKILL)
+	with pytest.raises((ValueError, RuntimeError), match="Checkpoint.onSignal is 9: give signal.SIGUSR1"):
+		run(1)
+
+
 # ---- continued is uninterrupted -------------------------------------------------------------------------------------------
 
 

@@ -165,6 +165,35 @@ def stared():
 	return mpm
 
 
+def asked():
+	"""Ranks take turns in looking, each alone, at fields, histories, extremes and samples that others own; what they saw is the result."""
+	mpm = ground()
+	mpm.watch([0, 7], fields=["bondsBroken", "fabric"])
+	for turn in range(6):
+		run(10)
+		if turn % talik.ranks.count == talik.ranks.count - 1 - talik.ranks.rank:
+			np.savez(folder / f"asked{turn}.npz", **everyLook(mpm))
+	talik.ranks.meet("all have looked")
+	for turn in range(6):
+		with np.load(folder / f"asked{turn}.npz") as file:
+			looks.update({f"look {turn} {key}": file[key] for key in file.files})
+	return mpm
+
+
+looks = {}
+
+
+def everyLook(mpm):
+	seen = {name: np.array(mpm.field(name)) for name in ("bondsBroken", "fabric", "samplePorosity", "stress")}
+	seen.update({f"history {name}": values for name, values in mpm.history(7).items()})
+	seen["mostBroken"] = np.array(mpm.mostBroken(3))
+	seen["most"] = np.array(mpm.most("contacts", 3))
+	for point in (0, 5, 9):
+		with mpm.inspect(point):
+			seen[f"sample {point}"] = np.array([[*body.state.pos, *body.state.vel, body.shape.radius] for body in O.bodies])
+	return seen
+
+
 for name in sys.argv[3:]:
 	O.reset()
 	O.engines = []
@@ -172,6 +201,7 @@ for name in sys.argv[3:]:
 	state = stateOf(mpm)
 	if mpm.watched is not None:
 		state.update({f"history {point} {field}": values for point in mpm.watched.ids for field, values in mpm.history(point).items()})
+	state.update(looks if name == "asked" else {})
 	shared = mpm.skeleton.counters if isinstance(mpm.skeleton, wrapper.RveSkeleton) else {}
 	if talik.ranks.first:
 		np.savez(folder / f"{name}.npz", **state)

@@ -7,6 +7,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -75,7 +76,7 @@ def size(states):
 	return sum(values.size for state in states.values() for values in state.values())
 
 
-quick = ["packed", "uneven", "resting", "thawed", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared"]
+quick = ["packed", "uneven", "resting", "thawed", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
 
 
 @pytest.fixture(scope="module")
@@ -233,10 +234,10 @@ O.run(10**9, True)
 """
 
 
-def endlessRun(folder, cache, before="", after="", start=None):
+def endlessRun(folder, cache, before="", after=""):
 	script = folder / "scene.py"
 	script.write_text(endless.format(faults=str(here.parent / "faults"), cache=str(cache), folder=str(folder), before=before, after=after))
-	return started(start(script) if start else command(2, script))
+	return started(command(2, script))
 
 
 def pids(folder, process, patience=120):
@@ -311,22 +312,77 @@ def test_ranks_whose_scripts_differ_are_refused_by_name(how, part, tmp_path, sam
 	assert status != 0 and "rank 1 (" in sentence
 
 
-def test_ranks_with_different_builds_are_refused_by_name(tmp_path, sampleCache):
+def twoPrograms(script, other=None, **environment):
+	"""mpirun with a program for each of two ranks: the second may have another script, or another environment."""
+	whole = command(2, script)
+	options, yade = whole[3 : whole.index("yade")], whole[whole.index("yade") :]
+	settings = [word for name, value in environment.items() for word in ("-x", f"{name}={value}")]
+	return ["mpirun", *options, "-n", "1", *yade, ":", "-n", "1", *settings, *yade[:-1], str(other or script)]
+
+
+def refusal(command, part):
+	"""The sentence with which a job was refused."""
+	status, said, complained = ended(started(command), timeout=60)
+	sentence = next((line for line in complained.splitlines() if part in line), complained)
+	print(sentence)
+	assert status != 0 and "Talik: rank 0 failed" in complained
+	return sentence
+
+
+def test_ranks_with_different_scripts_or_arguments_are_refused_by_name_at_the_start(tmp_path):
+	one, other = tmp_path / "slope.py", tmp_path / "flat.py"
+	one.write_text("import talik\n")
+	other.write_text("import talik  # another\n")
+	sentence = refusal(twoPrograms(one, other), "another script")
+	assert re.search(r"rank 1 on .* runs another script, or has other arguments, \(flat.py \w{12}\) than rank 0 on .* \(slope.py \w{12}\)", sentence)
+	assert "rank 1 on" in refusal([*twoPrograms(one), "--steeper"], "another script")
+
+
+def test_ranks_whose_mathematical_functions_differ_are_refused_by_name_at_the_start(tmp_path):
+	script = tmp_path / "scene.py"
+	script.write_text("import talik\n")
+	without = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"}
+	probe = [sys.executable, "-c", "import math; print([math.exp(0.0137 * k) for k in range(1, 2000)])"]
+	if subprocess.check_output(probe) == subprocess.check_output(probe, env={**os.environ, **without}):
+		pytest.skip("libm computes the same with and without FMA on this machine: two kinds of processors cannot be had")
+	sentence = refusal(twoPrograms(script, **without), "other instructions")
+	assert re.search(r"rank 1 on .* computes by other instructions \(.*libm \w{6}\) than rank 0 on .*--constraint", sentence)
+
+
+def test_ranks_with_other_vectors_are_named():
+	ranks = [{"host": f"n{k}", "build": "b", "arithmetic": "AVX3, libm 1" if k < 2 else "AVX2, libm 1", "script": "s"} for k in range(3)]
+	print(talik.ranks._reasonAgainst(ranks))
+	assert talik.ranks._reasonAgainst(ranks).startswith("rank 2 on n2 computes by other instructions (AVX2, libm 1) than rank 0 on n0 (AVX3, libm 1)")
+	assert talik.ranks._reasonAgainst(ranks[:2]) == ""
+
+
+withoutSamples = """
+import sys, talik
+from yade import O, wrapper
+mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(2, 2), gravity=(0, -9.81), damping=0.1 + 1e-12 * talik.ranks.rank,
+	skeleton=wrapper.ElasticSkeleton(young=5e6), boundaries=[wrapper.FixedBoundary(region="bottom")])
+talik.geometry.fill(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)])
+O.engines = [mpm]
+O.run(1000, True)
+"""
+
+
+def test_ranks_that_share_nothing_compare_their_ground_every_hundred_steps(tmp_path):
+	script = tmp_path / "scene.py"
+	script.write_text(withoutSamples)
+	sentence = refusal(command(2, script), "The ground of rank 1")
+	assert re.search(r"noticed at 'step (\d+) of the ground'", sentence).group(1) == "101"
+
+
+def test_ranks_with_different_builds_are_refused_by_name(tmp_path):
 	module = Path(talik._talik.__file__).resolve()
 	other = tmp_path / "python" / "talik"
 	shutil.copytree(Path(talik.__file__).parent, other, ignore=shutil.ignore_patterns("__pycache__"))
 	(other / module.name).write_bytes(module.read_bytes() + b"\0")
-
-	def start(script):
-		whole = command(2, script)
-		begin = whole.index("yade")
-		options, yade = [*whole[3:begin]], whole[begin:]
-		return ["mpirun", *options, "-n", "1", *yade, ":", "-n", "1", "-x", f"PYTHONPATH={other.parent}", *yade]
-
-	status, said, complained = ended(endlessRun(tmp_path, sampleCache, start=start), timeout=60)
-	sentence = next((line for line in complained.splitlines() if "another build" in line), complained)
-	print(sentence)
-	assert status != 0 and re.search(r"rank 1 on .* runs another build of Talik \(\w{12}\) than rank 0 on", sentence)
+	script = tmp_path / "scene.py"
+	script.write_text("import talik\n")
+	sentence = refusal(twoPrograms(script, PYTHONPATH=other.parent), "another build")
+	assert re.search(r"rank 1 on .* runs another build of Talik \(\w{12}\) than rank 0 on", sentence)
 
 
 def test_threads_without_cores_are_told_with_the_remedy(tmp_path):
@@ -356,3 +412,20 @@ def test_a_yade_that_is_alone_makes_no_call_of_mpi(tmp_path, sampleCache):
 	status, said, complained = ended(started(command(1, script)))
 	print(re.search("STARTED.*", said).group(0))
 	assert status == 0 and "STARTED False 1 False" in said
+
+
+def test_the_benchmark_measures_equal_bits_and_its_record_is_replayed_slow(tmp_path):
+	scripts = here.parents[1] / "scripts"
+	environment = {**talik.ranks.alone(os.environ), "PYTHONPATH": f"{scripts / 'benchmarks'}:{os.environ['PYTHONPATH']}"}
+	benchmark = scripts / "benchmarks" / "ranks.py"
+	subprocess.run(["/usr/bin/python3", "-B", benchmark, tmp_path / "ranks.json", "--rounds", "1", "--steps", "30"], env=environment, check=True, timeout=1200)
+	for scene in ("samples", "space"):
+		file = tmp_path / f"record-{scene}.npz"
+		subprocess.run(["yade", "-n", "-x", "-j1", benchmark, "--record", scene, "30", file], env=environment, check=True, timeout=600)
+	said = subprocess.check_output(["/usr/bin/python3", "-B", scripts / "scaling.py", tmp_path], text=True, timeout=1200)
+	measured = {(its["scene"], its["ranks"], its["threads"]): its for its in json.loads((tmp_path / "ranks-measured.json").read_text())}
+	bits = {scene: len({its["state"] for kind, its in measured.items() if kind[0] == scene}) for scene in ("samples", "law", "space")}
+	gain = measured["samples", 1, 1]["work"] / measured["samples", 2, 1]["work"]
+	print(f"states at the end of each scene: {bits}; two ranks, work of one over that of the busier: {gain:.2f}")
+	print(re.search("largest deviation.*", said).group(0))
+	assert set(bits.values()) == {1} and gain > 1.5
