@@ -130,10 +130,10 @@ def test_confinement_strengthens_frozen_samples_and_cohesion_follows_the_ice_whi
 	assert abs(lines[0.97][0] - lines[0.55][0]) < 8
 
 
-def block(packed, form, law, scale, velocity=0.5):
+def block(packed, form, law, scale, velocity=0.5, strainTolerance=0):
 	"""One cell of ground with a temperature, four samples; see test_samples.py."""
 	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), automaticTimeStep=False, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
-	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, strainTolerance=0, prediction=False, minSteps=10, iceStrength=law)
+	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, strainTolerance=strainTolerance, prediction=False, minSteps=10, iceStrength=law)
 	position = np.array([(0.5 * x, 0.5 * y) for x in (0.25, 0.75) for y in (0.25, 0.75)])
 	centred = position / 0.5 - 0.5
 	motion = velocity * np.column_stack((centred[:, 1] - 0.5 * centred[:, 0], centred[:, 0]))
@@ -169,6 +169,25 @@ def test_behind_a_point_strength_follows_its_temperature_and_its_strain_rate_in_
 		)
 		assert difference < 1e-9 * np.abs(stress).max()
 	assert broken[1] > broken[0]
+
+
+def test_ground_whose_bonds_follow_the_rate_goes_on_from_a_file_to_the_last_bit(packed, tmp_path):
+	"""The time since a sample was asked is a field of the points."""
+	packed.freeze(1)
+	stresses = []
+	for saved in (False, True):
+		O.reset()
+		mpm = block(packed, "packed", wrapper.IceStrength(shearRateExponent=0.4, referenceRate=1), 1e4, strainTolerance=1e-4)
+		for k in range(20):
+			if saved and k == 9:
+				O.save(str(tmp_path / "ground.yade.gz"))
+				O.load(str(tmp_path / "ground.yade.gz"))
+			O.step()
+		mpm = O.engines[0]
+		stresses.append((mpm.field("stress"), mpm.field("bondsBroken"), mpm.skeleton.counters["calls"]))
+	print(f"\n{stresses[0][2]} calls in 20 steps of 4 points, {int(np.nansum(stresses[0][1]))} bonds broken")
+	assert 0 < stresses[0][2] < 80 and np.nansum(stresses[0][1]) > 0
+	assert (stresses[0][0] == stresses[1][0]).all() and np.array_equal(stresses[0][1], stresses[1][1], equal_nan=True)
 
 
 @pytest.mark.parametrize(
