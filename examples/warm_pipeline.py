@@ -7,6 +7,7 @@ By hand: heat that a cylinder of radius r gives to ground at the melting point t
 L/(k T) (R^2/2 ln(R/r) - (R^2 - r^2)/4), from 2 pi k T/ln(R/r) = 2 pi R L dR/dt; what warms the ground and what the cold surface takes
 is left out, so the bulb stays smaller. In the end its lowest point is that of two steady temperature fields around a buried pipe,
 thawed within frozen, each of a line source and its image above the surface. The pipe settles by the thaw strain times the depth thawed below it.
+Nothing slides along the thaw here, so frozen and thawed ground have one velocity (thawFront=None).
 Change temperature, depth or radius of the pipe first.
 """
 
@@ -40,6 +41,7 @@ mpm = MpmEngine(
 	upper=(width, depth + 2 * h),
 	gravity=(0, -9.81),
 	damping=0.5,
+	thawFront=None,
 	heat=HeatTransfer(thermalTimeScale=1.5e7),
 	freezing=FreezingCurve(width=0.15),
 	skeleton=MohrCoulombSkeleton(young=1e7, youngFrozen=4e7, frictionAngle=28, cohesion=2e3, cohesionFrozen=2e5),
@@ -99,8 +101,8 @@ output.writeSummary(
 		"lowest in the end [m]": steady,
 	},
 )
-if not 0.7 * byHand < bulb < 1.02 * byHand:
-	raise SystemExit("the thaw bulb is not between 70 % of the calculation by hand and that itself")
-if abs(settlement / settledByHand - 1) > 0.35:
-	raise SystemExit("the settlement of the pipe is more than 35 % off the calculation by hand")
+if not 0.7 * byHand < bulb < 1.05 * byHand:
+	raise SystemExit("the thaw bulb is not between 70 and 105 % of the calculation by hand")
+if abs(settlement / settledByHand - 1) > 0.25:
+	raise SystemExit("the settlement of the pipe is more than 25 % off the calculation by hand")
 print(f"picture and summary are in {folder}")

@@ -7,6 +7,7 @@ set(talikPackage lib/python3/dist-packages/talik) # on the search path of /usr/b
 install(TARGETS _talik LIBRARY DESTINATION ${talikPackage})
 install(DIRECTORY scripts/talik/ DESTINATION ${talikPackage} FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY examples/ DESTINATION share/doc/talik/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "*.asc" PATTERN "*.md" PATTERN "*.png" PATTERN "__pycache__" EXCLUDE)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/manual/html DESTINATION share/doc/talik OPTIONAL) # once scripts/manual has made it
 install(FILES README.md DESTINATION share/doc/talik)
 install(FILES LICENSE DESTINATION share/doc/talik RENAME copyright)
 

@@ -18,8 +18,9 @@ note() {
 	printf '%s\n' "$*" >&2
 }
 
+packageLists=("$root/scripts/packages.txt")
 neededPackages() {
-	sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/scripts/packages.txt"
+	sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "${packageLists[@]}"
 }
 
 missingPackages() {

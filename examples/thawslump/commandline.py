@@ -160,6 +160,7 @@ def report(summary, folder):
 		print(
 			f"thawed cohesion {summary['thawed.cohesion measured [Pa]'] / 1e3:.2f} kPa, measured on the samples, by bonds of "
 			f"{summary['thawed.strength of bonds [Pa]'] / 1e3:.0f} kPa that outlast their ice"
+			+ (f"; they carry {summary['thawed.tension measured [Pa]'] / 1e3:.2f} kPa of tension" if "thawed.tension measured [Pa]" in summary else "")
 		)
 	print(f"{summary['day']:.1f} days in {summary['thaw time [s]']:.1f} s of motion; largest displacement {summary['largest displacement [m]']:.3f} m", end="")
 	if "bondsIntact" in summary:

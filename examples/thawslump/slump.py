@@ -115,25 +115,36 @@ class ThawSlump:
 		p, g = self.preset, self.ground
 		several = rve.pack(rve.prepare(grains=p.grains, ice=True, realisations=p.realisations, seed=p.seed))
 		if self.skeletonName == "samples":
-			self._keepCohesion(several)
+			strength = self._strengthOfThawedBonds(several)
 			for sample in several:
+				sample.thawedStrength = strength
 				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
 			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
 			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance), {}
 		calibration = calibrate.calibrate(several, **p.calibration)
 		self.calibrationSeconds = calibration.seconds
 		law = calibration.parameters()
-		law["cohesions"] = [max(cohesion, g.thawedCohesion) for cohesion in law["cohesions"]]
+		self._keepCohesion(law, several)
 		depths = [slope.surfaceHeight(self.outline, x) - y for x, y in position]
 		across, down = np.transpose([slope.geostaticStress(depth, frozenDensity, lateralRatio=g.lateralRatio) for depth in depths])
 		return wrapper.MohrCoulombSkeleton(**law), {"stress": np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1)}
 
-	def _keepCohesion(self, samples):
-		"""Bonds that outlast their ice, of the strength that gives the samples the thawed cohesion."""
+	def _strengthOfThawedBonds(self, samples):
+		"""Strength [Pa] of bonds that outlast their ice, such that they give the samples the thawed cohesion."""
 		strength, self.thawed["cohesion measured [Pa]"] = calibrate.thawedStrength(samples, self.ground.thawedCohesion)
 		self.thawed["strength of bonds [Pa]"] = strength
-		for sample in samples:
-			sample.thawedStrength = strength
+		return strength
+
+	def _keepCohesion(self, law, samples):
+		"""Gives a law the thawed cohesion and the tensile strength that samples have with it: by its cohesion alone a face of 45 degrees is on the
+		verge of failure at any small depth, where no shear stress can be larger than the normal stress."""
+		cohesion = self.ground.thawedCohesion
+		if cohesion == 0:
+			return
+		tension = calibrate.thawedTension(samples, self._strengthOfThawedBonds(samples))
+		self.thawed["tension measured [Pa]"] = tension
+		law["cohesions"] = [max(c, cohesion) for c in law["cohesions"]]
+		law["tensileStrengths"] = [max(t, tension) for t in law["tensileStrengths"]]
 
 	# ---- running
 

@@ -109,6 +109,14 @@ namespace HWY_NAMESPACE {
 	}
 #endif
 
+	/// Moment by which grains resist rolling on each other: elastic, at most lever times the normal force that presses them together. The
+	/// increment is what the moment is reduced by in this step.
+	template <class Number, class Moment>
+	HWY_INLINE Moment rollingMoment(const Number& lever, const Number& normal, const Moment& moment, const Moment& increment)
+	{
+		return limitedShear(Sub(moment, increment), Mul(lever, Max(normal, zeroLike(normal))));
+	}
+
 	/// Contacts that have no bond; no force across a gap.
 	template <class Number, class Shear>
 	HWY_INLINE ContactForces<Number, Shear> frictionalForces(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <cmath>
 #include <pkg/icebond/IceBondMat.hpp>
+#include <pkg/icebond/IceBondPhys.hpp>
 #include <stdexcept>
 
 namespace yade {
@@ -23,6 +24,8 @@ talik::IceBondModel IceBondMat::model() const
 	m.thawedStrength   = thawedStrength;
 	return m;
 }
+
+shared_ptr<IceBondPhys> IceBondMat::newContact(const IceBondMat&, Real, Real, Real) const { return shared_ptr<IceBondPhys>(new IceBondPhys); }
 
 namespace {
 	void require(bool valid, const char* attribute, Real value, const char* remedy)

@@ -4,6 +4,7 @@
 #include <pkg/icebond/IceBondModel.hpp>
 
 namespace yade {
+class IceBondPhys;
 
 /// Frictional grain material whose contacts may carry ice, Yu & Zhao eqs (5)-(7).
 class IceBondMat : public FrictMat {
@@ -12,6 +13,8 @@ public:
 	/// The material as the formulas see it; the stiffness rule belongs to the law.
 	talik::IceBondModel model() const;
 	void                postLoad(IceBondMat&);
+	/// A new contact with a grain of another material, without its parameters of force; r1, r2: radii [m], shearStiffness: k_s without ice [N/m].
+	virtual shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const;
 	/// What a grain of this radius has grown in this step [m], 0 if it shrank.
 	Real growth(Real radius) const { return radius * std::max(1 - radiusRatioBefore / radiusRatio, 0.); }
 	// clang-format off

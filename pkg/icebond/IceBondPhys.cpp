@@ -39,18 +39,21 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 	const Real r2 = geom.refR2 > 0 ? geom.refR2 / b.radiusRatio : geom.refR1 / a.radiusRatio;
 	const Real k1 = a.young * r1, k2 = b.young * r2;
 
-	shared_ptr<IceBondPhys> phys(new IceBondPhys);
-	phys->grainStiffness         = k1 + k2 > 0 ? 2 * k1 * k2 / (k1 + k2) : 0;
-	phys->stiffnessRatio         = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
-	phys->tangensOfFrictionAngle = std::tan(std::min(a.frictionAngle, b.frictionAngle));
-	phys->kn                     = phys->grainStiffness;
-	phys->ks                     = phys->stiffnessRatio * phys->kn;
-	phys->iceSaturation          = std::min(a.iceSaturation, b.iceSaturation);
-	phys->bondArea               = std::min(a.bondAreaFactor, b.bondAreaFactor) * std::pow(std::min(r1, r2), 2);
-	phys->gapLimit               = std::min(a.bondRange, b.bondRange) * std::min(r1, r2);
-	phys->bondNow                = bondNewContacts;
-	phys->uRef                   = overlapFromSwelling(a, b, *interaction->geom);
-	interaction->phys            = phys;
+	const Real grainStiffness = k1 + k2 > 0 ? 2 * k1 * k2 / (k1 + k2) : 0;
+	const Real stiffnessRatio = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
+
+	const shared_ptr<IceBondPhys> phys = a.newContact(b, r1, r2, stiffnessRatio * grainStiffness);
+	phys->grainStiffness               = grainStiffness;
+	phys->stiffnessRatio               = stiffnessRatio;
+	phys->tangensOfFrictionAngle       = std::tan(std::min(a.frictionAngle, b.frictionAngle));
+	phys->kn                           = phys->grainStiffness;
+	phys->ks                           = phys->stiffnessRatio * phys->kn;
+	phys->iceSaturation                = std::min(a.iceSaturation, b.iceSaturation);
+	phys->bondArea                     = std::min(a.bondAreaFactor, b.bondAreaFactor) * std::pow(std::min(r1, r2), 2);
+	phys->gapLimit                     = std::min(a.bondRange, b.bondRange) * std::min(r1, r2);
+	phys->bondNow                      = bondNewContacts;
+	phys->uRef                         = overlapFromSwelling(a, b, *interaction->geom);
+	interaction->phys                  = phys;
 }
 
 } // namespace yade

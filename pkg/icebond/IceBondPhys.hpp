@@ -6,6 +6,8 @@
 #include <pkg/icebond/IceBondMat.hpp>
 
 namespace yade {
+class Scene;
+class ScGeom;
 
 /// State of one contact between ice-bearing grains. kn and ks hold the stiffness in force now, so that YADE's own time
 /// steppers and stress functions see it.
@@ -15,6 +17,9 @@ public:
 	/// The bond as the formulas see it, and back.
 	talik::IceBond bond() const;
 	void           setBond(const talik::IceBond&);
+	/// Moments on the grains beyond those of the forces: none here. Called in every step after the forces.
+	virtual void addMoments(const ScGeom&, const Interaction&, Scene&) {}
+	virtual void clearMoments() {}
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondPhys,FrictPhys,"Contact of two grains of :yref:`IceBondMat`: frictional, bonded by ice, or broken. Forces and overlaps "
 			"are positive in compression. Example: [i.phys.bondState for i in O.interactions if i.isReal].",

@@ -135,6 +135,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::stayOpen(Contact& c) const
 	c.phys.iceShear    = Vector3r::Zero();
 	c.phys.shearForce  = Vector3r::Zero();
 	c.phys.normalForce = Vector3r::Zero();
+	c.phys.clearMoments();
 	c.phys.setBond(c.bond);
 	return true;
 }
@@ -153,6 +154,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
 	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);
 	phys.setBond(c.bond);
 	applyForces(c, interaction);
+	phys.addMoments(geom, *interaction, *scene);
 	return true;
 }
 

@@ -16,7 +16,9 @@ template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(int k) const
 	b.iceSaturation = content ? content->iceSaturation : nullptr;
 	for (int c = 0; c < stressSize<D>; ++c)
 		b.stress[c] = motion->stress[c];
-	b.volume = points->volume();
+	b.volume      = points->volume();
+	b.temperature = heat ? heat->temperature : nullptr;
+	b.naturalTime = clock.calendar.scale * clock.dt;
 	return b;
 }
 

@@ -221,10 +221,10 @@ template <int D> struct Ground<D>::Parts {
 	std::string whereabouts(int place) const;
 	void        sort();
 
-	SkeletonBatch<D> batch(int skeleton) const;
-	double           largestModulus() const;
-	double           liquidDensity() const { return (settings.materials.empty() ? settings.mixture : settings.materials.front().mixture).liquid.density; }
-	CostMeter::Entry base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
+	SkeletonBatch<D>     batch(int skeleton) const;
+	double               largestModulus() const;
+	double               liquidDensity() const { return settings.mixtureOf(0).liquid.density; }
+	CostMeter::Entry     base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
 };
 

@@ -127,6 +127,8 @@ struct SettingsOfAnyDimension {
 
 	MixtureProperties         mixture;   ///< of a ground without materials
 	std::vector<SoilMaterial> materials; ///< PointInput::material counts in this list; empty: one soil, of mixture, freezing and water->permeability
+	/// Of the points of a material.
+	const MixtureProperties& mixtureOf(int material) const { return materials.empty() ? mixture : materials[material].mixture; }
 
 	std::optional<HeatSettings>         heat;
 	FreezingCurvePtr                    freezing; ///< needs heat

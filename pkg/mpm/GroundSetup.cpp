@@ -60,7 +60,7 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 		for (int c = 0; c < stressSize<D>; ++c)
 			motion->stress[c][p] = in.stress[c];
 		motion->initialVolume[p]   = in.volume;
-		const MixtureProperties& m = settings.materials.empty() ? settings.mixture : settings.materials[in.material].mixture;
+		const MixtureProperties& m = settings.mixtureOf(in.material);
 		motion->mass[p]            = in.volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
 	}
 	if (water)

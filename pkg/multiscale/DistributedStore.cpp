@@ -36,6 +36,7 @@ namespace {
 		digest.add(&request.iceSaturation, sizeof(double));
 		digest.add(&request.inertialNumber, sizeof(double));
 		digest.add(std::uint64_t(request.compareRates));
+		digest.add(&request.strength, sizeof(request.strength));
 	}
 
 	template <int Dim> std::uint64_t digestOf(const std::vector<PackedRequest<Dim>>& requests)

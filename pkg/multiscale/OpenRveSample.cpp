@@ -24,6 +24,7 @@ py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSatu
 	options.maxInertialNumber = maxInertialNumber;
 	options.maxStrainPerStep  = maxStrainPerStep;
 	options.minSteps          = minSteps;
+	options.strength          = { tensileStrengthFactor, shearStrengthFactor };
 	talik::forbidRedirection();
 	sample().keepState();
 	const auto result = sample().apply(displacementGradient, iceSaturation, options);

@@ -35,6 +35,8 @@ public:
 		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
+		((Real,tensileStrengthFactor,1,,"Tensile strength of ice bonds in apply() and freeze() over that of IceBondMat [-], > 0; see IceStrength."))
+		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0."))
 		,/*ctor*/ ,
 		/*py*/
 		.def("apply",&OpenRveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = "

@@ -134,11 +134,13 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 	const int                            workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
 #pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
 	for (long k = 0; k < long(requests.size()); k++) {
-		const auto&            request = requests[std::size_t(k)];
+		const auto&         request = requests[std::size_t(k)];
+		PackedUpdateOptions chosen  = options;
+		chosen.strength             = request.strength;
 		const StepGate::Helper helper;
 		try {
 			results[std::size_t(k)] = part<Dim>(
-			        samples[request.sample].running->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, options));
+			        samples[request.sample].running->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, chosen));
 		} catch (...) {
 			failures[std::size_t(k)] = std::current_exception();
 		}

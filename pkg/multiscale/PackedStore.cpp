@@ -8,7 +8,10 @@
 namespace talik {
 
 namespace {
-	bool same(const PackedGrains& a, const PackedGrains& b) { return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id; }
+	bool same(const PackedGrains& a, const PackedGrains& b)
+	{
+		return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id && a.rolling == b.rolling;
+	}
 
 	/// Samples of one preparation hold its constants once, as they did before they were saved.
 	template <int Dim> void shareGrains(PackedState<Dim>& state, std::vector<std::shared_ptr<const PackedGrains>>& known)

@@ -141,6 +141,7 @@ template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradi
 	options.maxInertialNumber = maxInertialNumber;
 	options.maxStrainPerStep  = maxStrainPerStep;
 	options.minSteps          = minSteps;
+	options.strength          = { tensileStrengthFactor, shearStrengthFactor };
 	PackedSample<Dim> sample(packed<Dim>());
 	const auto        result = sample.apply(part<Dim>(displacementGradient), iceSaturation, options);
 	if (!result.blewUp) setPacked(sample.state());
@@ -258,10 +259,12 @@ py::dict RveSample::arrays() const
 shared_ptr<RveSample> RveSample::copy() const
 {
 	shared_ptr<RveSample> other(new RveSample);
-	other->maxInertialNumber = maxInertialNumber;
-	other->maxStrainPerStep  = maxStrainPerStep;
-	other->minSteps          = minSteps;
-	other->sceneBytes        = sceneBytes;
+	other->maxInertialNumber     = maxInertialNumber;
+	other->maxStrainPerStep      = maxStrainPerStep;
+	other->minSteps              = minSteps;
+	other->tensileStrengthFactor = tensileStrengthFactor;
+	other->shearStrengthFactor   = shearStrengthFactor;
+	other->sceneBytes            = sceneBytes;
 	dimension(); // none of an empty sample
 	other->state = state;
 	return other;

@@ -71,6 +71,9 @@ public:
 		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
+		((Real,tensileStrengthFactor,1,,"Tensile strength of ice bonds in apply() and freeze() over that of the material [-], > 0: the first number of "
+				"IceStrength.factors(temperature,strainRate). Of this sample alone; behind points RveSkeleton.iceStrength does that."))
+		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0: the second number."))
 		((string,saved,"",Attr::hidden,"State in an archive."))
 		((string,savedScene,"",Attr::hidden,"Scene that the sample opens into, in an archive."))
 		,/*ctor*/ talik::SequenceConverter<RveSample>::registerOnce(); ,

@@ -28,6 +28,7 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	s.update.maxStrainPerStep  = maxStrainPerStep;
 	s.update.minSteps          = minSteps;
 	s.update.maxRelaxSteps     = maxRelaxSteps;
+	if (iceStrength) s.iceStrength = iceStrength->law();
 	return s;
 }
 

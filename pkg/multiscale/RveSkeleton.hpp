@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
+#include <pkg/icebond/IceStrength.hpp>
 #include <pkg/multiscale/OpenStore.hpp>
 #include <pkg/multiscale/PackedStore.hpp>
 #include <pkg/multiscale/RveSample.hpp>
@@ -106,6 +107,8 @@ public:
 		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
 		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
+		((shared_ptr<IceStrength>,iceStrength,,,"How the strength of the ice bonds follows the temperature of the point and its strain rate in nature's time, that "
+				"of the calendar: motion since the sample was last asked over the time of slow processes since then. None: it is that of the samples."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
 				"changed while running."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <omp.h>
 #include <stdexcept>
@@ -175,6 +176,7 @@ template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const
 	toleranceField  = f.declare(prefix + "strainTolerance", name(), "-", 1);
 	ratioField      = f.declare(prefix + "tangentRatio", name(), "-", 1);
 	tangentField    = f.declare(prefix + "tangent", name(), "Pa", tangentSize<Dim>);
+	if (schedule.iceStrength) timeField = f.declare(prefix + "naturalTime", name(), "s", 1);
 	if (accuracy) accuracy->declareFields(f, prefix, name());
 }
 
@@ -216,6 +218,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		a.ratio[place]      = 1;
 		a.tolerance[place]  = schedule.strainTolerance;
 		a.setLastStress(place, start.stress);
+		if (schedule.iceStrength) fields->component(timeField)[place] = 0;
 		storeStress<Dim>(batch, place, start.stress);
 		if (accuracy) accuracy->begin(place);
 	}
@@ -242,6 +245,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 {
 	const Arrays a = arrays();
 	if (accuracy) accuracy->countStep();
+	if (schedule.iceStrength) passTime(batch);
 	flagScratch.assign(batch.count, 0);
 	constexpr int piece  = 256;
 	const auto    follow = [&](int k) {
@@ -267,6 +271,24 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	if (!dueScratch.empty()) ask(batch, dueScratch, a);
 }
 
+/// Time of nature since the samples were asked.
+template <int Dim> void SampleSkeleton<Dim>::passTime(const SkeletonBatch<Dim>& batch) const
+{
+	double* time = fields->component(timeField);
+	for (int k = 0; k < batch.count; k++)
+		time[batch.place[k]] += batch.naturalTime;
+}
+
+/// At the temperature of a point and the largest principal strain rate since its sample was asked.
+template <int Dim> BondStrengthFactors SampleSkeleton<Dim>::strengthFactors(const SkeletonBatch<Dim>& batch, int place, const Matrix& gradient) const
+{
+	const IceStrengthLaw& law    = *schedule.iceStrength;
+	const Matrix          strain = 0.5 * (gradient + gradient.transpose());
+	const double          size   = Eigen::SelfAdjointEigenSolver<Matrix>(strain, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff();
+	const double          time   = fields->component(timeField)[place];
+	return law.factors(batch.temperature ? batch.temperature[place] : law.referenceTemperature, time > 0 ? size / time : 0.);
+}
+
 template <int Dim> void SampleSkeleton<Dim>::flagChanged(const SkeletonBatch<Dim>& batch)
 {
 	for (int k = 0; k < batch.count; k++)
@@ -281,6 +303,7 @@ std::vector<PackedRequest<Dim>> SampleSkeleton<Dim>::requests(const SkeletonBatc
 	for (const int place : due) {
 		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place),
 		                 batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
+		if (schedule.iceStrength) list.back().strength = strengthFactors(batch, place, list.back().displacementGradient);
 		if (!accuracy) continue;
 		list.back().inertialNumber = accuracy->inertialNumber(place);
 		list.back().compareRates   = accuracy->comparesRates(place);
@@ -326,6 +349,7 @@ template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch
 		a.setLastStress(place, after);
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = asked[r].iceSaturation;
+		if (schedule.iceStrength) fields->component(timeField)[place] = 0;
 		storeStress<Dim>(batch, place, after);
 	}
 	count.calls += due.size();

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace talik {
@@ -19,6 +20,8 @@ struct SampleScheduling {
 	bool                stopOnBlowUp    = true; ///< the run stops when the step has ended; false: the point keeps its last stress from then on
 	int                 threads         = 0;    ///< 0: OpenMP's default
 	PackedUpdateOptions update;
+	/// How the strength of ice bonds follows temperature and strain rate; absent: it is that of the samples.
+	std::optional<IceStrengthLaw> iceStrength;
 };
 
 /// Sums over all samples since the start.
@@ -105,13 +108,15 @@ private:
 	std::vector<PackedRequest<Dim>> requests(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&) const;
 	void                            steer(const SkeletonBatch<Dim>&, int place, double predictionError, const PackedUpdateResult<Dim>&, const Arrays&);
 	void                            flagChanged(const SkeletonBatch<Dim>&);
+	void                            passTime(const SkeletonBatch<Dim>&) const;
+	BondStrengthFactors             strengthFactors(const SkeletonBatch<Dim>&, int place, const Matrix& gradient) const;
 	void                            predict(const SkeletonBatch<Dim>&, int place, const Arrays&) const;
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;
-	PointFields*                        fields        = nullptr;
-	PointFields::Handle                 gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1;
-	std::vector<int>                    dueScratch;
-	std::vector<char>                   flagScratch;
+	PointFields*                        fields = nullptr;
+	PointFields::Handle gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1, timeField = -1;
+	std::vector<int>    dueScratch;
+	std::vector<char>   flagScratch;
 };
 
 } // namespace talik

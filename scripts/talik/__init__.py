@@ -115,6 +115,7 @@ def scratchScene():
 
 _submodules = (
 	"accuracy",
+	"batch",
 	"bodies",
 	"calibrate",
 	"checkpoint",
@@ -133,6 +134,8 @@ _submodules = (
 	"rve",
 	"slope",
 	"solids",
+	"tables",
+	"thermal",
 	"weather",
 )
 

@@ -5,6 +5,8 @@
 	mpm.skeleton = MohrCoulombSkeleton(**result.parameters())
 	scripts/calibrate --grains 400            # the same as a command: table, picture, JSON
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
+	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
+	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
@@ -22,9 +24,9 @@ import math
 import time
 
 import numpy as np
-from yade import Matrix3
+from yade import Matrix3, wrapper
 
-from talik import plots, rve
+from talik import packing, plots, rve
 from talik.files import writableFolder, writeWhole
 
 iceSaturations = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
@@ -110,6 +112,26 @@ def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
 	thawed.freeze(1)
 	thawed.freeze(0)
 	return float(np.mean([_largestShearStress(thawed.copy(), pressure, strain, direction * perCall) for direction in (1, -1)]))
+
+
+def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall=2e-5):
+	"""Tensile strength [Pa] that bonds of a thawed strength [Pa] leave to ice-free RveSamples that were frozen at `pressures` [Pa] and have thawed
+	there: the largest axial tension in extension with the lateral stress let off, mean over realisations and pressures.
+
+	A cohesion without it holds next to nothing close to a surface, where normal stress is small.
+
+	>>> tension = talik.calibrate.thawedTension(packed, strength=0.3e6, pressures=(5e3,), strain=4e-4)"""
+	tensions = []
+	for sample in samples if isinstance(samples, (list, tuple)) else [samples]:
+		bonded = sample.copy()
+		bonded.thawedStrength = strength
+		for pressure in pressures:
+			thawed = _underPressure(bonded, pressure)
+			thawed.freeze(1)
+			thawed.freeze(0)
+			test = _drive(thawed, 0.0, 0.0, -strain, perCall)
+			tensions.append(max(0.0, float(-test.smooth(test.axial).min())))
+	return float(np.mean(tensions))
 
 
 def _underPressure(sample, pressure):
@@ -257,6 +279,113 @@ def scatter(grains=(60, 100, 200, 400), realisations=8, seed=1, strain=0.02, tol
 		table.append(scatterOf(rve.pack(rve.prepare(grains=number, realisations=realisations, seed=seed, ice=True, **prepared)), strain=strain))
 		told(table[-1].row())
 	return table
+
+
+# ---- rolling friction -----------------------------------------------------------------------------------------------------
+
+denseSand = (33.0, 40.0)  # [deg] friction angles of dense sand that samples are held against
+
+
+@dataclasses.dataclass(frozen=True)
+class RollingFriction:
+	"""Friction angles of samples without ice, arrays (porosity, etaRoll): mean and standard deviation over realisations; NaN: no sample.
+
+	>>> result = talik.calibrate.rollingFriction(grains=30, porosities=(0.19,), coefficients=(0, 0.1), realisations=1, strain=5e-4, told=lambda line: None)
+	>>> result.frictionAngle.shape
+	(1, 2)"""
+
+	grains: int
+	porosities: tuple
+	coefficients: tuple  # etaRoll [-]
+	frictionAngle: np.ndarray  # at the peak [deg]
+	deviation: np.ndarray  # of one realisation [deg]
+	young: np.ndarray  # [Pa]
+
+	def draw(self):
+		"""Figure: friction angle over etaRoll, a line for each porosity, with the range of dense sand."""
+		fig = plots.figure(6, 4.2)
+		axes = fig.subplots()
+		axes.axhspan(*denseSand, color="0.9", label="dense sand")
+		for row, porosity in enumerate(self.porosities):
+			axes.errorbar(self.coefficients, self.frictionAngle[row], self.deviation[row], marker="o", capsize=2, label=f"porosity {porosity:g}")
+		axes.set(xlabel=r"coefficient of rolling friction $\eta_r$ [-]", ylabel=r"friction angle $\varphi$ at the peak [°]", ylim=(0, None))
+		axes.legend(frameon=False)
+		return fig
+
+
+def rollingFriction(
+	grains=200, porosities=(0.16, 0.18), coefficients=(0.0, 0.05, 0.1, 0.2), realisations=3, pressure=100e3, strain=0.06, told=print, **prepared
+):
+	"""Friction angle of thawed samples over porosity and coefficient of rolling friction, from biaxial tests at one pressure; each sample is
+	prepared with its own coefficient. `told` is given each line of the table as soon as it is known.
+
+	>>> lines = []
+	>>> table = talik.calibrate.rollingFriction(30, (0.19,), (0.1,), 1, strain=5e-4, told=lines.append)"""
+	told("| porosity | etaRoll | φ [°] | E [MPa] |\n|---|---|---|---|")
+	cells = np.full((3, len(porosities), len(coefficients)), np.nan)
+	for row, porosity in enumerate(porosities):
+		for column, coefficient in enumerate(coefficients):
+			rolling = {"etaRoll": coefficient} if coefficient > 0 else {}
+			try:
+				samples = rve.prepare(grains=grains, porosity=porosity, pressure=pressure, ice=True, realisations=realisations, **rolling, **prepared)
+			except packing.PackingError as problem:
+				told(f"| {porosity:g} | {coefficient:g} | no sample: {problem} | |")
+				continue
+			tests = [biaxialTest(sample, 0.0, pressure, strain) for sample in rve.pack(samples)]
+			angles = np.degrees([math.asin(test.peak[1] / test.peak[0]) for test in tests])
+			young = np.mean([test.elasticity()[0] for test in tests])
+			cells[:, row, column] = angles.mean(), _deviation(angles), young
+			told(f"| {porosity:g} | {coefficient:g} | {angles.mean():.1f} ± {_deviation(angles):.1f} | {1e-6 * young:.0f} |")
+	return RollingFriction(grains, tuple(porosities), tuple(coefficients), *cells)
+
+
+# ---- rate and temperature -------------------------------------------------------------------------------------------------
+
+rates = tuple(10.0**k for k in range(-7, 1))  # [1/s]
+temperatures = (0.0, -2.0, -5.0, -10.0, -20.0, -30.0, -40.0, -56.7)  # [degC]
+
+
+def frozenStrength(sample, law, temperature, rate, pressure=100e3, strain=0.03):
+	"""(largest deviator in compression at a lateral pressure, largest tension) [Pa] of an ice-free RveSample that is frozen to full ice saturation, its
+	bonds as strong as an IceStrength says at a temperature [degC] and a strain rate [1/s in nature's time].
+
+	>>> compression, tension = talik.calibrate.frozenStrength(packed, IceStrength(), temperature=-5, rate=1e-3, strain=2e-4)"""
+	tested = sample.copy()
+	tested.tensileStrengthFactor, tested.shearStrengthFactor = law.factors(temperature, rate)
+	return biaxialTest(tested, 1.0, pressure, strain).deviator.max(), tensileTest(tested, 1.0)
+
+
+def strengthTable(sample, law=None, told=print, strain=0.03):
+	"""Strengths [Pa] over `rates` at -10 degC, array (rate, 2), and over `temperatures` at 1e-4 1/s, array (temperature, 2); `told` is given
+	each line of the table as soon as it is known.
+
+	>>> lines = []
+	>>> overRate, overTemperature = talik.calibrate.strengthTable(packed, told=lines.append, strain=2e-4)"""
+	law = law or wrapper.IceStrength()
+	told("| temperature [°C] | rate [1/s] | compression [MPa] | tension [MPa] |\n|---|---|---|---|")
+	tables = []
+	for conditions in ([(-10.0, rate) for rate in rates], [(temperature, 1e-4) for temperature in temperatures]):
+		tables.append([])
+		for temperature, rate in conditions:
+			tables[-1].append(frozenStrength(sample, law, temperature, rate, strain=strain))
+			told(f"| {temperature:g} | {rate:.0e} | {' | '.join(f'{1e-6 * strength:.2f}' for strength in tables[-1][-1])} |")
+	return tuple(np.array(table) for table in tables)
+
+
+def drawStrength(overRate, overTemperature):
+	"""Figure of strengthTable.
+
+	>>> figure = talik.calibrate.drawStrength(np.ones((8, 2)), np.ones((8, 2)))"""
+	fig = plots.figure(9, 4)
+	ofRate, ofTemperature = fig.subplots(1, 2, sharey=True)
+	for axes, across, table in ((ofRate, rates, overRate), (ofTemperature, temperatures, overTemperature)):
+		for column, label, mark in ((0, "compression at 100 kPa", "o-"), (1, "tension", "s--")):
+			axes.plot(across, 1e-6 * table[:, column], mark, color=("black", "red")[column], label=label)
+		axes.set_yscale("log")
+	ofRate.set(xscale="log", xlabel="strain rate in nature's time [1/s]", ylabel="strength [MPa]", title="at -10 °C")
+	ofTemperature.set(xlabel="temperature [°C]", title="at 1e-4 1/s")
+	ofRate.legend(frameon=False)
+	return fig
 
 
 def _drive(tested, iceSaturation, pressure, strain, perCall):
@@ -408,14 +537,32 @@ def main():
 	parser.add_argument(
 		"--scatter", action="store_true", help="print mean and scatter of friction angle, stiffness and frozen strength over realisations instead"
 	)
-	parser.add_argument("--realisations", type=int, default=8, help="of each number of grains, with --scatter")
+	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
+	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
+	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8) or --rolling (3)")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
 	if options.scatter:
 		lines = []
-		scatter(options.grains or (60, 100, 200, 400), options.realisations, told=lambda line: (lines.append(line), print(line, flush=True)))
+		scatter(options.grains or (60, 100, 200, 400), options.realisations or 8, told=lambda line: (lines.append(line), print(line, flush=True)))
 		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
+		return
+	if options.strength:
+		lines = []
+		tables = strengthTable(
+			rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=lambda line: (lines.append(line), print(line, flush=True))
+		)
+		writeWhole(folder / "strength.md", "\n".join(lines) + "\n")
+		print(plots.save(drawStrength(*tables), folder / "strength.png"))
+		return
+	if options.rolling:
+		lines = []
+		table = rollingFriction(
+			(options.grains or (200,))[0], realisations=options.realisations or 3, told=lambda line: (lines.append(line), print(line, flush=True))
+		)
+		writeWhole(folder / "rolling.md", "\n".join(lines) + "\n")
+		print(plots.save(table.draw(), folder / "rolling.png"))
 		return
 	result = calibrate(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)))
 	print(result.report())

@@ -11,7 +11,7 @@ Layers that overlap are refused. Lengths in m, per metre of thickness.
 """
 
 import numpy as np
-from shapely.geometry import LineString
+from shapely.geometry import LineString, Polygon
 from shapely.validation import make_valid
 
 from talik import geometry
@@ -32,6 +32,31 @@ def thawStrain(porosity, thawedPorosity):
 	if not 0 <= thawedPorosity <= porosity < 1:
 		raise ValueError(f"thawStrain: porosity is {porosity} and thawedPorosity is {thawedPorosity}; give 0 <= thawedPorosity <= porosity < 1")
 	return 1 - (1 - porosity) / (1 - thawedPorosity)
+
+
+def split(polygon, line):
+	"""Cuts an outline along a line from side to side; returns the outlines (above, below), lists of corners (x, y) [m].
+
+	polygon  corners (m, 2) [m]
+	line     points (n, 2) [m] by increasing x; it is prolonged level beyond its ends
+
+	ValueError if the line does not cut the outline into one part above and one below it.
+
+	>>> above, below = talik.layers.split([(0, 0), (4, 0), (4, 3), (0, 3)], [(0, 1), (4, 2)])
+	>>> sorted(below)
+	[(0.0, 0.0), (0.0, 1.0), (4.0, 0.0), (4.0, 2.0)]"""
+	outline = geometry.ground(polygon, ())
+	points = [(float(x), float(y)) for x, y in line]
+	if any(second[0] <= first[0] for first, second in zip(points, points[1:])):
+		raise ValueError("layers.split: the points of the line do not have increasing x; give it from left to right")
+	left, bottom, right, top = outline.bounds
+	points = [(min(left, points[0][0]) - 1, points[0][1]), *points, (max(right, points[-1][0]) + 1, points[-1][1])]
+	under = Polygon([*points, (points[-1][0], min(bottom, min(y for _, y in points)) - 1), (points[0][0], min(bottom, min(y for _, y in points)) - 1)])
+	parts = outline.difference(under), outline.intersection(under)
+	for part, place in zip(parts, ("above", "below")):
+		if part.is_empty or part.geom_type != "Polygon":
+			raise ValueError(f"layers.split: the line leaves {0 if part.is_empty else len(getattr(part, 'geoms', []))} parts {place} it; it must leave one")
+	return tuple(list(part.exterior.coords)[:-1] for part in parts)
 
 
 def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0):
@@ -144,7 +169,10 @@ def _density(mpm, layer):
 		filling = 0.0 if np.isnan(mpm.poreFill) else mpm.poreFill * material.liquidDensity
 	else:
 		curve = getattr(material, "freezing", None) or mpm.freezing
-		cold = curve is not None and not callable(temperature) and np.mean(temperature) < curve.freezingTemperature
+		if callable(temperature):
+			inside = _outlineOf("", layer).representative_point()
+			temperature = temperature(np.array([inside.x]), np.array([inside.y]))
+		cold = curve is not None and np.mean(temperature) < curve.freezingTemperature
 		filling = material.iceDensity if cold else material.liquidDensity
 	return (1 - porosity) * material.solidDensity + porosity * filling
 

@@ -250,6 +250,66 @@ def loadFrames(path):
 	return [frames[index] for index in sorted(frames)]
 
 
+# --- points over time --------------------------------------------------------------------------------------------------------
+
+
+class PointTable:
+	"""Fields at chosen points over the days of the calendar, as a CSV file that any spreadsheet reads.
+
+	mpm        the ground, filled with points
+	path       of the file; a line is added whenever its time has come
+	places     {name: (x, y) or (x, y, z) [m]}: the material point nearest to each place at the start is followed
+	fields     names of mpm.fieldNames(); vectors and tensors have a column for each component
+	everyDays  time between two lines [d of the calendar], above 0; lines are those of the first step after its multiples
+	others     {name with unit: function} of further columns, such as {"thrust [N]": lambda: -O.forces.f(wall)[0]}
+
+	Its engine stands behind the ground (and behind NewtonIntegrator) in O.engines. take() writes a line now.
+
+	>>> table = talik.output.PointTable(mpm, folder + "/points.csv", {"crest": (0.5, 1.0)}, fields=("temperature",), everyDays=1)
+	>>> O.engines = O.engines + [table.engine]
+	>>> table.take()
+	>>> print(open(folder + "/points.csv").readline().strip())
+	day [d],crest: temperature [degC]"""
+
+	def __init__(self, mpm, path, places, fields, everyDays, others=None):
+		if not everyDays > 0:
+			raise ValueError(f"PointTable: everyDays is {everyDays!r}; give a number of days above 0")
+		self.mpm, self.path, self.fields, self.everyDays = mpm, Path(path), tuple(fields), everyDays
+		self.ids = {name: mpm.pick(*place) for name, place in places.items()}
+		self.others = dict(others or {})
+		self.next = -math.inf
+		self.engine = runner(self._takeWhenDue, iterPeriod=1)
+		if ranks.first:
+			writableFolder(self.path.parent)
+			self.path.write_text(",".join(["day [d]", *self._headings(), *self.others]) + "\n")
+
+	def take(self):
+		"""Adds a line with the present values."""
+		values = [self.mpm.calendar["day"] if self.mpm.heat else self.mpm.time / 86400]
+		columns = {field: self.mpm.field(field) for field in self.fields}
+		for id in self.ids.values():
+			for field in self.fields:
+				values += np.atleast_1d(columns[field][id]).tolist()
+		values += [float(other()) for other in self.others.values()]
+		if ranks.first:
+			with open(self.path, "a") as file:
+				file.write(",".join(f"{value:.9g}" for value in values) + "\n")
+
+	def _takeWhenDue(self):
+		day = self.mpm.calendar["day"]
+		if day >= self.next:
+			self.take()
+			self.next = self.everyDays * (math.floor(day / self.everyDays) + 1)
+
+	def _headings(self):
+		units = {field["name"]: field["unit"] for field in self.mpm.fields()}
+		for name in self.ids:
+			for field in self.fields:
+				components = np.atleast_1d(self.mpm.field(field)[0]).size
+				for part in {1: ("",), 2: (" x", " y"), 3: (" x", " y", " z")}.get(components) or [" " + one for one in tensorComponents[components]]:
+					yield f"{name}: {field}{part} [{units.get(field, '-')}]"
+
+
 # --- summary ---------------------------------------------------------------------------------------------------------------
 
 

@@ -22,6 +22,8 @@ compactionRate = {2: 0.5, 3: 1.0}  # largest strain rate of the compaction [1/s]
 stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain
 inertialLimit = 1e-3  # largest inertial number while a stress is servoed (careful value of the DEM literature)
 chunkSteps = 200  # DEM steps between two looks at the convergence of the compaction
+compactionSteps = 400_000  # DEM steps, fewest of those after which a compaction is given up; more where their time step is shorter
+servoMaxSteps = 600_000  # the same of the control of a stress
 servoChunk = 20  # DEM steps between two corrections of the strain rate
 servoSteps = 50  # steps in which the proportional part alone would remove an error
 servoIntegralSteps = 300  # reset time of the integral part
@@ -70,7 +72,16 @@ class Grains:
 	def timeStep(self):
 		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z, of spheres rho 4/3 pi r^3."""
 		length = self.cellDepth if self.dimension == 2 else 4 / 3 * self.radiusMin
-		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young)
+		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young) / math.sqrt(self.rotationalStiffening)
+
+	@property
+	def rotationalStiffening(self):
+		"""Stiffness of the rotation of the smallest grain on the largest one over that of grains that roll freely [-]."""
+		return 1 + dict(self.iceBond).get("alphaKr", 2.0) * self.radiusMax / self.radiusMin if self.resistsRolling else 1.0
+
+	@property
+	def resistsRolling(self):
+		return not {"alphaKr", "etaRoll"}.isdisjoint(dict(self.iceBond))
 
 	@property
 	def stiffness(self):
@@ -86,7 +97,7 @@ class Grains:
 	def material(self, friction):
 		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
 		if self.ice:
-			return wrapper.IceBondMat(**common, **dict(self.iceBond))
+			return (wrapper.RollingIceBondMat if self.resistsRolling else wrapper.IceBondMat)(**common, **dict(self.iceBond))
 		return wrapper.FrictMat(**common)
 
 	def interactionLoop(self):
@@ -325,7 +336,7 @@ def _grain(centre, radius, grains):
 	return body
 
 
-def compact(grains, pressure, maxSteps=400_000):
+def compact(grains, pressure, maxSteps=None):
 	"""Isotropic compression of a cloud to `pressure` [Pa, > 0] with YADE's PeriTriaxController.
 
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
@@ -333,6 +344,7 @@ def compact(grains, pressure, maxSteps=400_000):
 	...     talik.packing.fillCloud(grains, friction=0.2, seed=1)
 	...     talik.packing.compact(grains, pressure=100e3)"""
 	d, rate = grains.dimension, compactionRate[grains.dimension]
+	maxSteps = maxSteps or round(compactionSteps * math.sqrt(grains.rotationalStiffening))
 	inYade = pressure if grains.depth is None else pressure * grains.thickness / grains.depth  # YADE divides by the depth of the cell
 	triax = wrapper.PeriTriaxController(
 		goal=(-inYade, -inYade, -inYade if d == 3 else 0),
@@ -382,7 +394,8 @@ def strainLimit(grains, pressure):
 	pressure = max(pressure, 1e3)
 	if grains.dimension == 3:
 		return inertialLimit * grains.timeStep / (2 * grains.radiusMean) * math.sqrt(pressure / grains.density)
-	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean))
+	slowness = math.sqrt(grains.rotationalStiffening)  # of the time step
+	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean)) / slowness
 
 
 def strainSince(former):
@@ -394,7 +407,7 @@ def strainSince(former):
 	return float(np.abs(0.5 * (gradient + gradient.T)).max())
 
 
-def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
+def servoStress(grains, goal, tolerance=2e-3, maxSteps=None, maxStrain=0.1):
 	"""Brings the current scene to the stress `goal` [Pa], components as of stress(), by straining the cell, and to rest there.
 
 	Proportional-integral control of all components (of discs those in the plane): the strain of one step is (error + integral)/(50 M) with M the
@@ -405,6 +418,7 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=600_000, maxStrain=0.1):
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
 	>>> with talik.inspect(talik.rve.openScene(sample)):
 	...     talik.packing.servoStress(grains, (-95e3, -100e3, 0), tolerance=0.02)"""
+	maxSteps = maxSteps or round(servoMaxSteps * math.sqrt(grains.rotationalStiffening))
 	goal = np.asarray(goal, dtype=float)
 	pressure = max(-float(np.mean(goal[: grains.dimension])), 1.0)
 	gain = 1 / (servoSteps * grains.stiffness)

@@ -5,9 +5,9 @@
 	SurfaceTemperature(region="surface", heatTransferCoefficient=15, times=times, values=values)
 """
 
-import csv
 import math
-from pathlib import Path
+
+from talik.tables import numberedRows
 
 coldest, warmest = -100.0, 100.0  # what SurfaceTemperature accepts [degC]
 
@@ -30,8 +30,7 @@ def airTemperature(path, start=0.0, thermalTimeScale=None):
 	if not math.isfinite(start):
 		raise ValueError(f"start is {start!r}; it must be a time of the series in s")
 	times, values = [], []
-	for line, cells in _rows(path):
-		time, temperature = _numbers(path, line, cells)
+	for line, (time, temperature) in numberedRows(path, ("time", "air temperature")):
 		if times and time <= times[-1]:
 			raise ValueError(f"{path}, line {line}: time {time:g} s follows {times[-1]:g} s; times must increase")
 		if not coldest < temperature < warmest:
@@ -41,35 +40,3 @@ def airTemperature(path, start=0.0, thermalTimeScale=None):
 	if not times:
 		raise ValueError(f"{path} holds no data; it must have lines with time [s] and air temperature [degC]")
 	return [time - start for time in times], values
-
-
-def _rows(path):
-	"""Lines that hold data, as (number, cells)."""
-	try:
-		text = Path(path).read_text(encoding="utf-8-sig")
-	except (OSError, UnicodeDecodeError) as error:
-		raise ValueError(f"weather series {path} cannot be read: {error}") from None
-	lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-	rows = [(number, next(csv.reader([line]))) for number, line in lines]
-	return rows[1:] if rows and _isHeading(rows[0][1]) else rows
-
-
-def _isHeading(cells):
-	return not any(_isNumber(cell) for cell in cells)
-
-
-def _isNumber(cell):
-	try:
-		float(cell)
-	except ValueError:
-		return False
-	return True
-
-
-def _numbers(path, line, cells):
-	if len(cells) < 2:
-		raise ValueError(f"{path}, line {line}: {len(cells)} column instead of time [s] and air temperature [degC], separated by a comma")
-	for cell, name in zip(cells, ("time", "air temperature")):
-		if not _isNumber(cell) or not math.isfinite(float(cell)):
-			raise ValueError(f"{path}, line {line}: {name} '{cell.strip()}' is not a number; give it or remove the line")
-	return float(cells[0]), float(cells[1])

@@ -63,6 +63,18 @@ void frictional(benchmark::State& bench) { run(bench, reference().state(), bench
 void bonded(benchmark::State& bench) { run(bench, frozen(0.5), bench.range(0), 0); }
 void bondedWithBreakage(benchmark::State& bench) { run(bench, frozen(0.06), bench.range(0), 0.05); }
 
+/// The sample of grains that resist rolling.
+State rolling(State state)
+{
+	auto grains     = std::make_shared<PackedGrains>(*state.grains);
+	grains->rolling = { 2, 0.2 };
+	state.grains    = grains;
+	state.contacts.moment.assign(state.contacts.size(), 0.);
+	return state;
+}
+void frictionalRolling(benchmark::State& bench) { run(bench, rolling(reference().state()), bench.range(0), 0); }
+void bondedRolling(benchmark::State& bench) { run(bench, rolling(frozen(0.5)), bench.range(0), 0); }
+
 /// One update of many samples, all of it: load, motion, tangent, store.
 void pool(benchmark::State& bench)
 {
@@ -88,4 +100,6 @@ void pool(benchmark::State& bench)
 BENCHMARK(frictional)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bonded)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedWithBreakage)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(frictionalRolling)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(bondedRolling)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(pool)->ArgName("steps")->Arg(10)->Arg(50)->Arg(200);

@@ -358,6 +358,8 @@ def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and
 	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
 	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.2)
 	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5
+	tensions = slump["MohrCoulomb"].skeleton.tensileStrengths
+	assert min(tensions) == tensions[0] == slump["MohrCoulomb"].thawed["tension measured [Pa]"] > 0
 
 
 def test_compare_skeleton_runs_samples_and_the_law_calibrated_on_the_same_sample_and_shows_both_bills_slow(tmp_path, monkeypatch):

@@ -49,6 +49,20 @@ def run(mpm, duration):
 		talik.runSerially(200)
 
 
+def test_the_surface_of_a_column_without_thaw_front_goes_down_by_thaw_strain_times_height():
+	"""By the path of its points, not by their volumes."""
+	mpm = ground(thawFront=None)
+	talik.layers.fill(
+		mpm, {"ice-rich": dict(polygon=rectangle(0, 0, 0.1, 1), temperature=-1, porosity=0.6, material=Material(thawStrain=0.1))}, lateralRatio=0.5
+	)
+	surface = mpm.field("position")[:, 1] > 0.95
+	run(mpm, 3.0)
+	settled = -mpm.field("displacement")[surface, 1].mean()
+	print(f"path of the surface {settled:.4f} m, by hand {0.1 * 0.975:.4f} m; loss of volume {1 - mpm.field('volume').sum() / 0.1:.4f} m")
+	assert mpm.field("iceSaturation").max() == 0
+	assert settled == pytest.approx(0.1 * 0.975, rel=0.05)
+
+
 def test_only_the_ice_rich_layer_settles_and_by_its_thaw_strain():
 	mpm = ground()
 	layers = talik.layers.fill(mpm, iceRichColumn(), lateralRatio=0.5)

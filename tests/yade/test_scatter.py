@@ -39,6 +39,17 @@ def test_the_cohesion_of_thawed_bonds_is_the_same_at_every_pressure(several):
 	assert np.ptp(cohesions) < 0.2 * cohesions.mean()
 
 
+def test_bonds_that_outlast_their_ice_carry_tension_up_to_the_apex_of_the_cone_of_mohr_and_coulomb(several):
+	"""c cot(phi) is the largest tension of ground whose strength is a straight line of cohesion c and friction angle phi."""
+	strength = 0.6e6
+	tension, none = calibrate.thawedTension(several, strength), calibrate.thawedTension(several, 0.0)
+	cohesion = np.mean([calibrate.thawedCohesion(sample, strength) for sample in several])
+	friction = np.mean([calibrate.thawedShearStrength(sample, 8e3) for sample in several]) / 8e3
+	apex = cohesion / friction
+	print(f"tension {1e-3 * tension:.2f} kPa, {100 * tension / apex:.0f} % of c cot(phi); without bonds {1e-3 * none:.2f} kPa")
+	assert 0.1 * apex < tension < apex and none < 0.02 * tension
+
+
 def test_a_law_calibrated_on_realisations_has_the_friction_that_fits_all_of_their_tests(several):
 	settings = dict(iceSaturations=(0.0, 1.0), pressures=(30e3, 100e3), strain=0.01)
 	together, alone = calibrate.calibrate(several, **settings), [calibrate.calibrate(sample, **settings) for sample in several]

@@ -16,6 +16,8 @@ struct SkeletonPoints {
 	const int*    id            = nullptr; ///< indexed by place: the number the user knows
 	const double* iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
 	const double* volume        = nullptr; ///< current volume [m^D]
+	const double* temperature   = nullptr; ///< [degC]; nullptr in ground without heat
+	double        naturalTime   = 0;       ///< time of slow processes that passes in this step [s]
 };
 
 /// What the model of some points reads and writes besides.

@@ -245,6 +245,40 @@ void OpenSample::recover()
 
 // ---------------------------------------------------------------------------------------------- one update
 
+/// Bonds of the materials are stronger or weaker as long as it lives.
+class OpenSample::StrengthFactors {
+public:
+	StrengthFactors(const std::vector<IceBondMat*>& all, const BondStrengthFactors& factors)
+	        : materials(all)
+	{
+		for (auto* material : materials) {
+			before.push_back({ material->tensileStrength, material->iceTensileStrength, material->shearStrength, material->iceShearStrength });
+			set(*material,
+			    { factors.tensile * before.back()[0], factors.tensile * before.back()[1], factors.shear * before.back()[2],
+			      factors.shear * before.back()[3] });
+		}
+	}
+	~StrengthFactors()
+	{
+		for (std::size_t k = 0; k < materials.size(); k++)
+			set(*materials[k], before[k]);
+	}
+	StrengthFactors(const StrengthFactors&)            = delete;
+	StrengthFactors& operator=(const StrengthFactors&) = delete;
+
+private:
+	using Strengths = std::array<double, 4>;
+	static void set(IceBondMat& material, const Strengths& s)
+	{
+		material.tensileStrength    = s[0];
+		material.iceTensileStrength = s[1];
+		material.shearStrength      = s[2];
+		material.iceShearStrength   = s[3];
+	}
+	const std::vector<IceBondMat*>& materials;
+	std::vector<Strengths>          before;
+};
+
 OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	checkOptions(options);
@@ -254,6 +288,7 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 	result.stress    = symmetric(meanStress);
 	const long start = scene->iter;
 	try {
+		const StrengthFactors now(iceMaterials, options.strength);
 		onOneThread([&] {
 			SampleUpdate<OpenSample>(*this, options).perform(displacementGradient, targetIceSaturation);
 			checkHealth();

@@ -91,6 +91,7 @@ private:
 	/// Volume that stress is a mean over: of discs area times thickness [m^3].
 	double stressVolume() const;
 
+	class StrengthFactors;
 	friend class SampleUpdate<OpenSample>;
 	using Matrix                          = Eigen::Matrix3d;
 	static constexpr long leastStepsOfIce = 1; ///< contacts take ice saturation up in a step

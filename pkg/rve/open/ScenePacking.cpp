@@ -5,6 +5,7 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/icebond/RollingIceBond.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
@@ -168,6 +169,24 @@ namespace {
 		return "";
 	}
 
+	PackedRolling rollingOf(const Material& material)
+	{
+		const auto* rolls = dynamic_cast<const RollingIceBondMat*>(&material);
+		return rolls ? PackedRolling { rolls->alphaKr, rolls->etaRoll } : PackedRolling();
+	}
+
+	std::string reasonOfRolling(const IceBondPhys& bond, const ScGeom& geom, const Material& material)
+	{
+		const PackedRolling rolling = rollingOf(material);
+		if (!rolling.acts()) return "";
+		const auto* contact = dynamic_cast<const RollingIceBondPhys*>(&bond);
+		if (!contact) return "is not made by its material, which resists rolling";
+		if (differs(contact->kr, rolling.stiffness(bond.stiffnessRatio * bond.grainStiffness, geom.refR1, geom.refR2))
+		    || differs(contact->maxRollPl, rolling.lever(geom.refR1, geom.refR2)))
+			return "resists rolling in another way than its material gives";
+		return "";
+	}
+
 	/// Stiffness and friction may have been set contact by contact: the packed form has those of the material.
 	std::string reasonOfContact(const Interaction& interaction, const FrictMat& material)
 	{
@@ -182,7 +201,9 @@ namespace {
 		const auto* bond = dynamic_cast<const IceBondPhys*>(phys);
 		if (differs(bond ? bond->grainStiffness : phys->kn, grain) || differs(bond ? bond->stiffnessRatio : phys->ks / phys->kn, material.poisson))
 			return "has another stiffness than its material gives";
-		return bond ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : "";
+		if (!bond) return "";
+		const std::string ofRolling = reasonOfRolling(*bond, *geom, material);
+		return ofRolling.empty() ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : ofRolling;
 	}
 
 	std::string reasonOfContacts(const Scene& scene)
@@ -240,6 +261,11 @@ namespace {
 		return now - state.dt * (state.velocity[state.contacts.second[c]] - state.velocity[state.contacts.first[c]]);
 	}
 
+	Vector3r momentVector(double moment) { return { 0, 0, moment }; }
+	Vector3r momentVector(const Vector3r& moment) { return moment; }
+	void     setMoment(double& moment, const Vector3r& vector) { moment = vector[2]; }
+	void     setMoment(Vector3r& moment, const Vector3r& vector) { moment = vector; }
+
 	Vector3r vectorOf(double scalarShear, const Vector3r& normal) { return scalarShear * tangentOf(normal); }
 	Vector3r vectorOf(const Vector3r& shear, const Vector3r&) { return shear; }
 
@@ -290,7 +316,8 @@ namespace {
 
 	template <int Dim> void packGrains(const Scene& scene, const PackedState<Dim>* former, PackedState<Dim>& state, std::map<int, int>& indexOf)
 	{
-		auto grains = std::make_shared<PackedGrains>();
+		auto grains     = std::make_shared<PackedGrains>();
+		grains->rolling = rollingOf(*presentBodies(scene).front()->material);
 		for (const Body* body : presentBodies(scene)) {
 			const State&      motion = *body->state;
 			const std::size_t index  = grains->size();
@@ -304,7 +331,7 @@ namespace {
 			packTurning(motion, former, index, state);
 		}
 		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass
-		    && former->grains->inertia == grains->inertia) {
+		    && former->grains->inertia == grains->inertia && former->grains->rolling == grains->rolling) {
 			bool same = true;
 			for (std::size_t i = 0; i < grains->size(); i++)
 				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];
@@ -411,6 +438,10 @@ namespace {
 			k.second.push_back(std::uint16_t(entry.second));
 			k.cellDist.push_back(entry.cells);
 			k.shear.push_back(shearOf(entry, phys.shearForce, geom.normal, false));
+			if (state.resistsRolling()) {
+				k.moment.emplace_back();
+				setMoment(k.moment.back(), entry.sign * static_cast<const RollingIceBondPhys&>(phys).moment_bending);
+			}
 			if (!ice) continue;
 			const auto& bond = static_cast<const IceBondPhys&>(phys);
 			k.iceShear.push_back(shearOf(entry, bond.iceShear, geom.normal, true));
@@ -427,6 +458,16 @@ namespace {
 		}
 	}
 
+	template <int Dim> shared_ptr<IceBondPhys> openedBond(const PackedState<Dim>& s, std::size_t c, double r1, double r2, double shearStiffness)
+	{
+		if (!s.resistsRolling()) return shared_ptr<IceBondPhys>(new IceBondPhys);
+		shared_ptr<RollingIceBondPhys> phys(new RollingIceBondPhys);
+		phys->kr             = s.grains->rolling.stiffness(shearStiffness, r1, r2);
+		phys->maxRollPl      = s.grains->rolling.lever(r1, r2);
+		phys->moment_bending = momentVector(s.contacts.moment[c]);
+		return phys;
+	}
+
 	template <int Dim> shared_ptr<IPhys> openedPhys(const PackedState<Dim>& s, std::size_t c, bool ice, double r1, double r2, const Vector3r& n, double un)
 	{
 		const auto&  k     = s.contacts;
@@ -440,14 +481,14 @@ namespace {
 			phys->normalForce            = grain * std::max(un, 0.) * n;
 			return phys;
 		}
-		shared_ptr<IceBondPhys> phys(new IceBondPhys);
-		phys->grainStiffness         = grain;
-		phys->stiffnessRatio         = s.stiffnessRatio;
-		phys->tangensOfFrictionAngle = s.friction;
-		phys->iceSaturation          = s.iceSaturation;
-		phys->bondArea               = s.ice.bondArea(std::min(r1, r2));
-		phys->gapLimit               = s.ice.bondRange * std::min(r1, r2);
-		phys->shearForce             = vectorOf(k.shear[c], n);
+		const shared_ptr<IceBondPhys> phys = openedBond(s, c, r1, r2, s.stiffnessRatio * grain);
+		phys->grainStiffness               = grain;
+		phys->stiffnessRatio               = s.stiffnessRatio;
+		phys->tangensOfFrictionAngle       = s.friction;
+		phys->iceSaturation                = s.iceSaturation;
+		phys->bondArea                     = s.ice.bondArea(std::min(r1, r2));
+		phys->gapLimit                     = s.ice.bondRange * std::min(r1, r2);
+		phys->shearForce                   = vectorOf(k.shear[c], n);
 		if (s.bonded()) {
 			phys->setBond(k.iceBond(c));
 			phys->iceShear = vectorOf(k.iceShear[c], n);
@@ -528,13 +569,17 @@ namespace {
 
 double timeStepForIce(const Scene& scene)
 {
-	double limit = std::numeric_limits<double>::infinity(), stiffening = 1;
+	double limit = std::numeric_limits<double>::infinity(), stiffening = 1, largest = 0;
+	for (const Body* body : presentBodies(scene))
+		if (const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get())) largest = std::max(largest, sphere->radius);
 	for (const Body* body : presentBodies(scene)) {
 		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
 		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
 		if (!ice || !sphere || !(ice->iceYoung > 0) || !(body->state->mass > 0)) continue;
-		const double stiffened = 1 + ice->iceYoung / ice->young;
-		stiffening             = std::max(stiffening, stiffened);
+		const double ofRolling = rollingOf(*ice).alphaKr * largest
+		        / sphere->radius; // stiffness of its rotation on the largest grain, over that of sliding
+		const double stiffened = 1 + ofRolling + ice->iceYoung / ice->young;
+		stiffening             = std::max(stiffening, stiffened / (1 + ofRolling));
 		limit                  = std::min(limit, stiffnessSafety * std::sqrt(body->state->mass / (ice->young * sphere->radius * stiffened)));
 	}
 	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;

@@ -159,6 +159,7 @@ template <int Dim> template <class Stream, class State, class Lists> void Parked
 	stream.array(s.angularVelocity, grainCount);
 	stream.array(s.orientation, Dim == 2 ? grainCount : 0);
 	stream.array(c.shear, contacts);
+	stream.array(c.moment, grains->rolling.acts() ? contacts : 0);
 	stream.array(c.iceShear, bonds);
 	stream.array(c.iceReference, bonds);
 	stream.sparse(c.grainReference, bonds, gaps);

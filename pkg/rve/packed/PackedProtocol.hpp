@@ -18,6 +18,9 @@ long movingSteps(
         const PackedParameters<Dim>& parameters, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         const PackedUpdateOptions& options);
 
+/// Throws std::invalid_argument on a factor that no strength can have.
+void checkStrength(const BondStrengthFactors& strength);
+
 /// Throws std::invalid_argument naming the option.
 void checkOptions(const PackedUpdateOptions& options);
 

@@ -127,6 +127,15 @@ void checkOptions(const PackedUpdateOptions& o)
 	positive("minSteps", double(o.minSteps));
 	positive("pressureFloor", o.pressureFloor);
 	positive("saturationIncrement", o.saturationIncrement);
+	checkStrength(o.strength);
+}
+
+void checkStrength(const BondStrengthFactors& strength)
+{
+	for (const double factor : { strength.tensile, strength.shear })
+		if (!(factor > 0) || !std::isfinite(factor))
+			throw std::invalid_argument(
+			        "packed sample: the factor " + std::to_string(factor) + " on the strength of bonds must be positive and finite");
 }
 
 template <int Dim>
@@ -137,6 +146,7 @@ PackedUpdateResult<Dim> updateWorkspace(
 	try {
 		using Matrix     = typename PackedTypes<Dim>::Matrix;
 		const auto start = workspace.parameters().step;
+		workspace.setStrengthFactors(options.strength);
 		SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
 		workspace.checkHealth();
 		PackedUpdateResult<Dim> result;

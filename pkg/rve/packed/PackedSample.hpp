@@ -10,19 +10,20 @@ template <int Dim> class PackedWorkspace;
 
 /// How a macroscopic increment is applied to a sample.
 struct PackedUpdateOptions {
-	double maxInertialNumber   = 5e-3;  ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
-	double maxStrainPerStep    = 1e-5;  ///< largest strain of one DEM step [-]
-	long   minSteps            = 10;    ///< N_min
-	long   steps               = 0;     ///< > 0: exactly this many moving steps, the two limits above are not asked
-	double pressureFloor       = 1e3;   ///< P in eq. (13.1) is never taken smaller [Pa]
-	double saturationIncrement = 0.02;  ///< largest change of ice saturation at once [-]
-	long   stepsPerSaturation  = 2;     ///< steps at zero velocity gradient after each of them
-	long   relaxSteps          = 0;     ///< steps at zero velocity gradient after the motion
-	long   maxRelaxSteps       = 0;     ///< more of them, in tens, while the unbalanced force exceeds `unbalancedLimit`
-	double unbalancedLimit     = 0.01;  ///< [-]
-	double flipSkew            = 0.5;   ///< the cell is flipped when a skew passes this; <= 0: never
-	double averageOver         = 0;     ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
-	bool   tangent             = false; ///< also return the elastic tangent of the contact network
+	double              maxInertialNumber   = 5e-3;  ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
+	double              maxStrainPerStep    = 1e-5;  ///< largest strain of one DEM step [-]
+	long                minSteps            = 10;    ///< N_min
+	long                steps               = 0;     ///< > 0: exactly this many moving steps, the two limits above are not asked
+	double              pressureFloor       = 1e3;   ///< P in eq. (13.1) is never taken smaller [Pa]
+	double              saturationIncrement = 0.02;  ///< largest change of ice saturation at once [-]
+	long                stepsPerSaturation  = 2;     ///< steps at zero velocity gradient after each of them
+	long                relaxSteps          = 0;     ///< steps at zero velocity gradient after the motion
+	long                maxRelaxSteps       = 0;     ///< more of them, in tens, while the unbalanced force exceeds `unbalancedLimit`
+	double              unbalancedLimit     = 0.01;  ///< [-]
+	double              flipSkew            = 0.5;   ///< the cell is flipped when a skew passes this; <= 0: never
+	double              averageOver         = 0;     ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
+	bool                tangent             = false; ///< also return the elastic tangent of the contact network
+	BondStrengthFactors strength {};                 ///< of the ice bonds in this update
 };
 
 /// What an update did.

@@ -22,6 +22,7 @@ namespace {
 		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
 		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
 		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
+		if (const int c = std::memcmp(&a.strength, &b.strength, sizeof(a.strength))) return c;
 		return int(a.compareRates) - int(b.compareRates);
 	}
 
@@ -38,6 +39,7 @@ namespace {
 	{
 		if (!(request.iceSaturation >= 0 && request.iceSaturation <= 1))
 			throw std::invalid_argument("packed sample: ice saturation " + std::to_string(request.iceSaturation) + " must lie in 0..1");
+		checkStrength(request.strength);
 	}
 
 } // namespace
@@ -50,6 +52,7 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
 	{
 		if (request.inertialNumber > 0) options.maxInertialNumber = request.inertialNumber;
+		options.strength               = request.strength;
 		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
 		if (result.blewUp) return result;
 		workspace->store(state, &lists);

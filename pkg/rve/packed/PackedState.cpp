@@ -8,7 +8,7 @@ namespace talik {
 
 namespace {
 
-	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '3' };
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '3' }, rollingFormatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'R', '3' };
 
 	class Writer {
 	public:
@@ -112,6 +112,14 @@ namespace {
 		stream.array(c.bond);
 	}
 
+	/// What only samples with resistance to rolling have.
+	template <class Stream, class State, class Grains> void streamRolling(Stream& stream, State& s, Grains& g)
+	{
+		stream.value(g.rolling.alphaKr);
+		stream.value(g.rolling.etaRoll);
+		stream.array(s.contacts.moment);
+	}
+
 	[[noreturn]] void refuse(const char* attribute, double value, const char* remedy)
 	{
 		throw std::invalid_argument(std::string("packed sample: ") + attribute + " = " + std::to_string(value) + " " + remedy);
@@ -178,6 +186,8 @@ template <int Dim> void PackedState<Dim>::check() const
 	requirePositive("radius", grains->radius);
 	requirePositive("mass", grains->mass);
 	requirePositive("inertia", grains->inertia);
+	for (const double value : { grains->rolling.alphaKr, grains->rolling.etaRoll })
+		if (!(value >= 0) || !std::isfinite(value)) refuse("alphaKr or etaRoll", value, "must be finite and not negative");
 	requireSize("position", position.size(), n);
 	requireSize("velocity", velocity.size(), n);
 	requireSize("angularVelocity", angularVelocity.size(), n);
@@ -188,6 +198,7 @@ template <int Dim> void PackedState<Dim>::check() const
 	requireSize("contacts.second", contacts.second.size(), m);
 	requireSize("contacts.cellDist", contacts.cellDist.size(), m);
 	requireSize("contacts.shear", contacts.shear.size(), m);
+	requireSize("contacts.moment", contacts.moment.size(), resistsRolling() ? m : 0);
 	const std::size_t bonds = bonded() ? m : 0;
 	requireSize("contacts.bond", contacts.bond.size(), bonds);
 	requireSize("contacts.iceShear", contacts.iceShear.size(), bonds);
@@ -202,24 +213,31 @@ template <int Dim> std::string PackedState<Dim>::toBytes() const
 {
 	check();
 	Writer writer;
-	writer.bytes.append(formatName, sizeof(formatName));
+	writer.bytes.append(resistsRolling() ? rollingFormatName : formatName, sizeof(formatName));
 	writer.value(std::int32_t(Dim));
 	streamParameters(writer, static_cast<const PackedParameters<Dim>&>(*this));
 	streamArrays(writer, *this, *grains);
+	if (resistsRolling()) streamRolling(writer, *this, *grains);
 	return std::move(writer.bytes);
 }
 
 namespace {
 
-	int takeDimension(Reader& reader)
+	struct Head {
+		int  dimension;
+		bool resistsRolling;
+	};
+
+	Head takeHead(Reader& reader)
 	{
 		char         name[sizeof(formatName)];
 		std::int32_t dim = 0;
 		reader.take(name, sizeof(name));
-		if (std::memcmp(name, formatName, sizeof(name)) != 0)
+		const bool rolling = std::memcmp(name, rollingFormatName, sizeof(name)) == 0;
+		if (!rolling && std::memcmp(name, formatName, sizeof(name)) != 0)
 			throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
 		reader.value(dim);
-		return dim;
+		return { dim, rolling };
 	}
 
 } // namespace
@@ -227,18 +245,20 @@ namespace {
 int packedDimension(const std::string& bytes)
 {
 	Reader reader(bytes);
-	return takeDimension(reader);
+	return takeHead(reader).dimension;
 }
 
 template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::string& bytes)
 {
-	Reader    reader(bytes);
-	const int dim = takeDimension(reader);
-	if (dim != Dim) throw std::runtime_error("packed sample: saved with dimension " + std::to_string(dim) + ", wanted " + std::to_string(Dim));
+	Reader     reader(bytes);
+	const Head head = takeHead(reader);
+	if (head.dimension != Dim)
+		throw std::runtime_error("packed sample: saved with dimension " + std::to_string(head.dimension) + ", wanted " + std::to_string(Dim));
 	PackedState state;
 	auto        grains = std::make_shared<PackedGrains>();
 	streamParameters(reader, static_cast<PackedParameters<Dim>&>(state));
 	streamArrays(reader, state, *grains);
+	if (head.resistsRolling) streamRolling(reader, state, *grains);
 	if (!reader.finished()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
 	state.grains = std::move(grains);
 	state.check();

@@ -1,16 +1,30 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <Eigen/Core>
 #include <memory>
 #include <pkg/icebond/IceBond.hpp>
+#include <pkg/icebond/IceStrengthLaw.hpp>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 namespace talik {
+
+/// Resistance of grains to rolling on each other, with the names of YADE's CohFrictMat. A sample without friction of rolling carries none.
+struct PackedRolling {
+	double alphaKr = 0; ///< rolling stiffness over k_s R_1 R_2 [-], >= 0
+	double etaRoll = 0; ///< largest moment over normal force and smaller radius [-], >= 0
+	bool   acts() const { return alphaKr > 0 && etaRoll > 0; }
+	/// k_r of a contact with the shear stiffness k_s [N m]
+	double stiffness(double shearStiffness, double r1, double r2) const { return alphaKr * shearStiffness * r1 * r2; }
+	/// Largest moment over normal force [m]
+	double lever(double r1, double r2) const { return etaRoll * std::min(r1, r2); }
+	bool   operator==(const PackedRolling& other) const { return alphaKr == other.alphaKr && etaRoll == other.etaRoll; }
+};
 
 /// What never changes in the life of a sample; shared by every sample that comes from the same preparation.
 struct PackedGrains {
@@ -18,6 +32,7 @@ struct PackedGrains {
 	std::vector<double>       mass;    ///< [kg], > 0
 	std::vector<double>       inertia; ///< about the axis of rotation [kg m^2], > 0
 	std::vector<std::int32_t> id;      ///< body id in the scene the sample comes from
+	PackedRolling             rolling {};
 	std::size_t               size() const { return radius.size(); }
 };
 
@@ -38,6 +53,8 @@ template <int Dim> struct PackedContacts {
 	std::vector<std::uint16_t>                       first, second; ///< grain indices, first < second
 	std::vector<typename PackedTypes<Dim>::CellDist> cellDist;      ///< c of branch x_2 + H c - x_1
 	std::vector<typename PackedTypes<Dim>::Shear>    shear;         ///< [N]
+
+	std::vector<typename PackedTypes<Dim>::Spin> moment; ///< of rolling, on `second` [N m]; empty in a sample whose grains roll freely
 
 	/// Bond data, all empty in a sample that carries no bond.
 	std::vector<typename PackedTypes<Dim>::Shear> iceShear;       ///< the part of `shear` carried by ice [N]
@@ -113,6 +130,7 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 
 	std::size_t size() const { return position.size(); }
 	bool        bonded() const { return !contacts.bond.empty(); }
+	bool        resistsRolling() const { return grains->rolling.acts(); }
 
 	/// Everything, grains' constants included; fromBytes(toBytes()) is bit-equal. Throws std::runtime_error on foreign or damaged bytes.
 	std::string        toBytes() const;

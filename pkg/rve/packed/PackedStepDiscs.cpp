@@ -35,25 +35,31 @@ namespace HWY_NAMESPACE {
 			return { c.a, c.b, c.c, c.d, wr, distance, Div(splat(1.), distance) };
 		}
 
-		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; G changes sign for the second.
-		template <bool Periodic>
-		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
+		/// Adds the rows of the first grains, and those of the second ones with G of other sign.
+		template <bool Periodic> HWY_INLINE void addRows(const PackedStepView<2>& view, const Place<2>& p, const Rows& ofFirst, const Rows& ofSecond)
 		{
-			const Many                          nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
-			const Many                          gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
-			const Rows                          rows        = rowsOf({ gx, gy, f.shear, Mul(Mul(splat(0.5), f.overlap), f.shear) });
-			alignas(32) static constexpr double ofSecond[4] = { -1, -1, 1, 1 };
+			alignas(32) static constexpr double signs[4] = { -1, -1, 1, 1 };
 			for (std::size_t k = 0; k < 4; ++k) {
 				const std::size_t l = Rows::row(k), at = Rows::at(k);
 				double*           first  = view.force + p.first()[l] + at;
 				double*           second = view.force + p.second()[l] + at;
-				store(Add(load(first), rows.part[k]), first);
-				store(Add(load(second), Mul(rows.part[k], load(ofSecond + at))), second);
+				store(Add(load(first), ofFirst.part[k]), first);
+				store(Add(load(second), Mul(ofSecond.part[k], load(signs + at))), second);
 				if (Periodic && view.sampleStress) {
 					double* sum = view.shiftForce + p.shift()[l] + at;
-					store(Add(load(sum), rows.part[k]), sum);
+					store(Add(load(sum), ofFirst.part[k]), sum);
 				}
 			}
+		}
+
+		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains.
+		template <bool Periodic>
+		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
+		{
+			const Many nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
+			const Many gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
+			const Rows rows = rowsOf({ gx, gy, f.shear, Mul(Mul(splat(0.5), f.overlap), f.shear) });
+			addRows<Periodic>(view, p, rows, rows);
 		}
 
 		/// Hands the contacts that `failed` over to the sample, which settles them.
@@ -117,21 +123,45 @@ namespace HWY_NAMESPACE {
 			return f;
 		}
 
-		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
+		/// Moment of rolling on the second grains.
+		HWY_INLINE Many roll(const PackedStepView<2>& view, const Place<2>& p, Many normal)
+		{
+			PackedRollingBlock<2>& block     = p.rolling();
+			const Many             second    = Mul(singles(view.rim, p.second()), load(block.inverseSecond + p.lane));
+			const Many             spin      = NegMulAdd(singles(view.rim, p.first()), load(block.inverseFirst + p.lane), second);
+			const Many             increment = Mul(Mul(splat(view.dt), load(block.stiffness + p.lane)), spin);
+			const Many             moment    = rollingMoment(load(block.lever + p.lane), normal, load(block.moment[0] + p.lane), increment);
+			store(moment, block.moment[0] + p.lane);
+			return moment;
+		}
+
+		/// As scatter, with the moments of rolling, which act on the second grains and against the first ones.
+		template <bool Periodic>
+		HWY_INLINE void scatterRolling(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
+		{
+			const Many nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
+			const Many gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
+			const Many ofShear = Mul(Mul(splat(0.5), f.overlap), f.shear), moment = roll(view, p, f.normal);
+			addRows<Periodic>(view, p, rowsOf({ gx, gy, f.shear, Sub(ofShear, moment) }), rowsOf({ gx, gy, f.shear, Add(ofShear, moment) }));
+		}
+
+		template <bool Bonded, bool Rolling, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
 		{
 			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
 			const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
 			const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
-                                if (passedOver<Bonded>(p, gathered.distance)) return;
-                                scatter<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
+                                if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
+                                // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
+                                if constexpr (Rolling) scatterRolling<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
+                                else scatter<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
 			};
 			inPipeline(pairs, gatherAt, finish);
 		}
 
-		template <bool Bonded> void contacts(PackedStepView<2>* view)
+		template <bool Bonded, bool Rolling> void contacts(PackedStepView<2>* view)
 		{
-			contactLoop<Bonded, false>(*view, view->inner);
-			contactLoop<Bonded, true>(*view, view->periodic);
+			contactLoop<Bonded, Rolling, false>(*view, view->inner);
+			contactLoop<Bonded, Rolling, true>(*view, view->periodic);
 		}
 
 		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
@@ -194,10 +224,11 @@ namespace HWY_NAMESPACE {
 
 	} // namespace
 
-	PackedKernel<2> discKernel(bool bonded)
+	PackedKernel<2> discKernel(PackedContactKind kind)
 	{
-		if (bonded) return { contacts<true>, integrate, hwy::TargetName(HWY_TARGET) };
-		return { contacts<false>, integrate, hwy::TargetName(HWY_TARGET) };
+		const auto free    = kind.bonded ? contacts<true, false> : contacts<false, false>,
+		           rolling = kind.bonded ? contacts<true, true> : contacts<false, true>;
+		return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
 	}
 
 } // namespace HWY_NAMESPACE
@@ -209,10 +240,10 @@ namespace talik {
 
 HWY_EXPORT(discKernel);
 
-template <> PackedKernel<2> stepKernel<2>(bool bonded, bool portable)
+template <> PackedKernel<2> stepKernel<2>(PackedContactKind kind, bool portable)
 {
-	if (!portable) return HWY_DYNAMIC_DISPATCH(discKernel)(bonded);
-	PackedKernel<2> kernel = HWY_STATIC_DISPATCH(discKernel)(bonded);
+	if (!portable) return HWY_DYNAMIC_DISPATCH(discKernel)(kind);
+	PackedKernel<2> kernel = HWY_STATIC_DISPATCH(discKernel)(kind);
 	kernel.name            = "portable";
 	return kernel;
 }

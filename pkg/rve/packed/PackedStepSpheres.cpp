@@ -63,9 +63,12 @@ namespace HWY_NAMESPACE {
 		};
 
 		/// What a contact gives the sums.
-		struct Response {
+		template <bool Rolling> struct ResponseOf {
 			Kept       normal;
 			KeptVector shear;
+		};
+		template <> struct ResponseOf<true> : ResponseOf<false> {
+			KeptVector moment; ///< of rolling, on the second grain
 		};
 
 		/// Columns of second + sign first, four numbers of the rows.
@@ -81,7 +84,7 @@ namespace HWY_NAMESPACE {
 			return columnsOf(rows);
 		}
 
-		alignas(32) static constexpr double lessButLast[4] = { -1, -1, -1, 1 }, plus[4] = { 1, 1, 1, 1 };
+		alignas(32) static constexpr double lessButLast[4] = { -1, -1, -1, 1 }, plus[4] = { 1, 1, 1, 1 }, less[4] = { -1, -1, -1, -1 };
 
 		template <bool Periodic> HWY_INLINE void gather(const PackedStepView<3>& view, const Place<3>& p, Gathered& g)
 		{
@@ -95,15 +98,21 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Adds G to the first grains' rows and subtracts it from the second ones'; moments of s on the arms r - u_n/2 to both.
-		template <bool Periodic> HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const Response& f)
+		template <bool Periodic, bool Rolling>
+		HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const ResponseOf<Rolling>& f)
 		{
 			const Vector n = g.n(), shear = f.shear(), m = cross(n, shear);
 			const Many   normal = f.normal();
 			const Many   half = Mul(splat(0.5), g.distance()), difference = load(p.pair().halfDifference + p.lane);
-			const Vector ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
-			const Rows   forces = rowsOf({ MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), splat(0.) });
-			const Rows   firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
-			const Rows   secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
+			Vector       ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
+			if constexpr (Rolling) {
+				const Vector moment = f.moment();
+				ofFirst             = { Add(ofFirst.x, moment.x), Add(ofFirst.y, moment.y), Add(ofFirst.z, moment.z) };
+				ofSecond            = Sub(ofSecond, moment);
+			}
+			const Rows forces = rowsOf({ MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), splat(0.) });
+			const Rows firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
+			const Rows secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
 			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
 				const std::size_t l = Rows::row(k), at = Rows::at(k);
 				double*           first  = view.motion + p.first()[l] + at;
@@ -157,8 +166,21 @@ namespace HWY_NAMESPACE {
 			Many                  step, halfStep; ///< dt, dt/2 [s]
 		};
 
-		template <bool Bonded, bool Periodic>
-		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Response& r)
+		/// Moment of rolling on the second grains; it is carried along with the contact by `turn`.
+		HWY_INLINE Vector roll(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many normal)
+		{
+			PackedRollingBlock<3>& block = p.rolling();
+			const Columns          w     = gatherColumns<false>(view, p, Layout::spin, less);
+			const Vector           spin { w.a, w.b, w.c }, bending = NegMulAdd(dot(spin, n), n, spin);
+			const Vector           before    = load3(block.moment, p.lane);
+			const Vector           increment = scaled(bending, Mul(c.step, load(block.stiffness + p.lane)));
+			const Vector           moment    = rollingMoment(load(block.lever + p.lane), normal, crossAdd(turn, before, before), increment);
+			store3(moment, block.moment, p.lane);
+			return moment;
+		}
+
+		template <bool Bonded, bool Periodic, bool Rolling>
+		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, ResponseOf<Rolling>& r)
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
@@ -189,25 +211,29 @@ namespace HWY_NAMESPACE {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
 			}
 			store3(f.shear, block.shear, p.lane);
+			if constexpr (Rolling) r.moment = roll(view, p, c, n, turn, f.normal);
 			r.normal = f.normal;
 			r.shear  = f.shear;
 		}
 
-		template <bool Bonded, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
+		template <bool Bonded, bool Rolling, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
 		{
 			const Constants c {
 				{ splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(view.dt), splat(0.5 * view.dt)
 			};
-			inStages<Gathered, Response, Bonded>(
+			using Response = ResponseOf<Rolling>;
+			inStages<Gathered, Response, Bonded, Rolling>(
 			        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
-			        [&](const Place<3>& p, const Gathered& g, Response& r) HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic>(view, p, c, g, r); },
-			        [&](const Place<3>& p, const Gathered& g, const Response& r) HWY_ATTR TALIK_INLINED { scatter<Periodic>(view, p, g, r); });
+			        [&](const Place<3>& p, const Gathered& g, Response& r)
+			                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling>(view, p, c, g, r); },
+			        [&](const Place<3>& p, const Gathered& g, const Response& r)
+			                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling>(view, p, g, r); });
 		}
 
-		template <bool Bonded> void contacts(PackedStepView<3>* view)
+		template <bool Bonded, bool Rolling> void contacts(PackedStepView<3>* view)
 		{
-			contactLoop<Bonded, false>(*view, view->inner);
-			contactLoop<Bonded, true>(*view, view->periodic);
+			contactLoop<Bonded, Rolling, false>(*view, view->inner);
+			contactLoop<Bonded, Rolling, true>(*view, view->periodic);
 		}
 
 		/// A 3x3 matrix, the same in every lane.
@@ -291,10 +317,11 @@ namespace HWY_NAMESPACE {
 
 	} // namespace
 
-	PackedKernel<3> sphereKernel(bool bonded)
+	PackedKernel<3> sphereKernel(PackedContactKind kind)
 	{
-		if (bonded) return { contacts<true>, integrate, hwy::TargetName(HWY_TARGET) };
-		return { contacts<false>, integrate, hwy::TargetName(HWY_TARGET) };
+		const auto free    = kind.bonded ? contacts<true, false> : contacts<false, false>,
+		           rolling = kind.bonded ? contacts<true, true> : contacts<false, true>;
+		return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
 	}
 
 } // namespace HWY_NAMESPACE
@@ -306,10 +333,10 @@ namespace talik {
 
 HWY_EXPORT(sphereKernel);
 
-template <> PackedKernel<3> stepKernel<3>(bool bonded, bool portable)
+template <> PackedKernel<3> stepKernel<3>(PackedContactKind kind, bool portable)
 {
-	if (!portable) return HWY_DYNAMIC_DISPATCH(sphereKernel)(bonded);
-	PackedKernel<3> kernel = HWY_STATIC_DISPATCH(sphereKernel)(bonded);
+	if (!portable) return HWY_DYNAMIC_DISPATCH(sphereKernel)(kind);
+	PackedKernel<3> kernel = HWY_STATIC_DISPATCH(sphereKernel)(kind);
 	kernel.name            = "portable";
 	return kernel;
 }

@@ -49,12 +49,21 @@ template <int Dim> struct alignas(32) PackedIceBlock {
 	double iceShare[4];
 };
 
+/// What resistance to rolling adds to four pairs.
+template <int Dim> struct alignas(32) PackedRollingBlock {
+	double moment[PackedLayout<Dim>::angular][4]; ///< on the second grain [N m]
+	double stiffness[4];                          ///< k_r [N m]
+	double lever[4];                              ///< largest moment over normal force [m]
+	double inverseFirst[4], inverseSecond[4];     ///< of the radii [1/m]
+};
+
 /// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives where four rows of the shift table begin per block).
 template <int Dim> struct PackedPairs {
-	PackedBlock<Dim>*    block;
-	PackedIceBlock<Dim>* ice;
-	const std::uint32_t* shift;
-	std::size_t          blocks;
+	PackedBlock<Dim>*        block;
+	PackedIceBlock<Dim>*     ice;
+	const std::uint32_t*     shift;
+	std::size_t              blocks;
+	PackedRollingBlock<Dim>* rolling;
 };
 
 /// A bond that reached its limit, or a broken one whose force fell below its floor: in come the trial forces, out go those of this step.
@@ -108,9 +117,14 @@ template <int Dim> struct PackedKernel {
 	const char* name;
 };
 
+/// What contacts of a sample carry beyond friction.
+struct PackedContactKind {
+	bool bonded, rolling;
+};
+
 /// The fastest step that the processor at hand knows, or the one that all processors know.
-template <int Dim> PackedKernel<Dim> stepKernel(bool bonded, bool portable);
-template <> PackedKernel<2>          stepKernel<2>(bool bonded, bool portable);
-template <> PackedKernel<3>          stepKernel<3>(bool bonded, bool portable);
+template <int Dim> PackedKernel<Dim> stepKernel(PackedContactKind kind, bool portable);
+template <> PackedKernel<2>          stepKernel<2>(PackedContactKind kind, bool portable);
+template <> PackedKernel<3>          stepKernel<3>(PackedContactKind kind, bool portable);
 
 } // namespace talik

@@ -72,6 +72,7 @@ namespace HWY_NAMESPACE {
 		{
 			return *singleAt(base, *a) + *singleAt(base, *b);
 		}
+		HWY_INLINE Many singles(const double* base, const std::uint32_t* a) { return *singleAt(base, *a); }
 #else
 		using Pair = hn::CappedTag<double, 2>;
 		using Two  = hn::Vec<Pair>;
@@ -96,6 +97,7 @@ namespace HWY_NAMESPACE {
 		{
 			return Add(singlePair(base, a), singlePair(base, b));
 		}
+		HWY_INLINE Many singles(const double* base, const std::uint32_t* a) { return singlePair(base, a); }
 #elif HWY_MAX_BYTES >= 32
 		HWY_INLINE Columns transposed(Many r0, Many r1, Many r2, Many r3)
 		{
@@ -115,6 +117,7 @@ namespace HWY_NAMESPACE {
 			const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
 			return hn::Combine(lanes, high, low);
 		}
+		HWY_INLINE Many singles(const double* base, const std::uint32_t* a) { return hn::Combine(lanes, singlePair(base, a + 2), singlePair(base, a)); }
 #endif
 
 		/// Calls it for the four parts of some rows. Compilers keep arrays in registers only where no loop runs over them.
@@ -132,18 +135,22 @@ namespace HWY_NAMESPACE {
 			std::size_t             block, lane;
 			HWY_INLINE PackedBlock<Dim>& pair() const { return pairs.block[block]; }
 			HWY_INLINE PackedIceBlock<Dim>& ice() const { return pairs.ice[block]; }
+			HWY_INLINE PackedRollingBlock<Dim>& rolling() const { return pairs.rolling[block]; }
 			HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
 			HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
 			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
 		};
 
 		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
-		template <bool Bonded, int Dim> HWY_INLINE bool passedOver(const Place<Dim>& p, Many distance)
+		template <bool Bonded, bool Rolling, int Dim> HWY_INLINE bool passedOver(const Place<Dim>& p, Many distance)
 		{
 #if HWY_TARGET == HWY_SCALAR
 			if (!(distance > p.pair().sumRadius[p.lane]) || (Bonded && p.ice().floor[p.lane] != 0)) return false;
 			for (auto& component : p.pair().shear)
 				component[p.lane] = 0;
+			if constexpr (Rolling)
+				for (auto& component : p.rolling().moment)
+					component[p.lane] = 0;
 			return true;
 #else
 			(void)p, (void)distance;
@@ -177,7 +184,7 @@ namespace HWY_NAMESPACE {
 
 		/// The same for work that is too long for two places to be under way at once: each of three stages is done for a few places before the next
 		/// one begins.
-		template <class Gathered, class Response, bool Bonded, int Dim, class Gather, class Respond, class Scatter>
+		template <class Gathered, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Respond, class Scatter>
 		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Respond respond, Scatter scatter)
 		{
 			constexpr std::size_t chunk = 8;
@@ -191,7 +198,7 @@ namespace HWY_NAMESPACE {
 				for (std::size_t k = 0; k < count; ++k)
 					gather(place(from + k), gathered[k]);
 				for (std::size_t k = 0; k < count; ++k)
-					if (!(idle[k] = passedOver<Bonded>(place(from + k), gathered[k].distance())))
+					if (!(idle[k] = passedOver<Bonded, Rolling>(place(from + k), gathered[k].distance())))
 						respond(place(from + k), gathered[k], responses[k]);
 				for (std::size_t k = 0; k < count; ++k)
 					if (!idle[k]) scatter(place(from + k), gathered[k], responses[k]);

@@ -24,6 +24,7 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	static_cast<PackedParameters<Dim>&>(base) = state;
 	grains                                    = state.grains;
 	grainCount                                = state.size();
+	resistsRolling                            = state.resistsRolling();
 	rowCount                                  = (grainCount + 3) / 4 * 4;
 	copyMatrix<Dim>(base.hSize, view.hSize);
 	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
@@ -121,10 +122,11 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 	};
 	const auto pairsOf = [](Lanes& lanes, bool crosses) {
 		PackedPairs<Dim> pairs;
-		pairs.block  = lanes.block.data();
-		pairs.ice    = lanes.ice.data();
-		pairs.shift  = crosses ? lanes.shift.data() : nullptr;
-		pairs.blocks = lanes.block.size();
+		pairs.block   = lanes.block.data();
+		pairs.ice     = lanes.ice.data();
+		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
+		pairs.blocks  = lanes.block.size();
+		pairs.rolling = lanes.rolling.data();
 		return pairs;
 	};
 	view.motion           = motion.data()->value;
@@ -195,12 +197,15 @@ template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
 
 template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 {
-	tensileStrength   = base.ice.tensileStrength(base.iceSaturation);
-	shearStrength     = base.ice.shearStrength(base.iceSaturation);
+	// what is left of a bond without ice is no ice
+	const BondStrengthFactors factors = base.ice.melted(base.iceSaturation) ? BondStrengthFactors() : strengthFactors;
+
+	tensileStrength   = factors.tensile * base.ice.tensileStrength(base.iceSaturation);
+	shearStrength     = factors.shear * base.ice.shearStrength(base.iceSaturation);
 	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
 }
 
-template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = stepKernel<Dim>(carriesBonds, portable); }
+template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = stepKernel<Dim>(contactKind(), portable); }
 
 // ---------------------------------------------------------------------------------------------- steps
 

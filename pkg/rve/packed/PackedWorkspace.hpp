@@ -45,9 +45,11 @@ public:
 	static constexpr bool hasIce() { return true; }
 	double                iceSaturation() const { return base.iceSaturation; }
 	void                  setIceSaturation(double iceSaturation);
-	std::size_t           bondAll();
-	void                  setFriction(double tangent);
-	bool                  flip(double skew);
+	/// Of intact ice bonds, from now on and for every state that is loaded.
+	void        setStrengthFactors(const BondStrengthFactors& factors);
+	std::size_t bondAll();
+	void        setFriction(double tangent);
+	bool        flip(double skew);
 
 	/// Throws PackedBlowUp when a number is not finite or grains overlap by more than a radius. Lists are checked before they are built;
 	/// whoever runs steps checks once more when it is done.
@@ -72,15 +74,16 @@ private:
 	};
 	using Rows = std::vector<Quad>;
 	struct Lanes {
-		std::size_t                      pairs = 0;
-		std::vector<std::uint64_t>       keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
-		std::vector<PackedBlock<Dim>>    block;
-		std::vector<PackedIceBlock<Dim>> ice;
-		std::vector<std::uint32_t>       shift;
-		std::vector<IceBond>             bond;
-		void                             resize(std::size_t number, bool periodic, bool bonded);
-		void                             takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
-		void                             forgetHistory(std::size_t lane);
+		std::size_t                          pairs = 0;
+		std::vector<std::uint64_t>           keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
+		std::vector<PackedBlock<Dim>>        block;
+		std::vector<PackedIceBlock<Dim>>     ice;
+		std::vector<std::uint32_t>           shift;
+		std::vector<IceBond>                 bond;
+		std::vector<PackedRollingBlock<Dim>> rolling;
+		void                                 resize(std::size_t number, bool periodic, PackedContactKind kind);
+		void                                 takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
+		void                                 forgetHistory(std::size_t lane);
 	};
 	struct Geometry {
 		PackedPairRows<Dim> rows;
@@ -108,6 +111,7 @@ private:
 	void     setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool periodic);
 	void     fillUp(Lanes& lanes, bool periodic);
 	void     setResponse(Lanes& lanes, std::size_t lane);
+	void     setRolling(Lanes& lanes, std::size_t lane, double shearStiffness);
 	void     updateShiftRows();
 	unsigned shiftIndex(const std::array<std::int8_t, Dim>& cellDist);
 	void     predictedCell(double* hSize) const;
@@ -129,6 +133,7 @@ private:
 	void                 setStrengths();
 	void                 selectKernel();
 	void                 carryBonds(bool carry);
+	PackedContactKind    contactKind() const { return { carriesBonds, resistsRolling }; }
 	static std::uint32_t rowOf(std::uint32_t offset) { return offset / PackedLayout<Dim>::row; }
 	Lanes&               lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
@@ -147,7 +152,7 @@ private:
 	Rows                            shiftMotion, shiftForce;
 	std::vector<std::int8_t>        shiftCell;
 	Lanes                           innerLanes, periodicLanes, oldInner, oldPeriodic;
-	bool                            carriesBonds = false, portable;
+	bool                            carriesBonds = false, resistsRolling = false, portable;
 	double                          iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;
@@ -156,6 +161,7 @@ private:
 	bool                       listsValid = false, referenceKnown = false;
 	PackedListUse<Dim>         use;
 
+	BondStrengthFactors strengthFactors;
 	PackedKernel<Dim>   kernel;
 	PackedStepView<Dim> view;
 };

@@ -98,6 +98,17 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	if (births) bondAll();
 }
 
+template <int Dim> void PackedWorkspace<Dim>::setStrengthFactors(const BondStrengthFactors& factors)
+{
+	if (factors == strengthFactors) return;
+	strengthFactors = factors;
+	setStrengths();
+	if (!carriesBonds) return;
+	for (Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
+			setResponse(*lanes, lane);
+}
+
 template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 {
 	if (base.ice.melted(base.iceSaturation) || !base.ice.formsBondsEver()) return 0;
@@ -131,6 +142,8 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 
 template void        PackedWorkspace<2>::onBondEvent(void*, PackedBondEvent<2>*);
 template void        PackedWorkspace<2>::setIceSaturation(double);
+template void        PackedWorkspace<2>::setStrengthFactors(const BondStrengthFactors&);
+template void        PackedWorkspace<3>::setStrengthFactors(const BondStrengthFactors&);
 template std::size_t PackedWorkspace<2>::bondAll();
 template void        PackedWorkspace<3>::onBondEvent(void*, PackedBondEvent<3>*);
 template void        PackedWorkspace<3>::setIceSaturation(double);

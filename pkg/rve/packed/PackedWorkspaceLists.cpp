@@ -14,19 +14,21 @@ namespace {
 
 // ---------------------------------------------------------------------------------------------- lanes
 
-template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, bool crosses, bool bonded)
+template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, bool crosses, PackedContactKind kind)
 {
 	const std::size_t blocks = (number + 3) / 4;
 	pairs                    = number;
 	block.resize(blocks);
 	shift.resize(crosses ? 4 * blocks : 0);
-	ice.resize(bonded ? blocks : 0);
-	bond.resize(bonded ? number : 0);
+	ice.resize(kind.bonded ? blocks : 0);
+	bond.resize(kind.bonded ? number : 0);
+	rolling.resize(kind.rolling ? blocks : 0);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
 {
 	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, laneShear<Dim>(from.block[at / 4].shear, at % 4));
+	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / 4].moment, lane % 4, laneShear<Dim>(from.rolling[at / 4].moment, at % 4));
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, laneShear<Dim>(from.ice[at / 4].iceShear, at % 4));
 	bond[lane] = from.bond[at];
@@ -37,6 +39,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t l
 	Shear none;
 	clearShear(none);
 	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, none);
+	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / 4].moment, lane % 4, none);
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, none);
 	if (lane < pairs) bond[lane] = IceBond();
@@ -55,7 +58,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim
 		auto& sorted = order[crosses];
 		if (!std::is_sorted(sorted.begin(), sorted.end())) std::sort(sorted.begin(), sorted.end());
 		Lanes& lanes = lanesOf(crosses);
-		lanes.resize(sorted.size(), crosses, carriesBonds);
+		lanes.resize(sorted.size(), crosses, contactKind());
 		lanes.keys.resize(sorted.size());
 		for (std::size_t lane = 0; lane < sorted.size(); ++lane) {
 			lanes.keys[lane] = sorted[lane].first;
@@ -68,6 +71,7 @@ template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::siz
 {
 	const std::size_t b = lane / 4, l = lane % 4;
 	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
+	if (resistsRolling) setLaneShear<Dim>(lanes.rolling[b].moment, l, c.moment[k]);
 	if (!carriesBonds) return;
 	setLaneShear<Dim>(lanes.ice[b].iceShear, l, c.iceShear[k]);
 	lanes.bond[lane] = c.iceBond(k);
@@ -84,7 +88,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 		Lanes&            lanes = lanesOf(crosses);
 		const std::size_t pairs = crosses ? lists.size() - lists.inside : lists.inside;
 		lanes.keys.clear();
-		lanes.resize(pairs, crosses, carriesBonds);
+		lanes.resize(pairs, crosses, contactKind());
 		for (std::size_t lane = 0; lane < pairs; ++lane, ++k) {
 			const bool   known = lists.contact(k);
 			PairKey<Dim> pair { lists.first[k], lists.second[k], {} };
@@ -104,6 +108,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 template <int Dim> bool PackedWorkspace<Dim>::carriesHistory(const Lanes& lanes, std::size_t lane) const
 {
 	if (shearNorm(laneShear<Dim>(lanes.block[lane / 4].shear, lane % 4)) != 0) return true;
+	if (resistsRolling && shearNorm(laneShear<Dim>(lanes.rolling[lane / 4].moment, lane % 4)) != 0) return true;
 	if (carriesBonds && lanes.bond[lane].state != BondState::NONE) return true;
 	double       branch[Dim];
 	const double reach = lanes.block[lane / 4].sumRadius[lane % 4];
@@ -129,6 +134,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	fit(c.second, true);
 	fit(c.cellDist, true);
 	fit(c.shear, true);
+	fit(c.moment, resistsRolling);
 	fit(c.iceShear, carriesBonds);
 	fit(c.iceReference, carriesBonds);
 	fit(c.grainReference, carriesBonds);
@@ -143,6 +149,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			for (int d = 0; d < Dim; ++d)
 				c.cellDist[k][d] = crosses ? shiftCell[rowOf(lanes.shift[lane]) * Dim + d] : std::int8_t(0);
 			c.shear[k] = laneShear<Dim>(lanes.block[b].shear, l);
+			if (resistsRolling) c.moment[k] = laneShear<Dim>(lanes.rolling[b].moment, l);
 			if (carriesBonds) {
 				const IceBond& bond = lanes.bond[lane];
 				c.iceShear[k]       = laneShear<Dim>(lanes.ice[b].iceShear, l);
@@ -332,7 +339,7 @@ template <int Dim> void PackedWorkspace<Dim>::setPair(Lanes& lanes, std::size_t 
 /// Old lanes and new ones are walked together: both are in the order of their keys.
 template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lanes& old, bool crosses)
 {
-	lanes.resize(lanes.keys.size(), crosses, carriesBonds);
+	lanes.resize(lanes.keys.size(), crosses, contactKind());
 	std::size_t at = 0;
 	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
 		setPair(lanes, lane, PairKey<Dim>::decode(lanes.keys[lane]), crosses);
@@ -357,6 +364,10 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 		if constexpr (Dim == 3) block.halfDifference[l] = 0;
 		if (crosses) lanes.shift[lane] = 0;
 		lanes.forgetHistory(lane);
+		if (resistsRolling) {
+			PackedRollingBlock<Dim>& rolling = lanes.rolling[lane / 4];
+			rolling.stiffness[l] = rolling.lever[l] = rolling.inverseFirst[l] = rolling.inverseSecond[l] = 0;
+		}
 		if (!carriesBonds) continue;
 		PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
 		ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
@@ -387,6 +398,7 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 	block.sumRadius[l] = first + second;
 	if constexpr (Dim == 3) block.halfDifference[l] = 0.5 * (first - second);
 	block.stiffness[l] = k.grain;
+	if (resistsRolling) setRolling(lanes, lane, k.shearRatio * k.grain);
 	if (!carriesBonds) return;
 	const IceBond&                bond    = lanes.bond[lane];
 	const ContactResponse<double> contact = bond.response(k, strength(lanes, lane));
@@ -400,6 +412,18 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 	Shear none;
 	clearShear(none);
 	setLaneShear<Dim>(ice.iceShear, l, none);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setRolling(Lanes& lanes, std::size_t lane, double shearStiffness)
+{
+	const std::size_t        l     = lane % 4;
+	const std::uint32_t      first = rowOf(lanes.block[lane / 4].first[l]), second = rowOf(lanes.block[lane / 4].second[l]);
+	const double             r1 = grains->radius[first], r2 = grains->radius[second];
+	PackedRollingBlock<Dim>& block = lanes.rolling[lane / 4];
+	block.stiffness[l]             = grains->rolling.stiffness(shearStiffness, r1, r2);
+	block.lever[l]                 = grains->rolling.lever(r1, r2);
+	block.inverseFirst[l]          = 1 / view.radius[first];
+	block.inverseSecond[l]         = 1 / view.radius[second];
 }
 
 template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()

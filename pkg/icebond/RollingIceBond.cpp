@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <cmath>
+#include <core/Scene.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/ContactForces.hpp>
+#include <pkg/icebond/RollingIceBond.hpp>
+#include <stdexcept>
+
+namespace yade {
+YADE_PLUGIN((RollingIceBondMat)(RollingIceBondPhys));
+
+void RollingIceBondMat::postLoad(RollingIceBondMat&)
+{
+	const auto require = [](const char* attribute, Real value) {
+		if (value > 0 && std::isfinite(value)) return;
+		throw std::invalid_argument(
+		        string("RollingIceBondMat.") + attribute + " is " + boost::lexical_cast<string>(value)
+		        + ": give a finite number greater than 0; grains of IceBondMat roll freely.");
+	};
+	require("alphaKr", alphaKr);
+	require("etaRoll", etaRoll);
+}
+
+shared_ptr<IceBondPhys> RollingIceBondMat::newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const
+{
+	const auto* second = dynamic_cast<const RollingIceBondMat*>(&other);
+	if (!second) return IceBondMat::newContact(other, r1, r2, shearStiffness);
+	const Real                     alpha = alphaKr == second->alphaKr ? alphaKr : 2 * alphaKr * second->alphaKr / (alphaKr + second->alphaKr);
+	shared_ptr<RollingIceBondPhys> phys(new RollingIceBondPhys);
+	phys->kr        = alpha * shearStiffness * r1 * r2;
+	phys->maxRollPl = std::min(etaRoll * r1, second->etaRoll * r2);
+	return phys;
+}
+
+void RollingIceBondPhys::addMoments(const ScGeom& geom, const Interaction& interaction, Scene& scene)
+{
+	const auto     spinOf  = [&](Body::id_t id) { return (*scene.bodies)[id]->state->angVel; };
+	const Vector3r spin    = spinOf(interaction.id2) - spinOf(interaction.id1);
+	const Vector3r bending = spin - geom.normal.dot(spin) * geom.normal;
+	geom.rotate(moment_bending);
+	moment_bending = talik::HWY_NAMESPACE::rollingMoment(maxRollPl, normalForce.dot(geom.normal), moment_bending, Vector3r(kr * scene.dt * bending));
+	scene.forces.addTorque(interaction.id1, -moment_bending);
+	scene.forces.addTorque(interaction.id2, moment_bending);
+}
+
+} // namespace yade

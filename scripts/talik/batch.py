@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Parameter studies: a script for each row of a table, several at a time, by yade-batch.
+
+	rows = [dict(cohesion=c) for c in (1e3, 2e3, 4e3)]
+	results = talik.batch.run("face.py", rows, "output/study")
+	[result["displacement"] for result in results]
+
+The script takes its row and leaves its results:
+
+	row = talik.batch.row(cohesion=2e3)                          # of the table; by itself the script runs with these defaults
+	...
+	talik.batch.leave(displacement=...)
+"""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+from yade import O, utils
+
+from talik import output
+from talik.files import writableFolder
+
+
+def row(**defaults):
+	"""Values of the script's row of the table, as an object with an attribute each; the defaults where no batch runs.
+
+	>>> talik.batch.row(cohesion=2e3).cohesion
+	2000.0"""
+	utils.readParamsFromTable(noTableOk=True, **defaults)
+	from yade.params import table
+
+	return table
+
+
+def leave(**results):
+	"""Leaves results of a row, by name, for run(); without a batch it does nothing.
+
+	>>> talik.batch.leave(displacement=0.1)"""
+	folder = os.environ.get("TALIK_BATCH")
+	if folder:
+		output.writeSummary(Path(folder) / f"{O.tags['description']}.json", **results)
+
+
+def run(script, rows, folder, jobs=None, threads=1):
+	"""Runs a script once for each row and returns what it left, in the order of the rows; None for a row that left nothing.
+
+	script   a Python file that takes its values by row() and gives its results by leave()
+	rows     dictionaries of numbers or texts with the same names
+	folder   for table, results and what each row said; it is made anew
+	jobs     rows at the same time; default: one for each processor
+	threads  of each row
+
+	ValueError for rows with different names; RuntimeError if no row left anything, with what the first one said.
+
+	>>> script = folder + "/double.py"
+	>>> text = "import talik\\nrow = talik.batch.row(x=1)\\ntalik.batch.leave(y=2 * row.x)\\n"
+	>>> written = open(script, "w").write(text)
+	>>> talik.batch.run(script, [dict(x=4)], folder + "/study")
+	[{'y': 8}]"""
+	rows, script = [dict(values) for values in rows], Path(script).resolve()
+	if not rows or any(set(values) != set(rows[0]) for values in rows):
+		raise ValueError("batch.run: rows are dictionaries with the same names, at least one; give every row a value for every name")
+	if not script.is_file():
+		raise ValueError(f"batch.run: there is no script {script}")
+	folder = Path(folder).resolve()
+	shutil.rmtree(folder, ignore_errors=True)
+	writableFolder(folder)
+	names = [f"row{number:03d}" for number in range(len(rows))]
+	lines = ["description " + " ".join(rows[0]), *(" ".join([name, *(repr(values[key]) for key in rows[0])]) for name, values in zip(names, rows))]
+	(folder / "rows.table").write_text("\n".join(lines) + "\n")
+	environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+	environment.update(TALIK_BATCH=str(folder), OMP_WAIT_POLICY="passive")
+	jobs = jobs or len(os.sched_getaffinity(0))
+	command = ["yade-batch", f"-j{jobs * threads}", f"--job-threads={threads}", "--log=@.log", "rows.table", str(script)]
+	done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+	left = [folder / f"{name}.json" for name in names]
+	if not any(file.exists() for file in left):
+		logs = [file.read_text(errors="replace") for file in sorted(folder.glob("*.log"))]
+		raise RuntimeError("batch.run: no row left a result; the first one said:\n" + "\n".join((logs or [done.stdout + done.stderr])[0].splitlines()[-15:]))
+	return [json.loads(file.read_text()) if file.exists() else None for file in left]

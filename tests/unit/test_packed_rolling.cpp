@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Resistance of grains to rolling in packed samples; against stock YADE see tests/yade/test_rolling.py.
+#include "packedPair.hpp"
+#include "packedReference.hpp"
+#include <gtest/gtest.h>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+
+using namespace talik;
+using packedReference::matrix;
+using State = PackedState<2>;
+
+namespace {
+
+constexpr PackedRolling rough { 1.5, 0.2 };
+
+/// The same sample of grains that resist rolling, or do so in another way.
+State withRolling(State s, const PackedRolling& rolling)
+{
+	auto grains     = std::make_shared<PackedGrains>(*s.grains);
+	grains->rolling = rolling;
+	s.grains        = grains;
+	s.contacts.moment.assign(rolling.acts() ? s.contacts.size() : 0, 0.);
+	return s;
+}
+
+State sheared(bool bonded, const PackedRolling& rolling = rough)
+{
+	PackedSample<2> sample(withRolling(packedReference::sample().state(), rolling));
+	if (bonded) sample.setIceSaturation(0.3);
+	sample.advance(matrix(0.1, 0.4, -0.2, -0.1), 300);
+	return sample.state();
+}
+
+double momentAfter(State s, double spin, long steps, bool portable)
+{
+	s.angularVelocity = { -0.5 * spin, 0.5 * spin };
+	PackedSample<2>::forcePortable(portable);
+	PackedSample<2> sample(s);
+	PackedSample<2>::forcePortable(false);
+	sample.advance(steps);
+	return sample.state().contacts.moment.at(0);
+}
+
+} // namespace
+
+TEST(PackedRolling, momentOfOneContactIsItsStiffnessTimesTheAngleUpToItsShareOfTheNormalForceOnBothPaths)
+{
+	const double overlap = 1e-5, r = packedPair::radius;
+	const State  pair      = withRolling(packedPair::make(overlap, 0), rough);
+	const double normal    = pair.ice.grainYoung * r * overlap;
+	const double stiffness = rough.alphaKr * pair.stiffnessRatio * pair.ice.grainYoung * r * r * r, largest = rough.etaRoll * r * normal;
+	const double spin = 0.01 * largest / (stiffness * pair.dt);
+	for (const bool portable : { false, true }) {
+		const double elastic = momentAfter(pair, spin, 50, portable), backwards = momentAfter(pair, -spin, 50, portable);
+		const double limited = momentAfter(pair, spin, 200, portable);
+		std::printf(
+		        "%s: moment %.3e N m, relative error %.1e; limit %.3e N m, relative error %.1e\n", portable ? "portable" : "vectors", elastic,
+		        std::fabs(elastic / (-0.5 * largest) - 1), limited, std::fabs(limited / -largest - 1));
+		EXPECT_NEAR(elastic, -0.5 * largest, 1e-12 * largest) << "it acts against the spin of the second grain";
+		EXPECT_EQ(backwards, -elastic);
+		EXPECT_NEAR(limited, -largest, 1e-12 * largest);
+	}
+}
+
+TEST(PackedRolling, bothPathsAgreeWithAndWithoutBonds)
+{
+	for (const bool bonded : { false, true }) {
+		const State vectors = sheared(bonded);
+		PackedSample<2>::forcePortable(true);
+		const State portable = sheared(bonded);
+		PackedSample<2>::forcePortable(false);
+		const double error = (vectors.stress - portable.stress).norm() / vectors.stress.norm();
+		std::printf("300 steps %s: stress differs by %.1e\n", bonded ? "bonded" : "frictional", error);
+		EXPECT_LT(error, 1e-10);
+	}
+}
+
+TEST(PackedRolling, samplesComeBackFromBytesAndParkingToTheLastBit)
+{
+	for (const bool bonded : { false, true }) {
+		const State       state = sheared(bonded);
+		const std::string bytes = state.toBytes();
+		double            most  = 0;
+		for (const double moment : state.contacts.moment)
+			most = std::max(most, std::fabs(moment));
+		State unparked;
+		ParkedSample<2>(state).unpark(unparked);
+		EXPECT_GT(most, 0);
+		EXPECT_EQ(State::fromBytes(bytes).toBytes(), bytes);
+		EXPECT_EQ(unparked.toBytes(), bytes);
+
+		SamplePool<2>       pool;
+		PackedUpdateOptions options;
+		options.steps = 40;
+		pool.add(state);
+		PackedSample<2> alone(state);
+		for (int k = 0; k < 3; ++k) {
+			pool.update({ { 0, matrix(1e-5, 4e-5, 0, -3e-5), state.iceSaturation } }, options, 1);
+			alone.apply(matrix(1e-5, 4e-5, 0, -3e-5), state.iceSaturation, options);
+			EXPECT_EQ(pool.state(0).toBytes(), alone.state().toBytes());
+		}
+	}
+}
+
+TEST(PackedRolling, takesNoByteOfSamplesWhoseGrainsRollFreely)
+{
+	const State       free = sheared(true, {}), rolling = withRolling(free, rough);
+	const std::size_t expected = 2 * sizeof(double) + sizeof(std::uint64_t) + sizeof(double) * free.contacts.size();
+	std::printf(
+	        "%zu bytes without, %zu with; parked %zu and %zu\n", free.toBytes().size(), rolling.toBytes().size(), ParkedSample<2>(free).bytes(),
+	        ParkedSample<2>(rolling).bytes());
+	EXPECT_TRUE(free.contacts.moment.empty());
+	EXPECT_EQ(rolling.toBytes().size() - free.toBytes().size(), expected);
+	EXPECT_EQ(free.toBytes().substr(0, 8), "TALIKPS3") << "samples that were saved before can be read";
+}
+
+TEST(PackedRolling, impossibleResistanceIsRefusedByName)
+{
+	for (const PackedRolling wrong : { PackedRolling { -1, 0.2 }, PackedRolling { 1, -0.2 }, PackedRolling { 1, INFINITY }, PackedRolling { NAN, 1 } })
+		EXPECT_THROW(withRolling(packedReference::sample().state(), wrong).check(), std::invalid_argument);
+	State incomplete = withRolling(packedReference::sample().state(), rough);
+	incomplete.contacts.moment.pop_back();
+	EXPECT_THROW(incomplete.check(), std::invalid_argument);
+}

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Outlines cut by lines, thermal spin-up, points over time as CSV, parameter studies."""
+
+import numpy as np
+import pytest
+from yade import O, wrapper
+
+import talik
+
+
+def column(temperature, **more):
+	"""Two metres of freezing ground that moves, cold above and less cold below."""
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(0.5, 3),
+		gravity=(0, -9.81),
+		skeleton=wrapper.ElasticSkeleton(),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e6, followsMotion=True),
+		freezing=wrapper.FreezingCurve(width=0.1),
+		water=wrapper.PoreWater(),
+		boundaries=[
+			wrapper.RollerBoundary(region="left"),
+			wrapper.FixedBoundary(region="bottom"),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 10 * talik.day], values=[-5, 10]),
+			wrapper.WallTemperature(region="bottom", temperature=-1),
+		],
+		**more,
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 2), temperature=temperature)
+	return mpm
+
+
+def test_spin_up_ends_at_the_straight_profile_of_a_steady_state_and_leaves_ground_and_scene_alone():
+	ground, told = column(-3), []
+	O.engines = [ground]
+	temperature = talik.thermal.spinUp(ground, days=500, told=told)
+	y = np.array([0.375, 1.0, 1.625])
+	byHand = -1 - 2 * y  # conductivity of frozen ground is nearly the same from -1 to -5 degC
+	found = temperature(np.full(3, 0.25), y)
+	print(f"temperatures {np.round(found, 3)}, by hand {byHand}; change in the last tenth {told[0]:.1e} K")
+	assert found == pytest.approx(byHand, abs=0.1) and told[0] < 1e-3
+	assert O.engines == [ground] and not ground.begun and ground.motion and set(ground.field("temperature")) == {-3.0}
+	assert column(temperature).field("temperature") == pytest.approx(temperature(*ground.field("position").T), abs=1e-9)
+
+
+def test_spin_up_refuses_ground_that_has_begun_or_has_no_heat():
+	cold = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.ElasticSkeleton())
+	with pytest.raises(ValueError, match="no heat or no points"):
+		talik.thermal.spinUp(cold, days=1)
+	with pytest.raises(ValueError, match="days is 0"):
+		talik.thermal.spinUp(column(-1), days=0)
+	begun = column(-1)
+	begun.setTemperature(-2)
+	with pytest.raises(ValueError, match="has begun"):
+		talik.thermal.spinUp(begun, days=1)
+
+
+def test_a_table_of_points_has_a_line_a_day_with_units_and_the_values_of_the_fields(tmp_path):
+	mpm = column(-3)
+	table = talik.output.PointTable(
+		mpm, tmp_path / "points.csv", {"middle": (0.2, 1.0)}, ("temperature", "displacement"), 1, {"speed [m/s]": lambda: mpm.calendar["speed"]}
+	)
+	O.engines = [mpm, table.engine]
+	talik.runUntilDay(mpm, 5)
+	table.take()
+	lines = (tmp_path / "points.csv").read_text().splitlines()
+	values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+	print(lines[0], *lines[-2:], sep="\n")
+	assert lines[0] == "day [d],middle: temperature [degC],middle: displacement x [m],middle: displacement y [m],speed [m/s]"
+	assert np.diff(values[:-1, 0]) == pytest.approx(1, abs=0.3) and len(values) == 7
+	assert values[-1, 1] == pytest.approx(mpm.field("temperature")[table.ids["middle"]], rel=1e-8)
+
+
+def test_a_study_gives_results_in_the_order_of_its_rows_and_none_for_a_row_that_failed_slow(tmp_path):
+	script = tmp_path / "inverse.py"
+	script.write_text("import talik\nrow = talik.batch.row(x=1.0, name='a')\ntalik.batch.leave(y=1 / row.x, name=row.name)\n")
+	found = talik.batch.run(script, [dict(x=4.0, name="b"), dict(x=0.0, name="c"), dict(x=2.0, name="d")], tmp_path / "study")
+	print(found)
+	assert found == [{"y": 0.25, "name": "b"}, None, {"y": 0.5, "name": "d"}]
+
+
+def test_a_study_refuses_rows_of_different_names_and_a_script_that_is_not_there(tmp_path):
+	with pytest.raises(ValueError, match="same names"):
+		talik.batch.run(tmp_path / "none.py", [dict(x=1), dict(y=1)], tmp_path / "study")
+	with pytest.raises(ValueError, match="there is no script"):
+		talik.batch.run(tmp_path / "none.py", [dict(x=1)], tmp_path / "study")
+
+
+hill = [(0, 0), (10, 0), (10, 2), (6, 2), (4, 5), (0, 5)]
+
+
+def area(corners):
+	x, y = np.array(corners).T
+	return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def test_a_line_cuts_an_outline_into_parts_whose_areas_are_those_by_hand():
+	above, below = talik.layers.split(hill, [(2, 1), (8, 1.5)])
+	byHand = 2 * 1 + 6 * 1.25 + 2 * 1.5  # level, inclined, level
+	print(f"{area(below):.6f} m2 below, {byHand} by hand; {area(above) + area(below):.6f} of {area(hill)} m2 in both")
+	assert area(below) == pytest.approx(byHand, rel=1e-12) and area(above) + area(below) == pytest.approx(area(hill), rel=1e-12)
+
+
+@pytest.mark.parametrize("line", [[(0, 6), (10, 6)], [(0, -1), (10, -1)], [(0, 1.9), (5, 6), (10, 1.9)], [(5, 1), (2, 1)]])
+def test_a_line_that_does_not_cut_in_two_is_refused(line):
+	with pytest.raises(ValueError, match="layers.split") as refusal:
+		talik.layers.split([(0, 0), (10, 0), (10, 2), (6, 2), (5, 5), (4, 2), (0, 2)], line)
+	print(refusal.value)

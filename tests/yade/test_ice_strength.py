@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Strength of ice bonds over temperature and strain rate: one bond, samples, points of a ground."""
+
+import math
+import sys
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, utils, wrapper
+
+from talik import calibrate, rve
+
+
+@pytest.fixture
+def packed(sampleCache):
+	return rve.pack(rve.prepare(grains=100, ice=True, cache=sampleCache))
+
+
+def under(sample, law, temperature=-10.0, rate=1e-4):
+	"""A copy of a sample whose bonds have the strength of a temperature and a rate."""
+	other = sample.copy()
+	other.tensileStrengthFactor, other.shearStrengthFactor = law.factors(temperature, rate)
+	return other
+
+
+def test_factors_are_those_of_the_published_tests():
+	law = wrapper.IceStrength()
+	byCold = np.divide(law.factors(-56.7, 1e-4), law.factors(0, 1e-4))
+	byRate = np.divide(law.factors(-10, 2.9), law.factors(-10, 1.2e-4))
+	print(
+		f"\n0 to -56.7 degC: shear {byCold[1]:.2f} fold (compression in Haynes & Karalius 1977: tenfold), tensile {byCold[0]:.2f} fold (half an order); "
+		f"1.2e-4 to 2.9 1/s: shear {byRate[1]:.2f} fold (compression in Haynes et al. 1975: tenfold), tensile {byRate[0]:.2f} fold (hardly)"
+	)
+	assert byCold == pytest.approx([math.sqrt(10), 10], rel=0.01)
+	assert byRate == pytest.approx([1, 10], rel=0.01)
+	assert law.factors(-10, 1e-4) == (1, 1)
+	assert law.factors(5, 1e-4) == law.factors(0, 1e-4) and law.factors(-10, 0) == law.factors(-10, 1e-7)
+
+
+def test_one_bond_breaks_at_its_strength_times_the_factor_of_temperature_and_rate():
+	"""Two discs side by side in a cell that is stretched along their line: the largest tension of the bond is C_eta A_b."""
+	radius, law = 5e-3, wrapper.IceStrength(tensileRateExponent=0.1)
+	O.periodic = True
+	O.cell.hSize = Matrix3(4 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, 0.1)
+	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650))
+	for x in (radius, 3 * radius):
+		O.bodies.append(utils.sphere((x, 5 * radius, 0.05), radius, material=0))
+		O.bodies[-1].state.blockedDOFs = "zXY"
+	loop = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
+	)
+	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), loop, wrapper.NewtonIntegrator(damping=0.3)]
+	O.dt = 1e-6
+	start = wrapper.RveSample.fromScene(O._sceneObj)
+	start.freeze(1)
+	assert start.statistics()["bondsIntact"] == 2
+	strength, width = 51e6 * radius**2, 10 * radius * 0.1
+	for temperature, rate in ((-10, 1e-4), (-40, 1e-4), (-2, 1e-2)):
+		sample = under(start, law, temperature, rate)
+		largest = 0.0
+		while sample.statistics()["bondsIntact"] == 2:
+			largest = max(largest, sample.apply(Matrix3(1e-6, 0, 0, 0, 0, 0, 0, 0, 0), 1)["stress"][0] * width)
+			assert largest < 10 * strength
+		expected = strength * math.exp(0.0203 * (-10 - temperature)) * (rate / 1e-4) ** 0.1
+		print(f"\n{temperature} degC, {rate:g} 1/s: broken above {largest:.3f} N, C_eta A_b with its factor is {expected:.3f} N", end="")
+		assert largest == pytest.approx(expected, rel=1e-3) and largest <= expected
+
+
+def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(packed):
+	law, gradient = wrapper.IceStrength(), Matrix3(1e-4, 0, 0, 0, -2e-4, 0, 0, 0, 0)
+	frozen = [sample.copy() for sample in (packed, under(packed, law))]
+	thawed = [sample.copy() for sample in (packed, under(packed, law, -40, 1))]
+	for samples, ice in ((frozen, 1), (thawed, 0)):
+		for sample in samples:
+			for _ in range(20):
+				sample.apply(gradient, ice)
+		assert samples[0].stateBytes == samples[1].stateBytes
+	assert frozen[0].statistics()["bondsIntact"] > 0
+
+
+def test_packed_and_open_samples_are_weakened_alike(packed):
+	law, gradient = wrapper.IceStrength(), Matrix3(2e-4, 0, 0, 0, -2e-4, 0, 0, 0, 0)
+	packed.freeze(1)
+	weak = under(packed, law, 0, 1e-7)
+	strong = packed.copy()
+	for _ in range(30):
+		for sample in (weak, strong):
+			sample.apply(gradient, 1)
+	print(
+		f"\nbonds intact after 0.6 %: {weak.statistics()['bondsIntact']} at 0 degC and 1e-7 1/s, {strong.statistics()['bondsIntact']} at -10 degC and 1e-4 1/s"
+	)
+	assert weak.statistics()["bondsIntact"] < strong.statistics()["bondsIntact"]
+
+
+def test_a_frozen_sample_grows_stronger_with_rate_and_with_cold_and_its_tension_not_with_rate_slow(packed):
+	byRate, byCold = calibrate.strengthTable(packed)
+	rates, fast = np.array(calibrate.rates), np.array(calibrate.rates) >= 1e-4
+	exponent = np.polyfit(np.log(rates[~fast]), np.log(byRate[~fast]), 1)[0]
+	growth, span = byCold[-1] / byCold[0], byRate[-1] / byRate[fast][0]
+	print(
+		f"\n1e-4 to 1 1/s: compression {span[0]:.2f} fold, tension {span[1]:.2f} fold (Haynes et al. 1975: tenfold, hardly); below, exponents "
+		f"{exponent[0]:.3f} and {exponent[1]:.3f} of 0.228 of the bonds; 0 to -56.7 degC: {growth[0]:.2f} and {growth[1]:.2f} fold (tenfold, half an order)"
+	)
+	assert (np.diff(byRate[:, 0]) > -0.02 * byRate[1:, 0]).all() and (np.diff(byCold[:, 0]) > -0.02 * byCold[1:, 0]).all()
+	assert span[0] > 1.5 and span[1] < 1.02 and 0.05 < exponent[0] < 0.228
+	assert growth[0] > 2 and 2 < growth[1] < 4
+
+
+def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
+	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--strength", "--grains", "40", "--output", str(tmp_path)])
+	calibrate.main()
+	said, written = capsys.readouterr().out, (tmp_path / "strength.md").read_text()
+	assert written.strip() in said and len(written.splitlines()) == 2 + len(calibrate.rates) + len(calibrate.temperatures)
+	assert (tmp_path / "strength.png").stat().st_size > 10_000
+
+
+def test_confinement_strengthens_frozen_samples_and_cohesion_follows_the_ice_while_friction_stays_slow(sampleCache):
+	"""Alkire & Andersland on frozen sand: cohesion follows ice saturation (97 and 55 %), friction is that of the unfrozen sand."""
+	samples = rve.pack(rve.prepare(grains=100, realisations=3, ice=True, cache=sampleCache))
+	pressures, lines = np.array((50e3, 200e3, 800e3)), {}
+	for ice in (0.0, 0.55, 0.97):
+		tests = [[calibrate.biaxialTest(sample, ice, pressure, 0.03) for pressure in pressures] for sample in samples]
+		mean, shear = np.array([[test.peak for test in row] for row in tests]).mean(axis=0).T
+		assert (np.diff(shear) > 0).all(), "strength rises with confinement"
+		sine, intercept = np.polyfit(mean, shear, 1)
+		lines[ice] = math.degrees(math.asin(sine)), intercept / math.cos(math.asin(sine))
+		print(f"\nS_i {ice:g}: friction angle {lines[ice][0]:.1f} deg, cohesion {1e-3 * lines[ice][1]:.0f} kPa", end="")
+	assert lines[0.97][1] > 1.5 * lines[0.55][1] > 3 * lines[0.0][1]
+	assert abs(lines[0.97][0] - lines[0.55][0]) < 8
+
+
+def block(packed, form, law, scale, velocity=0.5):
+	"""One cell of ground with a temperature, four samples; see test_samples.py."""
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), automaticTimeStep=False, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
+	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, strainTolerance=0, prediction=False, minSteps=10, iceStrength=law)
+	position = np.array([(0.5 * x, 0.5 * y) for x in (0.25, 0.75) for y in (0.25, 0.75)])
+	centred = position / 0.5 - 0.5
+	motion = velocity * np.column_stack((centred[:, 1] - 0.5 * centred[:, 0], centred[:, 0]))
+	mpm.addPoints(position=position, volume=0.0625, porosity=0.4, velocity=motion, temperature=-5)
+	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")]
+	O.engines, O.dt = [mpm], 2e-4
+	mpm.initialise()
+	return mpm
+
+
+@pytest.mark.parametrize("form", ("packed", "open"))
+def test_behind_a_point_strength_follows_its_temperature_and_its_strain_rate_in_natures_time(form, packed):
+	law, broken = wrapper.IceStrength(shearRateExponent=0.4, referenceRate=1), []
+	packed.freeze(1)
+	for scale in (1, 1e4):
+		O.reset()
+		mpm = block(packed, form, law, scale)
+		direct, difference = [packed.copy() if form == "packed" else wrapper.OpenRveSample(source=packed.open()) for _ in range(4)], 0.0
+		for _ in range(15):
+			O.step()
+			gradient, stress = mpm.field("gradient"), mpm.field("stress")
+			for k in range(4):
+				h = np.array(gradient[k]).reshape(2, 2)
+				rate = np.abs(np.linalg.eigvalsh(0.5 * (h + h.T))).max() / (scale * O.dt)
+				direct[k].tensileStrengthFactor, direct[k].shearStrengthFactor = law.factors(-5, rate)
+				result = np.array(direct[k].apply(Matrix3(h[0, 0], h[0, 1], 0, h[1, 0], h[1, 1], 0, 0, 0, 0), 1)["stress"])
+				result = result if result.ndim == 1 else np.array((result[0, 0], result[1, 1], 0.5 * (result[0, 1] + result[1, 0])))
+				difference = max(difference, np.abs(result - stress[k][[0, 1, 3]]).max())
+		broken.append(int(np.nansum(mpm.field("bondsBroken"))))
+		print(
+			f"\n{form}, scale {scale:g}: rate {rate:.1e} 1/s, {broken[-1]} bonds broken, stress differs from samples driven directly by {difference:.1e} Pa",
+			end="",
+		)
+		assert difference < 1e-9 * np.abs(stress).max()
+	assert broken[1] > broken[0]
+
+
+@pytest.mark.parametrize(
+	"attribute, value", [("referenceRate", 0), ("leastRate", -1), ("shearCold", -0.1), ("shearRateExponent", 1), ("referenceTemperature", 1)]
+)
+def test_impossible_strength_laws_are_refused_by_name(attribute, value):
+	with pytest.raises(ValueError, match=f"IceStrength.{attribute} is"):
+		wrapper.IceStrength(**{attribute: value})
+
+
+@pytest.mark.parametrize("factor", [0, -1, math.nan, math.inf])
+def test_impossible_factors_are_refused(packed, factor):
+	packed.shearStrengthFactor = factor
+	with pytest.raises(ValueError, match="factor .* on the strength of bonds"):
+		packed.apply(Matrix3.Zero, 1)
