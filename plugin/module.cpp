@@ -313,7 +313,7 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("renewRenderer", renewRenderer, py::arg("renderer"),
 	        "Let the 3-D view look for drawing functors again: it does so itself only when it is made.");
 	py::def(
-	        "vectors", +[] { return stepKernel<2>(true, false).name; },
+	        "vectors", +[] { return stepKernel<2>({}, false).name; },
 	        "The vectors by which packed samples are computed on this processor, see RveSample.path: ranks need the same.");
 	py::def("knowsRanks", knowsRanks, "False in a module that was built without Open MPI.");
 	py::def("openRanks", openRanks, "Join the other processes of mpirun. Returns rank and number of ranks, (0, 1) for a process that is alone.");

@@ -208,4 +208,4 @@ def test_the_jobs_of_the_page_run_as_they_are_slow(cluster, tmp_path):
 		job = cluster.follow(cluster.submit(folder, *command.split(), **dict(word.split("=") for word in before if word)))
 		print(f"{line}: {job['JobState']}, {len(results(folder))} result(s)")
 		assert job["JobState"] == "COMPLETED" and results(folder), said(folder)
-	assert len(lines) >= 3
+	assert len(lines) == 4
