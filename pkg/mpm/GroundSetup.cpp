@@ -115,6 +115,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed, heat.get()));
 	}
 	if (heat) heat->chooseSmoothing(grid, n);
+	if (front && hasThawStrain()) front->settleTogether();
 	if (front) front->start();
 	if (thawStrain) thawStrain->start(n);
 }

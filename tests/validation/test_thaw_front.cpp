@@ -310,6 +310,91 @@ TEST(ThawFront, ThawedGroundFallsFreelyFromAFrozenRoof)
 		}
 }
 
+namespace {
+
+/// A frozen column under its own weight that thaws from its surface and loses volume; what happens after it has come to rest.
+struct SettlingColumn {
+	double thawStrain;
+	bool   water;
+
+	static constexpr double spacing = 0.25, height = 3.0;
+
+	/// Path of the surface over the volume lost per area [-].
+	double pathOverLoss() const
+	{
+		Ground<2>  ground(settings());
+		const auto fillColumn = [](PointInput<2>& p) {
+			p.porosity    = 0.4;
+			p.temperature = -1.0;
+		};
+		fillBox(ground, { 0.0, 0.0 }, { spacing, height }, fillColumn);
+		ground.initialise();
+		const auto start = valuesOf(ground, "position", 1);
+		marchTo(ground, 0.2);
+		const double path = pathOf(ground, start), volume = sumOf(ground, "volume");
+		marchTo(ground, 2.5);
+		return (pathOf(ground, start) - path) * spacing / (volume - sumOf(ground, "volume"));
+	}
+
+private:
+	GroundSettings<2> settings() const
+	{
+		auto s    = columnSettings(spacing, height + 2.0 * spacing);
+		s.mixture = withoutExpansion();
+		SoilMaterial soil;
+		soil.mixture    = s.mixture;
+		soil.thawStrain = thawStrain;
+		s.materials     = { soil };
+		standOnRollers(s);
+		s.motion.emplace();
+		s.motion->gravity      = { 0.0, -9.81 };
+		s.motion->localDamping = 0.3;
+		s.heat.emplace();
+		s.heat->thermalTimeScale = 1e6;
+		s.freezing               = makeFreezingCurve();
+		auto law                 = std::make_shared<MohrCoulombSkeleton<2>>();
+		law->youngModulus        = 1e7;
+		law->youngModulusFrozen  = 1e8;
+		law->cohesion            = 0.0;
+		law->frictionAngle       = 30.0;
+		s.skeletons.push_back(law);
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), 10.0);
+		if (!water) return s;
+		s.water.emplace();
+		s.water->state.liquidBulkModulus = 2.2e7;
+		s.water->state.iceBulkModulus    = 8.8e7;
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
+		return s;
+	}
+
+	/// Mean of the upper half cell, downwards [m].
+	static double pathOf(const Ground<2>& ground, const std::vector<double>& start)
+	{
+		const auto rise  = valuesOf(ground, "displacement", 1);
+		double     sum   = 0.0;
+		int        count = 0;
+		for (std::size_t p = 0; p < rise.size(); ++p)
+			if (start[p] > height - 0.5 * spacing) sum -= rise[p], ++count;
+		return sum / count;
+	}
+};
+
+} // namespace
+
+// One dimension: what a column loses in volume, its surface loses in height
+TEST(ThawFront, SurfaceOfThawingGroundSinksByTheVolumeThatTheColumnLoses)
+{
+	citing("conservation of volume");
+	for (const double thawStrain : { 0.03, 0.07 })
+		for (const bool water : { false, true }) {
+			char label[120];
+			std::snprintf(
+			        label, sizeof label, "column that thaws from its surface, thaw strain %.2f, %s: path of the surface over loss of volume",
+			        thawStrain, water ? "saturated" : "dry");
+			expectRelative(label, SettlingColumn { thawStrain, water }.pathOverLoss(), 1.0, 5e-2);
+		}
+}
+
 TEST(ThawFront, FrozenBlockThrownUpPartsFromTheThawedGroundUnderIt)
 {
 	citing("free flight");

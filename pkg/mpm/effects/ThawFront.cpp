@@ -36,6 +36,8 @@ namespace {
 	constexpr double mostLed = 2.0;
 	/// Normal force that ties the sides outside frozen ground, over the one with which they press at the nodes beside, in ground without water.
 	constexpr double mostTied = 3.0;
+	/// Part of gravity along the normal from which on thawed ground lies on frozen ground.
+	constexpr double leastWeight = 0.5;
 	/// Slip of thawed points over h from which on the sides of a cell strain each on their own.
 	constexpr double leastSlip = 1e-2;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
@@ -377,11 +379,22 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		m.jump[a] = (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
+	m.resting   = settles_ && rests(m, dt);
 	m.slope     = r[slopeAt] / r[thawedVolumeAt];
 	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
+}
+
+/// Thawed ground that rests and loses volume settles with one normal velocity at all front nodes. Forces bounded by their mean would let it sink
+/// into frozen ground, and a tie that holds one way only would lift it. Ground slides where its slip is faster than what it moves along the normal
+/// and than gravity moves it in a step.
+template <int D> bool ThawFront<D>::rests(const Meeting& m, double dt) const
+{
+	const Vec<D>& gravity = motion_->settings->gravity;
+	const double  weight = lengthOf<D>(gravity), along = dot<D>(m.jump, m.normal), slipping = dot<D>(m.jump, m.jump) - along * along;
+	return -dot<D>(gravity, m.normal) > leastWeight * weight && slipping <= std::max(along * along, weight * weight * dt * dt);
 }
 
 /// Inside frozen ground the sides share their normal velocity where they press. The reaction is that of forces alone: what a side's velocity
@@ -392,7 +405,7 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	if (!m.meets || !m.inside) return;
 	const double opening = dot<D>(m.jump, m.normal), carried = m.area * std::max(0.0, dot<D>(m.traction, m.normal));
 	const double together = -m.reducedMass * opening;
-	m.together            = opening <= std::max(0.0, m.pressing + carried) / (m.area * m.impedance) || -together <= dt * carried;
+	m.together            = m.resting || opening <= std::max(0.0, m.pressing + carried) / (m.area * m.impedance) || -together <= dt * carried;
 	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
 	m.impulse             = m.together ? together : -dt * carried;
 }
@@ -414,10 +427,11 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 	}
 	if (!(area > 0.0)) return;
 	// at the end of a layer the area is that of frozen ground alone: never more than what would tie the sides
-	const double tie = std::max(0.0, -m.reducedMass * dot<D>(m.jump, m.normal)), beside = dt * force / area * m.area;
+	const double both = -m.reducedMass * dot<D>(m.jump, m.normal), tie = std::max(0.0, both), beside = dt * force / area * m.area;
 	// a layer that rests needs a little more than that at some nodes and less at others; pore pressure bears the difference by itself
-	m.impulse  = tie <= (water_ ? 1.0 : mostTied) * beside ? tie : std::max(0.0, beside);
-	m.reaction = m.impulse / dt;
+	const double pressed = tie <= (water_ ? 1.0 : mostTied) * beside ? tie : std::max(0.0, beside);
+	m.impulse            = m.resting ? both : pressed;
+	m.reaction           = pressed / dt;
 }
 
 /// The shear stress at the front over that of the thawed points, which lie away from it and have a normal stress of their own. Below strength

@@ -22,7 +22,8 @@ namespace talik {
 /// each side see. At a front node with normal n (from F to T) and area A, both from sum_F V grad S,
 ///   normal:     the sides share their normal velocity where they press, R >= 0 being the reaction; they part when they move away from
 ///               each other faster than the unloading of R/A moves their surfaces, R/(A Z) with Z the impedance of the thawed points,
-///               and are then held back by no more than the tension that the thawed points carry there;
+///               and are then held back by no more than the tension that the thawed points carry there. Thawed ground that rests on
+///               frozen ground and loses volume shares its normal velocity both ways;
 ///   tangential: what the thawed points carry there, t = (sum_T S V sigma) n / V_I with sigma total stress, at the reaction in place of
 ///               their own normal stress: |t_t| + min(s, |t_t|/|t_n|) (R/A - |t_n|), s the slope of their strength; and no more than what
 ///               makes the tangential velocities equal.
@@ -39,6 +40,8 @@ public:
 	void bind(
 	        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
 	        const double* waterMass, const double* iceMass);
+	/// In ground that loses volume as it thaws: thawed ground that rests on frozen ground moves with it along the normal.
+	void settleTogether() { settles_ = true; }
 	/// Sides of all points at the start of the scene.
 	void start();
 
@@ -102,6 +105,7 @@ private:
 		std::array<double, 2> solid {}, liquid {}; ///< masses of the frozen and the thawed side [kg]
 		bool                  meets    = false;    ///< both have mass, and there is a direction between them
 		bool                  inside   = false;    ///< the node lies in frozen ground, or next to it
+		bool                  resting  = false;    ///< the thawed side lies on the frozen one and does not slide
 		bool                  together = false;    ///< the sides have one normal velocity
 		Vec<D>                normal {};           ///< from frozen to thawed
 		double                area         = 0.0;  ///< [m^(D-1)]
@@ -132,6 +136,7 @@ private:
 	void          fold(const Mirrors& mirrors);
 	void          unfold(const Mirrors& mirrors, Vec<D>& impulse);
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
+	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
 	static double strengthWithoutStress(const Meeting& meeting, double pressure);
@@ -154,6 +159,7 @@ private:
 	double*                    slip_ = nullptr; ///< path of the thawed ground along the front [m]
 	double*                    led_  = nullptr; ///< sum of the strains that led the pressure of the point back [-]
 	std::array<double*, D * D> strain_ {};      ///< slip of the step as displacement gradient
+	bool                       settles_ = false;
 	double                     fastest_ = 0.0;
 	double                     spacing_ = 0.0;
 	int                        margin_  = 0; ///< of the arrays by node below, so that a reach never leaves them
