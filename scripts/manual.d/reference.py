@@ -22,7 +22,12 @@ sections = (
 		("MpmEngine", "GroundMaterial", "HeatTransfer", "FreezingCurve", "PoreWater", "ThawFront"),
 	),
 	("boundaries", "Boundaries", "Conditions on the surface of the ground and inside it. All have the attributes of GroundBoundary.", ("GroundBoundary",)),
-	("skeletons", "Skeleton laws and samples", "From strain to effective stress: laws, and samples of grains.", ("SkeletonLaw", "RveSample", "OpenRveSample")),
+	(
+		"skeletons",
+		"Skeleton laws and samples",
+		"From strain to effective stress: laws, and samples of grains.",
+		("SkeletonLaw", "IceStrength", "RveSample", "OpenRveSample"),
+	),
 	("grains", "Grains with ice bonds", "For any scene of YADE, and for samples.", ("IceBondMat", "IceBondPhys", "Functor", "GrainSwelling")),
 	("scene", "Bodies, histories, checkpoints", "What stands beside the ground in a scene.", ("BodyContact", "PointWatch", "Checkpoint")),
 )
