@@ -99,8 +99,7 @@ def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5)
 	>>> tension = talik.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
 	tested = _underPressure(sample, pressure)
 	tested.freeze(iceSaturation)
-	test = _drive(tested, iceSaturation, 0.0, -strain, perCall)
-	return max(0.0, float(-test.smooth(test.axial).min()))
+	return _largestTension(tested, iceSaturation, strain, perCall)
 
 
 def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
@@ -108,9 +107,7 @@ def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
 	pressure and has thawed there: bonds that outlast their ice (RveSample.thawedStrength) are all that is left of them. Mean of both directions.
 
 	>>> strength = talik.calibrate.thawedShearStrength(packed, pressure=10e3, strain=2e-3)"""
-	thawed = _underPressure(sample, pressure)
-	thawed.freeze(1)
-	thawed.freeze(0)
+	thawed = _thawedUnder(sample, pressure)
 	return float(np.mean([_largestShearStress(thawed.copy(), pressure, strain, direction * perCall) for direction in (1, -1)]))
 
 
@@ -121,17 +118,8 @@ def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall
 	A cohesion without it holds next to nothing close to a surface, where normal stress is small.
 
 	>>> tension = talik.calibrate.thawedTension(packed, strength=0.3e6, pressures=(5e3,), strain=4e-4)"""
-	tensions = []
-	for sample in samples if isinstance(samples, (list, tuple)) else [samples]:
-		bonded = sample.copy()
-		bonded.thawedStrength = strength
-		for pressure in pressures:
-			thawed = _underPressure(bonded, pressure)
-			thawed.freeze(1)
-			thawed.freeze(0)
-			test = _drive(thawed, 0.0, 0.0, -strain, perCall)
-			tensions.append(max(0.0, float(-test.smooth(test.axial).min())))
-	return float(np.mean(tensions))
+	bonded = [_withThawedStrength(sample, strength) for sample in _listOf(samples)]
+	return float(np.mean([_largestTension(_thawedUnder(sample, pressure), 0.0, strain, perCall) for sample in bonded for pressure in pressures]))
 
 
 def _underPressure(sample, pressure):
@@ -140,6 +128,29 @@ def _underPressure(sample, pressure):
 	if not pressed.servo(-pressure, -pressure):
 		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
 	return pressed
+
+
+def _thawedUnder(sample, pressure):
+	"""A copy of a sample that was frozen at an isotropic pressure [Pa] and has thawed there."""
+	thawed = _underPressure(sample, pressure)
+	thawed.freeze(1)
+	thawed.freeze(0)
+	return thawed
+
+
+def _withThawedStrength(sample, strength):
+	other = sample.copy()
+	other.thawedStrength = strength
+	return other
+
+
+def _listOf(samples):
+	return list(samples) if isinstance(samples, (list, tuple)) else [samples]
+
+
+def _largestTension(tested, iceSaturation, strain, perCall):
+	test = _drive(tested, iceSaturation, 0.0, -strain, perCall)
+	return max(0.0, float(-test.smooth(test.axial).min()))
 
 
 def _largestShearStress(sheared, pressure, strain, perCall):
@@ -164,8 +175,7 @@ def thawedCohesion(sample, strength, pressures=(2e3, 4e3, 8e3, 16e3)):
 
 
 def _thawedShearStrengths(sample, strength, pressures):
-	tested = sample.copy()
-	tested.thawedStrength = strength
+	tested = _withThawedStrength(sample, strength)
 	return np.array([thawedShearStrength(tested, pressure) for pressure in pressures])
 
 
@@ -182,7 +192,7 @@ def thawedStrength(samples, cohesion, pressures=(2e3, 4e3, 8e3, 16e3)):
 		raise ValueError(f"thawed cohesion is {cohesion!r}; give a cohesion in Pa, 0 or more")
 	if cohesion == 0:
 		return 0.0, 0.0
-	samples = samples if isinstance(samples, (list, tuple)) else [samples]
+	samples = _listOf(samples)
 	plain = [_thawedShearStrengths(sample, 0.0, pressures) for sample in samples]
 
 	def measured(strength):
@@ -486,7 +496,7 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
 		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
-	samples = list(sample) if isinstance(sample, (list, tuple)) else [sample]
+	samples = _listOf(sample)
 	for sample in samples:
 		if sample.iceSaturation > 0:
 			raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")
@@ -543,24 +553,23 @@ def main():
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
+	lines = []
+
+	def told(line):
+		lines.append(line)
+		print(line, flush=True)
+
 	if options.scatter:
-		lines = []
-		scatter(options.grains or (60, 100, 200, 400), options.realisations or 8, told=lambda line: (lines.append(line), print(line, flush=True)))
+		scatter(options.grains or (60, 100, 200, 400), options.realisations or 8, told=told)
 		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
 		return
 	if options.strength:
-		lines = []
-		tables = strengthTable(
-			rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=lambda line: (lines.append(line), print(line, flush=True))
-		)
+		tables = strengthTable(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=told)
 		writeWhole(folder / "strength.md", "\n".join(lines) + "\n")
 		print(plots.save(drawStrength(*tables), folder / "strength.png"))
 		return
 	if options.rolling:
-		lines = []
-		table = rollingFriction(
-			(options.grains or (200,))[0], realisations=options.realisations or 3, told=lambda line: (lines.append(line), print(line, flush=True))
-		)
+		table = rollingFriction((options.grains or (200,))[0], realisations=options.realisations or 3, told=told)
 		writeWhole(folder / "rolling.md", "\n".join(lines) + "\n")
 		print(plots.save(table.draw(), folder / "rolling.png"))
 		return
