@@ -285,7 +285,7 @@ class PointTable:
 
 	def take(self):
 		"""Adds a line with the present values."""
-		values = [self.mpm.calendar["day"] if self.mpm.heat else self.mpm.time / 86400]
+		values = [self.mpm.calendar["day"]]
 		columns = {field: self.mpm.field(field) for field in self.fields}
 		for id in self.ids.values():
 			for field in self.fields:

@@ -97,21 +97,15 @@ def ofPlace(path, name="value"):
 	>>> pressure = talik.tables.ofPlace(folder + "/piezometers.csv", "pressure")
 	>>> float(pressure(2.0, 0.0))
 	15000.0"""
-	from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 	from scipy.spatial import QhullError
+
+	from talik import _interpolation
 
 	rows = np.array(read(path, ("x", "y", name))).reshape(-1, 3)
 	try:
-		between = LinearNDInterpolator(rows[:, :2], rows[:, 2])
+		return _interpolation.linear(rows[:, :2], rows[:, 2])
 	except (QhullError, ValueError):
 		raise ValueError(f"{path} has {len(rows)} places; give three or more that do not lie on one line") from None
-	nearest = NearestNDInterpolator(rows[:, :2], rows[:, 2])
-
-	def value(x, y):
-		inside = between(x, y)
-		return np.where(np.isnan(inside), nearest(x, y), inside)
-
-	return value
 
 
 def _rows(path):

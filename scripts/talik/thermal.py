@@ -77,13 +77,9 @@ def _rigidCopy(mpm, boundaries):
 
 
 def _ofPlace(position, temperature):
-	from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+	from scipy.interpolate import NearestNDInterpolator
 
-	nearest = NearestNDInterpolator(position, temperature)
-	between = LinearNDInterpolator(position, temperature) if len(position) > position.shape[1] and np.ptp(position, axis=0).all() else nearest
+	from talik import _interpolation
 
-	def value(*place):
-		inside = between(*place)
-		return np.where(np.isnan(inside), nearest(*place), inside)
-
-	return value
+	spans = len(position) > position.shape[1] and np.ptp(position, axis=0).all()
+	return (_interpolation.linear if spans else NearestNDInterpolator)(position, temperature)
