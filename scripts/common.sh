@@ -18,6 +18,15 @@ note() {
 	printf '%s\n' "$*" >&2
 }
 
+# needsValue $# "$1": refuses an option that is the last word.
+needsValue() { [ "$1" -ge 2 ] || fail "$2 needs a value"; }
+
+# The whole path of the folder of --output, made if need be.
+writableOutput() {
+	mkdir -p "$1" 2>/dev/null && [ -w "$1" ] || fail "cannot write into $1; choose another folder with --output"
+	cd "$1" && pwd
+}
+
 packageLists=("$root/scripts/packages.txt")
 neededPackages() {
 	sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "${packageLists[@]}"
