@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <cmath>
+#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
-#include <stdexcept>
 
 namespace yade {
 YADE_PLUGIN((IceBondMat));
@@ -28,11 +27,7 @@ talik::IceBondModel IceBondMat::model() const
 shared_ptr<IceBondPhys> IceBondMat::newContact(const IceBondMat&, Real, Real, Real) const { return shared_ptr<IceBondPhys>(new IceBondPhys); }
 
 namespace {
-	void require(bool valid, const char* attribute, Real value, const char* remedy)
-	{
-		if (valid && std::isfinite(value)) return;
-		throw std::invalid_argument(string("IceBondMat.") + attribute + " is " + boost::lexical_cast<string>(value) + ": " + remedy);
-	}
+	constexpr AttributeRefusal require { "IceBondMat" };
 } // namespace
 
 void IceBondMat::postLoad(IceBondMat&)

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <boost/lexical_cast.hpp>
-#include <cmath>
+#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/IceStrength.hpp>
-#include <stdexcept>
 
 namespace yade {
 YADE_PLUGIN((IceStrength));
 
 namespace {
-	void require(bool valid, const char* attribute, Real value, const char* remedy)
-	{
-		if (valid && std::isfinite(value)) return;
-		throw std::invalid_argument(string("IceStrength.") + attribute + " is " + boost::lexical_cast<string>(value) + ": " + remedy);
-	}
+	constexpr AttributeRefusal require { "IceStrength" };
 } // namespace
 
 void IceStrength::postLoad(IceStrength&)

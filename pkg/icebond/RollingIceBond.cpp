@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <cmath>
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/ContactForces.hpp>
 #include <pkg/icebond/RollingIceBond.hpp>
-#include <stdexcept>
 
 namespace yade {
 YADE_PLUGIN((RollingIceBondMat)(RollingIceBondPhys));
 
 void RollingIceBondMat::postLoad(RollingIceBondMat&)
 {
-	const auto require = [](const char* attribute, Real value) {
-		if (value > 0 && std::isfinite(value)) return;
-		throw std::invalid_argument(
-		        string("RollingIceBondMat.") + attribute + " is " + boost::lexical_cast<string>(value)
-		        + ": give a finite number greater than 0; grains of IceBondMat roll freely.");
-	};
-	require("alphaKr", alphaKr);
-	require("etaRoll", etaRoll);
+	constexpr AttributeRefusal require { "RollingIceBondMat" };
+	const char* const          remedy = "give a finite number greater than 0; grains of IceBondMat roll freely.";
+	require(alphaKr > 0, "alphaKr", alphaKr, remedy);
+	require(etaRoll > 0, "etaRoll", etaRoll, remedy);
 }
 
 shared_ptr<IceBondPhys> RollingIceBondMat::newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const

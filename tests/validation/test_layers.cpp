@@ -109,9 +109,9 @@ struct SettlingColumn {
 	std::shared_ptr<SkeletonModel<2>> skeleton;
 	bool                              water = false;
 	/// Calendar time over time of motion [-]. Cells that lose their strength have to fall no more slowly than they thaw.
-	double scale = 1e7;
-
-	static constexpr double spacing = 0.1, surface = 5.0;
+	double scale   = 1e7;
+	double spacing = 0.1; ///< h [m]
+	double surface = 5.0; ///< temperature [degC]
 
 	Ground<2> ground() const
 	{
@@ -183,6 +183,26 @@ Settled settle(const SettlingColumn& column, double seconds)
 	r.heatError  = std::abs(b.enthalpy + b.enthalpyOut - enthalpy - b.heatIn) / std::abs(b.heatIn);
 	r.iceLeft    = largestSize(valuesOf(ground, "iceSaturation"));
 	return r;
+}
+
+/// Path of the surface, the mean of its upper half cell, over the volume that is lost per area once the column has come to rest [-].
+double pathOverLoss(const SettlingColumn& column)
+{
+	Ground<2>    ground = column.ground();
+	const double bottom = heightOf(column.layers) - 0.5 * column.spacing;
+	const auto   start  = valuesOf(ground, "position", 1);
+	const auto   path   = [&] {
+                const auto rise  = valuesOf(ground, "displacement", 1);
+                double     sum   = 0.0;
+                int        count = 0;
+                for (std::size_t p = 0; p < rise.size(); ++p)
+                        if (start[p] > bottom) sum -= rise[p], ++count;
+                return sum / count;
+	};
+	marchTo(ground, 0.2);
+	const double before = path(), volume = sumOf(ground, "volume");
+	marchTo(ground, 2.5);
+	return (path() - before) * column.spacing / (volume - sumOf(ground, "volume"));
 }
 
 void expectSettlement(const std::string& name, const SettlingColumn& column, double seconds, double tolerance = 2e-2)
@@ -360,4 +380,18 @@ TEST(Layers, WaterOfTheExcessIceLeavesAsTheColumnSettles)
 	citing("hand formula of thaw settlement");
 	SettlingColumn column { { { 1.0, 0.6, 2.0, 0.35 } }, silt(), true, 1e6 };
 	expectSettlement("V33 thaw settlement with pore water, Mohr-Coulomb law, thaw strain 0.35", column, 20.0, 6e-2);
+}
+
+// One dimension: what a column loses in volume, its surface loses in height
+TEST(ThawFront, SurfaceOfThawingGroundSinksByTheVolumeThatTheColumnLoses)
+{
+	citing("conservation of volume");
+	for (const double thawStrain : { 0.03, 0.07 })
+		for (const bool water : { false, true }) {
+			char label[120];
+			std::snprintf(
+			        label, sizeof label, "column that thaws from its surface, thaw strain %.2f, %s: path of the surface over loss of volume",
+			        thawStrain, water ? "saturated" : "dry");
+			expectRelative(label, pathOverLoss({ { { 3.0, 0.4, 1.0, thawStrain } }, silt(), water, 1e6, 0.25, 10.0 }), 1.0, 5e-2);
+		}
 }

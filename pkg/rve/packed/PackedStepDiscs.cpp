@@ -52,16 +52,6 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains.
-		template <bool Periodic>
-		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
-		{
-			const Many nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
-			const Many gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
-			const Rows rows = rowsOf({ gx, gy, f.shear, Mul(Mul(splat(0.5), f.overlap), f.shear) });
-			addRows<Periodic>(view, p, rows, rows);
-		}
-
 		/// Hands the contacts that `failed` over to the sample, which settles them.
 		template <class Condition>
 		HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, Condition failed, ContactForces<Many, Many>& f)
@@ -135,14 +125,21 @@ namespace HWY_NAMESPACE {
 			return moment;
 		}
 
-		/// As scatter, with the moments of rolling, which act on the second grains and against the first ones.
-		template <bool Periodic>
-		HWY_INLINE void scatterRolling(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
+		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; moments of rolling act on the second ones and against the first ones.
+		template <bool Periodic, bool Rolling>
+		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
 		{
 			const Many nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
 			const Many gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
-			const Many ofShear = Mul(Mul(splat(0.5), f.overlap), f.shear), moment = roll(view, p, f.normal);
-			addRows<Periodic>(view, p, rowsOf({ gx, gy, f.shear, Sub(ofShear, moment) }), rowsOf({ gx, gy, f.shear, Add(ofShear, moment) }));
+			const Many ofShear = Mul(Mul(splat(0.5), f.overlap), f.shear);
+			if constexpr (Rolling) {
+				const Many moment = roll(view, p, f.normal);
+				addRows<Periodic>(
+				        view, p, rowsOf({ gx, gy, f.shear, Sub(ofShear, moment) }), rowsOf({ gx, gy, f.shear, Add(ofShear, moment) }));
+			} else {
+				const Rows rows = rowsOf({ gx, gy, f.shear, ofShear });
+				addRows<Periodic>(view, p, rows, rows);
+			}
 		}
 
 		template <bool Bonded, bool Rolling, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
@@ -152,8 +149,7 @@ namespace HWY_NAMESPACE {
 			const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
                                 if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
                                 // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
-                                if constexpr (Rolling) scatterRolling<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
-                                else scatter<Periodic>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
+                                scatter<Periodic, Rolling>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
 			};
 			inPipeline(pairs, gatherAt, finish);
 		}
