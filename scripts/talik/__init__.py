@@ -135,6 +135,7 @@ _submodules = (
 	"slope",
 	"solids",
 	"tables",
+	"target",
 	"thermal",
 	"weather",
 )
