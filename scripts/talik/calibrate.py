@@ -22,6 +22,7 @@ import argparse
 import dataclasses
 import json
 import math
+import shutil
 import time
 
 import numpy as np
@@ -574,9 +575,7 @@ def main():
 		print(line, flush=True)
 
 	if options.target:
-		from talik import target
-
-		target.calibrated(options.target, folder, (options.grains or (100,))[0], told)
+		_toTarget(options.target, (options.grains or (100,))[0], folder, told)
 		writeWhole(folder / "target.md", "\n".join(lines) + "\n")
 		return
 	if options.scatter:
@@ -597,6 +596,24 @@ def main():
 	print(result.report())
 	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")
+
+
+def _toTarget(path, grains, folder, told):
+	"""Fits a sample to a target, prepares it anew with the parameters that were found, tests it; picture, sample file and its parameters."""
+	from talik import target
+
+	rows = target.read(path)
+	found = target.fit(rows, grains)
+	told(found.report())
+	sample = rve.prepare(**found.parameters())
+	tested = rve.pack(rve.prepare(**dict(found.parameters(), thickness=target.preparedThickness)))
+	anew = target.Candidate(found.best.parameters, [target.test(tested, row, sample.thickness).values for row in rows])
+	off = ", ".join(f"{name} {factor:.2f}" for name, factor in anew.misfits(rows).items())
+	told(f"\nThe sample of the file, prepared anew, is off by a factor of: {off}")
+	shutil.copy(sample.path, folder / "sample.yade.gz")
+	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
+	picture = plots.save(target.draw(found, tested, sample.thickness), folder / "target.png", dpi=100)
+	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
 
 
 def _numbers(text):

@@ -14,16 +14,13 @@ pressures times its thickness over 0.1 m.
 
 import csv
 import dataclasses
-import json
 import math
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
 import talik
 from talik import calibrate, packing, plots, rve
-from talik.files import writeWhole
 from yade import O, wrapper
 
 units = {
@@ -263,14 +260,16 @@ class Measured:
 	curves: dict
 
 
-def test(sample, row, thickness=preparedThickness, law=None, strain=0.02):
+def test(sample, row, thickness=preparedThickness, law=None, strain=0.04):
 	"""Tests of a row on a packed, ice-free sample of 0.1 m, as if it had another thickness [m]: Measured.
 
 	law     IceStrength of the bonds over temperature and rate; default its defaults
-	strain  axial, of each test [-]
+	strain  axial, of each test [-], 1e-3 or more
 
 	>>> row = talik.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6})
-	>>> measured = talik.target.test(packed, row, strain=4e-4)"""
+	>>> measured = talik.target.test(packed, row, strain=1e-3)"""
+	if not strain >= 1e-3:
+		raise ValueError(f"strain is {strain!r}; a test needs 1e-3 or more to have a stiffness and a peak")
 	scale = preparedThickness / thickness
 	tested = sample.copy()
 	if row.iceSaturation > 0:
@@ -366,16 +365,16 @@ def _said(name, value):
 	return f"{value:.1f}°" if name == "phi" else f"{1e-6 * value:.3g} MPa"
 
 
-def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.02, cache=True, law=None):
+def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=None):
 	"""Fit of the parameters that the rows decide (`fitted`) by scipy.optimize.least_squares on ln(found/target): Fit.
 
 	grains, porosity  of the sample (discs)
 	steps             of the optimiser from the start, and two more towards each quantity alone, for what cannot be met at once
-	strain            axial, of each test [-]
+	strain            axial, of each test [-]: strength is the largest stress within it
 	cache             of talik.rve.prepare
 
 	>>> rows = [talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 25.0})]
-	>>> found = talik.target.fit(rows, grains=30, porosity=0.19, steps=1, strain=4e-4)"""
+	>>> found = talik.target.fit(rows, grains=30, porosity=0.19, steps=1, strain=1e-3)"""
 	from tqdm import tqdm
 
 	names = fitted(rows)
@@ -412,12 +411,12 @@ def _descend(residuals, start, steps):
 # ---- picture --------------------------------------------------------------------------------------------------------------
 
 
-def draw(found, sample, thickness, law=None, strain=0.02):
+def draw(found, sample, thickness, law=None, strain=0.04):
 	"""Figure: curves of a packed sample of some thickness [m] beside the target of each row, and the front.
 
 	>>> row = talik.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6, "E": 1e8})
 	>>> best = talik.target.Candidate(dict(talik.target.standard), [dict(strength=2e6, E=1e8)])
-	>>> figure = talik.target.draw(talik.target.Fit([row], best, [best], 30, 0.19), packed, thickness=0.1, strain=4e-4)"""
+	>>> figure = talik.target.draw(talik.target.Fit([row], best, [best], 30, 0.19), packed, thickness=0.1, strain=1e-3)"""
 	panels = len(found.rows) + 1
 	across = min(3, panels)
 	fig = plots.figure(4.2 * across, 3.6 * math.ceil(panels / across))
@@ -461,21 +460,3 @@ def _drawFront(axes, found):
 	axes.yaxis.set_minor_formatter("{x:g}")
 	axes.set_title("samples of which none is better in everything", fontsize=9)
 	axes.legend(fontsize=7)
-
-
-def calibrated(path, folder, grains=100, told=print):
-	"""Reads a target, fits, prepares the sample anew with the parameters that were found, tests it, and leaves target.md, target.png,
-	sample.yade.gz and sample.json (keyword arguments of talik.rve.prepare) in a folder. Returns (Fit, Sample)."""
-	rows = read(path)
-	found = fit(rows, grains)
-	told(found.report())
-	sample = rve.prepare(**found.parameters())
-	packed = rve.pack(rve.prepare(**dict(found.parameters(), thickness=preparedThickness)))
-	thickness = found.best.parameters["thickness"]
-	again = Candidate(found.best.parameters, [test(packed, row, thickness).values for row in rows])
-	off = ", ".join(f"{name} {factor:.2f}" for name, factor in again.misfits(rows).items())
-	told(f"\nThe sample of the file, prepared anew, is off by a factor of: {off}")
-	shutil.copy(sample.path, folder / "sample.yade.gz")
-	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
-	told(f"{plots.save(draw(found, packed, thickness), folder / 'target.png', dpi=100)}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}")
-	return found, sample
