@@ -61,9 +61,9 @@ class Assumptions:
 
 
 variations = {
-	"conductivity": (3e-8, 3e-7),
+	"conductivity": (3e-8, 2e-7),
 	"thawStrain": (0.05, 0.2),
-	"cohesion": (400.0, 2000.0),
+	"cohesion": (400.0, 1200.0, 2000.0),
 	"safetyAt18": (0.9, 1.2),
 	"young": (1e6, 5e6),
 	"surfaceTemperature": (5.0, 20.0),

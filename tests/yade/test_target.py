@@ -132,8 +132,10 @@ def test_the_fit_finds_a_sample_again_whose_tests_are_its_target_slow(sampleCach
 	found = target.fit(rows, grains=60, steps=6, cache=sampleCache)
 	print(found.report())
 	first, last = found.candidates[0].misfits(rows), found.best.misfits(rows)
-	assert max(last.values()) < 1.1 < max(first.values())
-	assert found.best.parameters["thickness"] == pytest.approx(hidden["thickness"], rel=0.25)
+	print(f"off by {max(first.values()):.2f} at the start, {max(last.values()):.2f} at the end; hidden {hidden}")
+	assert max(first.values()) > 1.5 and max(last.values()) < 1.25
+	for name in ("thickness", "iceYoung", "iceTensileStrength"):
+		assert found.best.parameters[name] == pytest.approx(hidden[name], rel=0.15)
 
 
 def test_the_command_leaves_table_picture_and_a_sample_file_slow(tmp_path, monkeypatch, capsys, sampleCache):
