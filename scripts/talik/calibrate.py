@@ -606,13 +606,13 @@ def _toTarget(path, grains, folder, told):
 	found = target.fit(rows, grains)
 	told(found.report())
 	sample = rve.prepare(**found.parameters())
-	tested = rve.pack(rve.prepare(**dict(found.parameters(), thickness=target.preparedThickness)))
-	anew = target.Candidate(found.best.parameters, [target.test(tested, row, sample.thickness).values for row in rows])
+	packed = rve.pack(sample)
+	anew = target.Candidate(found.best.parameters, [target.test(packed, row).values for row in rows])
 	off = ", ".join(f"{name} {factor:.2f}" for name, factor in anew.misfits(rows).items())
 	told(f"\nThe sample of the file, prepared anew, is off by a factor of: {off}")
 	shutil.copy(sample.path, folder / "sample.yade.gz")
 	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
-	picture = plots.save(target.draw(found, tested, sample.thickness), folder / "target.png", dpi=100)
+	picture = plots.save(target.draw(found, packed), folder / "target.png", dpi=100)
 	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
 
 

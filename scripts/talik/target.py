@@ -9,7 +9,7 @@
 A row of the target is one test: S_i, temperature, rate, confinement, and what was measured, E, strength, tension, phi; cells may be empty.
 Contact modulus, bond moduli and bond strengths divided by the thickness of discs are all that a sample's stress depends on, so that the
 contact modulus stays as it is and the thickness carries the scale. A sample of another thickness is tested as the same sample under
-pressures times its thickness over 0.1 m.
+pressures times the ratio of both.
 """
 
 import csv
@@ -177,7 +177,6 @@ def _rowOf(path, line, cells, places):
 
 # ---- tests of a sample ----------------------------------------------------------------------------------------------------
 
-preparedThickness = 0.1  # of the samples that are tested [m]
 leastPressure = 1e3  # at which a sample that is not confined freezes [Pa]
 
 
@@ -260,8 +259,8 @@ class Measured:
 	curves: dict
 
 
-def test(sample, row, thickness=preparedThickness, law=None, strain=0.04):
-	"""Tests of a row on a packed, ice-free sample of 0.1 m, as if it had another thickness [m]: Measured.
+def test(sample, row, thickness=None, law=None, strain=0.04):
+	"""Tests of a row on a packed, ice-free sample of discs, as if it had another thickness [m], default its own: Measured.
 
 	law     IceStrength of the bonds over temperature and rate; default its defaults
 	strain  axial, of each test [-], 1e-3 or more
@@ -270,7 +269,7 @@ def test(sample, row, thickness=preparedThickness, law=None, strain=0.04):
 	>>> measured = talik.target.test(packed, row, strain=1e-3)"""
 	if not strain >= 1e-3:
 		raise ValueError(f"strain is {strain!r}; a test needs 1e-3 or more to have a stiffness and a peak")
-	scale = preparedThickness / thickness
+	scale = 1.0 if thickness is None else sample.thickness / thickness
 	tested = sample.copy()
 	if row.iceSaturation > 0:
 		tested.tensileStrengthFactor, tested.shearStrengthFactor = (law or wrapper.IceStrength()).factors(row.temperature, row.rate)
@@ -411,18 +410,18 @@ def _descend(residuals, start, steps):
 # ---- picture --------------------------------------------------------------------------------------------------------------
 
 
-def draw(found, sample, thickness, law=None, strain=0.04):
-	"""Figure: curves of a packed sample of some thickness [m] beside the target of each row, and the front.
+def draw(found, sample, law=None, strain=0.04):
+	"""Figure: curves of a packed sample beside the target of each row, and the front.
 
 	>>> row = talik.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6, "E": 1e8})
 	>>> best = talik.target.Candidate(dict(talik.target.standard), [dict(strength=2e6, E=1e8)])
-	>>> figure = talik.target.draw(talik.target.Fit([row], best, [best], 30, 0.19), packed, thickness=0.1, strain=1e-3)"""
+	>>> figure = talik.target.draw(talik.target.Fit([row], best, [best], 30, 0.19), packed, strain=1e-3)"""
 	panels = len(found.rows) + 1
 	across = min(3, panels)
 	fig = plots.figure(4.2 * across, 3.6 * math.ceil(panels / across))
 	axes = np.ravel(fig.subplots(math.ceil(panels / across), across, squeeze=False))
 	for row, panel in zip(found.rows, axes):
-		_drawRow(panel, row, test(sample, row, thickness, law, strain))
+		_drawRow(panel, row, test(sample, row, law=law, strain=strain))
 	_drawFront(axes[len(found.rows)], found)
 	for unused in axes[panels:]:
 		unused.remove()
