@@ -27,6 +27,7 @@ measured = {12: 0.187, 18: 0.651, 24: math.inf}  # of the surface in a cycle [m]
 flowing = 1.5  # [m]: what has moved so far in one thaw flows; the slope of 18 degrees stopped at half of it
 longest = 60.0  # [s of motion]
 gravity, solid, water = 9.81, 2650.0, 1000.0
+colours = ("C0", "C1", "C3")  # of the slopes
 
 
 @dataclass(frozen=True)
@@ -178,11 +179,11 @@ def tableOf(runs, base, attributes):
 	return lines
 
 
-def draw(runs, base, attributes):
-	figure = plots.figure(11, 4.5 if not attributes else 9)
-	panels = figure.subplots(1 if not attributes else 2, 2, squeeze=False)
-	history, profile = panels[0]
-	for slope, colour in zip(measured, ("C0", "C1", "C3")):
+def draw(runs, base):
+	"""Path of the surface over the days, and over the height at the end."""
+	figure = plots.figure(11, 4.5)
+	history, profile = figure.subplots(1, 2)
+	for slope, colour in zip(measured, colours):
 		run = runs.of(slope, base)
 		history.plot(run["days"], 1e3 * np.array(run["path"]), color=colour, label=f"{slope}°" + (", flows" if flows(run) else ""))
 		profile.plot(1e3 * np.array(run["paths"]), run["heights"], "o-", markersize=3, color=colour, label=f"{slope}°")
@@ -192,28 +193,26 @@ def draw(runs, base, attributes):
 	history.legend(fontsize=8)
 	profile.set(xlabel="path down the slope [mm]", ylabel="height over the base [m]", xscale="symlog", title="at the end, or as it flows")
 	profile.legend(fontsize=8)
-	if attributes:
-		grid = panels[1, 0].get_gridspec()
-		for axes in panels[1]:
-			axes.remove()
-		drawVariations(figure.add_subplot(grid[1, :]), runs, base, attributes)
 	return figure
 
 
-def drawVariations(axes, runs, base, attributes):
+def drawVariations(runs, base, attributes):
+	"""Path of the surface with one assumption changed."""
+	figure = plots.figure(11, 5)
+	axes = figure.subplots()
 	changed = [(attribute, value) for attribute in attributes for value in variations[attribute]]
 	grounds = [base] + [replace(base, **{attribute: value}) for attribute, value in changed]
-	for slope, colour, mark in zip(measured, ("C0", "C1", "C3"), "os^"):
+	for slope, colour, mark in zip(measured, colours, "os^"):
 		found = [runs.of(slope, ground) for ground in grounds]
-		paths = [1e3 * min(run["path"][-1], flowing) for run in found]
-		axes.plot(range(len(found)), paths, mark, color=colour, label=f"{slope}°")
+		axes.plot(range(len(found)), [1e3 * min(run["path"][-1], flowing) for run in found], mark, color=colour, label=f"{slope}°")
 		if measured[slope] < math.inf:
-			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9)
-	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows")
+			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured")
+	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°")
 	labels = ["as assumed"] + [named(*each) for each in changed]
 	axes.set_xticks(range(len(labels)), labels, rotation=40, ha="right", fontsize=8)
-	axes.set(yscale="log", ylabel="path of the surface [mm]", title="one assumption changed; dashed: measured")
-	axes.legend(fontsize=8)
+	axes.set(yscale="log", ylabel="path of the surface [mm]", title="one assumption changed")
+	axes.legend(fontsize=8, loc="lower left", bbox_to_anchor=(1.01, 0))
+	return figure
 
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -234,7 +233,9 @@ gentlest = found[12]
 settled, byHand = gentlest["settlement"][-1], base.thawStrain * gentlest["thawed"]
 print(f"at 12 deg {gentlest['thawed']:.2f} m have thawed and settled by {1e3 * settled:.0f} mm, thaw strain times depth {1e3 * byHand:.0f} mm")
 writeWhole(folder / "table.md", "\n".join(lines) + "\n")
-plots.save(draw(runs, base, options.vary), folder / "centrifuge_slopes.png", dpi=100)
+plots.save(draw(runs, base), folder / "centrifuge_slopes.png", dpi=100)
+if options.vary:
+	plots.save(drawVariations(runs, base, options.vary), folder / "centrifuge_slopes_varied.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",
 	**{

@@ -177,6 +177,7 @@ def _rowOf(path, line, cells, places):
 
 # ---- tests of a sample ----------------------------------------------------------------------------------------------------
 
+usualPressure, usualThickness = 100e3, 0.1  # of talik.rve.prepare [Pa], [m]
 leastPressure = 1e3  # at which a sample that is not confined freezes [Pa]
 
 
@@ -377,7 +378,8 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	from tqdm import tqdm
 
 	names = fitted(rows)
-	sample = rve.pack(rve.prepare(grains=grains, porosity=porosity, ice=True, etaRoll=standard["etaRoll"], cache=cache))
+	pressure = usualPressure * standard["thickness"] / usualThickness  # what a sample of the standard thickness bears at the usual one
+	sample = rve.pack(rve.prepare(grains=grains, porosity=porosity, pressure=pressure, ice=True, etaRoll=standard["etaRoll"], cache=cache))
 	wanted = sorted({name for row in rows for name in row.wanted}, key=quantities.index)
 	candidates = []
 	aims = [{}] + ([{name: 5.0} for name in wanted] if len(wanted) > 1 else [])
