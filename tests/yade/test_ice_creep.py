@@ -2,13 +2,14 @@
 """Creep of ice bonds: the rate factor, one bond, packed and open samples, an ordinary scene, points of a ground."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
 from yade import Matrix3, O, utils, wrapper
 
 import talik
-from talik import rve
+from talik import calibrate, creep, rve
 
 radius, young, depth = 5e-3, 3.6e9, 0.1  # E_c at full ice saturation
 day = 86400.0
@@ -157,8 +158,8 @@ def test_packed_samples_creep_as_open_ones_to_1e9_over_500_steps(frozen):
 	for sample in (frozen, opened, start):
 		sample.minSteps = 20
 	for k in range(24):
-		creep = law.over(-5, {2: 3.0, 3: 1.0}[dimension] * (k % 3))  # a call of no time among them
-		one, other = frozen.apply(shear[dimension], 1, creep), opened.apply(shear[dimension], 1, creep)
+		crept = law.over(-5, {2: 3.0, 3: 1.0}[dimension] * (k % 3))  # a call of no time among them
+		one, other = frozen.apply(shear[dimension], 1, crept), opened.apply(shear[dimension], 1, crept)
 		start.apply(shear[dimension], 1)
 		assert one["steps"] == other["steps"]
 		steps += one["steps"]
@@ -200,6 +201,45 @@ def test_thawed_grains_do_not_creep(sampleCache):
 	thawed.apply(shear[2], 0)
 	other.apply(shear[2], 0, wrapper.IceCreep().over(-1, day))
 	assert np.abs(np.subtract(thawed.stress, other.stress)).max() < 1e-3 * np.abs(thawed.stress).max(), "two more steps at rest are all"
+
+
+@pytest.mark.parametrize("exponent, rateFactor", [(2.0, 1e-17), (3.0, 3.5e-25), (4.0, 1e-32)])
+def test_the_exponent_of_a_samples_secondary_creep_is_that_of_its_bonds_within_five_per_cent(exponent, rateFactor, sampleCache):
+	frozen, law = creep.frozenSamples(realisations=2, cache=sampleCache), wrapper.IceCreep(exponent=exponent, rateFactor=rateFactor)
+	for load in creep.steady:
+		stresses, tests = (50e3, 100e3, 200e3), []
+		for stress in stresses:
+			tests.append([creep.creepTest(sample, law, load, stress, relaxed=0.1) for sample in frozen])
+		rates = np.array([[test.secondaryRate() for test in row] for row in tests])
+		found = np.polyfit(np.log(stresses), np.log(rates), 1)[0]
+		error = max(test.error for row in tests for test in row)
+		print(f"\n{load}: exponents {np.round(found, 3)} of two samples, {exponent:g} of their bonds; stress held to {100 * error:.1f} %", end="")
+		assert found == pytest.approx(exponent, rel=0.05) and error < 0.02
+
+
+def test_rates_of_samples_follow_the_rate_factor_over_temperature(sampleCache):
+	(frozen,), law = creep.frozenSamples(realisations=1, cache=sampleCache), wrapper.IceCreep()
+	rates = [creep.creepTest(frozen, law, "tension", 100e3, temperature, relaxed=0.1).secondaryRate() for temperature in (-2, -20)]
+	ratio = recommended[-2] / recommended[-20]
+	print(f"\nrate at -2 over that at -20 degC {rates[0] / rates[1]:.2f}; Cuffey & Paterson 2010 {ratio:.2f}")
+	assert rates[0] / rates[1] == pytest.approx(ratio, rel=0.05)
+
+
+def test_shorter_calls_bring_the_rate_of_a_sample_to_a_limit_slow(sampleCache):
+	(frozen,), law = creep.frozenSamples(realisations=1, cache=sampleCache), wrapper.IceCreep()
+	rates = [creep.creepTest(frozen, law, "shear", 100e3, relaxed=relaxed).secondaryRate() for relaxed in (0.04, 0.02, 0.01, 0.005)]
+	changes = np.diff(rates) / rates[-1]
+	print(f"\nrates {', '.join(f'{rate:.3e}' for rate in rates)} 1/s with calls half as long each time: {', '.join(f'{100 * c:+.1f} %' for c in changes)}")
+	assert (np.diff(np.abs(changes)) < 0).all() and abs(changes[-1]) < 0.05
+
+
+def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
+	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--creep", "--grains", "60", "--realisations", "1", "--output", str(tmp_path)])
+	calibrate.main()
+	said, written = capsys.readouterr().out, (tmp_path / "creep.md").read_text()
+	assert written.strip() in said and len(written.splitlines()) == 3 + 2 * len(creep.stresses)
+	assert (tmp_path / "creep.png").stat().st_size > 10_000
 
 
 # ---- an ordinary scene ----------------------------------------------------------------------------------------------------
@@ -340,9 +380,9 @@ def test_impossible_times_temperatures_and_creep_are_refused_where_they_are_give
 		wrapper.CreepingBonds(timeScale=-1)
 	with pytest.raises(ValueError, match="CreepingBonds.temperature is"):
 		wrapper.CreepingBonds(temperature=math.nan)
-	for creep in ((-1e-20, 3), (1e-20, 0.5), (1e-20,), (math.nan, 3), 5, "text"):
+	for wrong in ((-1e-20, 3), (1e-20, 0.5), (1e-20,), (math.nan, 3), 5, "text"):
 		with pytest.raises(ValueError, match="RveSample.apply: creep is .*: give what IceCreep.over"):
-			packed.apply(Matrix3.Zero, 1, creep)
+			packed.apply(Matrix3.Zero, 1, wrong)
 	O.reset()
 	with pytest.raises(ValueError, match="RveSkeleton.creepInterval is -1.*: give a calendar time"):
 		block(packed, iceCreep=law, creepInterval=-1)
