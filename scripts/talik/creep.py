@@ -153,7 +153,7 @@ class CreepTable:
 				ofStrain.plot(100 * 0.5 * (ends[1:] + ends[:-1]), rates, color=colour, linewidth=0.9, label=load if test is tests[0] else None)
 		ofStrain.axvspan(*(100 * end for end in secondary), color="0.88", label="taken as secondary")
 		ofStrain.set(yscale="log", xlabel="strain [%]", ylabel=r"rate over $A(T)\,\sigma^n$ of a bond [-]", title=f"under {1e-3 * stress[shown]:g} kPa")
-		ofStrain.legend(frameon=False, fontsize=8)
+		ofStrain.legend(frameon=False, fontsize=8, loc="center", bbox_to_anchor=(0.36, 0.62))
 		return fig
 
 
