@@ -119,6 +119,7 @@ _submodules = (
 	"bodies",
 	"calibrate",
 	"checkpoint",
+	"creep",
 	"files",
 	"geometry",
 	"layers",
