@@ -136,6 +136,7 @@ _submodules = (
 	"slope",
 	"solids",
 	"tables",
+	"target",
 	"thermal",
 	"weather",
 )
