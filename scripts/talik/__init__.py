@@ -122,6 +122,7 @@ _submodules = (
 	"files",
 	"geometry",
 	"layers",
+	"movie",
 	"output",
 	"packing",
 	"plots",
