@@ -7,6 +7,7 @@
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
+	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
 	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.target
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
@@ -28,7 +29,7 @@ import time
 import numpy as np
 from yade import Matrix3, wrapper
 
-from talik import packing, plots, rve
+from talik import creep, packing, plots, rve
 from talik.files import writableFolder, writeWhole
 
 iceSaturations = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
@@ -563,8 +564,9 @@ def main():
 	)
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
 	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
+	parser.add_argument("--creep", action="store_true", help="rate of creep of frozen samples over stress instead: table, picture")
+	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8), --rolling or --creep (3)")
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
-	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8) or --rolling (3)")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
@@ -586,6 +588,11 @@ def main():
 		tables = strengthTable(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=told)
 		writeWhole(folder / "strength.md", "\n".join(lines) + "\n")
 		print(plots.save(drawStrength(*tables), folder / "strength.png"))
+		return
+	if options.creep:
+		table = creep.creepTable(creep.frozenSamples((options.grains or (100,))[0], options.realisations or 3), told=told)
+		writeWhole(folder / "creep.md", "\n".join(lines) + "\n")
+		print(plots.save(table.draw(), folder / "creep.png"))
 		return
 	if options.rolling:
 		table = rollingFriction((options.grains or (200,))[0], realisations=options.realisations or 3, told=told)
