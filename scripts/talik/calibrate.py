@@ -23,11 +23,11 @@ import argparse
 import dataclasses
 import json
 import math
-import shutil
 import time
 
 import numpy as np
-from yade import Matrix3, wrapper
+import talik
+from yade import Matrix3, O, wrapper
 
 from talik import creep, packing, plots, rve
 from talik.files import writableFolder, writeWhole
@@ -606,20 +606,20 @@ def main():
 
 
 def _toTarget(path, grains, folder, told):
-	"""Fits a sample to a target, prepares it anew with the parameters that were found, tests it; picture, sample file and its parameters."""
+	"""Fits a sample to a target and tests it once more; picture, sample file, parameters for further realisations."""
 	from talik import target
 
 	rows = target.read(path)
 	found = target.fit(rows, grains)
 	told(found.report())
-	sample = rve.prepare(**found.parameters())
-	packed = rve.pack(sample)
-	anew = target.Candidate(found.best.parameters, [target.test(packed, row).values for row in rows])
-	off = ", ".join(f"{name} {factor:.2f}" for name, factor in anew.misfits(rows).items())
-	told(f"\nThe sample of the file, prepared anew, is off by a factor of: {off}")
-	shutil.copy(sample.path, folder / "sample.yade.gz")
+	sample = found.sample()
+	alone = target.Candidate(found.best.parameters, [target.test(sample, row).values for row in rows])
+	off = ", ".join(f"{name} {factor:.2f}" for name, factor in alone.misfits(rows).items())
+	told(f"\nThe sample of the file is off by a factor of: {off}")
+	with talik.inspect(sample.open()):
+		O.save(str(folder / "sample.yade.gz"))
 	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
-	picture = plots.save(target.draw(found, packed), folder / "target.png", dpi=100)
+	picture = plots.save(target.draw(found, sample), folder / "target.png", dpi=100)
 	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
 
 

@@ -3,7 +3,8 @@
 
 	rows = talik.target.read("soil.csv")
 	found = talik.target.fit(rows, grains=100)
-	sample = talik.rve.prepare(**found.parameters())
+	sample = found.sample()
+	several = talik.rve.prepare(**found.parameters(), realisations=8)
 	scripts/calibrate --target soil.csv       # the same as a command: table, picture, sample file
 
 A row of the target is one test: S_i, temperature, rate, confinement, and what was measured, E, strength, tension, phi; cells may be empty.
@@ -336,8 +337,19 @@ class Fit:
 	porosity: float
 
 	def parameters(self):
-		"""Keyword arguments of talik.rve.prepare for the best candidate."""
+		"""Keyword arguments of talik.rve.prepare for further realisations of the best candidate."""
 		return dict(self.best.parameters, grains=self.grains, porosity=self.porosity, ice=True)
+
+	def sample(self, cache=True):
+		"""The best candidate itself: a packed, ice-free sample of its thickness at 100 kPa."""
+		parameters = dict(self.best.parameters)
+		thickness = parameters.pop("thickness")
+		with talik.inspect(altered(_unfitted(self.grains, self.porosity, cache), **parameters).open()) as scene:
+			O.tags["thickness"] = repr(float(thickness))
+			sample = wrapper.RveSample.fromScene(scene)
+		if not sample.servo(-usualPressure, -usualPressure):
+			raise RuntimeError(f"the sample of {thickness:g} m does not reach {usualPressure:g} Pa; choose more grains")
+		return sample
 
 	def front(self):
 		"""Pareto: candidates than which no other is as good in all quantities and better in one."""
@@ -378,8 +390,7 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	from tqdm import tqdm
 
 	names = fitted(rows)
-	pressure = usualPressure * standard["thickness"] / usualThickness  # what a sample of the standard thickness bears at the usual one
-	sample = rve.pack(rve.prepare(grains=grains, porosity=porosity, pressure=pressure, ice=True, etaRoll=standard["etaRoll"], cache=cache))
+	sample = _unfitted(grains, porosity, cache)
 	wanted = sorted({name for row in rows for name in row.wanted}, key=quantities.index)
 	candidates = []
 	aims = [{}] + ([{name: 5.0} for name in wanted] if len(wanted) > 1 else [])
@@ -400,6 +411,12 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 			best = min(candidates, key=lambda candidate: sum(log**2 for _, log in candidate.logs(rows)))
 			start = np.array([1 + ranges[name].partOf(best.parameters[name]) for name in names])
 	return Fit(rows, best, candidates, grains, porosity)
+
+
+def _unfitted(grains, porosity, cache):
+	"""Packed sample that is fitted: it bears what one of the standard thickness bears at the usual pressure."""
+	pressure = usualPressure * standard["thickness"] / usualThickness
+	return rve.pack(rve.prepare(grains=grains, porosity=porosity, pressure=pressure, ice=True, etaRoll=standard["etaRoll"], cache=cache))
 
 
 def _descend(residuals, start, steps):
