@@ -202,9 +202,9 @@ def drawVariations(runs, base, attributes):
 	axes = figure.subplots()
 	changed = [(attribute, value) for attribute in attributes for value in variations[attribute]]
 	grounds = [base] + [replace(base, **{attribute: value}) for attribute, value in changed]
-	for slope, colour, mark in zip(measured, colours, "os^"):
+	for slope, colour, mark, beside in zip(measured, colours, "os^", (-0.2, 0, 0.2)):
 		found = [runs.of(slope, ground) for ground in grounds]
-		axes.plot(range(len(found)), [1e3 * min(run["path"][-1], flowing) for run in found], mark, color=colour, label=f"{slope}°")
+		axes.plot(beside + np.arange(len(found)), [1e3 * min(run["path"][-1], flowing) for run in found], mark, color=colour, label=f"{slope}°")
 		if measured[slope] < math.inf:
 			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured")
 	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°")
