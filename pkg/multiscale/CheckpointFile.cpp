@@ -29,19 +29,27 @@ namespace {
 	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
 
 	/// A step that has only begun is written as not begun; in a periodic scene the cell has moved already, there it stays begun.
+	/// The measured speed of the run is left out: equal states give equal files.
 	class BetweenSteps {
 	public:
 		explicit BetweenSteps(Scene& s)
 		        : scene(s)
-		        , before(s.subStep)
+		        , subStep(s.subStep)
+		        , speed(s.speed)
 		{
 			if (!s.isPeriodic && !s.subStepping) s.subStep = -1;
+			s.speed = 0;
 		}
-		~BetweenSteps() { scene.subStep = before; }
+		~BetweenSteps()
+		{
+			scene.subStep = subStep;
+			scene.speed   = speed;
+		}
 
 	private:
-		Scene&    scene;
-		const int before;
+		Scene&           scene;
+		const int        subStep;
+		const yade::Real speed;
 	};
 
 	// ---- classes --------------------------------------------------------------------------------------------------------

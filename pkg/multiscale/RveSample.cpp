@@ -103,6 +103,7 @@ shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 		        + " of a radius, which no sample survives: move them apart, or let them come to rest first.");
 	const auto frame = talik::copyScene(scene);
 	frame->interactions->clear(); // the state has them
+	frame->speed       = 0;       // steps per second of wall time: equal samples are to have equal bytes
 	sample->sceneBytes = talik::sceneToBytes(frame);
 	return sample;
 }

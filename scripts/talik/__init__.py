@@ -123,6 +123,7 @@ _submodules = (
 	"files",
 	"geometry",
 	"layers",
+	"movie",
 	"output",
 	"packing",
 	"plots",
@@ -136,6 +137,7 @@ _submodules = (
 	"slope",
 	"solids",
 	"tables",
+	"target",
 	"thermal",
 	"weather",
 )

@@ -8,6 +8,7 @@ calls them inside a scene of its own. Stresses are in Pa, tension positive.
 """
 
 import math
+import random
 from dataclasses import dataclass
 
 import numpy as np
@@ -288,8 +289,9 @@ def fillCloud(grains, friction, seed):
 	if grains.depth is not None:
 		O.tags["thickness"] = repr(grains.thickness)
 	O.materials.append(grains.material(friction))
+	dice = random.Random(seed)  # YADE's own colours differ from run to run
 	for centre, radius in _cloud(grains, side, seed):
-		O.bodies.append(_grain(centre, radius, grains))
+		O.bodies.append(_grain(centre, radius, grains, colour=[dice.random() for _ in range(3)]))
 	O.engines = grains.engines()
 	O.dt = grains.timeStep
 
@@ -326,8 +328,8 @@ def _cloud(grains, side, seed):
 	return list(spheres)
 
 
-def _grain(centre, radius, grains):
-	body = utils.sphere(centre, radius, material="grain")
+def _grain(centre, radius, grains, colour=None):
+	body = utils.sphere(centre, radius, material="grain", color=colour)
 	if grains.dimension == 3:
 		return body
 	body.state.mass = grains.density * math.pi * radius**2 * grains.cellDepth

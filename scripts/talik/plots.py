@@ -159,6 +159,32 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 	return fig
 
 
+def slopeFilm(fig, frames, field, watched=None, limits=(None, None)):
+	"""Makes axes and colour bar for pictures of one slope at many times; returns the function that draws a frame in place of the one before.
+
+	frames, watched as in slopeHistory; limits (lowest, highest) value of the colours, None: from all frames. See talik.movie.
+
+	>>> frames = talik.output.Frames(mpm, times=[0])
+	>>> frames.take()
+	>>> draw = talik.plots.slopeFilm(talik.plots.figure(6, 4), frames.frames, "displacement")
+	>>> draw(frames.frames[0])"""
+	label, colourMap, usual = slopeFields.get(field, (field, "viridis", (None, None)))
+	given = [mine if mine is not None else common for mine, common in zip(limits, usual)]
+	limits = _sharedLimits([frame[field] for frame in frames], given)
+	axes, everything = fig.subplots(), np.vstack([frame["position"] for frame in frames])
+	drawn = _slopePanel(axes, frames[0], field, colourMap, limits, None)
+	fig.colorbar(drawn, ax=axes, label=label, location="bottom", shrink=0.85, aspect=40)
+
+	def draw(frame):
+		axes.clear()
+		_slopePanel(axes, frame, field, colourMap, limits, _placesOf(watched, frame))
+		axes.set(xlabel="x [m]", ylabel="y [m]")
+		axes.set_title(timeLabel(frame["time"], frame.get("day")), loc="left", fontsize=10)
+		metricAxes(axes, everything)
+
+	return draw
+
+
 def historyHeight(frames):
 	"""Height of slopeHistory [inch] at its usual width of 4.2 for each field.
 

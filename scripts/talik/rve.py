@@ -293,11 +293,18 @@ def _cached(parameters, cache, make):
 	with talik.scratchScene():
 		extra = make()
 		sample = _measured(str(scene), {**parameters, **extra})
+		_forgetWhenItWasMade(key)
 		content = gzip.compress(O.sceneToString(), 6, mtime=0)
 		writeWhole(scene, content)
 	values = dataclasses.asdict(sample)
 	writeWhole(sheet, json.dumps({**values, "seal": _seal(values, content)}, indent="\t"))
 	return _fromSheet(sheet, scene, parameters)  # the same whether it was made or found
+
+
+def _forgetWhenItWasMade(name):
+	"""What a ground keeps of the scene depends on the sample alone, whoever made it."""
+	for tag in ("isoTime", "id", "d.id", "id.d"):
+		O.tags[tag] = name
 
 
 def _seal(values, content):

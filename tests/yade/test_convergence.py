@@ -126,7 +126,7 @@ def test_a_study_that_was_stopped_goes_on_with_the_rows_that_it_lacks(toyStudy, 
 	assert all(one not in toyStudy[:k] for k, one in enumerate(toyStudy))
 
 
-def test_a_calendar_that_takes_too_long_ends_and_the_page_says_so(smallStudy, tmp_path, monkeypatch):
+def test_a_calendar_that_takes_too_long_ends_and_the_page_says_so_slow(smallStudy, tmp_path, monkeypatch):
 	monkeypatch.setattr(convergence, "motionAllowed", 0.75)  # of the 0.2 s that two days take
 	page = pageIn(tmp_path)
 	assert convergencecommand.main(["--quick", "--case", "surface", "--output", str(tmp_path), "--write", str(page)]) == 0

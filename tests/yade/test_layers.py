@@ -76,8 +76,9 @@ def test_only_the_ice_rich_layer_settles_and_by_its_thaw_strain():
 	assert (mpm.field("thawStrainReleased")[layers["clay"]] == 0).all()
 
 
-def test_ice_rich_ground_settles_with_samples_too(draftSample):
-	mpm = ground(skeleton=wrapper.RveSkeleton(samples=[talik.rve.pack(draftSample)]), heat=wrapper.HeatTransfer(thermalTimeScale=4e6))
+def test_ice_rich_ground_settles_with_samples_too(sampleCache):
+	sample = talik.rve.pack(talik.rve.prepare(grains=40, cache=sampleCache))
+	mpm = ground(skeleton=wrapper.RveSkeleton(samples=[sample]), heat=wrapper.HeatTransfer(thermalTimeScale=4e6))
 	outline = rectangle(0, 0, 0.1, 1)
 	talik.layers.fill(mpm, {"ice-rich": dict(polygon=outline, temperature=-1, porosity=0.6, material=Material(thawStrain=0.35))})
 	talik.slope.settle(mpm, outline)

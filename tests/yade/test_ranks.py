@@ -119,13 +119,11 @@ def test_a_blow_up_stops_all_ranks_after_the_same_step_with_the_same_sentence(al
 
 def test_a_checkpoint_of_two_ranks_has_the_bytes_of_one_and_one_rank_goes_on_with_it(alone, pair, sampleCache, tmp_path):
 	files = [(folder / "ground.checkpoint").read_bytes()[4096:] for folder in (alone[0], pair[0])]
-	other = [place for place, (a, b) in enumerate(zip(*files)) if a != b]
-	speed = 8  # bytes of Scene.speed, steps per second of wall time
-	print(f"checkpoints of {len(files[0])} and {len(files[1])} bytes; {len(other)} differ, all in the {speed} of the measured speed of the scene")
+	print(f"checkpoints of {len(files[0])} and {len(files[1])} bytes; {sum(a != b for a, b in zip(*files))} differ")
 	shutil.copy(pair[0] / "ground.checkpoint", tmp_path)
 	states, *_ = played(tmp_path, sampleCache, ["resumed"], 1)
 	assert differing({"resumed": alone[1]["checkpoint"]}, states) == 0
-	assert len(files[0]) == len(files[1]) and max(other, default=0) - min(other, default=0) < speed
+	assert files[0] == files[1]
 
 
 def test_three_ranks_with_two_threads_each_have_the_bits_of_one_slow(alone, sampleCache, tmp_path):
@@ -273,7 +271,7 @@ def test_an_exception_on_one_rank_ends_all_with_its_message(tmp_path, sampleCach
 	assert "rank 1: ValueError: there is no such slope" in said and "Talik: rank 1 failed; all 2 ranks end." in said
 
 
-@pytest.mark.parametrize("rank", [0, 1])
+@pytest.mark.parametrize("rank", [pytest.param(0, id="0_slow"), 1])
 def test_a_rank_that_is_killed_ends_the_job(rank, tmp_path, sampleCache):
 	process = endlessRun(tmp_path, sampleCache)
 	ranks = pids(tmp_path, process)
@@ -302,7 +300,7 @@ def test_ctrl_c_ends_the_job(tmp_path, sampleCache):
 		("mpm.damping = 0.9 + 1e-12 * talik.ranks.rank", "The ground of rank 1"),
 		("O.run(1 + talik.ranks.rank, True); raise SystemExit", "The ranks of this job do different things: rank 0"),
 	],
-	ids=["another setting", "another number of steps"],
+	ids=["another setting_slow", "another number of steps"],
 )
 def test_ranks_whose_scripts_differ_are_refused_by_name(how, part, tmp_path, sampleCache):
 	process = endlessRun(tmp_path, sampleCache, after=how)
@@ -329,13 +327,18 @@ def refusal(command, part):
 	return sentence
 
 
-def test_ranks_with_different_scripts_or_arguments_are_refused_by_name_at_the_start(tmp_path):
+def test_ranks_with_different_scripts_are_refused_by_name_at_the_start(tmp_path):
 	one, other = tmp_path / "slope.py", tmp_path / "flat.py"
 	one.write_text("import talik\n")
 	other.write_text("import talik  # another\n")
 	sentence = refusal(twoPrograms(one, other), "another script")
 	assert re.search(r"rank 1 on .* runs another script, or has other arguments, \(flat.py \w{12}\) than rank 0 on .* \(slope.py \w{12}\)", sentence)
-	assert "rank 1 on" in refusal([*twoPrograms(one), "--steeper"], "another script")
+
+
+def test_ranks_with_different_arguments_are_refused_by_name_at_the_start_slow(tmp_path):
+	script = tmp_path / "slope.py"
+	script.write_text("import talik\n")
+	assert "rank 1 on" in refusal([*twoPrograms(script), "--steeper"], "another script")
 
 
 def test_ranks_whose_mathematical_functions_differ_are_refused_by_name_at_the_start(tmp_path):

@@ -37,6 +37,7 @@ def test_a_realisation_is_the_sample_that_its_seed_gives_alone_made_here_or_by_a
 	alone = rve.prepare(**settings, seed=1004, cache=tmp_path)
 	one, other = rve.pack(alone), rve.pack(several[1])
 	assert one.stateBytes == other.stateBytes
+	assert talik._talik.sceneBytes(one.open()) == talik._talik.sceneBytes(other.open())  # colours, tags, speed of the run, too
 
 
 def test_realisations_in_the_cache_are_not_made_again_and_lacking_ones_are(several, folder, monkeypatch):
