@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Creep of ice bonds: the rate factor, one bond, packed and open samples, an ordinary scene, points of a ground."""
 
+import json
 import math
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -422,3 +425,14 @@ def test_a_hanging_frozen_column_stretches_at_the_speed_of_glens_law_slow(sample
 	wanted = ofSample * (density * 9.81) ** 3 / 4 * (length**4 - below**4)
 	print(f"\nend of a column of 4 m: {speed:.3e} m/s, closed form {wanted:.3e} m/s ({100 * (speed / wanted - 1):+.1f} %)")
 	assert speed == pytest.approx(wanted, rel=0.1)
+
+
+def test_the_frozen_slope_of_the_examples_creeps_at_the_speed_of_glens_infinite_slope_slow(tmp_path):
+	example = Path(__file__).resolve().parents[2] / "examples" / "creeping_slope.py"
+	run = subprocess.run(
+		["yade", "-n", "-x", str(example), "--preset", "test", "--output", str(tmp_path)], capture_output=True, text=True, timeout=600, check=False
+	)
+	assert (tmp_path / "summary.json").exists() and (tmp_path / "creeping_slope.png").stat().st_size > 10_000, run.stdout + run.stderr
+	summary = json.loads((tmp_path / "summary.json").read_text())
+	print(f"\n{summary}")
+	assert summary["speed [m/year]"] == pytest.approx(summary["by hand [m/year]"], rel=0.1)
