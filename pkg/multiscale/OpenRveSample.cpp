@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/BondCreepOfScript.hpp>
 #include <pkg/multiscale/OpenRveSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 
@@ -15,7 +16,7 @@ talik::OpenSample& OpenRveSample::sample() const
 	return *running;
 }
 
-py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
+py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation, const py::object& creep)
 {
 	if (!(iceSaturation >= 0 && iceSaturation <= 1))
 		throw std::invalid_argument(
@@ -25,6 +26,7 @@ py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSatu
 	options.maxStrainPerStep  = maxStrainPerStep;
 	options.minSteps          = minSteps;
 	options.strength          = { tensileStrengthFactor, shearStrengthFactor };
+	options.creep             = bondCreep("OpenRveSample.apply", creep);
 	talik::forbidRedirection();
 	sample().keepState();
 	const auto result = sample().apply(displacementGradient, iceSaturation, options);

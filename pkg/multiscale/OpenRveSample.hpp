@@ -10,7 +10,7 @@ class OpenRveSample : public Serializable {
 public:
 	virtual ~OpenRveSample() {};
 
-	::boost::python::dict apply(const Matrix3r& displacementGradient, Real iceSaturation);
+	::boost::python::dict apply(const Matrix3r& displacementGradient, Real iceSaturation, const ::boost::python::object& creep = ::boost::python::object());
 	bool                  flip(Real skew);
 	void                  freeze(Real iceSaturation);
 	Matrix3r              stress() const { return sample().stress(); }
@@ -39,8 +39,10 @@ public:
 		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0."))
 		,/*ctor*/ ,
 		/*py*/
-		.def("apply",&OpenRveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = "
-				"(1+displacementGradient) F_old (3x3) and bring the ice saturation of IceBondMat to its target; history is kept. Returns a dictionary: stress (Matrix3) "
+		.def("apply",&OpenRveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation"),
+				::boost::python::arg("creep")=::boost::python::object()),"Apply F_new = "
+				"(1+displacementGradient) F_old (3x3) and bring the ice saturation of IceBondMat to its target; history is kept. creep: what "
+				"IceCreep.over(temperature,time) returns; before the motion ice bonds relax by it. Returns a dictionary: stress (Matrix3) "
 				"[Pa], steps, flipped, blewUp, reason.")
 		.def("flip",&OpenRveSample::flip,(::boost::python::arg("skew")=0.5),"Replace a skewed cell by its shortest equivalent; nothing physical changes. True if it "
 				"was skewed.")

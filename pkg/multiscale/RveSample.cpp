@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/BondCreepOfScript.hpp>
 #include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/RveSample.hpp>
 #include <pkg/multiscale/SampleStore.hpp>
@@ -130,19 +131,21 @@ namespace {
 	}
 } // namespace
 
-py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation)
+py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation, const py::object& creep)
 {
 	requireSaturation("RveSample.apply", iceSaturation);
-	return dimension() == 2 ? applied<2>(displacementGradient, iceSaturation) : applied<3>(displacementGradient, iceSaturation);
+	const talik::BondCreep given = bondCreep("RveSample.apply", creep);
+	return dimension() == 2 ? applied<2>(displacementGradient, iceSaturation, given) : applied<3>(displacementGradient, iceSaturation, given);
 }
 
-template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradient, Real iceSaturation)
+template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradient, Real iceSaturation, const talik::BondCreep& creep)
 {
 	talik::PackedUpdateOptions options;
 	options.maxInertialNumber = maxInertialNumber;
 	options.maxStrainPerStep  = maxStrainPerStep;
 	options.minSteps          = minSteps;
 	options.strength          = { tensileStrengthFactor, shearStrengthFactor };
+	options.creep             = creep;
 	PackedSample<Dim> sample(packed<Dim>());
 	const auto        result = sample.apply(part<Dim>(displacementGradient), iceSaturation, options);
 	if (!result.blewUp) setPacked(sample.state());

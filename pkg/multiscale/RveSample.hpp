@@ -21,10 +21,10 @@ public:
 	/// Takes over what was done to an opened scene.
 	void repack(const shared_ptr<Scene>&);
 
-	::boost::python::dict   apply(const Matrix3r& displacementGradient, Real iceSaturation);
-	void                    advance(const Matrix3r& velGrad, long steps);
-	void                    freeze(Real iceSaturation);
-	bool                    servo(Real stressX, Real stressY, const ::boost::python::object& stressZ);
+	::boost::python::dict apply(const Matrix3r& displacementGradient, Real iceSaturation, const ::boost::python::object& creep = ::boost::python::object());
+	void                  advance(const Matrix3r& velGrad, long steps);
+	void                  freeze(Real iceSaturation);
+	bool                  servo(Real stressX, Real stressY, const ::boost::python::object& stressZ);
 	::boost::python::tuple  stress() const;
 	::boost::python::dict   statistics() const;
 	::boost::python::dict   arrays() const;
@@ -57,7 +57,7 @@ private:
 	template <int Dim> using StatePointer = std::shared_ptr<const talik::PackedState<Dim>>;
 	/// Calls it with the state.
 	template <class Visitor> decltype(auto) withState(Visitor&& visitor) const { return dimension() == 2 ? visitor(packed<2>()) : visitor(packed<3>()); }
-	template <int Dim>::boost::python::dict applied(const Matrix3r& displacementGradient, Real iceSaturation);
+	template <int Dim>::boost::python::dict applied(const Matrix3r& displacementGradient, Real iceSaturation, const talik::BondCreep& creep);
 
 	std::variant<StatePointer<2>, StatePointer<3>> state;
 	string                                         sceneBytes;
@@ -82,8 +82,10 @@ public:
 				"packed.").staticmethod("fromScene")
 		.def("open",&RveSample::open,"A new ordinary YADE scene in the sample's state: bodies, interactions, bonds, engines. See talik.inspect.")
 		.def("repack",&RveSample::repack,(::boost::python::arg("scene")),"Take over the state of an opened scene.")
-		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation")),"Apply F_new = (1+displacementGradient) "
-				"F_old (3x3; of discs the in-plane part) and bring the ice saturation to its target; history is kept. Returns a dictionary: stress as below, "
+		.def("apply",&RveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation"),
+				::boost::python::arg("creep")=::boost::python::object()),"Apply F_new = (1+displacementGradient) "
+				"F_old (3x3; of discs the in-plane part) and bring the ice saturation to its target; history is kept. creep: what "
+				"IceCreep.over(temperature,time) returns; before the motion ice bonds relax by it. Returns a dictionary: stress as below, "
 				"steps, flipped, blewUp, reason.")
 		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, "
 				"DEM time] (3x3; of discs the in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")

@@ -29,6 +29,8 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	s.update.minSteps          = minSteps;
 	s.update.maxRelaxSteps     = maxRelaxSteps;
 	if (iceStrength) s.iceStrength = iceStrength->law();
+	if (iceCreep) s.iceCreep = iceCreep->law();
+	s.creepInterval = creepInterval;
 	return s;
 }
 
@@ -46,6 +48,7 @@ void RveSkeleton::checkScheduling() const
 	require(stressTolerance >= 0, "stressTolerance", stressTolerance, "0 or more");
 	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "a positive number, e.g. 5e-3");
 	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "a positive number, e.g. 1e-5");
+	require(creepInterval >= 0, "creepInterval", creepInterval, "a calendar time in s, 0 or more");
 	require(minSteps >= 1, "minSteps", minSteps, "1 or more");
 	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "0 or more");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
+#include <pkg/icebond/IceCreep.hpp>
 #include <pkg/icebond/IceStrength.hpp>
 #include <pkg/multiscale/OpenStore.hpp>
 #include <pkg/multiscale/PackedStore.hpp>
@@ -109,6 +110,10 @@ public:
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((shared_ptr<IceStrength>,iceStrength,,,"How the strength of the ice bonds follows the temperature of the point and its strain rate in nature's time, that "
 				"of the calendar: motion since the sample was last asked over the time of slow processes since then. None: it is that of the samples."))
+		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the sample was last asked. None: "
+				"they do not."))
+		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is asked at the latest [s], >= 0; 0: in every step. In between its stress "
+				"does not relax."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
 				"changed while running."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "

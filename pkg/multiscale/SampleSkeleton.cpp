@@ -176,7 +176,7 @@ template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const
 	toleranceField  = f.declare(prefix + "strainTolerance", name(), "-", 1);
 	ratioField      = f.declare(prefix + "tangentRatio", name(), "-", 1);
 	tangentField    = f.declare(prefix + "tangent", name(), "Pa", tangentSize<Dim>);
-	if (schedule.iceStrength) timeField = f.declare(prefix + "naturalTime", name(), "s", 1);
+	if (schedule.followsTime()) timeField = f.declare(prefix + "naturalTime", name(), "s", 1);
 	if (accuracy) accuracy->declareFields(f, prefix, name());
 }
 
@@ -218,7 +218,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		a.ratio[place]      = 1;
 		a.tolerance[place]  = schedule.strainTolerance;
 		a.setLastStress(place, start.stress);
-		if (schedule.iceStrength) fields->component(timeField)[place] = 0;
+		if (schedule.followsTime()) fields->component(timeField)[place] = 0;
 		storeStress<Dim>(batch, place, start.stress);
 		if (accuracy) accuracy->begin(place);
 	}
@@ -245,7 +245,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 {
 	const Arrays a = arrays();
 	if (accuracy) accuracy->countStep();
-	if (schedule.iceStrength) passTime(batch);
+	if (schedule.followsTime()) passTime(batch);
 	flagScratch.assign(batch.count, 0);
 	constexpr int piece  = 256;
 	const auto    follow = [&](int k) {
@@ -257,7 +257,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 const Matrix h = a.accumulated(place);
                 a.setAccumulated(place, h + step * (Matrix::Identity() + h));
                 const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
-                if (isDue(a, place, iceSaturation)) flagScratch[k] = 1;
+                if (isDue(a, place, iceSaturation) || (schedule.iceCreep && hasCrept(batch, place))) flagScratch[k] = 1;
                 else predict(batch, place, a);
 	};
 	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
@@ -277,6 +277,20 @@ template <int Dim> void SampleSkeleton<Dim>::passTime(const SkeletonBatch<Dim>& 
 	double* time = fields->component(timeField);
 	for (int k = 0; k < batch.count; k++)
 		time[batch.place[k]] += batch.naturalTime;
+}
+
+/// Whether the bonds of a point's sample have had time to creep.
+template <int Dim> bool SampleSkeleton<Dim>::hasCrept(const SkeletonBatch<Dim>& batch, int place) const
+{
+	const double time = fields->component(timeField)[place];
+	return time > 0 && time >= schedule.creepInterval && !(batch.iceSaturation && batch.iceSaturation[place] == 0);
+}
+
+/// At the temperature of a point, over the time since its sample was asked.
+template <int Dim> BondCreep SampleSkeleton<Dim>::creep(const SkeletonBatch<Dim>& batch, int place) const
+{
+	const IceCreepLaw& law = *schedule.iceCreep;
+	return law.over(batch.temperature ? batch.temperature[place] : law.referenceTemperature, fields->component(timeField)[place]);
 }
 
 /// At the temperature of a point and the largest principal strain rate since its sample was asked.
@@ -304,6 +318,7 @@ std::vector<PackedRequest<Dim>> SampleSkeleton<Dim>::requests(const SkeletonBatc
 		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place),
 		                 batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
 		if (schedule.iceStrength) list.back().strength = strengthFactors(batch, place, list.back().displacementGradient);
+		if (schedule.iceCreep) list.back().creep = creep(batch, place);
 		if (!accuracy) continue;
 		list.back().inertialNumber = accuracy->inertialNumber(place);
 		list.back().compareRates   = accuracy->comparesRates(place);
@@ -349,7 +364,7 @@ template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch
 		a.setLastStress(place, after);
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = asked[r].iceSaturation;
-		if (schedule.iceStrength) fields->component(timeField)[place] = 0;
+		if (schedule.followsTime()) fields->component(timeField)[place] = 0;
 		storeStress<Dim>(batch, place, after);
 	}
 	count.calls += due.size();

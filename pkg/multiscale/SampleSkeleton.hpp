@@ -22,6 +22,10 @@ struct SampleScheduling {
 	PackedUpdateOptions update;
 	/// How the strength of ice bonds follows temperature and strain rate; absent: it is that of the samples.
 	std::optional<IceStrengthLaw> iceStrength;
+	/// How ice bonds creep in nature's time, and after how much of it a sample is asked at the latest [s]; absent: they do not.
+	std::optional<IceCreepLaw> iceCreep;
+	double                     creepInterval = 0;
+	bool                       followsTime() const { return iceStrength || iceCreep; }
 };
 
 /// Sums over all samples since the start.
@@ -109,6 +113,8 @@ private:
 	void                            steer(const SkeletonBatch<Dim>&, int place, double predictionError, const PackedUpdateResult<Dim>&, const Arrays&);
 	void                            flagChanged(const SkeletonBatch<Dim>&);
 	void                            passTime(const SkeletonBatch<Dim>&) const;
+	bool                            hasCrept(const SkeletonBatch<Dim>&, int place) const;
+	BondCreep                       creep(const SkeletonBatch<Dim>&, int place) const;
 	BondStrengthFactors             strengthFactors(const SkeletonBatch<Dim>&, int place, const Matrix& gradient) const;
 	void                            predict(const SkeletonBatch<Dim>&, int place, const Arrays&) const;
 

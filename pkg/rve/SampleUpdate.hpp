@@ -7,9 +7,9 @@
 
 namespace talik {
 
-/// One macroscopic increment on a sample, packed or open: ice at zero velocity gradient, then motion, then relaxation.
+/// One macroscopic increment on a sample, packed or open: ice and its creep at zero velocity gradient, then motion, then relaxation.
 /// A sample offers timeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation, setIceSaturation,
-/// leastStepsOfIce, movingSteps, motionPerStep and unbalancedForce.
+/// leastStepsOfIce, creep, movingSteps, motionPerStep and unbalancedForce.
 template <class Sample> class SampleUpdate {
 	using Matrix = typename Sample::Matrix;
 
@@ -23,6 +23,7 @@ public:
 	{
 		const Matrix remaining = stopMotion(displacementGradient);
 		changeIce(targetIceSaturation);
+		creep();
 		move(remaining);
 		relax();
 	}
@@ -47,6 +48,14 @@ private:
 			sample.setIceSaturation(k == parts ? target : from + (target - from) * double(k) / double(parts));
 			sample.run(std::max(Sample::leastStepsOfIce, options.stepsPerSaturation));
 		}
+	}
+
+	/// Before the motion: what that loads does not relax until the next update.
+	void creep()
+	{
+		if (!sample.hasIce() || !options.creep.acts()) return;
+		sample.creep(options.creep);
+		sample.run(std::max(1l, options.stepsPerSaturation));
 	}
 
 	/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.

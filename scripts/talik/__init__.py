@@ -119,6 +119,7 @@ _submodules = (
 	"bodies",
 	"calibrate",
 	"checkpoint",
+	"creep",
 	"files",
 	"geometry",
 	"layers",
@@ -136,6 +137,7 @@ _submodules = (
 	"slope",
 	"solids",
 	"tables",
+	"target",
 	"thermal",
 	"weather",
 )

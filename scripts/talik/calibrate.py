@@ -7,6 +7,8 @@
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
+	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
+	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.target
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
@@ -21,12 +23,13 @@ import argparse
 import dataclasses
 import json
 import math
+import shutil
 import time
 
 import numpy as np
 from yade import Matrix3, wrapper
 
-from talik import packing, plots, rve
+from talik import creep, packing, plots, rve
 from talik.files import writableFolder, writeWhole
 
 iceSaturations = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
@@ -69,6 +72,11 @@ class BiaxialTest:
 		return float(self.smooth(self.strain)[np.argmax(self.deviator)])
 
 	@property
+	def tension(self):
+		"""Largest axial tension [Pa]; 0 where there is none."""
+		return max(0.0, float(-self.smooth(self.axial).min()))
+
+	@property
 	def residual(self):
 		"""Deviator at the end of the test over that of the peak [-]."""
 		return float(self.deviator[-averaged:].mean() / self.deviator.max())
@@ -84,22 +92,30 @@ class BiaxialTest:
 		return (deviator[k] - deviator[0]) / span * (1 - poisson**2), poisson
 
 
-def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5):
-	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa].
+def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5, lateral=None):
+	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa], under the constant
+	pressure `lateral` [Pa]; default that at which it froze.
 
 	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=0.5, pressure=100e3, strain=2e-4)"""
 	tested = _underPressure(sample, pressure)
 	tested.freeze(iceSaturation)
-	return _drive(tested, iceSaturation, pressure, strain, perCall)
+	return _drive(tested, iceSaturation, pressure if lateral is None else lateral, strain, perCall)
+
+
+def extensionTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
+	"""Extension of an ice-free RveSample, frozen at an isotropic `pressure` [Pa], with the lateral stress let off.
+
+	>>> test = talik.calibrate.extensionTest(packed, iceSaturation=1, strain=2e-4)
+	>>> bool(test.tension > 0)
+	True"""
+	return biaxialTest(sample, iceSaturation, pressure, -strain, perCall, lateral=0.0)
 
 
 def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
 	"""Largest axial tension [Pa] in extension with the lateral stress let off, of a sample frozen at `pressure` [Pa]; 0 without ice.
 
 	>>> tension = talik.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
-	tested = _underPressure(sample, pressure)
-	tested.freeze(iceSaturation)
-	return _largestTension(tested, iceSaturation, strain, perCall)
+	return extensionTest(sample, iceSaturation, pressure, strain, perCall).tension
 
 
 def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
@@ -149,8 +165,7 @@ def _listOf(samples):
 
 
 def _largestTension(tested, iceSaturation, strain, perCall):
-	test = _drive(tested, iceSaturation, 0.0, -strain, perCall)
-	return max(0.0, float(-test.smooth(test.axial).min()))
+	return _drive(tested, iceSaturation, 0.0, -strain, perCall).tension
 
 
 def _largestShearStress(sheared, pressure, strain, perCall):
@@ -549,7 +564,9 @@ def main():
 	)
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
 	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
-	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8) or --rolling (3)")
+	parser.add_argument("--creep", action="store_true", help="rate of creep of frozen samples over stress instead: table, picture")
+	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8), --rolling or --creep (3)")
+	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
@@ -559,6 +576,10 @@ def main():
 		lines.append(line)
 		print(line, flush=True)
 
+	if options.target:
+		_toTarget(options.target, (options.grains or (100,))[0], folder, told)
+		writeWhole(folder / "target.md", "\n".join(lines) + "\n")
+		return
 	if options.scatter:
 		scatter(options.grains or (60, 100, 200, 400), options.realisations or 8, told=told)
 		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
@@ -567,6 +588,11 @@ def main():
 		tables = strengthTable(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=told)
 		writeWhole(folder / "strength.md", "\n".join(lines) + "\n")
 		print(plots.save(drawStrength(*tables), folder / "strength.png"))
+		return
+	if options.creep:
+		table = creep.creepTable(creep.frozenSamples((options.grains or (100,))[0], options.realisations or 3), told=told)
+		writeWhole(folder / "creep.md", "\n".join(lines) + "\n")
+		print(plots.save(table.draw(), folder / "creep.png"))
 		return
 	if options.rolling:
 		table = rollingFriction((options.grains or (200,))[0], realisations=options.realisations or 3, told=told)
@@ -577,6 +603,24 @@ def main():
 	print(result.report())
 	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")
+
+
+def _toTarget(path, grains, folder, told):
+	"""Fits a sample to a target, prepares it anew with the parameters that were found, tests it; picture, sample file and its parameters."""
+	from talik import target
+
+	rows = target.read(path)
+	found = target.fit(rows, grains)
+	told(found.report())
+	sample = rve.prepare(**found.parameters())
+	packed = rve.pack(sample)
+	anew = target.Candidate(found.best.parameters, [target.test(packed, row).values for row in rows])
+	off = ", ".join(f"{name} {factor:.2f}" for name, factor in anew.misfits(rows).items())
+	told(f"\nThe sample of the file, prepared anew, is off by a factor of: {off}")
+	shutil.copy(sample.path, folder / "sample.yade.gz")
+	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
+	picture = plots.save(target.draw(found, packed), folder / "target.png", dpi=100)
+	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
 
 
 def _numbers(text):

@@ -13,7 +13,7 @@ namespace {
 constexpr double day = 86400.0;
 
 struct SlopeRun {
-	double largestScale = 8.64e5, tolerance = 0.01;
+	double largestScale = 2.16e5, tolerance = 0.01;
 };
 
 /// The first event, and what it came to.
@@ -42,6 +42,7 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
 	soil->youngModulus = 10e6, soil->youngModulusFrozen = 50e6;
 	soil->cohesion = 3e3, soil->frictionAngle = 25.0;
+	soil->tensileStrength = 1.5e3; // without any the corner falls grain by grain, and each setting has a first event of its own
 	s.skeletons.push_back(soil);
 	for (const char* side : { "left", "right" })
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
@@ -89,18 +90,20 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 
 } // namespace
 
+// The body that slides first is bounded by rows of points: one more row is a tenth of the day and a fifth of the volume. At four times the
+// largest scale the face slides on day 10.7: 0.2 s that it takes to gain speed are two days there.
 TEST(CalendarOfASlope, HalfTheLargestScaleAndHalfTheToleranceGiveTheSameCalendar_slow)
 {
 	citing("own, 1 x f_T and v_0");
-	const auto whole = thawingFace({}, 40.0);
+	const auto whole = thawingFace({}, 16.0);
 	EXPECT_GT(whole.first.volume, 0.5);
 	for (const bool scale : { true, false }) {
 		SlopeRun run;
 		(scale ? run.largestScale : run.tolerance) *= 0.5;
-		const auto        half = thawingFace(run, 40.0);
+		const auto        half = thawingFace(run, 16.0);
 		const std::string name = std::string("calendar of a thawing face, half of ") + (scale ? "the largest scale" : "the tolerance");
-		expectRelative(name + ": day of the first event", half.first.begin / day, whole.first.begin / day, 5e-2);
-		expectRelative(name + ": volume moved in it [m^2]", half.first.volume, whole.first.volume, 5e-2);
-		expectRelative(name + ": largest displacement after 40 days [m]", half.displaced, whole.displaced, 5e-2);
+		expectRelative(name + ": day of the first event", half.first.begin / day, whole.first.begin / day, 0.1);
+		expectRelative(name + ": volume moved in it [m^2]", half.first.volume, whole.first.volume, 0.2);
+		expectRelative(name + ": largest displacement after 16 days [m]", half.displaced, whole.displaced, 0.1);
 	}
 }

@@ -76,6 +76,7 @@ def test_all_classes_are_registered_and_part_of_yades_families():
 	wanted = {
 		"MpmEngine": "GlobalEngine",
 		"GrainSwelling": "GlobalEngine",
+		"CreepingBonds": "GlobalEngine",
 		"RveSample": "GlobalEngine",
 		"IceBondMat": "FrictMat",
 		"IceBondPhys": "FrictPhys",

@@ -79,6 +79,8 @@ def names(sample, tmp_path, sampleCache, monkeypatch):
 	monkeypatch.chdir(tmp_path)
 	monkeypatch.setenv("XDG_CACHE_HOME", str(sampleCache))
 	packed = talik.rve.pack(sample)
+	frozen = packed.copy()
+	frozen.freeze(1)
 	mpm, elastic = thawingGround(packed), compressedGround()
 	elastic.initialise()
 	O.engines = [mpm]
@@ -93,6 +95,7 @@ def names(sample, tmp_path, sampleCache, monkeypatch):
 		elastic=elastic,
 		sample=sample,
 		packed=packed,
+		frozen=frozen,
 		axes=plots.figure(4, 4).subplots(),
 		folder=str(tmp_path),
 	)

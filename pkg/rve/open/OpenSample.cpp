@@ -4,6 +4,7 @@
 #include <pkg/common/NormShearPhys.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/CreepingBonds.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
@@ -336,6 +337,19 @@ void OpenSample::setIceSaturation(double iceSaturation)
 	for (auto* material : iceMaterials)
 		material->iceSaturation = iceSaturation;
 	if (births && !model.melted(iceSaturation)) bondAll();
+}
+
+void OpenSample::creep(const BondCreep& creep)
+{
+	for (const auto& contact : *scene->interactions) {
+		const auto* phys = contact->isReal() ? dynamic_cast<const IceBondPhys*>(contact->phys.get()) : nullptr;
+		if (!phys) continue;
+		const Body &first = *(*scene->bodies)[contact->id1], &second = *(*scene->bodies)[contact->id2];
+		const auto *a = dynamic_cast<const Sphere*>(first.shape.get()), *b = dynamic_cast<const Sphere*>(second.shape.get());
+		if (!a || !b) continue;
+		const Vector3r branch = second.state->se3.position - first.state->se3.position + scene->cell->hSize * contact->cellDist.cast<Real>();
+		relaxContact(*scene, *contact, a->radius + b->radius - branch.norm() - phys->uRef, creep);
+	}
 }
 
 Matrix3r OpenSample::motionPerStep(const Matrix3r& displacementGradient, long steps) const

@@ -105,6 +105,7 @@ private:
 	long                  movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions&) const;
 	Matrix                motionPerStep(const Matrix& displacementGradient, long steps) const;
 	void                  setIceSaturation(double iceSaturation);
+	void                  creep(const BondCreep&);
 
 	bool        bondPair(yade::Body& first, yade::Body& second);
 	void        checkHealth() const;

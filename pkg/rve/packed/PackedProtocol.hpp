@@ -21,6 +21,9 @@ long movingSteps(
 /// Throws std::invalid_argument on a factor that no strength can have.
 void checkStrength(const BondStrengthFactors& strength);
 
+/// Throws std::invalid_argument on creep that no ice can have.
+void checkCreep(const BondCreep& creep);
+
 /// Throws std::invalid_argument naming the option.
 void checkOptions(const PackedUpdateOptions& options);
 

@@ -128,6 +128,17 @@ void checkOptions(const PackedUpdateOptions& o)
 	positive("pressureFloor", o.pressureFloor);
 	positive("saturationIncrement", o.saturationIncrement);
 	checkStrength(o.strength);
+	checkCreep(o.creep);
+}
+
+void checkCreep(const BondCreep& creep)
+{
+	if (!(creep.fluidity >= 0) || !std::isfinite(creep.fluidity))
+		throw std::invalid_argument(
+		        "packed sample: the rate factor of creep times its time is " + std::to_string(creep.fluidity)
+		        + " Pa^-n; it must be finite and not negative");
+	if (!(creep.exponent >= 1) || !std::isfinite(creep.exponent))
+		throw std::invalid_argument("packed sample: the exponent of creep is " + std::to_string(creep.exponent) + "; it must be 1 or more");
 }
 
 void checkStrength(const BondStrengthFactors& strength)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <memory>
+#include <pkg/icebond/IceCreepLaw.hpp>
 #include <pkg/rve/packed/PackedState.hpp>
 #include <string>
 
@@ -24,6 +25,7 @@ struct PackedUpdateOptions {
 	double              averageOver         = 0;     ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
 	bool                tangent             = false; ///< also return the elastic tangent of the contact network
 	BondStrengthFactors strength {};                 ///< of the ice bonds in this update
+	BondCreep           creep {};                    ///< of the ice bonds in this update, before the motion
 };
 
 /// What an update did.

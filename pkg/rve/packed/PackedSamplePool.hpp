@@ -17,6 +17,7 @@ template <int Dim> struct PackedRequest {
 	/// Also follow the request with finer steps, keep that state, and report by how much the coarser one differs: see rateError.
 	bool                compareRates = false;
 	BondStrengthFactors strength {}; ///< of the ice bonds in this update
+	BondCreep           creep {};    ///< the same
 };
 
 /// Thousands of samples. Samples that were never asked since they were prepared share one state; the first update detaches them.

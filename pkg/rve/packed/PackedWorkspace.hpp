@@ -46,7 +46,9 @@ public:
 	double                iceSaturation() const { return base.iceSaturation; }
 	void                  setIceSaturation(double iceSaturation);
 	/// Of intact ice bonds, from now on and for every state that is loaded.
-	void        setStrengthFactors(const BondStrengthFactors& factors);
+	void setStrengthFactors(const BondStrengthFactors& factors);
+	/// Of the ice bonds, at the overlaps of now.
+	void        creep(const BondCreep& creep);
 	std::size_t bondAll();
 	void        setFriction(double tangent);
 	bool        flip(double skew);

@@ -2,6 +2,7 @@
 // Bonds of ice: their failure, and how they follow ice saturation.
 #include <algorithm>
 #include <cmath>
+#include <pkg/icebond/IceBondCreep.hpp>
 #include <pkg/rve/packed/PackedWorkspaceParts.hpp>
 
 namespace talik {
@@ -109,6 +110,26 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengthFactors(const BondStren
 			setResponse(*lanes, lane);
 }
 
+template <int Dim> void PackedWorkspace<Dim>::creep(const BondCreep& creep)
+{
+	if (!carriesBonds || base.ice.melted(base.iceSaturation)) return;
+	const double young = base.ice.grainYoung * (1 + iceRatio);
+	for (Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->bond.size(); ++lane) {
+			const std::size_t b = lane / 4, l = lane % 4;
+			IceBond&          bond = lanes->bond[lane];
+			if (!bond.hasIceSpring()) continue;
+			const Geometry now      = geometry(*lanes, lane);
+			auto           shear    = laneShear<Dim>(lanes->block[b].shear, l);
+			auto           iceShear = laneShear<Dim>(lanes->ice[b].iceShear, l);
+			const double   area     = base.ice.bondArea(std::min(grains->radius[now.rows.first], grains->radius[now.rows.second]));
+			relaxIce(bond, creep, { stiffness(*lanes, lane, iceRatio), young, area, view.friction, now.overlap }, shear, iceShear);
+			setLaneShear<Dim>(lanes->block[b].shear, l, shear);
+			setLaneShear<Dim>(lanes->ice[b].iceShear, l, iceShear);
+			setResponse(*lanes, lane);
+		}
+}
+
 template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 {
 	if (base.ice.melted(base.iceSaturation) || !base.ice.formsBondsEver()) return 0;
@@ -144,6 +165,8 @@ template void        PackedWorkspace<2>::onBondEvent(void*, PackedBondEvent<2>*)
 template void        PackedWorkspace<2>::setIceSaturation(double);
 template void        PackedWorkspace<2>::setStrengthFactors(const BondStrengthFactors&);
 template void        PackedWorkspace<3>::setStrengthFactors(const BondStrengthFactors&);
+template void        PackedWorkspace<2>::creep(const BondCreep&);
+template void        PackedWorkspace<3>::creep(const BondCreep&);
 template std::size_t PackedWorkspace<2>::bondAll();
 template void        PackedWorkspace<3>::onBondEvent(void*, PackedBondEvent<3>*);
 template void        PackedWorkspace<3>::setIceSaturation(double);

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Silty slopes of 12, 18 and 24 degrees that thaw from their surface, beside the centrifuge tests of Harris, Rea & Davies (2001).
+
+	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …]
+
+Measured at a tenth of the size and ten times gravity, here in nature's size (doi 10.1002/ppp.373): the surface moved by 187 mm in a cycle
+of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope failed as a mudflow. Each slope thaws once here: excess ice that
+has melted does not form again. What the paper's abstract, or another one of the same laboratory, says of the soil is marked as such in
+`Assumptions`; the rest is assumed, and --vary shows what each assumption does. Runs that the folder already holds are not repeated.
+Change the conductivity, the thaw strain or the cohesion first.
+"""
+
+import argparse
+import hashlib
+import json
+import math
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from yade import O
+
+import talik
+from talik import output, plots
+from talik.files import writableFolder, writeWhole
+
+measured = {12: 0.187, 18: 0.651, 24: math.inf}  # of the surface in a cycle [m]; infinite: a mudflow
+flowing = 1.5  # [m]: what has moved so far in one thaw flows; the slope of 18 degrees stopped at half of it
+longest = 60.0  # [s of motion]
+gravity, solid, water = 9.81, 2650.0, 1000.0
+
+
+@dataclass(frozen=True)
+class Assumptions:
+	thickness: float = 0.8  # of the layer that thaws [m]; 0.8 to 0.9 in the same laboratory (Kern-Luetschg & Harris 2008)
+	cohesion: float = 800.0  # [Pa]; least undrained strength of a thawing slope of 12 degrees, 0.8 to 9 kPa (Harris 1995)
+	safetyAt18: float = 1.0  # of the infinite slope of 18 degrees, water flowing along it; 1 or slightly less (the paper): gives the friction angle
+	conductivity: float = 1e-7  # [m/s], assumed
+	thawStrain: float = 0.1  # excess ice [-], assumed
+	porosity: float = 0.45  # assumed
+	young: float = 2e6  # of thawed ground [Pa], assumed
+	surfaceTemperature: float = 10.0  # during the thaw [degC], assumed
+	length: float = 8.0  # between the walls of the box [m], assumed
+	gridSpacing: float = 0.1  # [m]
+
+	@property
+	def density(self):
+		return (1 - self.porosity) * solid + self.porosity * water
+
+	@property
+	def friction(self):
+		"""tan(phi) by the factor of safety of the infinite slope, F = (c + (gamma - gamma_w) z cos^2(b) tan(phi))/(gamma z sin(b) cos(b))."""
+		b, z = math.radians(18), self.thickness / math.cos(math.radians(18))
+		weight = self.density * gravity
+		shear = weight * z * math.sin(b) * math.cos(b)
+		return (self.safetyAt18 * shear - self.cohesion) / ((weight - water * gravity) * z * math.cos(b) ** 2)
+
+	@property
+	def timeScale(self):
+		"""Calendar time over time of motion: seepage is hastened with the thaw up to 0.05 m/s."""
+		return min(5e5, 0.05 / self.conductivity)
+
+
+variations = {
+	"conductivity": (3e-8, 2e-7),
+	"thawStrain": (0.05, 0.2),
+	"cohesion": (400.0, 1200.0, 2000.0),
+	"safetyAt18": (0.9, 1.2),
+	"young": (1e6, 5e6),
+	"surfaceTemperature": (5.0, 20.0),
+	"length": (4.0, 16.0),
+	"gridSpacing": (0.2,),
+}
+units = {"conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
+
+
+def thaw(slope, ground, days):
+	"""One slope [deg] that thaws for some days, in a box that is tilted with it: days, path of the surface down the slope and settlement at
+	mid-length [m], heights and paths of the points there at the end [m], depth thawed [m]."""
+	O.reset()
+	mpm = scene(math.radians(slope), ground)
+	O.engines = [mpm]
+	O.step()
+	mpm.resetDisplacement()
+	start = mpm.field("position")
+	middle = np.abs(start[:, 0] - 0.5 * ground.length) < 0.25 * ground.length
+	surface = middle & (start[:, 1] > ground.thickness - 0.5 * ground.gridSpacing)
+	rows = []
+	while not rows or (rows[-1][0] < days and rows[-1][1] < flowing and O.time < longest):
+		talik.runSerially(300)
+		path = mpm.field("displacement")
+		rows.append((mpm.calendar["day"], path[surface, 0].mean(), -path[surface, 1].mean()))
+	heights = np.unique(start[middle, 1].round(6))
+	paths = [path[middle & (np.abs(start[:, 1] - height) < 1e-6), 0].mean() for height in heights]
+	thawed = ground.thickness * np.mean(mpm.field("iceSaturation")[middle] < 0.02)
+	return dict(zip(("days", "path", "settlement"), np.transpose(rows).tolist())) | dict(heights=heights.tolist(), paths=paths, thawed=float(thawed))
+
+
+def scene(b, ground):
+	h, height = ground.gridSpacing, ground.thickness
+	# the law does not dilate: in simple shear it has the strength sin(phi), which is to be the soil's tan(phi)
+	law = MohrCoulombSkeleton(
+		young=ground.young,
+		youngFrozen=2e7,
+		frictionAngle=math.degrees(math.asin(ground.friction)),
+		cohesion=ground.cohesion,
+		tensileStrength=ground.cohesion / ground.friction,
+		cohesionFrozen=5e5,
+		tensileStrengthFrozen=3e5,
+	)
+	mpm = MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(ground.length, height + 1.6),
+		gravity=(gravity * math.sin(b), -gravity * math.cos(b)),
+		damping=0.1,
+		material=GroundMaterial(name="silt", solidConductivity=2.0, thawStrain=ground.thawStrain),
+		heat=HeatTransfer(thermalTimeScale=ground.timeScale, followsMotion=True, motionTolerance=0.1),
+		freezing=FreezingCurve(width=0.3),
+		water=PoreWater(conductivity=ground.conductivity, referencePorosity=ground.porosity, bulkModulus=5e6),
+		skeleton=law,
+		thawFront=None,
+		boundaries=[
+			RollerBoundary(region="left"),
+			RollerBoundary(region="right"),
+			FixedBoundary(region="bottom"),
+			DrainedBoundary(region="surface"),
+			SurfaceTemperature(region="surface", times=[0, 0.5 * talik.day, talik.day], values=[-2, -2, ground.surfaceTemperature]),
+		],
+	)
+	layer = dict(
+		polygon=talik.geometry.rectangle(0, 0, ground.length, height),
+		porosity=ground.porosity,
+		temperature=-2,
+		pressure=lambda x, y: water * gravity * math.cos(b) * (height - y),
+	)
+	talik.layers.fill(mpm, {"silt": layer}, lateralRatio=0.5)
+	return mpm
+
+
+class Runs:
+	"""Runs of a folder, each kept in a file as soon as it is done."""
+
+	def __init__(self, folder, days):
+		self.folder, self.days = writableFolder(folder), days
+
+	def of(self, slope, ground):
+		settings = dict(slope=slope, days=self.days, **asdict(ground))
+		file = self.folder / f"{hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]}.json"
+		if file.exists():
+			return json.loads(file.read_text())
+		run = thaw(slope, ground, self.days) | dict(settings=settings)
+		writeWhole(file, json.dumps(run))
+		return run
+
+
+def flows(run):
+	return run["path"][-1] >= flowing
+
+
+def said(run):
+	if flows(run):
+		return f"mudflow on day {run['days'][-1]:.0f}"
+	return f"{1e3 * run['path'][-1]:.0f}" + ("" if run["days"][-1] >= run["settings"]["days"] else f" on day {run['days'][-1]:.0f}, still moves")
+
+
+def named(attribute, value):
+	return f"{attribute} {value:g} {units.get(attribute, '')}".strip()
+
+
+def tableOf(runs, base, attributes):
+	"""Lines of the table: path of the surface [mm] at each slope, for the assumptions and with one of them changed."""
+	lines = ["| assumption | 12° | 18° | 24° |", "|---|---|---|---|", "| **measured** | 187 | 651 | mudflow |"]
+	for attribute, value in [(None, None)] + [(attribute, value) for attribute in attributes for value in variations[attribute]]:
+		ground = base if attribute is None else replace(base, **{attribute: value})
+		cells = [said(runs.of(slope, ground)) for slope in measured]
+		lines.append(f"| {'as assumed' if attribute is None else named(attribute, value)} | {' | '.join(cells)} |")
+		print(lines[-1], flush=True)
+	return lines
+
+
+def draw(runs, base, attributes):
+	figure = plots.figure(11, 4.5 if not attributes else 9)
+	panels = figure.subplots(1 if not attributes else 2, 2, squeeze=False)
+	history, profile = panels[0]
+	for slope, colour in zip(measured, ("C0", "C1", "C3")):
+		run = runs.of(slope, base)
+		history.plot(run["days"], 1e3 * np.array(run["path"]), color=colour, label=f"{slope}°" + (", flows" if flows(run) else ""))
+		profile.plot(1e3 * np.array(run["paths"]), run["heights"], "o-", markersize=3, color=colour, label=f"{slope}°")
+		if measured[slope] < math.inf:
+			history.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured, end of a cycle")
+	history.set(xlabel="time [days]", ylabel="path of the surface [mm]", yscale="log", ylim=(1, 2e3), title="24° measured: a mudflow")
+	history.legend(fontsize=8)
+	profile.set(xlabel="path down the slope [mm]", ylabel="height over the base [m]", xscale="symlog", title="at the end, or as it flows")
+	profile.legend(fontsize=8)
+	if attributes:
+		grid = panels[1, 0].get_gridspec()
+		for axes in panels[1]:
+			axes.remove()
+		drawVariations(figure.add_subplot(grid[1, :]), runs, base, attributes)
+	return figure
+
+
+def drawVariations(axes, runs, base, attributes):
+	changed = [(attribute, value) for attribute in attributes for value in variations[attribute]]
+	grounds = [base] + [replace(base, **{attribute: value}) for attribute, value in changed]
+	for slope, colour, mark in zip(measured, ("C0", "C1", "C3"), "os^"):
+		found = [runs.of(slope, ground) for ground in grounds]
+		paths = [1e3 * min(run["path"][-1], flowing) for run in found]
+		axes.plot(range(len(found)), paths, mark, color=colour, label=f"{slope}°")
+		if measured[slope] < math.inf:
+			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9)
+	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows")
+	labels = ["as assumed"] + [named(*each) for each in changed]
+	axes.set_xticks(range(len(labels)), labels, rotation=40, ha="right", fontsize=8)
+	axes.set(yscale="log", ylabel="path of the surface [mm]", title="one assumption changed; dashed: measured")
+	axes.legend(fontsize=8)
+
+
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--preset", default="draft", choices=("test", "draft"), help="size of the job")
+parser.add_argument(
+	"--vary", nargs="*", default=(), choices=tuple(variations), metavar="ASSUMPTION", help=f"of {', '.join(variations)}: runs with other values"
+)
+parser.add_argument("--output", default="output/centrifuge_slopes", help="folder for the results")
+options = parser.parse_args()
+folder = writableFolder(options.output)
+
+base, days = {"test": (Assumptions(gridSpacing=0.2, length=4.0), 12), "draft": (Assumptions(), 45)}[options.preset]
+runs = Runs(folder / "runs", days)
+print(f"friction angle {math.degrees(math.atan(base.friction)):.1f} deg; path of the surface [mm]:")
+lines = tableOf(runs, base, options.vary)
+found = {slope: runs.of(slope, base) for slope in measured}
+gentlest = found[12]
+settled, byHand = gentlest["settlement"][-1], base.thawStrain * gentlest["thawed"]
+print(f"at 12 deg {gentlest['thawed']:.2f} m have thawed and settled by {1e3 * settled:.0f} mm, thaw strain times depth {1e3 * byHand:.0f} mm")
+writeWhole(folder / "table.md", "\n".join(lines) + "\n")
+plots.save(draw(runs, base, options.vary), folder / "centrifuge_slopes.png", dpi=100)
+output.writeSummary(
+	folder / "summary.json",
+	**{
+		"path of the surface [m]": {f"{slope} deg": run["path"][-1] for slope, run in found.items()},
+		"flows": {f"{slope} deg": flows(run) for slope, run in found.items()},
+		"measured [m]": {f"{slope} deg": str(path) for slope, path in measured.items()},
+		"settlement [m]": settled,
+		"settlement by hand [m]": byHand,
+	},
+)
+# a slope that flows is ranked by its day
+ranks = [(flows(run), -run["days"][-1] if flows(run) else run["path"][-1]) for run in found.values()]
+if ranks != sorted(ranks):
+	raise SystemExit("a steeper slope has moved less than a gentler one")
+if not 0.6 * byHand < settled < 1.4 * byHand:
+	raise SystemExit("the slope of 12 deg has not settled by 60 to 140 % of thaw strain times thawed depth")
+print(f"table, picture and summary are in {folder}")

@@ -1,0 +1,396 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Creep of ice bonds: the rate factor, one bond, packed and open samples, an ordinary scene, points of a ground."""
+
+import math
+import sys
+
+import numpy as np
+import pytest
+from yade import Matrix3, O, utils, wrapper
+
+import talik
+from talik import calibrate, creep, rve
+
+radius, young, depth = 5e-3, 3.6e9, 0.1  # E_c at full ice saturation
+day = 86400.0
+
+# Cuffey & Paterson 2010, The Physics of Glaciers, section 3.4.6: recommended rate factors [1/(s Pa^3)] over temperature [degC]
+recommended = {0: 2.4e-24, -2: 1.7e-24, -5: 9.3e-25, -10: 3.5e-25, -15: 2.1e-25, -20: 1.2e-25, -25: 6.8e-26, -30: 3.7e-26, -40: 1.0e-26}
+
+
+def test_rate_factors_are_those_recommended_for_glacier_ice():
+	law = wrapper.IceCreep()
+	error = {temperature: law.rateFactorAt(temperature) / value - 1 for temperature, value in recommended.items()}
+	print("\n" + ", ".join(f"{temperature} degC {100 * e:+.1f} %" for temperature, e in error.items()))
+	assert max(map(abs, error.values())) < 0.05
+	assert law.rateFactorAt(3) == law.rateFactorAt(0)
+
+
+def pair(**material):
+	"""Two discs side by side in a periodic cell: two equal bonds in one line. Frozen."""
+	O.periodic = True
+	O.cell.hSize = Matrix3(4 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, depth)
+	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650, **material))
+	for x in (radius, 3 * radius):
+		O.bodies.append(utils.sphere((x, 5 * radius, 0.5 * depth), radius, material=0))
+		O.bodies[-1].state.blockedDOFs = "zXY"
+	loop = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
+	)
+	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), loop, wrapper.NewtonIntegrator(damping=0.3)]
+	O.dt = 1e-6
+	sample = wrapper.RveSample.fromScene(O._sceneObj)
+	sample.freeze(1)
+	assert sample.statistics()["bondsIntact"] == 2
+	return sample
+
+
+def stretch(strain):
+	return Matrix3(strain, 0, 0, 0, 0, 0, 0, 0, 0)
+
+
+def force(sample):
+	"""Tension of the bonds of a pair [N]."""
+	return sample.stress[0] * 10 * radius * depth
+
+
+def stretched(tension):
+	"""A pair whose bonds are under a tension [N]."""
+	sample = pair()
+	sample.apply(stretch(tension / (young * radius) / (2 * radius)), 1)
+	return sample
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.8, 3.0, 4.0])
+def test_one_bond_relaxes_at_constant_length_by_the_closed_form_of_glens_law(exponent):
+	start, law, errors = stretched(600), wrapper.IceCreep(exponent=exponent, rateFactor=(1e-8, 1e-14, 3.5e-25, 1e-32)[[1, 1.8, 3, 4].index(exponent)]), []
+	first = force(start)
+	stress = first / radius**2
+	for time in (0.1, 10, 1e3, 1e5):
+		sample = start.copy()
+		sample.apply(Matrix3.Zero, 1, law.over(-10, time))
+		flown = young * law.rateFactor * stress ** (exponent - 1) * time
+		wanted = first * (math.exp(-flown) if exponent == 1 else (1 + (exponent - 1) * flown) ** (-1 / (exponent - 1)))
+		errors.append(abs(force(sample) - wanted) / first)
+		halves = start.copy()
+		for _ in range(2):
+			halves.apply(Matrix3.Zero, 1, law.over(-10, time / 2))
+		errors.append(abs(force(halves) - wanted) / first)
+	print(f"\nn = {exponent:g}: {first:.0f} N, after {time:g} s {force(sample):.3g} N, at once and in two calls within {max(errors):.1e}")
+	assert max(errors) < 1e-9 and wanted < 0.7 * first
+
+
+@pytest.mark.parametrize("exponent, rateFactor", [(1.0, 1e-8), (3.0, 3.5e-25)])
+def test_one_bond_under_constant_force_creeps_at_the_rate_of_glens_law(exponent, rateFactor):
+	"""Each call restores by elastic stretching what has relaxed; what it stretches is what the bond has crept: A s^n over the length A_b E_c/k_n = R."""
+	law, rates = wrapper.IceCreep(exponent=exponent, rateFactor=rateFactor), []
+	for tension in (300, 600, 900):
+		O.reset()
+		sample, crept, calls = stretched(tension), 0.0, 100
+		length = 2 * radius + tension / (young * radius)
+		stress = force(sample) / radius**2
+		step = 2e-4 / (young * rateFactor * stress ** (exponent - 1))
+		for _ in range(calls + 1):  # the first has nothing to restore
+			strain = (stress * radius**2 - force(sample)) / (young * radius) / length
+			sample.apply(stretch(strain), 1, law.over(-10, step))
+			crept += strain * length
+			length *= 1 + strain
+		rates.append(crept / (calls * step))
+		wanted = rateFactor * stress**exponent * radius
+		print(f"\nn = {exponent:g}, {tension} N: {rates[-1]:.4e} m/s, Glen's law {wanted:.4e} m/s", end="")
+		assert rates[-1] == pytest.approx(wanted, rel=0.002)
+	slope = np.polyfit(np.log((300, 600, 900)), np.log(rates), 1)[0]
+	print(f"; exponent {slope:.4f}")
+	assert slope == pytest.approx(exponent, abs=0.001)
+
+
+def test_ice_hands_the_load_to_the_grains_and_what_stays_is_what_grains_without_ice_carry():
+	"""A pair pressed together in ice: in the end the overlap is carried by the stiffness of the grains alone."""
+	sample = pair()
+	overlap = 300 / (young * radius)
+	sample.apply(stretch(-overlap / (2 * radius)), 1)
+	before = -force(sample)
+	for _ in range(5):
+		sample.apply(Matrix3.Zero, 1, wrapper.IceCreep().over(-1, 1e4 * 365 * day))
+	grains = 0.6e9 * radius * overlap
+	print(f"\n{before:.1f} N with the ice, {-force(sample):.4f} N after, {grains:.4f} N of the grains")
+	assert before == pytest.approx(300, rel=1e-3) and -force(sample) == pytest.approx(grains, rel=2e-3)
+	assert sample.statistics()["bondsIntact"] == 2
+
+
+def test_months_cost_no_more_than_a_second():
+	start = stretched(600)
+	steps = [start.copy().apply(Matrix3.Zero, 1, wrapper.IceCreep().over(-5, time))["steps"] for time in (1, 90 * day)]
+	print(f"\nDEM steps of a call: {steps[0]} for a second, {steps[1]} for 90 days, {start.copy().apply(Matrix3.Zero, 1)['steps']} without creep")
+	assert steps[0] == steps[1]
+
+
+# ---- samples --------------------------------------------------------------------------------------------------------------
+
+shear = {2: Matrix3(0, 4e-5, 0, 0, -2e-5, 0, 0, 0, 0), 3: Matrix3(0, 4e-5, 0, 0, -2e-5, 0, 0, 2e-5, 0)}
+
+
+@pytest.fixture(params=["discs", "spheres", "discs that resist rolling"])
+def frozen(request, sampleCache):
+	settings = dict(grains=100)
+	if request.param == "spheres":
+		settings = dict(grains=80, dimension=3)
+	elif "rolling" in request.param:
+		settings.update(etaRoll=0.1)
+	sample = rve.pack(rve.prepare(ice=True, cache=sampleCache, **settings))
+	sample.freeze(1)
+	return sample
+
+
+def stressOf(result, dimension):
+	s = result["stress"]
+	if isinstance(s, tuple):
+		return np.array(s)
+	pairs = ((0, 0), (1, 1), (0, 1)) if dimension == 2 else ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+	return np.array([s[i, j] for i, j in pairs])
+
+
+def test_packed_samples_creep_as_open_ones_to_1e9_over_500_steps(frozen):
+	law, dimension = wrapper.IceCreep(), frozen.dimension
+	bonds, start = frozen.statistics()["bondsIntact"], frozen.copy()
+	opened, steps, error = wrapper.OpenRveSample(source=frozen.open()), 0, 0.0
+	largest, relaxed = 0.0, 0.0
+	for sample in (frozen, opened, start):
+		sample.minSteps = 20
+	for k in range(24):
+		crept = law.over(-5, {2: 3.0, 3: 1.0}[dimension] * (k % 3))  # a call of no time among them
+		one, other = frozen.apply(shear[dimension], 1, crept), opened.apply(shear[dimension], 1, crept)
+		start.apply(shear[dimension], 1)
+		assert one["steps"] == other["steps"]
+		steps += one["steps"]
+		a, b = stressOf(one, dimension), stressOf(other, dimension)
+		largest, relaxed = max(largest, np.abs(a).max()), np.abs(a).max() / np.abs(start.stress).max()
+		error = max(error, np.abs(a - b).max())
+	left = frozen.statistics()["bondsIntact"]
+	print(f"\n{steps} steps: stress differs by {error / largest:.1e}; {relaxed:.2f} of the stress without creep; {left} of {bonds} bonds intact")
+	assert steps >= 500 and error < 1e-9 * largest
+	assert relaxed < 0.9 and frozen.statistics()["bondsIntact"] == opened.statistics()["bondsIntact"]
+
+
+def test_samples_that_crept_come_back_from_a_file_and_from_an_open_scene_to_the_last_bit(frozen, tmp_path):
+	law = wrapper.IceCreep()
+	for _ in range(5):
+		frozen.apply(shear[frozen.dimension], 1, law.over(-5, 2.0))
+	before, scene = frozen.stateBytes, frozen.open()
+	frozen.repack(scene)
+	assert frozen.stateBytes == before
+	O.engines = [frozen]
+	O.save(str(tmp_path / "sample.yade.gz"))
+	frozen.apply(shear[frozen.dimension], 1, law.over(-5, 2.0))
+	O.load(str(tmp_path / "sample.yade.gz"))
+	loaded = O.engines[0]
+	loaded.apply(shear[frozen.dimension], 1, law.over(-5, 2.0))
+	assert loaded.stateBytes == frozen.stateBytes
+
+
+def test_creep_over_no_time_changes_no_bit(frozen):
+	other, law = frozen.copy(), wrapper.IceCreep()
+	frozen.apply(shear[frozen.dimension], 1)
+	other.apply(shear[frozen.dimension], 1, law.over(-5, 0))
+	assert frozen.stateBytes == other.stateBytes
+
+
+def test_thawed_grains_do_not_creep(sampleCache):
+	thawed = rve.pack(rve.prepare(grains=100, ice=True, cache=sampleCache))
+	other = thawed.copy()
+	thawed.apply(shear[2], 0)
+	other.apply(shear[2], 0, wrapper.IceCreep().over(-1, day))
+	assert np.abs(np.subtract(thawed.stress, other.stress)).max() < 1e-3 * np.abs(thawed.stress).max(), "two more steps at rest are all"
+
+
+@pytest.mark.parametrize("exponent, rateFactor", [(2.0, 1e-17), (3.0, 3.5e-25), (4.0, 1e-32)])
+def test_the_exponent_of_a_samples_secondary_creep_is_that_of_its_bonds_within_five_per_cent(exponent, rateFactor, sampleCache):
+	frozen, law = creep.frozenSamples(realisations=2, cache=sampleCache), wrapper.IceCreep(exponent=exponent, rateFactor=rateFactor)
+	for load in creep.steady:
+		stresses, tests = (50e3, 100e3, 200e3), []
+		for stress in stresses:
+			tests.append([creep.creepTest(sample, law, load, stress, relaxed=0.1) for sample in frozen])
+		rates = np.array([[test.secondaryRate() for test in row] for row in tests])
+		found = np.polyfit(np.log(stresses), np.log(rates), 1)[0]
+		error = max(test.error for row in tests for test in row)
+		print(f"\n{load}: exponents {np.round(found, 3)} of two samples, {exponent:g} of their bonds; stress held to {100 * error:.1f} %", end="")
+		assert found == pytest.approx(exponent, rel=0.05) and error < 0.02
+
+
+def test_rates_of_samples_follow_the_rate_factor_over_temperature(sampleCache):
+	(frozen,), law = creep.frozenSamples(realisations=1, cache=sampleCache), wrapper.IceCreep()
+	rates = [creep.creepTest(frozen, law, "tension", 100e3, temperature, relaxed=0.1).secondaryRate() for temperature in (-2, -20)]
+	ratio = recommended[-2] / recommended[-20]
+	print(f"\nrate at -2 over that at -20 degC {rates[0] / rates[1]:.2f}; Cuffey & Paterson 2010 {ratio:.2f}")
+	assert rates[0] / rates[1] == pytest.approx(ratio, rel=0.05)
+
+
+def test_shorter_calls_bring_the_rate_of_a_sample_to_a_limit_slow(sampleCache):
+	(frozen,), law = creep.frozenSamples(realisations=1, cache=sampleCache), wrapper.IceCreep()
+	rates = [creep.creepTest(frozen, law, "shear", 100e3, relaxed=relaxed).secondaryRate() for relaxed in (0.04, 0.02, 0.01, 0.005)]
+	changes = np.diff(rates) / rates[-1]
+	print(f"\nrates {', '.join(f'{rate:.3e}' for rate in rates)} 1/s with calls half as long each time: {', '.join(f'{100 * c:+.1f} %' for c in changes)}")
+	assert (np.diff(np.abs(changes)) < 0).all() and abs(changes[-1]) < 0.05
+
+
+def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
+	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--creep", "--grains", "60", "--realisations", "1", "--output", str(tmp_path)])
+	calibrate.main()
+	said, written = capsys.readouterr().out, (tmp_path / "creep.md").read_text()
+	assert written.strip() in said and len(written.splitlines()) == 3 + 2 * len(creep.stresses)
+	assert (tmp_path / "creep.png").stat().st_size > 10_000
+
+
+# ---- an ordinary scene ----------------------------------------------------------------------------------------------------
+
+
+def heldPair(stiffnessRule="parallel", **creeping):
+	"""Two spheres that are held apart after they were bonded."""
+	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650, iceSaturation=1))
+	O.bodies.append([utils.sphere((x, 0, 0), radius, fixed=True) for x in (0, 2 * radius)])
+	loop = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=1.05)],
+		[wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(bondNewContacts=True)],
+		[wrapper.Law2_ScGeom_IceBondPhys_IceBond(stiffnessRule=stiffnessRule)],
+	)
+	O.engines = [
+		wrapper.ForceResetter(),
+		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(aabbEnlargeFactor=1.05)], verletDist=0),
+		loop,
+		wrapper.CreepingBonds(**creeping),
+	]
+	O.dt = 1e-6
+	O.step()
+	O.bodies[1].state.pos = (2 * radius + 600 / (young * radius), 0, 0)
+	O.step()
+	return O.interactions[0, 1].phys
+
+
+def test_in_an_ordinary_scene_bonds_relax_over_the_time_scale_by_the_closed_form():
+	law = wrapper.IceCreep()
+	phys = heldPair(iceCreep=law, temperature=-5, timeScale=1e6)
+	first = phys.normalForce.norm()
+	for steps in (1, 9, 90):
+		O.run(steps, True)
+	flown = young * law.rateFactorAt(-5) * (first / radius**2) ** 2 * 100.0
+	wanted = first / math.sqrt(1 + 2 * flown)
+	print(f"\n{first:.2f} N, after 100 s {phys.normalForce.norm():.6f} N, closed form {wanted:.6f} N")
+	assert first == pytest.approx(600, rel=1e-9) and phys.normalForce.norm() == pytest.approx(wanted, rel=1e-9)
+
+
+def test_creep_needs_ice_that_is_a_spring_of_its_own():
+	with pytest.raises(ValueError, match="stiffnessRule is 'secant', choose parallel"):
+		heldPair(stiffnessRule="secant", iceCreep=wrapper.IceCreep())
+
+
+# ---- ground ---------------------------------------------------------------------------------------------------------------
+
+
+def block(packed, form="packed", scale=1e4, velocity=0.2, **skeleton):
+	"""One cell of ground with a temperature, four samples; see test_ice_strength.py."""
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), automaticTimeStep=False, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
+	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, **{"strainTolerance": 0, "prediction": False, "minSteps": 10, **skeleton})
+	position = np.array([(0.5 * x, 0.5 * y) for x in (0.25, 0.75) for y in (0.25, 0.75)])
+	centred = position / 0.5 - 0.5
+	motion = velocity * np.column_stack((centred[:, 1] - 0.5 * centred[:, 0], centred[:, 0]))
+	mpm.addPoints(position=position, volume=0.0625, porosity=0.4, velocity=motion, temperature=-5)
+	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")]
+	O.engines, O.dt = [mpm], 2e-4
+	mpm.initialise()
+	return mpm
+
+
+@pytest.fixture
+def packed(sampleCache):
+	sample = rve.pack(rve.prepare(grains=100, ice=True, cache=sampleCache))
+	sample.freeze(1)
+	return sample
+
+
+@pytest.mark.parametrize("form", ("packed", "open"))
+def test_behind_a_point_bonds_creep_at_its_temperature_over_calendar_time(form, packed):
+	law, stresses = wrapper.IceCreep(), []
+	for scale in (1, 1e5):
+		O.reset()
+		mpm = block(packed, form, scale, velocity=1.0, iceCreep=law)
+		before = mpm.field("stress")
+		direct, difference = [packed.copy() if form == "packed" else wrapper.OpenRveSample(source=packed.open()) for _ in range(4)], 0.0
+		for _ in range(12):
+			O.step()
+			gradient, stress = mpm.field("gradient"), mpm.field("stress")
+			for k in range(4):
+				h = np.array(gradient[k]).reshape(2, 2)
+				result = direct[k].apply(Matrix3(h[0, 0], h[0, 1], 0, h[1, 0], h[1, 1], 0, 0, 0, 0), 1, law.over(-5, scale * O.dt))
+				difference = max(difference, np.abs(stressOf(result, 2) - stress[k][[0, 1, 3]]).max())
+		stresses.append(np.abs(stress - before).max())
+		print(
+			f"\n{form}, scale {scale:g}: stress has changed by {1e-3 * stresses[-1]:.0f} kPa, differs from samples driven directly by {difference:.1e} Pa",
+			end="",
+		)
+		assert difference < 1e-9 * stresses[-1]
+	assert stresses[1] < 0.8 * stresses[0]
+
+
+def test_ground_at_rest_relaxes_in_calendar_time_at_most_an_interval_late_and_goes_on_from_a_file_to_the_last_bit(packed, tmp_path):
+	states = []
+	for saved in (False, True):
+		O.reset()
+		mpm = block(packed, iceCreep=wrapper.IceCreep(), creepInterval=7, strainTolerance=1e-4)
+		for k in range(20):
+			if saved and k == 9:
+				O.save(str(tmp_path / "ground.yade.gz"))
+				O.load(str(tmp_path / "ground.yade.gz"))
+			O.step()
+		mpm = O.engines[0]
+		states.append((mpm.field("stress"), mpm.skeleton.counters["calls"]))
+	print(f"\n{states[0][1]} calls of 4 points in 20 steps of 2 s of calendar time, asked every 7 s or more often")
+	assert 4 * 5 <= states[0][1] < 80
+	assert (states[0][0] == states[1][0]).all()
+
+
+# ---- refusals -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+	"attribute, value",
+	[
+		("rateFactor", -1),
+		("rateFactor", math.nan),
+		("exponent", 0.9),
+		("exponent", 11),
+		("coldActivationEnergy", -1),
+		("warmActivationEnergy", math.inf),
+		("referenceTemperature", 1),
+		("referenceTemperature", -300),
+	],
+)
+def test_impossible_creep_laws_are_refused_by_name(attribute, value):
+	with pytest.raises(ValueError, match=f"IceCreep.{attribute} is .*: give"):
+		wrapper.IceCreep(**{attribute: value})
+
+
+def test_impossible_times_temperatures_and_creep_are_refused_where_they_are_given(packed):
+	law = wrapper.IceCreep()
+	with pytest.raises(ValueError, match="IceCreep.over: time is -1"):
+		law.over(-5, -1)
+	with pytest.raises(ValueError, match="IceCreep.rateFactorAt: temperature is -300"):
+		law.rateFactorAt(-300)
+	with pytest.raises(ValueError, match="CreepingBonds.timeScale is -1"):
+		wrapper.CreepingBonds(timeScale=-1)
+	with pytest.raises(ValueError, match="CreepingBonds.temperature is"):
+		wrapper.CreepingBonds(temperature=math.nan)
+	for wrong in ((-1e-20, 3), (1e-20, 0.5), (1e-20,), (math.nan, 3), 5, "text"):
+		with pytest.raises(ValueError, match="RveSample.apply: creep is .*: give what IceCreep.over"):
+			packed.apply(Matrix3.Zero, 1, wrong)
+	O.reset()
+	with pytest.raises(ValueError, match="RveSkeleton.creepInterval is -1.*: give a calendar time"):
+		block(packed, iceCreep=law, creepInterval=-1)
+
+
+def test_a_scene_whose_bonds_creep_by_themselves_is_not_packed(packed):
+	scene = packed.open()
+	with talik.inspect(scene):
+		O.engines = O.engines + [wrapper.CreepingBonds(iceCreep=wrapper.IceCreep())]
+	with pytest.raises(ValueError, match="it has a CreepingBonds"):
+		wrapper.RveSample.fromScene(scene)
