@@ -28,6 +28,8 @@ namespace {
 	/// stress would jump past it.
 	constexpr double settlingStress = 1.0;
 	constexpr double unlimited      = 1e30;
+	/// Coefficient of friction of thawed ground whose law gives none: sin(phi) of samples of discs is 0.40 to 0.44.
+	constexpr double usualFriction = 0.4;
 	/// Strain of a step with which pressure is led back at most.
 	constexpr double largestLeading = 1e-2;
 	/// Strain with which pressure is led back altogether, as stress over the reaction per area. It makes up for pressure that shear moves
@@ -455,6 +457,16 @@ template <int D> double ThawFront<D>::strengthWithoutStress(const Meeting& m, do
 	return m.slope < largestScale ? std::max(0.0, m.slope * lacking) : 0.0;
 }
 
+/// Part of the slip that Coulomb friction takes away where frozen ground lies on thawed ground. A row of points between that and its own base
+/// shears one way above and the other way below; its stress, the mean of both, would hold neither.
+template <int D> double ThawFront<D>::heldShare(const Meeting& m, double slipping) const
+{
+	const Vec<D>& gravity = motion_->settings->gravity;
+	const bool    carries = dot<D>(gravity, m.normal) > leastWeight * lengthOf<D>(gravity);
+	if (!carries || !(m.impulse > 0.0) || !(slipping > 0.0)) return 0.0;
+	return std::min(1.0, (m.slope < largestScale ? m.slope : usualFriction) * m.impulse / (m.reducedMass * std::sqrt(slipping)));
+}
+
 /// Friction as the thawed points carry it, and the jump that is left. Returns the work that the force between the sides takes up.
 template <int D> double ThawFront<D>::slide(int slot, double dt)
 {
@@ -484,10 +496,12 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 	// Against the slip never more than what stops it. Stress that springs back pushes along with the slip; where a node has only a trace of
 	// thawed ground, that ground cannot push with the area of the front.
 	const double stopping = m.reducedMass * slipping, thickness = record(slot)[thawedVolumeAt] / m.area;
-	const double share = held > stopping ? stopping / held : held < 0.0 ? std::min(1.0, thickness / (leastThickness * spacing_)) : 1.0;
-	double       work  = 0.0;
+	const double share   = held > stopping ? stopping / held : held < 0.0 ? std::min(1.0, thickness / (leastThickness * spacing_)) : 1.0;
+	const double coulomb = heldShare(m, slipping);
+	double       work    = 0.0;
 	for (int i = 0; i < D; ++i) {
-		const double impulse = share * friction[i] + m.impulse * m.normal[i];
+		const double shearing = coulomb > 0.0 ? -coulomb * m.reducedMass * slip[i] : share * friction[i];
+		const double impulse  = shearing + m.impulse * m.normal[i];
 		m.jump[i] += impulse / m.reducedMass;
 		work -= impulse * m.jump[i];
 	}

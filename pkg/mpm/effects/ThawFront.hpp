@@ -141,6 +141,7 @@ private:
 	void          pressAsBeside(int slot, double dt);
 	static double strengthWithoutStress(const Meeting& meeting, double pressure);
 	static double shearScale(const Meeting& meeting, double shear, double pressure);
+	double        heldShare(const Meeting& meeting, double slipping) const;
 	double        slide(int slot, double dt);
 	double        lackingPressure(const Meeting& meeting) const;
 	double        widenedShare(const Meeting& meeting) const;
