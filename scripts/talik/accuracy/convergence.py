@@ -107,6 +107,8 @@ def _lawSweeps(cohesion):
 		Sweep("calendar", (constantScale, followsMotion), law),
 		Sweep("f_max", (1, 1 / 4, 1 / 16), law, constant),
 		Sweep("motion-tolerance", (0.05, 0.025, 0.0125), law),
+		Sweep("motion-tolerance", (0.05, 0.0125), law, {"grid-spacing": 0.25}),
+		Sweep("motion-tolerance", (0.05, 0.0125), law, {"f_max": 1 / 4}),
 	)
 
 
