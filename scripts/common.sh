@@ -49,6 +49,24 @@ quietly() {
 	fi
 }
 
+# The same of a build, and how far it is: a line for every tenth that had to be compiled, none where nothing had.
+showingProgress() {
+	local what=$1 log=$2
+	shift 2
+	mkdir -p "$(dirname "$log")"
+	if ! "$@" 2>&1 | tee "$log" | tenthsBuilt; then
+		tail -n 60 "$log" >&2
+		fail "$what failed; everything it said is in $log"
+	fi
+}
+
+tenthsBuilt() {
+	awk '/^\[ *[0-9]+%\] Building/ {
+		tenth = int(substr($0, 2) / 10)
+		if (tenth > shown) { shown = tenth; printf "  %d %% built\n", 10 * tenth > "/dev/stderr"; fflush("/dev/stderr") }
+	}'
+}
+
 ensurePackages() {
 	command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
 		fail "Talik needs Debian 12 or 13 (apt-get and dpkg-query were not found); the packages to provide by hand are in scripts/packages.txt"
@@ -85,8 +103,14 @@ ensureYade() {
 dropForeignBuild() {
 	local cache=$build/CMakeCache.txt
 	[ -f "$cache" ] || return 0
-	grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" || rm -rf "$cache" "$build/CMakeFiles" "$build/Makefile"
+	grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache" && return
+	note "$build was built from $(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$cache"), not from $root: it is built anew."
+	rm -rf "$cache" "$build/CMakeFiles" "$build/Makefile"
 }
+
+# Where ccache is installed, a copy of a tree finds what was compiled for the other one.
+compilerLauncher() { ! command -v ccache >/dev/null || printf '%s' "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"; }
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
 
 # ensureBuilt [target]...: everything, or only these targets of CMake.
 ensureBuilt() {
@@ -96,9 +120,10 @@ ensureBuilt() {
 	dropForeignBuild
 	if [ ! -f "$build/CMakeCache.txt" ] || [ ! -f "$build/Makefile" ]; then
 		note "Building Talik for the first time (a few minutes) ..."
-		quietly "cmake" "$build/configure.log" cmake -S "$root" -B "$build" -G "Unix Makefiles" -DCMAKE_BUILD_TYPE=Release
+		quietly "cmake" "$build/configure.log" cmake -S "$root" -B "$build" -G "Unix Makefiles" -DCMAKE_BUILD_TYPE=Release \
+			$(compilerLauncher)
 	fi
-	quietly "the build" "$build/build.log" cmake --build "$build" -j "$(nproc)" "${target[@]}"
+	showingProgress "the build" "$build/build.log" cmake --build "$build" -j "$(nproc)" "${target[@]}"
 }
 
 # Packages, the right YADE, and an up-to-date build.

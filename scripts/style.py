@@ -72,6 +72,11 @@ def formattedCpp(program, path):
 	return subprocess.run([program, "--style=file", path], capture_output=True, text=True, check=True, cwd=root).stdout
 
 
+def allFormatted(program, cpp):
+	"""Whether all files of C++ are formatted, asked at once: a process for each file takes ten times as long."""
+	return subprocess.run([program, "--style=file", "--dry-run", "--Werror", *cpp], capture_output=True, cwd=root).returncode == 0
+
+
 def holdsStyle(path, text, fix):
 	"""Whether the file is as `text` says, or is so now."""
 	if path.read_text() == text:
@@ -120,7 +125,8 @@ def main():
 	if program is None:
 		print(f"C++ is not checked: there is no clang-format {clangFormatVersion}")
 	good = [holdsStyle(path, formattedPython(path), fix) for path in python]
-	good += [holdsStyle(path, formattedCpp(program, path), fix) for path in cpp if program]
+	if program and not allFormatted(program, cpp):
+		good += [holdsStyle(path, formattedCpp(program, path), fix) for path in cpp]
 	good += [not tooLong(path) for path in python + cpp]
 	good.append(not defects(python))
 	print(f"{len(python)} files of Python and {len(cpp)} of C++ read")

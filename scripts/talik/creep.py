@@ -16,7 +16,7 @@ from yade import Matrix3, wrapper
 
 from talik import plots, rve
 
-loads = {"tension": (0.0, 1.0, 0.0), "shear": (0.0, 0.0, 1.0), "compression": (0.0, -1.0, 0.0)}  # xx, yy, xy over the stress
+loads = {"tension": (0.0, 1.0, 0.0), "shear": (0.0, 0.0, 1.0), "compression": (0.0, -1.0, 0.0)}  # xx, yy, xy over the stress; None: the strain is held at zero
 steady = ("tension", "shear")  # loads with a secondary creep
 stresses = (25e3, 50e3, 100e3, 200e3)  # [Pa]
 secondary = (0.02, 0.04)  # strain between which the rate is that of the secondary creep [-]
@@ -35,7 +35,7 @@ class CreepTest:
 	load: str
 	stress: float  # [Pa]
 	time: np.ndarray
-	strain: np.ndarray
+	strain: np.ndarray  # of a load with shear its shear strain
 	error: float  # largest deviation of a component of the stress over the last half of the calls, over the stress [-]
 
 	def rate(self, begin, end):
@@ -54,7 +54,7 @@ def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxe
 	"""Creep of a frozen RveSample of discs under a constant stress, the other components of stress zero.
 
 	law          IceCreep
-	load         "tension" or "compression" along y, or "shear"
+	load         "tension" or "compression" along y, "shear", or (xx, yy, xy) as in `loads`
 	stress       [Pa], > 0; what the sample carried before is taken off
 	temperature  [degC]
 	strain       at which the test ends [-]
@@ -62,22 +62,28 @@ def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxe
 	calls        after which it ends in any case
 
 	>>> test = talik.creep.creepTest(frozen, IceCreep(), "shear", stress=50e3, strain=1e-3)"""
-	sample, direction = frozen.copy(), np.array(loads[load])
-	goal, component = stress * direction, int(np.argmax(np.abs(direction)))
-	compliance = np.linalg.inv(_stiffness(sample))
+	sample, direction = frozen.copy(), loads.get(load, load)
+	held = np.array([part is None for part in direction])
+	direction = np.array([part or 0.0 for part in direction])
+	component = 2 if direction[2] else int(np.argmax(np.abs(direction)))
+	compliance = _compliance(sample, held)
+
+	def lacking(part=1.0):
+		return np.where(held, 0.0, part * stress * direction - sample.stress)
+
 	for k in range(loadingCalls):
-		_apply(sample, 0.7 * compliance @ (min(1.0, 2 * (k + 1) / loadingCalls) * goal - sample.stress))
+		_apply(sample, 0.7 * compliance @ lacking(min(1.0, 2 * (k + 1) / loadingCalls)))
 	ofCall = law.over(temperature, 1.0)[0]
 	duration = relaxed / (bondModulus * ofCall * (_concentration(sample) * stress) ** (law.exponent - 1))
 	creep = law.over(temperature, duration)
 	expected, reached, rows, errors = np.zeros(3), 0.0, [], []
 	while reached < strain and len(rows) < calls:
-		step = expected + 0.5 * compliance @ (goal - sample.stress)
+		step = expected + 0.5 * compliance @ lacking()
 		_apply(sample, step, creep)
 		expected = 0.9 * expected + 0.1 * step
 		reached += step[component] * np.sign(direction[component])
 		rows.append(reached)
-		errors.append(np.abs(goal - sample.stress).max() / stress)
+		errors.append(np.abs(lacking()).max() / stress)
 	return CreepTest(load, stress, duration * np.arange(1, len(rows) + 1), np.array(rows), float(max(errors[len(errors) // 2 :])))
 
 
@@ -87,15 +93,18 @@ def _apply(sample, strain, creep=None):
 		raise RuntimeError(f"creep: the sample blew up: {result['reason']}")
 
 
-def _stiffness(sample, size=2e-6):
-	"""Stress over strain, columns xx, yy, xy (3, 3) [Pa]."""
+def _compliance(sample, held, size=2e-6):
+	"""Strain over stress, columns xx, yy, xy (3, 3) [1/Pa]; rows and columns of components whose strain is held are zero."""
 	columns = []
 	for strain in size * np.eye(3):
 		ends = [sample.copy() for _ in range(2)]
 		for end, sign in zip(ends, (1, -1)):
 			_apply(end, sign * strain)
 		columns.append(np.subtract(ends[0].stress, ends[1].stress) / (2 * size))
-	return np.array(columns).T
+	free = np.ix_(~held, ~held)
+	compliance = np.zeros((3, 3))
+	compliance[free] = np.linalg.inv(np.array(columns).T[free])
+	return compliance
 
 
 def _concentration(sample):

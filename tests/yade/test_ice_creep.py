@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Creep of ice bonds: the rate factor, one bond, packed and open samples, an ordinary scene, points of a ground."""
 
+import json
 import math
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -394,3 +397,42 @@ def test_a_scene_whose_bonds_creep_by_themselves_is_not_packed(packed):
 		O.engines = O.engines + [wrapper.CreepingBonds(iceCreep=wrapper.IceCreep())]
 	with pytest.raises(ValueError, match="it has a CreepingBonds"):
 		wrapper.RveSample.fromScene(scene)
+
+
+def test_a_hanging_frozen_column_stretches_at_the_speed_of_glens_law_slow(sampleCache):
+	"""Under its own weight the rate at a height y is A_s (rho g y)^n, and the end moves by A_s (rho g)^n L^(n+1)/(n+1); A_s from a creep test."""
+	(frozen,), law = creep.frozenSamples(realisations=1, cache=sampleCache), wrapper.IceCreep()
+	spacing, length, scale = 0.5, 4.0, 700.0
+	mpm = wrapper.MpmEngine(
+		gridSpacing=spacing, lower=(0, 0), upper=(2.5, 5), gravity=(0, -9.81), damping=0.3, heat=wrapper.HeatTransfer(thermalTimeScale=scale)
+	)
+	mpm.skeleton = wrapper.RveSkeleton(samples=[frozen], iceCreep=law, prediction=False, strainTolerance=0)
+	position = np.array([(1 + spacing * x, y) for y in np.arange(1.125, 5, 0.25) for x in (0.25, 0.75)])
+	mpm.addPoints(position=position, volume=0.25**2, porosity=0.4, temperature=-10)
+	mpm.boundaries = [wrapper.FixedBoundary(region="top")]
+	O.engines = [mpm]
+	mpm.initialise()
+	ends = []
+	for instant in (1.0, 2.0):
+		while mpm.time < instant:
+			O.step()
+		ends.append((scale * mpm.time, -mpm.field("displacement")[0, 1]))
+	(begin, before), (end, after) = ends
+	speed, density = (after - before) / (end - begin), mpm.field("mass")[0] / 0.25**2
+	test = creep.creepTest(frozen, law, "tension", 60e3)
+	ofSample = test.rate(0.005, 0.015) / test.stress**3
+	below = 0.125  # of the length hangs below the point
+	wanted = ofSample * (density * 9.81) ** 3 / 4 * (length**4 - below**4)
+	print(f"\nend of a column of 4 m: {speed:.3e} m/s, closed form {wanted:.3e} m/s ({100 * (speed / wanted - 1):+.1f} %)")
+	assert speed == pytest.approx(wanted, rel=0.1)
+
+
+def test_the_frozen_slope_of_the_examples_creeps_at_the_speed_of_glens_infinite_slope_slow(tmp_path):
+	example = Path(__file__).resolve().parents[2] / "examples" / "creeping_slope.py"
+	run = subprocess.run(
+		["yade", "-n", "-x", str(example), "--preset", "test", "--output", str(tmp_path)], capture_output=True, text=True, timeout=600, check=False
+	)
+	assert (tmp_path / "summary.json").exists() and (tmp_path / "creeping_slope.png").stat().st_size > 10_000, run.stdout + run.stderr
+	summary = json.loads((tmp_path / "summary.json").read_text())
+	print(f"\n{summary}")
+	assert summary["speed [m/year]"] == pytest.approx(summary["by hand [m/year]"], rel=0.1)

@@ -397,7 +397,7 @@ def digestOf(folder, scene, jobs, threads, form="open"):
 	return found[0]
 
 
-def test_open_samples_over_threads_are_equal_bit_for_bit_also_with_eight_under_j1_and_after_bodies_were_erased(sampleCache, tmp_path):
+def test_open_samples_over_threads_are_equal_bit_for_bit_also_with_eight_under_j1_and_after_bodies_were_erased_slow(sampleCache, tmp_path):
 	scene = rve.prepare(grains=60, porosity=0.19, cache=sampleCache).path
 	serial = digestOf(tmp_path, scene, 1, 1)
 	eight = digestOf(tmp_path, scene, 1, 8)

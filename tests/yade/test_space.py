@@ -370,7 +370,7 @@ def plate(z, half, **state):
 	return [utils.facet([corners[0], corners[1], corners[2]], **state), utils.facet([corners[0], corners[2], corners[3]], **state)]
 
 
-@pytest.mark.parametrize("kind", ["sphere", "box", "turned box", "clump"])
+@pytest.mark.parametrize("kind", ["sphere", pytest.param("box", id="box_slow"), "turned box", pytest.param("clump", id="clump_slow")])
 def test_a_body_comes_to_rest_on_the_ground_that_bears_its_weight(kind):
 	bed()
 	if kind == "clump":

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What scripts/run, test and install say while they build, with a cmake that only talks."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+root = Path(__file__).resolve().parents[2]
+cmake = """#!/bin/bash
+if [ "$1" = --build ]; then {build}; else echo "$@" >"$TALIK_BUILD/asked"; touch "$TALIK_BUILD/Makefile"
+echo "CMAKE_HOME_DIRECTORY:INTERNAL={root}" >"$TALIK_BUILD/CMakeCache.txt"; fi
+"""
+compiling = "for k in 4 8 11 35 38 72 100; do printf '[%3d%%] Building CXX object %d.o\\n' $k $k; done; echo '[100%] Built target all'"
+
+
+@pytest.fixture
+def built(tmp_path):
+	"""Runs ensureBuilt in a folder of its own: (status, what was said)."""
+
+	def run(build=compiling, launcher=False):
+		programs = tmp_path / "bin"
+		programs.mkdir(exist_ok=True)
+		for name, text in {"cmake": cmake.format(build=build, root=root), "ccache": "#!/bin/sh\n"}.items():
+			(programs / name).write_text(text)
+			(programs / name).chmod(0o755 if name == "cmake" or launcher else 0o644)
+		environment = {**os.environ, "PATH": f"{programs}:/usr/bin:/bin", "TALIK_BUILD": str(tmp_path / "build")}
+		script = f"set -euo pipefail; source {root}/scripts/common.sh; ensureBuilt"
+		done = subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True, timeout=60)
+		return done.returncode, done.stderr
+
+	return run
+
+
+def test_a_build_tells_every_tenth_that_it_compiles(built):
+	status, said = built()
+	print(said)
+	assert status == 0
+	assert said.splitlines() == ["Building Talik for the first time (a few minutes) ...", *(f"  {percent} % built" for percent in (10, 30, 70, 100))]
+
+
+def test_a_build_that_has_nothing_to_compile_is_silent(built):
+	built()
+	assert built(build="echo '[100%] Built target all'") == (0, "")
+
+
+def test_a_build_of_a_copied_tree_says_why_it_is_made_anew(built, tmp_path):
+	built()
+	(tmp_path / "build" / "CMakeCache.txt").write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/home/somebody/talik\n")
+	status, said = built()
+	print(said.splitlines()[0])
+	assert status == 0 and said.startswith(f"{tmp_path}/build was built from /home/somebody/talik, not from {root}: it is built anew.\nBuilding Talik")
+
+
+def test_a_build_that_fails_shows_its_end_and_names_its_log(built, tmp_path):
+	status, said = built(build="echo 'x.cpp:3: error: no such name'; exit 2")
+	print(said)
+	assert status == 1 and "x.cpp:3: error: no such name" in said and f"the build failed; everything it said is in {tmp_path}/build/build.log" in said
+
+
+def test_where_ccache_is_installed_it_compiles(built, tmp_path):
+	status, _ = built(launcher=True)
+	assert status == 0 and "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache" in (tmp_path / "build" / "asked").read_text()
