@@ -66,6 +66,9 @@ def sceneContent(path):
 	if not line.startswith(_mark):
 		if _mark in content:
 			raise ValueError(f"'{path}' is damaged or cut off behind its checksum: take an earlier file, or make it anew")
+		# Boost ends the process where the last tag is not whole: it finds that in a destructor
+		if Path(path).suffix == ".xml" and not content.rstrip().endswith(b"</boost_serialization>"):
+			raise ValueError(f"'{path}' is damaged or cut off, its last tag is missing: take an earlier file, or make it anew")
 		return content
 	if line != _checksumLine(content[:-_lineLength]):
 		raise ValueError(f"'{path}' is damaged, its checksum does not fit: take an earlier file, or make it anew")

@@ -180,6 +180,21 @@ def test_damaged_states_of_a_saved_ground_are_refused_before_boost_or_hold_the_s
 	assert len(refused) >= 97 and all(str(file) in sentence and "is damaged" in sentence for sentence in refused)
 
 
+def test_a_saved_ground_that_is_cut_off_within_its_last_tags_is_refused_and_without_its_checksum_it_is_read(tmp_path, smallSample):
+	file = tmp_path / "ground.xml"
+	whole = savedGround(smallSample, file)
+	content = file.read_bytes()
+	scene = content[: content.rindex(b"</boost_serialization>") + len(b"</boost_serialization>")]
+	for cut in range(1, 50):
+		file.write_bytes(scene[:-cut])
+		with pytest.raises(ValueError, match="is damaged or cut off"):
+			O.load(str(file), quiet=True)
+	file.write_bytes(scene + b"\n")
+	O.load(str(file), quiet=True)
+	loaded = stateOf(O.engines[0])
+	assert all(np.array_equal(whole[name], loaded[name], equal_nan=True) for name in ("position", "stress", "enthalpy", "pressure"))
+
+
 @pytest.mark.parametrize("kind", ["yade", "xml", "yade.gz"])
 def test_a_saved_ground_is_a_plain_file_of_yade_and_goes_on(kind, tmp_path, smallSample):
 	file = tmp_path / f"ground.{kind}"
