@@ -38,15 +38,18 @@ missingPackages() {
 	neededPackages | sort -u | comm -23 - <(printf '%s\n' "$installed")
 }
 
+# failWithLog what log: shows the end of what a command said.
+failWithLog() {
+	tail -n 60 "$2" >&2
+	fail "$1 failed; everything it said is in $2"
+}
+
 # Shows what a long command is doing in one line, and its whole output only if it fails.
 quietly() {
 	local what=$1 log=$2
 	shift 2
 	mkdir -p "$(dirname "$log")"
-	if ! "$@" >"$log" 2>&1; then
-		tail -n 60 "$log" >&2
-		fail "$what failed; everything it said is in $log"
-	fi
+	"$@" >"$log" 2>&1 || failWithLog "$what" "$log"
 }
 
 # The same of a build, and how far it is: a line for every tenth that had to be compiled, none where nothing had.
@@ -54,10 +57,7 @@ showingProgress() {
 	local what=$1 log=$2
 	shift 2
 	mkdir -p "$(dirname "$log")"
-	if ! "$@" 2>&1 | tee "$log" | tenthsBuilt; then
-		tail -n 60 "$log" >&2
-		fail "$what failed; everything it said is in $log"
-	fi
+	"$@" 2>&1 | tee "$log" | tenthsBuilt || failWithLog "$what" "$log"
 }
 
 tenthsBuilt() {

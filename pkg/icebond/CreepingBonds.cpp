@@ -35,7 +35,7 @@ void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double o
 	c.young     = phys->kn / stiffnessRadius(*geom, a, b);
 	c.area      = phys->bondArea;
 	c.friction  = phys->tangensOfFrictionAngle;
-	c.overlap   = overlap;
+	c.overlap   = overlap - phys->uRef;
 	relaxIce(bond, creep, c, phys->shearForce, phys->iceShear);
 	phys->setBond(bond);
 }
@@ -81,9 +81,7 @@ void CreepingBonds::action()
 	if (!creep.acts()) return;
 	for (const auto& contact : *scene->interactions) {
 		if (!contact->isReal()) continue;
-		const auto* geom = dynamic_cast<const ScGeom*>(contact->geom.get());
-		const auto* phys = dynamic_cast<const IceBondPhys*>(contact->phys.get());
-		if (geom && phys) talik::relaxContact(*scene, *contact, geom->penetrationDepth - phys->uRef, creep);
+		if (const auto* geom = dynamic_cast<const ScGeom*>(contact->geom.get())) talik::relaxContact(*scene, *contact, geom->penetrationDepth, creep);
 	}
 }
 

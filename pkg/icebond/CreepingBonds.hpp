@@ -6,7 +6,7 @@
 
 namespace talik {
 
-/// The ice of a contact relaxes at an overlap [m], counted without swelling; nothing happens where there is no ice bond.
+/// The ice of a real contact of two grains relaxes at their overlap [m]; nothing happens where there is no ice bond.
 void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double overlap, const BondCreep& creep);
 
 } // namespace talik

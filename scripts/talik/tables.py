@@ -108,14 +108,24 @@ def ofPlace(path, name="value"):
 		raise ValueError(f"{path} has {len(rows)} places; give three or more that do not lie on one line") from None
 
 
-def _rows(path):
-	"""Lines that hold data, as (number, cells)."""
+def lines(path):
+	"""Lines of a CSV file that hold data or headings, as (number, cells).
+
+	>>> with open(folder + "/borehole.csv", "w") as file:
+	...     written = file.write("depth [m],temperature [degC]\\n\\n0,-1\\n")
+	>>> talik.tables.lines(folder + "/borehole.csv")
+	[(1, ['depth [m]', 'temperature [degC]']), (3, ['0', '-1'])]"""
 	try:
 		text = Path(path).read_text(encoding="utf-8-sig")
 	except (OSError, UnicodeDecodeError) as error:
 		raise ValueError(f"{path} cannot be read: {error}") from None
-	lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-	rows = [(number, next(csv.reader([line]))) for number, line in lines]
+	kept = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
+	return [(number, next(csv.reader([line]))) for number, line in kept]
+
+
+def _rows(path):
+	"""Lines that hold data, as (number, cells)."""
+	rows = lines(path)
 	return rows[1:] if rows and not any(_isNumber(cell) for cell in rows[0][1]) else rows
 
 

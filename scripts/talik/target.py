@@ -13,15 +13,13 @@ contact modulus stays as it is and the thickness carries the scale. A sample of 
 pressures times the ratio of both.
 """
 
-import csv
 import dataclasses
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import talik
-from talik import calibrate, packing, plots, rve
+from talik import calibrate, packing, plots, rve, tables
 from yade import O, wrapper
 
 units = {
@@ -99,7 +97,7 @@ def read(path):
 	...     written = file.write(head + "\\n1,-10,1e-4,0,1500,10,2,\\n0,,,100,50,,,36\\n")
 	>>> [row.wanted for row in talik.target.read(folder + "/soil.csv")]
 	[{'E': 1500000000.0, 'strength': 10000000.0, 'tension': 2000000.0}, {'E': 50000000.0, 'phi': 36.0}]"""
-	lines = _linesOf(path)
+	lines = [(line, cells) for line, cells in tables.lines(path) if any(cell.strip() for cell in cells)]
 	if not lines:
 		raise ValueError(f"{path} holds no data; its first line names the columns: {', '.join(columns)}, each with its unit")
 	places = _placesOf(path, *lines[0])
@@ -107,14 +105,6 @@ def read(path):
 	if not rows:
 		raise ValueError(f"{path} has no row below its headings; give a test in each line")
 	return rows
-
-
-def _linesOf(path):
-	try:
-		text = Path(path).read_text(encoding="utf-8-sig")
-	except (OSError, UnicodeDecodeError) as error:
-		raise ValueError(f"{path} cannot be read: {error}") from None
-	return [(k, next(csv.reader([line]))) for k, line in enumerate(text.splitlines(), 1) if line.strip(" ,\t") and not line.lstrip().startswith("#")]
 
 
 def _placesOf(path, line, headings):

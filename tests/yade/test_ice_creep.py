@@ -12,6 +12,7 @@ import pytest
 from yade import Matrix3, O, utils, wrapper
 
 import talik
+from frozen_pair import frozenPair
 from talik import calibrate, creep, rve
 
 radius, young, depth = 5e-3, 3.6e9, 0.1  # E_c at full ice saturation
@@ -29,25 +30,6 @@ def test_rate_factors_are_those_recommended_for_glacier_ice():
 	assert law.rateFactorAt(3) == law.rateFactorAt(0)
 
 
-def pair(**material):
-	"""Two discs side by side in a periodic cell: two equal bonds in one line. Frozen."""
-	O.periodic = True
-	O.cell.hSize = Matrix3(4 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, depth)
-	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650, **material))
-	for x in (radius, 3 * radius):
-		O.bodies.append(utils.sphere((x, 5 * radius, 0.5 * depth), radius, material=0))
-		O.bodies[-1].state.blockedDOFs = "zXY"
-	loop = wrapper.InteractionLoop(
-		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
-	)
-	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), loop, wrapper.NewtonIntegrator(damping=0.3)]
-	O.dt = 1e-6
-	sample = wrapper.RveSample.fromScene(O._sceneObj)
-	sample.freeze(1)
-	assert sample.statistics()["bondsIntact"] == 2
-	return sample
-
-
 def stretch(strain):
 	return Matrix3(strain, 0, 0, 0, 0, 0, 0, 0, 0)
 
@@ -59,7 +41,7 @@ def force(sample):
 
 def stretched(tension):
 	"""A pair whose bonds are under a tension [N]."""
-	sample = pair()
+	sample = frozenPair(radius, depth)
 	sample.apply(stretch(tension / (young * radius) / (2 * radius)), 1)
 	return sample
 
@@ -109,7 +91,7 @@ def test_one_bond_under_constant_force_creeps_at_the_rate_of_glens_law(exponent,
 
 def test_ice_hands_the_load_to_the_grains_and_what_stays_is_what_grains_without_ice_carry():
 	"""A pair pressed together in ice: in the end the overlap is carried by the stiffness of the grains alone."""
-	sample = pair()
+	sample = frozenPair(radius, depth)
 	overlap = 300 / (young * radius)
 	sample.apply(stretch(-overlap / (2 * radius)), 1)
 	before = -force(sample)

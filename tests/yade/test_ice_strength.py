@@ -6,8 +6,9 @@ import sys
 
 import numpy as np
 import pytest
-from yade import Matrix3, O, utils, wrapper
+from yade import Matrix3, O, wrapper
 
+from frozen_pair import frozenPair
 from talik import calibrate, rve
 
 
@@ -39,22 +40,9 @@ def test_factors_are_those_of_the_published_tests():
 
 def test_one_bond_breaks_at_its_strength_times_the_factor_of_temperature_and_rate():
 	"""Two discs side by side in a cell that is stretched along their line: the largest tension of the bond is C_eta A_b."""
-	radius, law = 5e-3, wrapper.IceStrength(tensileRateExponent=0.1)
-	O.periodic = True
-	O.cell.hSize = Matrix3(4 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, 0.1)
-	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650))
-	for x in (radius, 3 * radius):
-		O.bodies.append(utils.sphere((x, 5 * radius, 0.05), radius, material=0))
-		O.bodies[-1].state.blockedDOFs = "zXY"
-	loop = wrapper.InteractionLoop(
-		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
-	)
-	O.engines = [wrapper.ForceResetter(), wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]), loop, wrapper.NewtonIntegrator(damping=0.3)]
-	O.dt = 1e-6
-	start = wrapper.RveSample.fromScene(O._sceneObj)
-	start.freeze(1)
-	assert start.statistics()["bondsIntact"] == 2
-	strength, width = 51e6 * radius**2, 10 * radius * 0.1
+	radius, depth, law = 5e-3, 0.1, wrapper.IceStrength(tensileRateExponent=0.1)
+	start = frozenPair(radius, depth)
+	strength, width = 51e6 * radius**2, 10 * radius * depth
 	for temperature, rate in ((-10, 1e-4), (-40, 1e-4), (-2, 1e-2)):
 		sample = under(start, law, temperature, rate)
 		largest = 0.0

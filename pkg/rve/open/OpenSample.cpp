@@ -342,13 +342,12 @@ void OpenSample::setIceSaturation(double iceSaturation)
 void OpenSample::creep(const BondCreep& creep)
 {
 	for (const auto& contact : *scene->interactions) {
-		const auto* phys = contact->isReal() ? dynamic_cast<const IceBondPhys*>(contact->phys.get()) : nullptr;
-		if (!phys) continue;
+		if (!contact->isReal()) continue;
 		const Body &first = *(*scene->bodies)[contact->id1], &second = *(*scene->bodies)[contact->id2];
 		const auto *a = dynamic_cast<const Sphere*>(first.shape.get()), *b = dynamic_cast<const Sphere*>(second.shape.get());
 		if (!a || !b) continue;
 		const Vector3r branch = second.state->se3.position - first.state->se3.position + scene->cell->hSize * contact->cellDist.cast<Real>();
-		relaxContact(*scene, *contact, a->radius + b->radius - branch.norm() - phys->uRef, creep);
+		relaxContact(*scene, *contact, a->radius + b->radius - branch.norm(), creep);
 	}
 }
 
