@@ -5,8 +5,7 @@ from yade import Matrix3, O, utils, wrapper
 
 
 def frozenPair(radius, depth):
-	"""Packed sample of two discs side by side in a periodic cell of 4 by 10 radii, frozen to full ice saturation.; radius of the discs and depth of the
-	cell in m."""
+	"""Packed sample of two discs of a radius [m] side by side in a periodic cell of 4 by 10 radii and a depth [m], frozen to full ice saturation."""
 	O.periodic = True
 	O.cell.hSize = Matrix3(4 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, depth)
 	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650))
