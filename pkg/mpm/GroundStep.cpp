@@ -488,7 +488,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 			sample.lap(CostMeter::record);
 		}
 		if (!g.content) return;
-		const int failed = g.content->update(first, last, g.contentOf(), cells, sample);
+		const int failed = g.content->update(first, last, g.contentOf(), cells, g.clock.dt, sample);
 		if (failed < last) g.bad[strip] = failed;
 	};
 	if (cells) {
@@ -499,7 +499,12 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	g.cost.lapShared();
 	if (g.cellPressure()) {
 		g.water->findCellPressure(g.clock.range);
-		g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
+		g.points->strips().gather([&](int, int first, int last) {
+			g.water->shareCellPressure(*cells, first, last);
+			if (g.content->iceMass)
+				g.water->levelPoints(
+				        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity(), g.enthalpyModel());
+		});
 		g.cost.lap(CostMeter::water);
 	}
 	g.contentSettled = g.allRests();
