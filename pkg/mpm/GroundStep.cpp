@@ -272,6 +272,16 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	water->kept = keptFraction(water->fastest > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
 
+template <int D> void Ground<D>::Parts::moveWalls()
+{
+	try {
+		momentum->beginStep(grid, *shape, clock.calendar.time, calendarEnd(), clock.dt);
+	} catch (...) {
+		accounts.restore(*this);
+		throw;
+	}
+}
+
 template <int D> void Ground<D>::beginStep(double dt)
 {
 	Parts& g = *parts_;
@@ -285,6 +295,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
 	g.useScale();
+	if (g.momentum) g.moveWalls();
 	g.findKeptFractions();
 	g.cost.lap(CostMeter::sorting);
 	if (!g.heat) return;
@@ -488,7 +499,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 			sample.lap(CostMeter::record);
 		}
 		if (!g.content) return;
-		const int failed = g.content->update(first, last, g.contentOf(), cells, sample);
+		const int failed = g.content->update(first, last, g.contentOf(), cells, g.clock.dt, sample);
 		if (failed < last) g.bad[strip] = failed;
 	};
 	if (cells) {
@@ -499,7 +510,12 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	g.cost.lapShared();
 	if (g.cellPressure()) {
 		g.water->findCellPressure(g.clock.range);
-		g.points->strips().gather([&](int, int first, int last) { g.water->shareCellPressure(*cells, first, last); });
+		g.points->strips().gather([&](int, int first, int last) {
+			g.water->shareCellPressure(*cells, first, last);
+			if (g.content->iceMass)
+				g.water->levelPoints(
+				        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity(), g.enthalpyModel());
+		});
 		g.cost.lap(CostMeter::water);
 	}
 	g.contentSettled = g.allRests();
@@ -537,6 +553,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 		g.keepStrainWork(false);
 		g.cost.lap(CostMeter::ledger);
 	}
+	if (g.momentum) g.momentum->endStep(g.clock.dt);
 	g.clock.calendar.time = g.calendarEnd();
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;

@@ -134,7 +134,7 @@ def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall
 	A cohesion without it holds next to nothing close to a surface, where normal stress is small.
 
 	>>> tension = talik.calibrate.thawedTension(packed, strength=0.3e6, pressures=(5e3,), strain=4e-4)"""
-	bonded = [_withThawedStrength(sample, strength) for sample in _listOf(samples)]
+	bonded = [_withThawedStrength(sample, strength) for sample in rve.listOf(samples)]
 	return float(np.mean([_largestTension(_thawedUnder(sample, pressure), 0.0, strain, perCall) for sample in bonded for pressure in pressures]))
 
 
@@ -158,10 +158,6 @@ def _withThawedStrength(sample, strength):
 	other = sample.copy()
 	other.thawedStrength = strength
 	return other
-
-
-def _listOf(samples):
-	return list(samples) if isinstance(samples, (list, tuple)) else [samples]
 
 
 def _largestTension(tested, iceSaturation, strain, perCall):
@@ -207,7 +203,7 @@ def thawedStrength(samples, cohesion, pressures=(2e3, 4e3, 8e3, 16e3)):
 		raise ValueError(f"thawed cohesion is {cohesion!r}; give a cohesion in Pa, 0 or more")
 	if cohesion == 0:
 		return 0.0, 0.0
-	samples = _listOf(samples)
+	samples = rve.listOf(samples)
 	plain = [_thawedShearStrengths(sample, 0.0, pressures) for sample in samples]
 
 	def measured(strength):
@@ -511,7 +507,7 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
 		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
-	samples = _listOf(sample)
+	samples = rve.listOf(sample)
 	for sample in samples:
 		if sample.iceSaturation > 0:
 			raise ValueError(f"the sample holds ice (iceSaturation {sample.iceSaturation:g}); give an ice-free one, the tests freeze it")

@@ -195,10 +195,9 @@ def frozenSamples(grains=100, realisations=3, pressure=10e3, **prepared):
 	"""Realisations of a packed sample of discs that was frozen to full ice saturation at a pressure [Pa].
 
 	>>> samples = talik.creep.frozenSamples(grains=30, realisations=1, porosity=0.19)"""
-	samples = rve.pack(rve.prepare(grains=grains, realisations=realisations, ice=True, **prepared))
-	samples = samples if isinstance(samples, (list, tuple)) else [samples]
+	samples = rve.listOf(rve.pack(rve.prepare(grains=grains, realisations=realisations, ice=True, **prepared)))
 	for sample in samples:
 		if not sample.servo(-pressure, -pressure):
 			raise RuntimeError(f"creep: the sample does not reach an isotropic pressure of {pressure:g} Pa")
 		sample.freeze(1)
-	return list(samples)
+	return samples

@@ -483,6 +483,11 @@ def _grainsOf(sample):
 	return Grains(**{**values, "iceBond": tuple(tuple(pair) for pair in values["iceBond"])})
 
 
+def listOf(samples):
+	"""One sample or several, as a list."""
+	return list(samples) if isinstance(samples, (list, tuple)) else [samples]
+
+
 def pack(sample):
 	"""Packed form (RveSample) of a prepared sample (talik.rve.Sample), of a scene file or of a YADE Scene object; of a list of them a list.
 

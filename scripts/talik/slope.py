@@ -7,6 +7,7 @@ bands while they are still frictional; they are frozen afterwards, by the first 
 
 import numpy as np
 
+from talik import rve
 from talik.geometry import Solid, surfaceHeight
 from yade import wrapper
 
@@ -39,7 +40,7 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 	>>> samples, sampleOf = talik.slope.depthBands(position, [(0, 0), (1, 0), (1, 2), (0, 2)], packed, density=2000, bandThickness=1)"""
 	depth = _depth(polygon, position)
 	band = np.maximum(0, np.floor(depth / bandThickness)).astype(int)
-	realisations = sample if isinstance(sample, (list, tuple)) else [sample]
+	realisations = rve.listOf(sample)
 	pairs = list(zip(map(int, band), wrapper.RveSkeleton.deal(position, len(realisations), seed)))
 	used = sorted(set(pairs))
 	samples = [_broughtTo(realisations[k], geostaticStress((b + 0.5) * bandThickness, density, gravity, lateralRatio, load=load), b) for b, k in used]

@@ -169,6 +169,55 @@ TEST(Conservation, UniformPorePressureAtAnIceFrontMovesNothing)
 	expectSmall("uniform pressure at an ice front: change of p over p, 1000 steps", largestSize(pressure), 1e-9);
 }
 
+namespace {
+
+/// One sealed cell of four points at rest; the first two hold a little more water than their pores at the common pressure, the others less.
+Ground<2> unevenCell(double temperature, double conductivity)
+{
+	constexpr double h                          = 0.1;
+	auto             s                          = freezingSoil(h);
+	s.lower                                     = { 0.0, 0.0 };
+	s.upper                                     = { h, h };
+	s.motion->gravity                           = { 0.0, 0.0 };
+	s.heat->thermalTimeScale                    = 1e-9;
+	s.water->permeability.referenceConductivity = conductivity;
+	s.water->hydraulicTimeScale                 = 1.0;
+	for (const std::string side : { "left", "right", "bottom", "top" })
+		s.boundaries.push_back(std::make_shared<RollerBoundary<2>>(Region<2>::side(side)));
+	Ground<2> ground(s);
+	int       number = 0;
+	fillBox(ground, { 0.0, 0.0 }, { h, h }, [&](PointInput<2>& p) {
+		p.temperature = temperature;
+		p.pressure    = number++ < 2 ? 1.5e4 : 0.5e4;
+	});
+	ground.initialise();
+	return ground;
+}
+
+} // namespace
+
+// What the points of a cell have too much and too little decays by 1 + s in a step, s = dt 2 k/(rho g c) with c = V n/K_w: the flow between
+// the halves of a cell of edge h is k/(rho g) h/(h/2) times the difference of their pressures.
+TEST(Conservation, PointThatHoldsMoreThanItsPoresHandsItToTheOthersOfItsCell)
+{
+	constexpr double conductivity = 4e-7, dt = 2e-5, bulkModulus = 2.2e7, pointVolume = 0.05 * 0.05, porosity = 0.4;
+	const auto       difference = [](const Ground<2>& ground) {
+                const auto water = valuesOf(ground, "waterMass");
+                return water[0] + water[1] - water[2] - water[3];
+	};
+	Ground<2>    ground = unevenCell(5.0, conductivity);
+	const double before = difference(ground), rate = dt * 2.0 * conductivity / (1000.0 * 9.81) * bulkModulus / (pointVolume * porosity);
+	const int    steps = static_cast<int>(std::lround(1.0 / rate));
+	const Drift  d     = drift(ground, steps, dt);
+	expectRelative("uneven cell: difference of its points after the time of levelling", difference(ground) / before, std::pow(1.0 + rate, -steps), 0.01);
+	expectSmall("uneven cell: drift of ice and water", d.water, 1e-13);
+	expectSmall("uneven cell: drift of heat", d.heat, 1e-12);
+	Ground<2>    frozen = unevenCell(-5.0, conductivity);
+	const double kept   = difference(frozen);
+	drift(frozen, steps, dt);
+	expectRelative("uneven cell, frozen: difference of its points after the same time", difference(frozen) / kept, 1.0, 1e-3);
+}
+
 TEST(Conservation, HydrostaticColumnStaysAtRest)
 {
 	auto s     = freezingSoil(0.1);

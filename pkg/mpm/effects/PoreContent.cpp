@@ -232,12 +232,16 @@ template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[
 	}
 }
 
-template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water) const
+template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water, double dt) const
 {
 	double excess[blockSize], compliance[blockSize];
 	findFill(b, excess, compliance);
-	for (int k = 0; k < b.count; ++k)
-		water.addFill(cells.cell(b.first + k), excess[k], compliance[k]);
+	if (iceMass)
+		for (int k = 0; k < b.count; ++k)
+			water.addFill(cells.cell(b.first + k), b.first + k, excess[k], compliance[k], dt, b.of->mixture.liquid.density);
+	else
+		for (int k = 0; k < b.count; ++k)
+			water.addFill(cells.cell(b.first + k), excess[k], compliance[k]);
 }
 
 template <int D> void PoreContent<D>::updatePressureRate(const Block& b, PoreWater<D>& water)
@@ -367,10 +371,10 @@ template <int D> int PoreContent<D>::update(int first, int last, const Effects& 
 {
 	std::array<double, CostMeter::entries> unused {};
 	CostMeter::Sample                      sample(unused);
-	return update(first, last, of, nullptr, sample);
+	return update(first, last, of, nullptr, 0.0, sample);
 }
 
-template <int D> int PoreContent<D>::update(int first, int last, const Effects& of, const CellMeans<D>* cells, CostMeter::Sample& sample)
+template <int D> int PoreContent<D>::update(int first, int last, const Effects& of, const CellMeans<D>* cells, double dt, CostMeter::Sample& sample)
 {
 	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : of.heat ? CostMeter::heat : CostMeter::water;
 	Block                  b;
@@ -395,7 +399,7 @@ template <int D> int PoreContent<D>::update(int first, int last, const Effects& 
 			continue;
 		}
 		if (lastVolume_) updatePressureRate(b, *of.water);
-		else if (cells) collectPressure(b, *cells, *of.water);
+		else if (cells) collectPressure(b, *cells, *of.water, dt);
 		else updatePressure(b, *of.water);
 		sample.lap(CostMeter::water);
 	}

@@ -34,9 +34,9 @@ public:
 	/// State of points first .. last after their volume, water mass and enthalpy changed. Returns the place of the first point in
 	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
 	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
-	/// PoreWater::shareCellPressure (call within MaterialPoints::strips().scatter).
+	/// PoreWater::shareCellPressure and, in the step dt, PoreWater::levelPoints (call within MaterialPoints::strips().scatter).
 	/// sample: of the time that each effect takes.
-	int update(int first, int last, const Effects& of, const CellMeans<D>* cells, CostMeter::Sample& sample);
+	int update(int first, int last, const Effects& of, const CellMeans<D>* cells, double dt, CostMeter::Sample& sample);
 	int update(int first, int last, const Effects& of);
 	/// Why a point is in an impossible state; heat may be null.
 	std::string whyImpossible(int place, const HeatTransfer<D>* heat) const;
@@ -70,7 +70,7 @@ private:
 	void                          solveTemperature(Block& b, HeatTransfer<D>& heat) const;
 	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const;
 	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b, PoreWater<D>& water) const;
-	void                          collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water) const;
+	void                          collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water, double dt) const;
 	TALIK_PROCESSOR_VERSIONS void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
 	void                          updatePressureRate(const Block& b, PoreWater<D>& water);
 	void                          updateCoefficients(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water);

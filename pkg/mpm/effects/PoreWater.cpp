@@ -56,6 +56,8 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	open_.assign(grid.nodeCount(), 0);
 	exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
+	perHalfCell_ = 2.0 * grid.faceArea() * grid.inverseSpacing();
+	if (iceMass_) fills_.assign(points.count(), {});
 }
 
 template <int D> void PoreWater<D>::allocateCells(int cells, double cellVolume)
@@ -549,8 +551,58 @@ template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
 			if (cell.compliance > 0.0) cell.fillPressure = std::max(cell.excess / cell.compliance, settings->state.cavitationPressure);
+			if (freezing_.empty()) continue;
+			FreezingCell& more = freezing_[c];
+			if (!(more.compliance > 0.0)) continue;
+			const double atCavitation = more.excess - more.compliance * settings->state.cavitationPressure;
+			more.level                = atCavitation >= 0.0 ? more.excess / more.compliance : settings->state.cavitationPressure;
+			more.filled               = atCavitation >= 0.0 ? 1.0 : more.surplus / (more.surplus - atCavitation);
 		}
 	});
+}
+
+template <int D> double PoreWater<D>::reachedMobility(int p, double dt, double liquidDensity) const
+{
+	const double mass = liquidMass(p), volume = volume_[p], liquid = mass / liquidDensity;
+	return 1.0 / (volume * drag[p] / (liquid * liquid) + liquidDensity * liquidDensity * volume / (mass * dt));
+}
+
+template <int D> void PoreWater<D>::addFill(int c, int p, double excess, double compliance, double dt, double liquidDensity)
+{
+	addFill(c, excess, compliance);
+	const double surplus = std::max(0.0, excess - compliance * settings->state.cavitationPressure);
+	const double rate    = dt * perHalfCell_ * reachedMobility(p, dt, liquidDensity) / compliance;
+	const double most    = largestLoss * liquidMass(p) / liquidDensity;
+	double       share   = rate / (1.0 + rate);
+	if (surplus * share > most) share = most / surplus;
+	FreezingCell& cell = freezing_[c];
+	cell.excess += share * excess;
+	cell.compliance += share * compliance;
+	cell.surplus += share * surplus;
+	fills_[p] = { excess, compliance, share };
+}
+
+template <int D> double PoreWater<D>::given(const PointFill& point, const FreezingCell& cell) const
+{
+	const double difference = point.share * (point.excess - point.compliance * cell.level);
+	return difference < 0.0 ? difference * cell.filled : difference;
+}
+
+template <int D>
+void PoreWater<D>::levelPoints(
+        const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity, const EnthalpyModel* model)
+{
+	for (int p = first; p < last; ++p) {
+		const int           c    = cells.cell(p);
+		const FreezingCell& cell = freezing_[c];
+		if (!(cell.compliance > 0.0) || !(cells_[c].liquidMass > 0.0)) continue;
+		const double perMass = 1.0 / cells_[c].liquidMass, mass = liquidDensity * given(fills_[p], cell), part = mass / (liquidMass(p) - mass);
+		for (int i = 0; i < D; ++i)
+			velocity[i][p] += part * (velocity[i][p] - cell.carried[i] * perMass);
+		waterMass[p] -= mass;
+		liquidFraction[p] -= mass / (liquidDensity * volume_[p]);
+		if (enthalpy) enthalpy[p] -= mass * model->liquidEnthalpy(cell.warmth * perMass);
+	}
 }
 
 template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells, int first, int last)

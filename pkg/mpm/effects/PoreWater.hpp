@@ -104,8 +104,15 @@ public:
 		cells_[cell].excess += excess;
 		cells_[cell].compliance += compliance;
 	}
+	/// The same in ground that freezes, for levelPoints().
+	void addFill(int cell, int place, double excess, double compliance, double dt, double liquidDensity);
 	/// Pressure of each cell from what fills it, when all points were added.
 	void findCellPressure(const ActiveRange& range);
+	/// Hands water on between the points of a cell, in ground that freezes: a point that holds more than its pores, at the pressure of its
+	/// cell, gives to those that hold less, eq. (7.7). Exchange by seepage is even within a cell, so that nothing else would ever bring the
+	/// water of a point and its pores together, and the point would carry the difference, as a pressure, into the next cell.
+	/// Call when the cells have their pressure. enthalpy null: ground without heat.
+	void levelPoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity, const EnthalpyModel* model);
 	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
@@ -160,6 +167,14 @@ private:
 	/// More of a cell in ground that freezes: sums of drag, mass of liquid and ice, liquid mass times temperature and times velocity.
 	struct FreezingCell {
 		double drag, contentMass, warmth, carried[D];
+		double excess, compliance; ///< sums of addFill, each times the share that its point levels in the step
+		double surplus;            ///< the part of excess beyond the pores at the cavitation pressure [m^D]
+		double level;              ///< pressure at which what its points give is what they take [Pa]
+		double filled;             ///< share of the room of its points that they fill where there is more room than surplus [-]
+	};
+	/// Of a point at the end of a step: see addFill, and the share of its difference from the cell that it levels in the step.
+	struct PointFill {
+		double excess, compliance, share;
 	};
 	/// Between a cell and the next one along an axis: conductance [m^D/(Pa s)] and what Darcy's law would let through [m^D/s].
 	struct Face {
@@ -181,7 +196,12 @@ private:
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
-	double traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
+	/// V n_l^2/Q of a point with what its inertia lets through in dt [m^2/(Pa s)].
+	double reachedMobility(int place, double dt, double liquidDensity) const;
+	/// Volume that a point gives to the others of its cell in the step [m^D].
+	double                           given(const PointFill& point, const FreezingCell& cell) const;
+	double                           traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
+	double                           perHalfCell_ = 0.0; ///< area over length from the middle of one half of a cell to that of the other [m^(D-2)]
 	std::array<std::vector<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
@@ -205,6 +225,7 @@ private:
 
 	std::vector<Cell>            cells_;
 	std::vector<FreezingCell>    freezing_;
+	std::vector<PointFill>       fills_;
 	std::vector<char>            open_; ///< nodes through whose surface water may cross in this step
 	PointFields::Handle          velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};
