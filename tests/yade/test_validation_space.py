@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from validation_report import Report
-from yade import O, wrapper
+from yade import O, utils, wrapper
 
 import talik
 
@@ -235,34 +235,49 @@ def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_comes_nearer_to_the_p
 
 
 def collapsed(aspect, spacing):
-	"""Distance of the front of a dry cylinder of 1 m from its axis over its radius, at rest; a quarter of it between planes of symmetry. The friction
-	angle of the law is such that simple shear without dilation carries tan 31 degrees, the angle of repose of sand (Davis 1968)."""
+	"""Distance of the front of a dry cylinder of 1 m from its axis over its radius, at rest; a quarter of it between planes of symmetry, on a wall with
+	the friction of sand. The friction angle of the law is such that simple shear without dilation carries tan 31 degrees, the angle of repose of sand
+	(Davis 1968). picTime is the time in which the column falls. With 20 cells its default, in which half a cell falls, makes the viscosity h^2/(4 picTime)
+	four times as large, and nodes fixed at the base hold half a cell of the deposit: the run-out is 26 % short with that picTime, 20 % with that base, 30 %
+	with both, and 7 % as it is here."""
 	O.reset()
 	room = spacing * math.ceil((1 + 1.6 * aspect) / spacing + 1)
 	roof = spacing * math.ceil(aspect / spacing + 1)
+	repose = 31.0
 	mpm = wrapper.MpmEngine(
 		gridSpacing=spacing,
-		lower=(0, 0, 0),
+		lower=(0, 0, -2 * spacing),
 		upper=(room, room, roof),
 		gravity=(0, 0, -9.81),
+		picTime=math.sqrt(aspect / 9.81),
 		deformationRecord=False,
-		skeleton=wrapper.MohrCoulombSkeleton(young=1e6, youngFrozen=1e6, poisson=0.3, cohesion=0, frictionAngle=36.9, tensileStrength=0),
-		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="front"), wrapper.FixedBoundary(region="bottom")],
+		skeleton=wrapper.MohrCoulombSkeleton(
+			young=1e6,
+			youngFrozen=1e6,
+			poisson=0.3,
+			cohesion=0,
+			frictionAngle=math.degrees(math.asin(math.tan(math.radians(repose)))),
+			tensileStrength=0,
+		),
+		bodies=wrapper.BodyContact(frictionAngle=repose),
+		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="front")],
 	)
 	heights = talik.solids.terrain(lambda x, y: np.where(np.hypot(x, y) < 1, aspect, np.nan), base=0.0, lower=(0, 0), upper=(1, 1))
 	weight = 0.6 * 2650 * 9.81
 	talik.geometry.fill(mpm, heights, porosity=porosity, stress=lambda x, y, z: -weight * (aspect - z)[:, None] * np.array([0.3 / 0.7, 0.3 / 0.7, 1, 0, 0, 0]))
-	O.engines = [mpm]
+	O.bodies.append(utils.wall(0.0, axis=2))
+	O.engines = [wrapper.ForceResetter(), mpm]
 	talik.runUntil(4.5 * math.sqrt(aspect / 9.81))
 	radius = np.sort(np.linalg.norm(mpm.field("position")[:, :2], axis=1))
 	return radius[int(0.999 * len(radius))]  # a few points may roll ahead of the deposit
 
 
-def test_a_cylinder_of_sand_collapses_to_within_a_third_of_the_run_out_of_lube_slow():
-	"""Lube et al. 2004: run-out over radius is 1.24 a for an aspect ratio a below 1.7. The ground stops short of it, by less on a finer grid."""
+def test_a_cylinder_of_sand_collapses_to_the_run_out_of_lube_within_15_per_cent_slow():
+	"""Lube et al. 2004: run-out over radius is 1.24 a for an aspect ratio a below 1.7."""
 	report, aspect = Report("Space.Lube", "Lube et al. 2004"), 0.8
-	front = collapsed(aspect, 0.05)
-	report.expectRelative(f"collapse of a cylinder, 20 cells: run-out over radius, a = {aspect}", front - 1, 1.24 * aspect, 0.33)
+	for cells, tolerance in ((10, 0.3), (20, 0.15)):
+		runOut = collapsed(aspect, 1 / cells) - 1
+		report.expectRelative(f"collapse of a cylinder, a = {aspect}: run-out over radius, {cells} cells along it", runOut, 1.24 * aspect, tolerance)
 
 
 # ---- a block that turns -------------------------------------------------------------------------------------------------------
