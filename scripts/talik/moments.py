@@ -14,6 +14,7 @@ kinds = {
 	"neither": {},
 	"moments": {"bondRadiusFactor": 1.0},
 	"moments, R_b doubled": {"bondRadiusFactor": 2.0},
+	"moments, none in the strength": {"bondRadiusFactor": 1.0, "momentContribution": 0.0},
 	"rolling": {"etaRoll": 0.1},
 	"moments and rolling": {"bondRadiusFactor": 1.0, "etaRoll": 0.1},
 }  # what the contacts of the samples carry: attributes of MomentIceBondMat and RollingIceBondMat
@@ -31,15 +32,15 @@ class MomentTests:
 
 	def draw(self):
 		"""Figure: mean deviator over axial strain, a line for each kind, with the range of its samples."""
-		fig = plots.figure(7, 4.4)
+		fig = plots.figure(7, 4.8)
 		axes = fig.subplots()
 		for kind, tests in self.compression.items():
 			strain = 100 * tests[0].smooth(tests[0].strain)
 			deviators = 1e-6 * np.array([test.deviator for test in tests])
 			line = axes.plot(strain, deviators.mean(axis=0), label=kind)[0]
-			axes.fill_between(strain, deviators.min(axis=0), deviators.max(axis=0), color=line.get_color(), alpha=0.12, lw=0)
+			axes.fill_between(strain, deviators.min(axis=0), deviators.max(axis=0), color=line.get_color(), alpha=0.08, lw=0)
 		axes.set(xlabel="axial strain [%]", ylabel=f"deviator at {1e-3 * self.pressure:g} kPa [MPa]", ylim=(0, None))
-		axes.legend(frameon=False, title="contacts carry")
+		axes.legend(frameon=False, title="contacts carry", loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3)
 		return fig
 
 
