@@ -13,6 +13,7 @@ from talik import calibrate, moments, packing, rve
 
 friction, ratio, young, iceYoung, strength = 0.5, 0.8, 0.6e9, 3e9, 51e6
 gradient = {2: Matrix3(0.6, 1.0, 0, -0.5, -1.0, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}
+components = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
 
 
 def relative(a, b):
@@ -286,6 +287,15 @@ def test_opened_samples_whose_bonds_carry_moments_go_on_as_packed_to_1e9_over_50
 	before = frozen.stateBytes
 	frozen.repack(frozen.open())
 	assert frozen.stateBytes == before
+
+
+def test_samples_whose_bonds_carry_moments_thaw_and_freeze_again_open_as_packed(frozen):
+	opened, motion = wrapper.OpenRveSample(source=frozen.open()), 2e-5 * gradient[frozen.dimension]
+	for ice in (1, 0.6, 0.6, 0, 0.8, 0.8):
+		packed, other = frozen.apply(motion, ice), opened.apply(motion, ice)
+		error = relative(packed["stress"], [other["stress"][i][j] for i, j in components[frozen.dimension]])
+		print(f"\nS_i = {ice:g}: stress differs by {error:.1e}, {frozen.statistics()['bondsIntact']} bonds", end="")
+		assert error < 1e-9
 
 
 def test_a_scene_whose_bonds_carry_moments_in_another_way_than_their_material_is_not_packed(frozen):
