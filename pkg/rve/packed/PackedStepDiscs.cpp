@@ -184,12 +184,6 @@ namespace HWY_NAMESPACE {
 			inPipeline(pairs, gatherAt, finish);
 		}
 
-		template <bool Bonded, bool Rolling, bool Moments = false> void contacts(PackedStepView<2>* view)
-		{
-			contactLoop<Bonded, Rolling, Moments, false>(*view, view->inner);
-			contactLoop<Bonded, Rolling, Moments, true>(*view, view->periodic);
-		}
-
 		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
 		{
 			const double* l       = view.prevVelGrad;
@@ -242,21 +236,18 @@ namespace HWY_NAMESPACE {
 			view.virial[3] = syy.sum();
 		}
 
-		void integrate(PackedStepView<2>* view)
-		{
-			if (view->jumps()) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
-			else view->sampleStress ? integrateGrains<false, true>(*view) : integrateGrains<false, false>(*view);
-		}
+		struct DiscLoops {
+			template <bool Bonded, bool Rolling, bool Moments, bool Periodic, class Pairs>
+			static void contacts(PackedStepView<2>& view, const Pairs& pairs)
+			{
+				contactLoop<Bonded, Rolling, Moments, Periodic>(view, pairs);
+			}
+			template <bool Jumps, bool Stress> static void integrate(PackedStepView<2>& view) { integrateGrains<Jumps, Stress>(view); }
+		};
 
 	} // namespace
 
-	PackedKernel<2> discKernel(PackedContactKind kind)
-	{
-		const auto free    = kind.bonded ? contacts<true, false> : contacts<false, false>,
-		           rolling = kind.bonded ? contacts<true, true> : contacts<false, true>;
-		if (kind.moments) return { kind.rolling ? contacts<true, true, true> : contacts<true, false, true>, integrate, hwy::TargetName(HWY_TARGET) };
-		return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
-	}
+	PackedKernel<2> discKernel(PackedContactKind kind) { return KernelOf<2, DiscLoops>::chosen(kind); }
 
 } // namespace HWY_NAMESPACE
 } // namespace talik

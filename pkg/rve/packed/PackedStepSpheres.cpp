@@ -269,12 +269,6 @@ namespace HWY_NAMESPACE {
 			                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
 		}
 
-		template <bool Bonded, bool Rolling, bool Moments = false> void contacts(PackedStepView<3>* view)
-		{
-			contactLoop<Bonded, Rolling, Moments, false>(*view, view->inner);
-			contactLoop<Bonded, Rolling, Moments, true>(*view, view->periodic);
-		}
-
 		/// A 3x3 matrix, the same in every lane.
 		struct Matrix {
 			Vector row[3];
@@ -348,21 +342,18 @@ namespace HWY_NAMESPACE {
 				view.virial[k] = virial[k].sum();
 		}
 
-		void integrate(PackedStepView<3>* view)
-		{
-			if (view->jumps()) view->sampleStress ? integrateGrains<true, true>(*view) : integrateGrains<true, false>(*view);
-			else view->sampleStress ? integrateGrains<false, true>(*view) : integrateGrains<false, false>(*view);
-		}
+		struct SphereLoops {
+			template <bool Bonded, bool Rolling, bool Moments, bool Periodic, class Pairs>
+			static void contacts(PackedStepView<3>& view, const Pairs& pairs)
+			{
+				contactLoop<Bonded, Rolling, Moments, Periodic>(view, pairs);
+			}
+			template <bool Jumps, bool Stress> static void integrate(PackedStepView<3>& view) { integrateGrains<Jumps, Stress>(view); }
+		};
 
 	} // namespace
 
-	PackedKernel<3> sphereKernel(PackedContactKind kind)
-	{
-		const auto free    = kind.bonded ? contacts<true, false> : contacts<false, false>,
-		           rolling = kind.bonded ? contacts<true, true> : contacts<false, true>;
-		if (kind.moments) return { kind.rolling ? contacts<true, true, true> : contacts<true, false, true>, integrate, hwy::TargetName(HWY_TARGET) };
-		return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
-	}
+	PackedKernel<3> sphereKernel(PackedContactKind kind) { return KernelOf<3, SphereLoops>::chosen(kind); }
 
 } // namespace HWY_NAMESPACE
 } // namespace talik
