@@ -509,12 +509,11 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	} else g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
-		g.water->findCellPressure(g.clock.range);
+		g.water->findCellPressure(g.clock.range, g.content->iceMass ? g.enthalpyModel() : nullptr);
 		g.points->strips().gather([&](int, int first, int last) {
 			g.water->shareCellPressure(*cells, first, last);
 			if (g.content->iceMass)
-				g.water->levelPoints(
-				        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity(), g.enthalpyModel());
+				g.water->levelPoints(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity());
 		});
 		g.cost.lap(CostMeter::water);
 	}
