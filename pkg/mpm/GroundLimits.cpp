@@ -30,7 +30,7 @@ namespace {
 	};
 	TALIK_PROCESSOR_VERSIONS Extent extentOf(int count, const double* x)
 	{
-		constexpr int lanes = 8; // independent of each other, so that the compiler makes vectors of them
+		constexpr int lanes = 32; // independent of each other, and too many to be unrolled: the compiler makes vectors of them
 		double        low[lanes], high[lanes], notFinite[lanes];
 		for (int l = 0; l < lanes; ++l) {
 			low[l] = high[l] = x[0];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Samples under random increments: strain rates, jumps of ice saturation, flips, archives, rest.
+// Samples of discs and of spheres under random increments: strain rates, jumps of ice saturation, flips, archives, rest.
 #include "Dice.hpp"
 #include "packedReference.hpp"
+#include "packedSpheres.hpp"
 #include "Report.hpp"
 
 #include <Eigen/LU>
@@ -14,25 +15,47 @@
 using namespace talik;
 using namespace talik::stability;
 using namespace talik::validation;
-using packedReference::matrix;
-using packedReference::Matrix;
-using packedReference::State;
 
 namespace {
 
-bool finite(const State& s)
+template <int D> PackedState<D> ofStock();
+template <> PackedState<2>      ofStock<2>() { return packedReference::sample().state(); }
+template <> PackedState<3>      ofStock<3>() { return packedSpheres::sample().state(); }
+
+/// The sample of stock YADE with bonds, frozen in twenty parts.
+template <int D> PackedState<D> frozen(double iceSaturation)
+{
+	PackedSample<D> sample(ofStock<D>());
+	for (int k = 1; k <= 20; ++k) {
+		sample.setIceSaturation(iceSaturation * k / 20);
+		sample.advance(5);
+	}
+	return sample.state();
+}
+
+double                         sumOf(double value) { return value; }
+template <class Vector> double sumOf(const Vector& v) { return v.sum(); }
+
+template <int D> bool finite(const PackedState<D>& s)
 {
 	double sum = s.stress.sum() + s.hSize.sum() + s.trsf.sum();
 	for (std::size_t g = 0; g < s.size(); ++g)
-		sum += s.position[g].sum() + s.velocity[g].sum() + s.angularVelocity[g];
-	for (const double shear : s.contacts.shear)
-		sum += shear;
+		sum += s.position[g].sum() + s.velocity[g].sum() + sumOf(s.angularVelocity[g]);
+	for (const auto& shear : s.contacts.shear)
+		sum += sumOf(shear);
 	return std::isfinite(sum);
 }
 
-/// Largest shear over pressure in the plane; the bound of both for contacts that only push, each within its friction, is
-/// sqrt(1 + mu^2): the sum of n (x) n F_n and t (x) n F_t cannot have a larger deviator than its terms together.
-double stressRatio(const Matrix& s) { return std::hypot(0.5 * (s(0, 0) - s(1, 1)), 0.5 * (s(0, 1) + s(1, 0))) / (-0.5 * s.trace()); }
+/// Norm of the deviator of the stress over the bound that contacts set it which only push, each within its friction: the sum of
+/// l (n (x) n F_n + n (x) t F_t) cannot have a larger deviator than its terms together, l F_n sqrt(1 - 1/D + mu^2/2). In the plane shear over
+/// pressure is at most sqrt(1 + mu^2).
+template <int D> double stressOverBound(const typename PackedState<D>::Matrix& stress, double friction)
+{
+	using Matrix           = typename PackedState<D>::Matrix;
+	const double pressure  = -stress.trace() / D;
+	const Matrix symmetric = 0.5 * (stress + stress.transpose());
+	return (symmetric + pressure * Matrix::Identity()).norm() / (D * pressure * std::sqrt(1.0 - 1.0 / D + 0.5 * friction * friction));
+}
 
 /// Stresses are those of forces and of branches a step later: grains that fly have turned by then.
 constexpr double ratioLimit = 1.01;
@@ -41,7 +64,10 @@ constexpr double ratioLimit = 1.01;
 constexpr double softest = 0.05;
 
 /// A sample drawn at random, with what has been found wrong with it.
-class RandomSample {
+template <int D> class RandomSample {
+	using State  = PackedState<D>;
+	using Matrix = typename State::Matrix;
+
 public:
 	explicit RandomSample(std::uint64_t seed)
 	        : dice_(seed)
@@ -66,7 +92,7 @@ public:
 private:
 	State drawState()
 	{
-		State s          = dice_.chance("frozen", 0.5) ? packedReference::frozen(dice_.between("Si", 0.06, 1.0)) : packedReference::sample().state();
+		State s          = dice_.chance("frozen", 0.5) ? frozen<D>(dice_.between("Si", 0.06, 1.0)) : ofStock<D>();
 		s.friction       = dice_.between("mu", 0.0, 1.5);
 		s.stiffnessRatio = dice_.between("ks/kn", 0.0, 1.0);
 		s.damping        = dice_.between("damping", 0.05, 0.9);
@@ -92,8 +118,8 @@ private:
 	{
 		const double strain = dice_.decades("strain", 1e-8, 0.3);
 		Matrix       increment;
-		for (int k = 0; k < 4; ++k)
-			increment(k / 2, k % 2) = strain * dice_.uniform(-1.0, 1.0);
+		for (int k = 0; k < D * D; ++k)
+			increment(k / D, k % D) = strain * dice_.uniform(-1.0, 1.0);
 		PackedUpdateOptions options;
 		options.steps               = dice_.chance("stepsGiven", 0.5) || strain > 3e-3 ? static_cast<long>(dice_.decades("steps", 1.0, 3000.0)) : 0;
 		options.maxInertialNumber   = dice_.decades("I", 1e-3, 1.0);
@@ -105,7 +131,7 @@ private:
 		options.tangent             = dice_.chance("tangent", 0.2);
 		const State   before        = pool_.state(0);
 		const double  ice           = drawIce(before.iceSaturation);
-		SamplePool<2> twin;
+		SamplePool<D> twin;
 		if (archived) twin.add(throughBytes());
 		const auto  result = ask(pool_, increment, ice, options);
 		const State after  = pool_.state(0);
@@ -119,7 +145,7 @@ private:
 		gradientError       = std::max(gradientError, (after.trsf - wanted).norm() / wanted.norm());
 		if (gradientError > 1e-9) note("deformation gradient is not that given");
 		if (after.iceSaturation != ice) note("ice saturation is not that given");
-		if (ice <= after.ice.meltSaturation && PackedSample<2>(after).statistics().bondsIntact > 0) note("bonds without ice");
+		if (ice <= after.ice.meltSaturation && PackedSample<D>(after).statistics().bondsIntact > 0) note("bonds without ice");
 		if (ice <= after.ice.meltSaturation) judgeFriction(result.stress, after);
 		if (options.tangent)
 			for (const double c : result.tangent)
@@ -129,10 +155,10 @@ private:
 	/// Grains without bonds cannot pull, and carry no more shear than friction lets them.
 	void judgeFriction(const Matrix& stress, const State& s)
 	{
-		const double pressure = -0.5 * stress.trace(), noise = 1e-6 * s.ice.grainYoung;
+		const double pressure = -stress.trace() / D, noise = 1e-6 * s.ice.grainYoung;
 		if (pressure < -noise) note("tension without bonds");
 		if (pressure <= noise) return;
-		ratioOverBound = std::max(ratioOverBound, stressRatio(stress) / std::sqrt(1.0 + s.friction * s.friction));
+		ratioOverBound = std::max(ratioOverBound, stressOverBound<D>(stress, s.friction));
 		if (ratioOverBound > ratioLimit) note("more shear than friction lets contacts carry");
 	}
 
@@ -143,15 +169,15 @@ private:
 		if (after.toBytes() != before.toBytes()) note("is not as it was before it blew up");
 	}
 
-	std::shared_ptr<const ParkedSample<2>> throughBytes() const
+	std::shared_ptr<const ParkedSample<D>> throughBytes() const
 	{
 		State          state;
-		PackedLists<2> lists;
+		PackedLists<D> lists;
 		const bool     listed = pool_.parked(0)->unpark(state, lists);
-		return std::make_shared<const ParkedSample<2>>(State::fromBytes(state.toBytes()), listed ? &lists : nullptr);
+		return std::make_shared<const ParkedSample<D>>(State::fromBytes(state.toBytes()), listed ? &lists : nullptr);
 	}
 
-	static PackedUpdateResult<2> ask(SamplePool<2>& pool, const Matrix& increment, double ice, const PackedUpdateOptions& options)
+	static PackedUpdateResult<D> ask(SamplePool<D>& pool, const Matrix& increment, double ice, const PackedUpdateOptions& options)
 	{
 		return pool.update({ { 0, increment, ice } }, options, 1).front();
 	}
@@ -168,7 +194,7 @@ private:
 			const State before = pool_.state(0);
 			const auto  result = ask(pool_, Matrix::Zero(), before.iceSaturation, options);
 			if (result.blewUp) return judgeContainment(before, pool_.state(0), result.reason); // thrown together, grains go on for a while
-			k = PackedSample<2>(pool_.state(0)).statistics().kineticEnergy;
+			k = PackedSample<D>(pool_.state(0)).statistics().kineticEnergy;
 		}
 		if (!finite(pool_.state(0))) note("not finite at rest");
 		if (!(kinetic[2] <= 2.0 * std::max(kinetic[0], kinetic[1]) + stored + 1e-9)) note("gains energy at rest");
@@ -177,20 +203,18 @@ private:
 	void note(const std::string& what) { wrong_ += " " + what + ";"; }
 
 	Dice          dice_;
-	SamplePool<2> pool_;
+	SamplePool<D> pool_;
 	std::string   wrong_;
 };
 
-} // namespace
-
-TEST(RandomSearch, EverySampleFollowsRandomIncrementsOrIsLeftAsItWasBeforeTheOneThatBlewItUp)
+template <int D> void search(const std::string& kind, std::uint64_t draws)
 {
 	citing("increments given; friction bounds the stress ratio");
-	const std::uint64_t first = firstSeed(), draws = drawsAskedFor();
+	const std::uint64_t first  = firstSeed();
 	int                 failed = 0, blownUp = 0;
 	double              gradient = 0.0, ratio = 0.0;
 	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
-		RandomSample sample(seed);
+		RandomSample<D> sample(seed);
 		sample.run();
 		blownUp += sample.blownUp > 0;
 		gradient = std::max(gradient, sample.gradientError);
@@ -202,8 +226,18 @@ TEST(RandomSearch, EverySampleFollowsRandomIncrementsOrIsLeftAsItWasBeforeTheOne
 	std::printf(
 	        "seeds %llu to %llu: %d of %llu samples blew up and were left as they were\n", static_cast<unsigned long long>(first),
 	        static_cast<unsigned long long>(first + draws - 1), blownUp, static_cast<unsigned long long>(draws));
-	const std::string name = "random increments of samples, " + std::to_string(draws) + " draws";
+	const std::string name = "random increments of " + kind + ", " + std::to_string(draws) + " draws";
 	expectSmall(name + ": samples that failed", failed, 0.0);
 	expectSmall(name + ": deformation gradient less that given", gradient, 1e-9);
-	expectSmall(name + ": shear over pressure without bonds, over sqrt(1 + mu^2)", ratio, ratioLimit);
+	expectSmall(name + ": deviator of the stress without bonds over what friction lets contacts carry", ratio, ratioLimit);
+}
+
+} // namespace
+
+TEST(RandomSearch, EverySampleFollowsRandomIncrementsOrIsLeftAsItWasBeforeTheOneThatBlewItUp) { search<2>("samples", drawsAskedFor()); }
+
+// a step of spheres takes several times that of discs: a quarter of the draws
+TEST(RandomSearch, EverySampleOfSpheresFollowsRandomIncrementsOrIsLeftAsItWasBeforeTheOneThatBlewItUp)
+{
+	search<3>("samples of spheres", (drawsAskedFor() + 3) / 4);
 }

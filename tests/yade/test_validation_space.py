@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cases of the validation in space: a sphere that is loaded and drained, a sphere that warms, a column that collapses, a block that turns."""
+"""Cases of the validation in space: a sphere that is loaded and drained, a sphere that warms, a slope that thaws in a slice,
+a column that collapses, a block that turns."""
 
 import math
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from validation_report import Report
-from yade import O, wrapper
+from yade import O, utils, wrapper
 
 import talik
 
@@ -137,38 +138,146 @@ def test_a_sphere_warms_from_its_surface_as_the_series_has_it_and_better_on_a_fi
 	assert errors[1] < 0.75 * errors[0]
 
 
+# ---- a slope that thaws, in a slice of space and in the plane ------------------------------------------------------------------------
+
+
+slopeOutline = [(0, 0), (5, 0), (5, 0.5), (3.5, 0.5), (2, 2), (0, 2)]
+
+
+def thawingSlope(dimension, spacing, temperature, **settings):
+	"""Saturated ground with a Mohr-Coulomb law and a face of 45 degrees under air of 10 degC: in the plane, or one cell of it between two smooth walls.
+	temperature(depth (n,)) [degC] at the start."""
+	O.reset()
+	upper, gravity = [5.0, 2.0 + 4 * spacing], [0.0, -9.81]
+	boundaries = [wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom")]
+	boundaries += [wrapper.DrainedBoundary(region="surface", recharge=False), wrapper.SurfaceTemperature(region="surface", temperature=10.0)]
+	if dimension == 3:
+		upper.insert(1, spacing)
+		gravity.insert(1, 0.0)
+		boundaries += [wrapper.RollerBoundary(region="front"), wrapper.RollerBoundary(region="back")]
+	mpm = wrapper.MpmEngine(
+		gridSpacing=spacing,
+		lower=(0,) * dimension,
+		upper=tuple(upper),
+		gravity=tuple(gravity),
+		damping=0.02,
+		skeleton=wrapper.MohrCoulombSkeleton(
+			young=5e6, youngFrozen=60e6, cohesion=200, cohesionFrozen=360e3, frictionAngle=28, tensileStrength=0, tensileStrengthFrozen=400e3
+		),
+		heat=wrapper.HeatTransfer(thermalTimeScale=8.64e5),
+		freezing=wrapper.FreezingCurve(curve="gauss", width=0.5, residualSaturation=0.05),
+		water=wrapper.PoreWater(conductivity=1e-4, hydraulicTimeScale=1),
+		boundaries=boundaries,
+		**settings,
+	)
+	ground = slopeOutline if dimension == 2 else talik.solids.extruded(slopeOutline, 0, spacing)
+	atStart = lambda *x: temperature(np.interp(x[0], [2, 3.5], [2, 0.5]) - x[-1])
+	talik.geometry.fill(mpm, ground, porosity=porosity, temperature=atStart)
+	O.engines = [mpm]
+	return mpm
+
+
+def thawedToplayer(depth):
+	return np.clip(2 - 4 * depth, -1, 2)
+
+
+def frozenThroughout(depth):
+	return np.full_like(depth, -1.0)
+
+
+def inPlane(mpm):
+	"""Displacements in the plane (n, 2), of the points of one slice."""
+	moved, middle = mpm.field("displacement"), 0.5 * mpm.gridSpacing
+	start = mpm.field("position") - moved
+	if start.shape[1] == 3:
+		front = start[:, 1] < middle
+		start, moved = start[front][:, [0, 2]], moved[front][:, [0, 2]]
+	return moved[np.lexsort(np.round(start.T, 6))]
+
+
+def slidInEqualSteps(dimension, **settings):
+	mpm = thawingSlope(dimension, 0.25, thawedToplayer, automaticTimeStep=False, **settings)
+	O.dt = 2e-4
+	O.run(1500, True)
+	return inPlane(mpm)
+
+
+def test_a_thawing_slope_in_a_slice_of_space_moves_as_in_the_plane():
+	"""Without B-bar to round-off. With it the plane corrects the two strains in it by half of what the mean of a cell differs from them, space all three
+	by a third: that is as much as the grid changes."""
+	report = Report("Space.Slice", "the plane")
+	for name, tolerance, settings in (("without B-bar", 1e-9, dict(bBar=False)), ("with B-bar", 0.02, {})):
+		plane, space = (slidInEqualSteps(dimension, **settings) for dimension in (2, 3))
+		case = "thawing slope in a slice of space, equal steps"
+		report.expectRelative(f"{case}: largest displacement {name} [m]", np.linalg.norm(space, axis=1).max(), np.linalg.norm(plane, axis=1).max(), tolerance)
+		report.expectRelative(f"{case}: mean displacement {name} [m]", np.linalg.norm(space, axis=1).mean(), np.linalg.norm(plane, axis=1).mean(), tolerance)
+		assert np.linalg.norm(plane, axis=1).max() > 0.1
+
+
+def thawedAndSlid(dimension, spacing):
+	mpm = thawingSlope(dimension, spacing, frozenThroughout)
+	talik.runUntil(1.5)
+	return inPlane(mpm)
+
+
+def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_comes_nearer_to_the_plane_on_a_finer_grid_slow():
+	report, differences = Report("Space.ThawedSlice", "the plane"), []
+	for spacing, tolerance in ((0.25, 0.1), (0.125, 0.02)):
+		plane, space = (np.linalg.norm(thawedAndSlid(dimension, spacing), axis=1) for dimension in (2, 3))
+		case = "slope that thaws for 15 days in a slice of space"
+		report.expectRelative(f"{case}: mean displacement [m], h = {spacing} m", space.mean(), plane.mean(), tolerance)
+		report.expectRelative(f"{case}: largest displacement [m], h = {spacing} m", space.max(), plane.max(), tolerance)
+		differences.append(abs(space.mean() / plane.mean() - 1))
+	assert differences[1] < 0.5 * differences[0]
+
+
 # ---- a column that collapses --------------------------------------------------------------------------------------------------
 
 
 def collapsed(aspect, spacing):
-	"""Distance of the front of a dry cylinder of 1 m from its axis over its radius, at rest; a quarter of it between planes of symmetry. The friction
-	angle of the law is such that simple shear without dilation carries tan 31 degrees, the angle of repose of sand (Davis 1968)."""
+	"""Distance of the front of a dry cylinder of 1 m from its axis over its radius, at rest; a quarter of it between planes of symmetry, on a wall with
+	the friction of sand. The friction angle of the law is such that simple shear without dilation carries tan 31 degrees, the angle of repose of sand
+	(Davis 1968). picTime is the time in which the column falls. With 20 cells its default, in which half a cell falls, makes the viscosity h^2/(4 picTime)
+	four times as large, and nodes fixed at the base hold half a cell of the deposit: the run-out is 26 % short with that picTime, 20 % with that base, 30 %
+	with both, and 7 % as it is here."""
 	O.reset()
 	room = spacing * math.ceil((1 + 1.6 * aspect) / spacing + 1)
 	roof = spacing * math.ceil(aspect / spacing + 1)
+	repose = 31.0
 	mpm = wrapper.MpmEngine(
 		gridSpacing=spacing,
-		lower=(0, 0, 0),
+		lower=(0, 0, -2 * spacing),
 		upper=(room, room, roof),
 		gravity=(0, 0, -9.81),
+		picTime=math.sqrt(aspect / 9.81),
 		deformationRecord=False,
-		skeleton=wrapper.MohrCoulombSkeleton(young=1e6, youngFrozen=1e6, poisson=0.3, cohesion=0, frictionAngle=36.9, tensileStrength=0),
-		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="front"), wrapper.FixedBoundary(region="bottom")],
+		skeleton=wrapper.MohrCoulombSkeleton(
+			young=1e6,
+			youngFrozen=1e6,
+			poisson=0.3,
+			cohesion=0,
+			frictionAngle=math.degrees(math.asin(math.tan(math.radians(repose)))),
+			tensileStrength=0,
+		),
+		bodies=wrapper.BodyContact(frictionAngle=repose),
+		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="front")],
 	)
 	heights = talik.solids.terrain(lambda x, y: np.where(np.hypot(x, y) < 1, aspect, np.nan), base=0.0, lower=(0, 0), upper=(1, 1))
 	weight = 0.6 * 2650 * 9.81
 	talik.geometry.fill(mpm, heights, porosity=porosity, stress=lambda x, y, z: -weight * (aspect - z)[:, None] * np.array([0.3 / 0.7, 0.3 / 0.7, 1, 0, 0, 0]))
-	O.engines = [mpm]
+	O.bodies.append(utils.wall(0.0, axis=2))
+	O.engines = [wrapper.ForceResetter(), mpm]
 	talik.runUntil(4.5 * math.sqrt(aspect / 9.81))
 	radius = np.sort(np.linalg.norm(mpm.field("position")[:, :2], axis=1))
 	return radius[int(0.999 * len(radius))]  # a few points may roll ahead of the deposit
 
 
-def test_a_cylinder_of_sand_collapses_to_within_a_third_of_the_run_out_of_lube_slow():
-	"""Lube et al. 2004: run-out over radius is 1.24 a for an aspect ratio a below 1.7. The ground stops short of it, by less on a finer grid."""
+def test_a_cylinder_of_sand_collapses_to_the_run_out_of_lube_within_15_per_cent_slow():
+	"""Lube et al. 2004: run-out over radius is 1.24 a for an aspect ratio a below 1.7."""
 	report, aspect = Report("Space.Lube", "Lube et al. 2004"), 0.8
-	front = collapsed(aspect, 0.05)
-	report.expectRelative(f"collapse of a cylinder, 20 cells: run-out over radius, a = {aspect}", front - 1, 1.24 * aspect, 0.33)
+	for cells, tolerance in ((10, 0.3), (20, 0.15)):
+		runOut = collapsed(aspect, 1 / cells) - 1
+		report.expectRelative(f"collapse of a cylinder, a = {aspect}: run-out over radius, {cells} cells along it", runOut, 1.24 * aspect, tolerance)
 
 
 # ---- a block that turns -------------------------------------------------------------------------------------------------------

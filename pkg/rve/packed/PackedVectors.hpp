@@ -136,6 +136,7 @@ namespace HWY_NAMESPACE {
 			HWY_INLINE PackedBlock<Dim>& pair() const { return pairs.block[block]; }
 			HWY_INLINE PackedIceBlock<Dim>& ice() const { return pairs.ice[block]; }
 			HWY_INLINE PackedRollingBlock<Dim>& rolling() const { return pairs.rolling[block]; }
+			HWY_INLINE PackedMomentBlock<Dim>& moments() const { return pairs.moments[block]; }
 			HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
 			HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
 			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
@@ -259,6 +260,28 @@ namespace HWY_NAMESPACE {
 				for (const double number : n)
 					most = number > most ? number : most;
 				return most;
+			}
+		};
+
+		/// Functions of a kernel from the loops of discs or spheres: contacts<Bonded, Rolling, Moments, Periodic>(view, pairs) and
+		/// integrate<Jumps, Stress>(view).
+		template <int Dim, class Loops> struct KernelOf {
+			using View = PackedStepView<Dim>;
+			template <bool Bonded, bool Rolling, bool Moments = false> static void contacts(View* view)
+			{
+				Loops::template contacts<Bonded, Rolling, Moments, false>(*view, view->inner);
+				Loops::template contacts<Bonded, Rolling, Moments, true>(*view, view->periodic);
+			}
+			template <bool Stress> static void integrateWith(View& view)
+			{
+				view.jumps() ? Loops::template integrate<true, Stress>(view) : Loops::template integrate<false, Stress>(view);
+			}
+			static void              integrate(View* view) { view->sampleStress ? integrateWith<true>(*view) : integrateWith<false>(*view); }
+			static PackedKernel<Dim> chosen(PackedContactKind kind)
+			{
+				auto* const free    = kind.moments ? contacts<true, false, true> : kind.bonded ? contacts<true, false> : contacts<false, false>;
+				auto* const rolling = kind.moments ? contacts<true, true, true> : kind.bonded ? contacts<true, true> : contacts<false, true>;
+				return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
 			}
 		};
 
