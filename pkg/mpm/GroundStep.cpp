@@ -52,6 +52,7 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 		heat->exchange(boundary.heat(time), surface->patch(b), *surface, grid.spacing(), clock.dt);
 		cost.lap(CostMeter::boundaries);
 	}
+	heat->produce(settings.boundaries, time, clock.dt);
 	heat->finishNodes(clock.range, clock.dt);
 	cost.lap(CostMeter::heat);
 	if (settings.heat->source == 0.0) return;
