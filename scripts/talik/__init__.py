@@ -123,6 +123,7 @@ _submodules = (
 	"files",
 	"geometry",
 	"layers",
+	"moments",
 	"movie",
 	"output",
 	"packing",

@@ -8,6 +8,7 @@
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
 	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
+	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.moments
 	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.target
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant

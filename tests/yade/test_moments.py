@@ -298,6 +298,26 @@ def test_samples_whose_bonds_carry_moments_thaw_and_freeze_again_open_as_packed(
 		assert error < 1e-9
 
 
+@pytest.mark.parametrize("dimension", [2, 3], ids=["discs", "spheres"])
+def test_time_step_follows_the_section_of_the_bonds_and_wide_ones_come_to_rest(dimension, sampleCache):
+	"""(1 + k (1 + m)) of bending or twisting over sliding, m = lambda^2 a_f/(4 pi) max(1/nu_c, 2), with k = 5 the stiffness of the ice over the grains'."""
+
+	def packed(factor):
+		return rve.pack(rve.prepare(grains=60, dimension=dimension, ice=True, bondRadiusFactor=factor, cache=sampleCache))
+
+	def stiffening(factor):
+		return 1 + iceYoung / young * (1 + factor**2 / (4 * math.pi) * max(1 / ratio, 2))
+
+	narrow, wide = packed(1.0), packed(10.0)
+	wide.freeze(1)
+	wide.apply(1e-4 * gradient[dimension], 1)
+	wide.advance(Matrix3.Zero, 4000)
+	left = wide.statistics()
+	print(f"\ntime step {narrow.dt:.3e} s and {wide.dt:.3e} s; unbalanced force {left['unbalancedForce']:.1e} after 4000 steps, {left['bondsIntact']} bonds")
+	assert narrow.dt / wide.dt == pytest.approx(math.sqrt(stiffening(10) / stiffening(1)), rel=1e-9)
+	assert left["unbalancedForce"] < 1e-3 and left["bondsIntact"] > 100
+
+
 def test_a_scene_whose_bonds_carry_moments_in_another_way_than_their_material_is_not_packed(frozen):
 	scene = frozen.open()
 	with talik.inspect(scene):
