@@ -144,10 +144,11 @@ def describe(band, ground="frozen"):
 	"""One sentence; ground: frozen or all."""
 	if band is None:
 		return f"no shear band in {ground} ground"
+	broken = f"; {100 * band.brokenBonds:.1f} % of the bonds of its {len(band.points)} points broke mechanically" if np.isfinite(band.brokenBonds) else ""
 	return (
 		f"shear band in {ground} ground inclined {band.inclination:.0f} deg ({band.inclinations[0]:.0f} to {band.inclinations[1]:.0f} by the share of the "
 		f"displacement), down to the {band.descendsTowards}, from {band.top:.2f} to {band.depth:.2f} m below the surface, {band.length:.1f} m long, "
-		f"displacement at {band.opening:.0f} deg to it; {100 * band.brokenBonds:.1f} % of the bonds of its {len(band.points)} points broke mechanically"
+		f"displacement at {band.opening:.0f} deg to it{broken}"
 	)
 
 

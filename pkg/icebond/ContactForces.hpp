@@ -9,6 +9,7 @@
 #endif
 
 #include <hwy/highway.h>
+#include <pkg/icebond/BondSection.hpp>
 #include <pkg/icebond/IceBond.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -46,6 +47,7 @@ namespace HWY_NAMESPACE {
 		return !hwy::HWY_NAMESPACE::AllFalse(hwy::HWY_NAMESPACE::DFromV<Vector>(), condition);
 	}
 
+	template <class Number> HWY_INLINE Number lengthOf(const Number& shear) { return Max(shear, Neg(shear)); }
 	template <class Number> HWY_INLINE Number limitedShear(Number trial, Number limit) { return Min(Max(trial, Neg(limit)), limit); }
 	/// The ice's part of a shear force that slides from `trial` to `shear`.
 	template <class Number> HWY_INLINE Number slidIce(Number iceShear, Number shear, Number trial) { return Mul(iceShear, Div(shear, trial)); }
@@ -58,6 +60,7 @@ namespace HWY_NAMESPACE {
 	{
 		return MulAdd(a.x, b.x, MulAdd(a.y, b.y, Mul(a.z, b.z)));
 	}
+	template <class Number> HWY_INLINE Number lengthOf(const InSpace<Number>& a) { return Sqrt(dot(a, a)); }
 	template <class Number> HWY_INLINE InSpace<Number> scaled(const InSpace<Number>& a, Number factor)
 	{
 		return { Mul(a.x, factor), Mul(a.y, factor), Mul(a.z, factor) };
@@ -98,6 +101,7 @@ namespace HWY_NAMESPACE {
 	HWY_INLINE Spatial NegMulAdd(double a, const Spatial& b, const Spatial& c) { return c - a * b; }
 	HWY_INLINE bool    Ne(const Spatial& a, const Spatial& b) { return a != b; }
 	HWY_INLINE Spatial IfThenElse(bool condition, const Spatial& yes, const Spatial& no) { return condition ? yes : no; }
+	HWY_INLINE double  lengthOf(const Spatial& a) { return shearNorm(a); }
 	HWY_INLINE Spatial limitedShear(const Spatial& trial, double limit)
 	{
 		const double norm = shearNorm(trial);
@@ -136,12 +140,28 @@ namespace HWY_NAMESPACE {
 		Number free, bonded;
 	};
 
-	/// Contacts that may be bonded. settle(condition, forces) is called if some of them reached the limit of a bond or fell below the floor
+	/// Normal force at the edge of a bond's section that bending stretches most.
+	template <class Number> HWY_INLINE Number atEdge(const Number& normal, NoMoments) { return normal; }
+	template <class Number> HWY_INLINE Number atEdge(const Number& normal, const EdgeForces<Number>& edge) { return Sub(normal, edge.tension); }
+
+	/// Contacts whose shear has reached its limit, at the edge of the section where a bond is twisted.
+	template <class Number, class Shear, class Condition> HWY_INLINE Condition atLimit(const Shear&, const Number&, Condition limited, Condition, NoMoments)
+	{
+		return limited;
+	}
+	template <class Number, class Shear, class Condition>
+	HWY_INLINE Condition atLimit(const Shear& trial, const Number& limit, Condition limited, Condition intact, const EdgeForces<Number>& edge)
+	{
+		return Or(limited, And(intact, Lt(limit, Add(lengthOf(trial), edge.shear))));
+	}
+
+	/// Contacts that may be bonded. edge: what moments add at the edge of the section, zero where no bond is intact, or NoMoments.
+	/// settle(condition, forces) is called if some of them reached the limit of a bond or fell below the floor
 	/// of a broken one; it puts what IceBond::settle makes of them in.
-	template <class Number, class Shear, class Settle>
+	template <class Number, class Shear, class Edge, class Settle>
 	HWY_INLINE ContactForces<Number, Shear> bondedForces(
 	        const ContactResponse<Number>& contact, const ContactFriction<Number>& friction, const Number& overlap, const Shear& shear,
-	        const Shear& iceShear, const Shear& increment, Settle&& settle)
+	        const Shear& iceShear, const Shear& increment, const Edge& edge, Settle&& settle)
 	{
 		const Number                 zero   = zeroLike(overlap);
 		const auto                   intact = Lt(contact.floor, zero);
@@ -154,7 +174,8 @@ namespace HWY_NAMESPACE {
 		f.trialShear       = Sub(shear, increment);
 		f.shear            = limitedShear(f.trialShear, limit);
 		f.iceShear         = NegMulAdd(contact.iceShare, increment, iceShear);
-		const auto limited = Ne(f.trialShear, f.shear);
+		f.trialNormal      = atEdge(f.trialNormal, edge);
+		const auto limited = atLimit(f.trialShear, limit, Ne(f.trialShear, f.shear), intact, edge);
 		const auto opened  = And(Lt(f.trialNormal, contact.floor), Ne(contact.floor, zero));
 		const auto shared  = And(limited, Or(intact, Ne(contact.iceShare, zero)));
 		if (HWY_UNLIKELY(holdsSomewhere(overlap, Or(opened, shared)))) {

@@ -25,6 +25,7 @@ void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double o
 	auto*       phys = dynamic_cast<yade::IceBondPhys*>(contact.phys.get());
 	const auto* geom = dynamic_cast<const yade::ScGeom*>(contact.geom.get());
 	if (!phys || !geom || phys->bondNow) return;
+	if (phys->carriesMoments()) throw std::invalid_argument(momentsDoNotCreep);
 	IceBond bond = phys->bond();
 	if (!bond.hasIceSpring()) return;
 	const auto& a = static_cast<const yade::IceBondMat&>(*(*scene.bodies)[contact.id1]->material);

@@ -41,7 +41,7 @@ template <class Number> struct ContactResponse {
 
 /// Forces of one step. Shear is a scalar for discs, a vector for spheres.
 template <class Number, class Shear> struct ContactForces {
-	Number overlap, trialNormal; ///< [m], [N]: before any limit
+	Number overlap, trialNormal; ///< [m], [N]: before any limit; of a bond that carries moments at the edge that is stretched most
 	Shear  trialShear;           ///< before any limit [N]
 	Shear  increment;            ///< what the trial shear has been reduced by in this step [N]
 	Number normal;               ///< [N]
@@ -142,9 +142,10 @@ struct IceBond {
 		if (!intact()) {
 			relax(k, f);
 		} else if (f.trialNormal < response(k, strength, rule).floor) {
-			failure  = BondFailure::tension;
-			*this    = broken(thawed);
-			f.normal = 0;
+			const bool bent = f.normal > response(k, strength, rule).floor; // the edge of the section has failed before the section
+			failure         = BondFailure::tension;
+			*this           = broken(thawed);
+			f.normal        = bent ? k.grain * std::max(f.overlap, 0.) : 0;
 		} else {
 			failure = BondFailure::shear;
 			breakInShear(k, thawed, f, rule);

@@ -5,6 +5,10 @@
 
 namespace talik {
 
+/// Why options of a sample or scene do not fit together.
+constexpr const char* momentsDoNotCreep
+        = "Bonds that carry moments do not creep: leave the creep out, or give the grains an IceBondMat or RollingIceBondMat in place of MomentIceBondMat.";
+
 /// A contact whose ice creeps.
 struct CreepingContact {
 	ContactStiffness stiffness;

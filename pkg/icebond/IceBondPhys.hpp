@@ -2,6 +2,7 @@
 #pragma once
 #include <core/Dispatching.hpp>
 #include <pkg/dem/FrictPhys.hpp>
+#include <pkg/icebond/BondSection.hpp>
 #include <pkg/icebond/IceBond.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 
@@ -17,6 +18,12 @@ public:
 	/// The bond as the formulas see it, and back.
 	talik::IceBond bond() const;
 	void           setBond(const talik::IceBond&);
+	/// Whether an intact bond carries moments.
+	virtual bool carriesMoments() const { return false; }
+	/// The moment of an intact bond follows the turning of a step; what it adds at the edge of the section.
+	virtual talik::EdgeForces<double> bend(const ScGeom&, const Interaction&, const Scene&, const talik::ContactStiffness&) { return { 0, 0 }; }
+	/// A share of the moment of the bond stays, 0 to 1.
+	virtual void keepBondMoment(double) {}
 	/// Moments on the grains beyond those of the forces: none here. Called in every step after the forces.
 	virtual void addMoments(const ScGeom&, const Interaction&, Scene&) {}
 	virtual void clearMoments() {}

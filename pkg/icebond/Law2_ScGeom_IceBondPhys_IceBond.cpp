@@ -57,6 +57,7 @@ ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, do
 void Law2_ScGeom_IceBondPhys_IceBond::meltBond(Contact& c)
 {
 	c.bond.melt(c.phys.shearForce, c.phys.iceShear, rule);
+	c.phys.keepBondMoment(0);
 	if (c.phys.uRef >= 0) return;
 	c.phys.uRef = 0;
 	c.un        = c.geom.penetrationDepth;
@@ -78,7 +79,9 @@ void Law2_ScGeom_IceBondPhys_IceBond::takeUpIceSaturation(Contact& c, double ice
 	const double before = c.phys.iceSaturation;
 	if (iceSaturation == before && !c.phys.bondNow) return;
 	formOrMelt(c, iceSaturation);
-	c.bond.changeStiffness(stiffness(c, before), stiffness(c, iceSaturation), c.un, c.phys.shearForce, c.phys.iceShear, rule);
+	const ContactStiffness former = stiffness(c, before), present = stiffness(c, iceSaturation);
+	c.bond.changeStiffness(former, present, c.un, c.phys.shearForce, c.phys.iceShear, rule);
+	if (present.iceRatio < former.iceRatio) c.phys.keepBondMoment(present.iceRatio / former.iceRatio);
 	c.phys.iceSaturation = iceSaturation;
 }
 
@@ -99,9 +102,14 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 	};
 	c.geom.rotate(c.phys.shearForce);
 	c.geom.rotate(c.phys.iceShear);
-	const Vector3r increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
-	const Forces   f         = talik::HWY_NAMESPACE::bondedForces(
-	                  contact, { friction, c.model.cohesionDisablesFriction ? 0 : friction }, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, settle);
+	const Vector3r                                      increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
+	const talik::HWY_NAMESPACE::ContactFriction<double> frictions { friction, c.model.cohesionDisablesFriction ? 0 : friction };
+	const auto                                          forces = [&](const auto& edge) {
+                return talik::HWY_NAMESPACE::bondedForces(contact, frictions, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, edge, settle);
+	};
+	const bool   bends = c.bond.intact() && c.phys.carriesMoments();
+	const Forces f     = bends ? forces(c.phys.bend(c.geom, c.interaction, *scene, k)) : forces(talik::NoMoments());
+	if (bends && !c.bond.intact()) c.phys.keepBondMoment(0);
 	c.phys.normalForce = f.normal * c.geom.normal;
 	c.phys.shearForce  = f.shear;
 	c.phys.iceShear    = f.iceShear;
@@ -145,7 +153,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
 	const auto& geom = static_cast<const ScGeom&>(*ig);
 	auto&       phys = static_cast<IceBondPhys&>(*ip);
 	double      iceSaturation;
-	Contact     c { geom, phys, weakerModel(interaction, iceSaturation), phys.bond(), geom.penetrationDepth - phys.uRef };
+	Contact     c { geom, phys, weakerModel(interaction, iceSaturation), phys.bond(), geom.penetrationDepth - phys.uRef, *interaction };
 
 	takeUpIceSaturation(c, iceSaturation);
 	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);

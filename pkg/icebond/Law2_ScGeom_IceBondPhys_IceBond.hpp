@@ -22,6 +22,7 @@ private:
 		talik::IceBondModel model;
 		talik::IceBond      bond;
 		double              un;
+		const Interaction&  interaction;
 	};
 	talik::ContactStiffness stiffness(const Contact&, double iceSaturation) const;
 	talik::IceBondModel     weakerModel(const Interaction*, double& iceSaturation) const;

@@ -4,13 +4,21 @@
 #include <pkg/icebond/IceBondPhys.hpp>
 
 namespace yade {
+class RollingIceBondPhys;
 
 /// Grains that resist rolling on each other, in the way and with the names of stock YADE's CohFrictMat.
 class RollingIceBondMat : public IceBondMat {
 public:
 	virtual ~RollingIceBondMat() {};
-	void                    postLoad(RollingIceBondMat&);
+	void postLoad(RollingIceBondMat&);
+	/// Whether etaRoll may be 0.
+	virtual bool            mayRollFreely() const { return false; }
 	shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const override;
+
+protected:
+	void resistRolling(RollingIceBondPhys&, const RollingIceBondMat& second, Real r1, Real r2, Real shearStiffness) const;
+
+public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RollingIceBondMat,IceBondMat,":yref:`IceBondMat` of grains that resist rolling on each other, as rough and angular grains do: "
 			"the incremental law of moments of Law2_ScGeom6D_CohFrictPhys_CohesionMoment, without twisting. A contact between grains of which one is an IceBondMat "
@@ -32,6 +40,12 @@ public:
 	virtual ~RollingIceBondPhys() {};
 	void addMoments(const ScGeom&, const Interaction&, Scene&) override;
 	void clearMoments() override { moment_bending = Vector3r::Zero(); }
+
+protected:
+	/// Angular velocity of the second grain less that of the first one [rad/s].
+	static Vector3r spinBetween(const Interaction&, const Scene&);
+
+public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RollingIceBondPhys,IceBondPhys,"Contact of two grains of :yref:`RollingIceBondMat`: an :yref:`IceBondPhys` with a moment "
 			"against rolling, elastic up to maxRollPl times the normal force. Example: [i.phys.moment_bending for i in O.interactions if i.isReal].",

@@ -158,6 +158,8 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 	std::vector<int>& first = g.points->strips().first;
 	list.push_back({ "strips", first.data(), first.size() * sizeof(int) });
 	list.push_back({ "clock", &g.clock, sizeof(g.clock) });
+	if (g.momentum && !g.momentum->wallPaths().empty())
+		list.push_back({ "wallPaths", g.momentum->wallPaths().data(), g.momentum->wallPaths().size() * sizeof(Vec<D>) });
 	if (g.heat) {
 		list.push_back({ "heatIn", &g.heat->heatIn, sizeof(double) });
 		list.push_back({ "smoothingTime", &g.heat->smoothingTime, sizeof(double) });
@@ -215,6 +217,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 	b.dampingDissipation = g.clock.account.dampingDissipation;
 	b.loadWork           = g.clock.account.loadWork;
 	b.slipWork           = g.clock.account.slipWork;
+	b.wallWork           = g.clock.account.wallWork;
 	b.skeletonWork       = g.clock.skeletonWork;
 	b.porePressureWork   = g.clock.porePressureWork;
 	if (g.heat) b.heatIn = g.heat->heatIn;

@@ -306,5 +306,7 @@ template void           Ground<2>::Parts::requirePathsInside();
 template void           Ground<3>::Parts::requirePathsInside();
 template void           Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);
 template void           Ground<3>::Parts::Accounts::take(const Ground<3>::Parts&);
+template void           Ground<2>::Parts::Accounts::restore(Ground<2>::Parts&) const;
+template void           Ground<3>::Parts::Accounts::restore(Ground<3>::Parts&) const;
 
 } // namespace talik

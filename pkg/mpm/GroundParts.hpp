@@ -186,6 +186,8 @@ template <int D> struct Ground<D>::Parts {
 	/// Calendar time at the end of the step.
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
 	void   useScale();
+	/// Velocities of moving walls in this step. Throws, with the ground as it was before the step, if one leaves its nodes.
+	void   moveWalls();
 	bool   allRests() const { return heatRests && !motion; }
 	void   findFrontStiffness();
 	void   closeThawStrain();

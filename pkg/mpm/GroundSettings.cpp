@@ -180,9 +180,11 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			// water crosses a side or it does not
 			const bool openAndClosed = (b->drains() && other->name() == "ImpermeableBoundary")
 			        || (other->drains() && b->name() == "ImpermeableBoundary");
-			const bool mayMeet = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
+			// no water crosses a wall that moves
+			const bool openAndMoving = (b->moves() && (other->drains() || other->feeds())) || (other->moves() && (b->drains() || b->feeds()));
+			const bool mayMeet       = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
-			if (mayMeet && !pressureAndFlux && !openAndClosed) continue;
+			if (mayMeet && !pressureAndFlux && !openAndClosed && !openAndMoving) continue;
 			const Region<D>&r = b->region(), &q = other->region();
 			if (r.kind != q.kind || r.kind == Region<D>::Kind::nodeBox || r.cavities != q.cavities) continue;
 			if (r.kind == Region<D>::Kind::side && (r.on.axis != q.on.axis || r.on.upper != q.on.upper)) continue;

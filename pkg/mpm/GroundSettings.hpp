@@ -212,6 +212,7 @@ template <int D> struct Balance {
 	double dampingDissipation = 0.0;
 	double loadWork           = 0.0; ///< done by surface loads
 	double slipWork           = 0.0; ///< of the force between frozen and thawed ground on their slip
+	double wallWork           = 0.0; ///< done by walls of given velocity; kept in every scene
 };
 
 /// One array of the complete state.

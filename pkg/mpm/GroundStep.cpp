@@ -272,6 +272,16 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	water->kept = keptFraction(water->fastest > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
 
+template <int D> void Ground<D>::Parts::moveWalls()
+{
+	try {
+		momentum->beginStep(grid, *shape, clock.calendar.time, calendarEnd(), clock.dt);
+	} catch (...) {
+		accounts.restore(*this);
+		throw;
+	}
+}
+
 template <int D> void Ground<D>::beginStep(double dt)
 {
 	Parts& g = *parts_;
@@ -285,6 +295,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
 	g.useScale();
+	if (g.momentum) g.moveWalls();
 	g.findKeptFractions();
 	g.cost.lap(CostMeter::sorting);
 	if (!g.heat) return;
@@ -542,6 +553,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 		g.keepStrainWork(false);
 		g.cost.lap(CostMeter::ledger);
 	}
+	if (g.momentum) g.momentum->endStep(g.clock.dt);
 	g.clock.calendar.time = g.calendarEnd();
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;

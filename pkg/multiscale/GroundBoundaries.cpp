@@ -49,6 +49,10 @@ GroundBoundary::Pointer<3> GroundBoundary::inSpace() const { refuseBase(); }
 
 template <int D> GroundBoundary::Pointer<D> RollerBoundary::make() const { return std::make_shared<talik::RollerBoundary<D>>(always<D>()); }
 template <int D> GroundBoundary::Pointer<D> FixedBoundary::make() const { return std::make_shared<talik::FixedBoundary<D>>(always<D>()); }
+template <int D> GroundBoundary::Pointer<D> MovingBoundary::make() const
+{
+	return std::make_shared<talik::MovingBoundary<D>>(where<D>(), overTime(speed), direction.in<D>("MovingBoundary.direction"), rough, ahead);
+}
 template <int D> GroundBoundary::Pointer<D> ImpermeableBoundary::make() const { return std::make_shared<talik::ImpermeableBoundary<D>>(always<D>()); }
 template <int D> GroundBoundary::Pointer<D> DrainedBoundary::make() const
 {
@@ -96,6 +100,7 @@ template <int D> GroundBoundary::Pointer<D> SurfaceLoad::make() const
 	template GroundBoundary::Pointer<3> Kind::make<3>() const;
 TALIK_IN_BOTH_DIMENSIONS(RollerBoundary)
 TALIK_IN_BOTH_DIMENSIONS(FixedBoundary)
+TALIK_IN_BOTH_DIMENSIONS(MovingBoundary)
 TALIK_IN_BOTH_DIMENSIONS(ImpermeableBoundary)
 TALIK_IN_BOTH_DIMENSIONS(DrainedBoundary)
 TALIK_IN_BOTH_DIMENSIONS(InsulatedBoundary)
@@ -108,7 +113,7 @@ TALIK_IN_BOTH_DIMENSIONS(SurfaceLoad)
 #undef TALIK_IN_BOTH_DIMENSIONS
 
 // clang-format off
-YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)
+YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(MovingBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)
         (SurfaceTemperature)(BodyTemperature)(HeatFlux)(WaterFlux)(SurfaceLoad));
 // clang-format on
 

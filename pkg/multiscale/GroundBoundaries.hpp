@@ -76,6 +76,26 @@ public:
 };
 REGISTER_SERIALIZABLE(FixedBoundary);
 
+class MovingBoundary : public BoundaryInAnyDimension<MovingBoundary> {
+public:
+	virtual ~MovingBoundary() {};
+	template <int D> Pointer<D> make() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(MovingBoundary,GroundBoundary,"Impermeable wall of given velocity on a side or on the nodes of a box: a plate that presses, a wall "
+			"that shears the ground, a base that shakes. Its path across a side, or in any direction in a box, is limited to half of gridSpacing, along a side it is "
+			"not; for longer paths take a body of the scene. Its work is wallWork in MpmEngine.balance(), its force on the ground along direction the increase of "
+			"wallWork over that of its path. Nodes that it shares with other walls move with it. Example, pressed by 1 cm in 10 s: "
+			"MovingBoundary(region='right',rough=False,times=[0,10,10.001],values=[1e-3,1e-3,0]).",
+		((Real,speed,0,,"Along direction [m/s], per time of motion, with thermalTimeScale too; times and values may replace it."))
+		((GroundVector,direction,0,,"Of the velocity, of any length: two components, three in space; on a side not given: into the ground."))
+		((Real,ahead,0,,"Distance of the wall in front of its side at the start [m], 0 to half of gridSpacing, as room to move back (speed < 0): fill the "
+				"ground from there."))
+		((bool,rough,true,,"The ground sticks to it. False: frictionless, with direction along the normal of a side, or one axis in a box."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(MovingBoundary);
+
 class ImpermeableBoundary : public BoundaryInAnyDimension<ImpermeableBoundary> {
 public:
 	virtual ~ImpermeableBoundary() {};

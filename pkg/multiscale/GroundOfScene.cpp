@@ -163,6 +163,7 @@ namespace {
 			d["dampingDissipation"] = b.dampingDissipation;
 			d["loadWork"]           = b.loadWork;
 			d["slipWork"]           = b.slipWork;
+			d["wallWork"]           = b.wallWork;
 			return d;
 		}
 

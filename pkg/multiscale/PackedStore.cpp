@@ -10,7 +10,7 @@ namespace talik {
 namespace {
 	bool same(const PackedGrains& a, const PackedGrains& b)
 	{
-		return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id && a.rolling == b.rolling;
+		return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id && a.rolling == b.rolling && a.section == b.section;
 	}
 
 	/// Samples of one preparation hold its constants once, as they did before they were saved.

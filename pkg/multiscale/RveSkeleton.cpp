@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/icebond/IceBondCreep.hpp>
 #include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/DistributedStore.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
@@ -60,6 +61,15 @@ void RveSkeleton::followAttributes()
 	running().scheduling().threads = threads;
 }
 
+bool RveSkeleton::bondsCarryMoments() const
+{
+	const auto ofSample = [](const auto& sample) {
+		return sample->dimension() == 2 ? sample->template packed<2>().bondsCarryMoments() : sample->template packed<3>().bondsCarryMoments();
+	};
+	return std::any_of(samples.begin(), samples.end(), ofSample)
+	        || std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return talik::bondsCarryMoments(*scene); });
+}
+
 void RveSkeleton::checkSettings(int pointCount) const
 {
 	checkScheduling();
@@ -71,6 +81,7 @@ void RveSkeleton::checkSettings(int pointCount) const
 		if (scene == Omega::instance().getScene())
 			throw std::invalid_argument("RveSkeleton.scenes holds the current scene: load a sample in a scene of its own, see talik.scratchScene.");
 	}
+	if (iceCreep && bondsCarryMoments()) throw std::invalid_argument("RveSkeleton.iceCreep: " + string(talik::momentsDoNotCreep));
 	if (seed < 0) throw std::invalid_argument("RveSkeleton.seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
 	if (!sampleOf.empty() && int(sampleOf.size()) != pointCount)
 		throw std::invalid_argument(

@@ -69,6 +69,7 @@ private:
 	talik::SampleScheduling                 scheduling() const;
 	void                                    checkScheduling() const;
 	void                                    checkSettings(int pointCount) const;
+	bool                                    bondsCarryMoments() const;
 	void                                    keepBlownUp(int id) const;
 	string                                  reasonAgainstPacking(int dimension) const;
 	template <int Dim> void                 makeStore(Stores<Dim>&);

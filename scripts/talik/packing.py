@@ -85,6 +85,10 @@ class Grains:
 		return not {"alphaKr", "etaRoll"}.isdisjoint(dict(self.iceBond))
 
 	@property
+	def bondsCarryMoments(self):
+		return not {"bondRadiusFactor", "momentContribution"}.isdisjoint(dict(self.iceBond))
+
+	@property
 	def stiffness(self):
 		"""Modulus of the packing without ice, in order of magnitude [Pa]."""
 		return self.young * (self.radiusMean / self.thickness if self.dimension == 2 else 0.5)
@@ -98,7 +102,8 @@ class Grains:
 	def material(self, friction):
 		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
 		if self.ice:
-			return (wrapper.RollingIceBondMat if self.resistsRolling else wrapper.IceBondMat)(**common, **dict(self.iceBond))
+			rolling = wrapper.RollingIceBondMat if self.resistsRolling else wrapper.IceBondMat
+			return (wrapper.MomentIceBondMat if self.bondsCarryMoments else rolling)(**common, **dict(self.iceBond))
 		return wrapper.FrictMat(**common)
 
 	def interactionLoop(self):

@@ -126,7 +126,8 @@ def prepare(
 	realisations    a number: that many samples of other random positions, a list, for RveSkeleton(samples=[…]); they are made by as many
 					yades at a time as there are cores. The first one is the sample of `seed` alone
 	dimension       2: discs, for ground in the plane; 3: spheres, for ground in space
-	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9; with one of RollingIceBondMat, e.g. etaRoll=0.2, grains resist rolling
+	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9; with one of RollingIceBondMat, e.g. etaRoll=0.2, grains resist rolling;
+					with one of MomentIceBondMat, e.g. bondRadiusFactor=1, ice bonds carry moments
 
 	Guaranteed or refused: porosity within 0.005, difference of the principal values of fabric below 0.05, shear stress and stress deviation
 	below 1 % of the pressure.

@@ -178,6 +178,29 @@ wrong = {
 		"RollerBoundary",
 		"boundaries[1]",
 	),
+	"moving surface": (lambda s: ground(boundaries=[wrapper.MovingBoundary(region="surface")]), "MovingBoundary.region", "free surface"),
+	"moving box without direction": (
+		lambda s: ground(boundaries=[wrapper.MovingBoundary(region="box", lower=(0, 0), upper=(0.2, 1), speed=1)]),
+		"MovingBoundary.direction",
+		"0",
+	),
+	"smooth wall along itself": (
+		lambda s: ground(boundaries=[wrapper.MovingBoundary(region="left", speed=1, direction=(0, 1), rough=False)]),
+		"MovingBoundary.rough",
+		"False",
+	),
+	"moving wall far ahead": (lambda s: ground(boundaries=[wrapper.MovingBoundary(region="left", ahead=0.2)]), "MovingBoundary.ahead", "0.2"),
+	"speed not a number": (lambda s: ground(boundaries=[wrapper.MovingBoundary(region="left", speed=nan)]), "MovingBoundary.speed", "not finite"),
+	"moving wall that lets water pass": (
+		lambda s: ground(water=wrapper.PoreWater(), boundaries=[wrapper.MovingBoundary(region="left"), wrapper.DrainedBoundary(region="left")]),
+		"MovingBoundary",
+		"DrainedBoundary",
+	),
+	"wall that leaves its nodes": (
+		lambda s: (ground(boundaries=[wrapper.MovingBoundary(region="left", speed=1), wrapper.FixedBoundary(region="right")]), O.run(1000, True)),
+		"MovingBoundary",
+		"gridSpacing",
+	),
 	"surface without ground": (
 		lambda s: side(wrapper.SurfaceTemperature(region="surface", lower=(0.2, 5), upper=(0.4, 6))),
 		"SurfaceTemperature",

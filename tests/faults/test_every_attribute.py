@@ -15,6 +15,7 @@ senseless = [nan, inf, -inf, -1, 1e300, -1e300, 1e-300, 2.5, 10**30, "text", Non
 boundaries = {
 	"FixedBoundary": dict(region="bottom"),
 	"RollerBoundary": dict(region="left"),
+	"MovingBoundary": dict(region="right", speed=1e-3),
 	"SurfaceTemperature": dict(region="surface", temperature=5),
 	"SurfaceLoad": dict(region="surface", pressure=10),
 	"DrainedBoundary": dict(region="surface"),

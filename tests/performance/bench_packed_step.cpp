@@ -75,6 +75,17 @@ State rolling(State state)
 void frictionalRolling(benchmark::State& bench) { run(bench, rolling(reference().state()), bench.range(0), 0); }
 void bondedRolling(benchmark::State& bench) { run(bench, rolling(frozen(0.5)), bench.range(0), 0); }
 
+/// The sample of bonds that carry moments.
+void bondedWithMoments(benchmark::State& bench)
+{
+	State state     = frozen(0.5);
+	auto  grains    = std::make_shared<PackedGrains>(*state.grains);
+	grains->section = { 1, 1 };
+	state.grains    = grains;
+	state.contacts.bondMoment.assign(state.contacts.size(), 0.);
+	run(bench, state, bench.range(0), 0);
+}
+
 /// One update of many samples, all of it: load, motion, tangent, store.
 void pool(benchmark::State& bench)
 {
@@ -102,4 +113,5 @@ BENCHMARK(bonded)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedWithBreakage)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(frictionalRolling)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedRolling)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(bondedWithMoments)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(pool)->ArgName("steps")->Arg(10)->Arg(50)->Arg(200);

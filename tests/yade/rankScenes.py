@@ -73,6 +73,13 @@ def thawed():
 	return mpm
 
 
+def creeping():
+	"""Ice that is stronger the faster and the colder it is, and creeps; asked at the latest after an interval of the calendar."""
+	mpm = ground(iceStrength=wrapper.IceStrength(), iceCreep=wrapper.IceCreep(rateFactor=1e-21), creepInterval=300, strainTolerance=1e-4)
+	run(40)
+	return mpm
+
+
 def tolerance():
 	mpm = ground()
 	mpm.tolerance = 0.03

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Outlines cut by lines, thermal spin-up, points over time as CSV, parameter studies."""
+"""Outlines cut by lines, thermal spin-up, points over time as CSV, parameter studies, a pushed wall."""
 
 import numpy as np
 import pytest
@@ -107,3 +107,37 @@ def test_a_line_that_does_not_cut_in_two_is_refused(line):
 	with pytest.raises(ValueError, match="layers.split") as refusal:
 		talik.layers.split([(0, 0), (10, 0), (10, 2), (6, 2), (5, 5), (4, 2), (0, 2)], line)
 	print(refusal.value)
+
+
+def test_a_pushed_wall_goes_on_from_a_saved_scene_bit_for_bit_and_stops_in_the_same_place():
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(2, 0.5),
+		damping=0.2,
+		skeleton=wrapper.ElasticSkeleton(young=1e6),
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "bottom", "top")),
+			wrapper.MovingBoundary(region="right", rough=False, times=[0, 0.5], values=[0.1, 0.4]),
+		],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2, 0.5))
+	O.engines = [mpm]
+	talik.runUntil(0.3)
+	O.saveTmp("pushed")
+	ends = []
+	for saved in (False, True):
+		if saved:
+			O.loadTmp("pushed")
+			mpm = O.engines[0]
+		with pytest.raises(RuntimeError, match="more than half of gridSpacing") as refusal:
+			talik.runUntil(1.0)
+		ends.append((O.iter, mpm.time, mpm.balance()["wallWork"], mpm.field("stress").tobytes(), str(refusal.value)))
+	path = 0.1 * ends[0][1] + 0.5 * 0.6 * ends[0][1] ** 2
+	print(f"stopped at {ends[0][1]:.4f} s after a path of {path:.4f} m, work of the wall {ends[0][2]:.1f} J/m")
+	assert ends[0] == ends[1]
+	assert 0.122 < path <= 0.125  # half a cell, less what is left of the last step
+	mean = mpm.field("stress")[:, 0].mean()
+	confined = 1e6 * 0.7 / (1.3 * 0.4) * np.log(1 - path / 2)
+	print(f"mean stress {mean:.0f} Pa, confined compression {confined:.0f} Pa")
+	assert abs(mean / confined - 1) < 0.02

@@ -76,7 +76,7 @@ def size(states):
 	return sum(values.size for state in states.values() for values in state.values())
 
 
-quick = ["packed", "uneven", "resting", "thawed", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
+quick = ["packed", "uneven", "resting", "thawed", "creeping", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
 
 
 @pytest.fixture(scope="module")

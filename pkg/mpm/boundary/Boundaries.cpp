@@ -53,6 +53,78 @@ template <int D> void RollerBoundary<D>::constrainMotion(const Grid<D>& grid, Mo
 template class RollerBoundary<2>;
 template class RollerBoundary<3>;
 
+template <int D>
+MovingBoundary<D>::MovingBoundary(const Region<D>& region, const TimeTable& speed, const Vec<D>& direction, bool rough, double ahead)
+        : Boundary<D>(region, "MovingBoundary", "motion")
+        , speed_(speed)
+        , direction_(direction)
+        , rough_(rough)
+        , ahead_(ahead)
+{
+	const double length = lengthOf<D>(direction);
+	if (length == 0.0 && this->onSide()) direction_[region.on.axis] = region.on.upper ? -1.0 : 1.0;
+	else if (length > 0.0)
+		for (double& component : direction_)
+			component /= length;
+}
+
+template <int D> void MovingBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes");
+	speed_.validate("MovingBoundary.speed");
+	const double length = lengthOf<D>(direction_);
+	requireSetting(
+	        std::isfinite(length) && length > 0.5, "MovingBoundary.direction", length,
+	        "must be finite and, on a box of nodes, which has no normal, not zero; its length does not matter");
+	int components = 0;
+	for (const double component : direction_)
+		components += component != 0.0;
+	const bool alongNormal = components == 1 && (!this->onSide() || direction_[this->region_.on.axis] != 0.0);
+	requireSetting(
+	        rough_ || alongNormal, "MovingBoundary.rough", "False",
+	        this->onSide() ? "needs a direction along the normal of the side: a smooth wall that moves along itself moves nothing"
+	                       : "needs a direction along one axis");
+	requireSetting(
+	        ahead_ >= 0.0 && ahead_ <= 0.5 * grid.spacing() && (ahead_ == 0.0 || this->onSide()), "MovingBoundary.ahead", ahead_,
+	        "must lie between 0 and half of gridSpacing, on a side of the box; 0 in a box of nodes");
+	Boundary<D>::validate(grid);
+}
+
+template <int D> Vec<D> MovingBoundary<D>::pathBefore() const
+{
+	Vec<D> path {};
+	if (this->onSide()) path[this->region_.on.axis] = this->region_.on.upper ? -ahead_ : ahead_;
+	return path;
+}
+
+template <int D> Vec<D> MovingBoundary<D>::velocity(double time) const
+{
+	const double speed = speed_.at(time);
+	Vec<D>       v;
+	for (int a = 0; a < D; ++a)
+		v[a] = speed * direction_[a];
+	return v;
+}
+
+template <int D> void MovingBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+{
+	const int inward = this->inward(grid);
+	Vec<D>    sign;
+	for (int a = 0; a < D; ++a)
+		sign[a] = holds(a) ? -1.0 : 1.0;
+	for (int node : wallNodes(grid, this->region_)) {
+		for (int a = 0; a < D; ++a) {
+			if (!holds(a)) continue;
+			constraints.fixSolid(node, a);
+			constraints.tieLiquid(node, a);
+		}
+		if (this->onSide()) constraints.mirror(node - inward, node + inward, sign);
+	}
+}
+
+template class MovingBoundary<2>;
+template class MovingBoundary<3>;
+
 template <int D> void Traction<D>::validate(const Grid<D>& grid) const
 {
 	pressure_.validate("Traction.pressure");

@@ -27,6 +27,28 @@ public:
 	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
 };
 
+/// Wall with a prescribed velocity, on a side or on the nodes of a box: v_s = v_l = w, or of a smooth wall the component along w alone. Its
+/// nodes stay where they are, so that its path across them is limited, see MomentumSolver::requireWallsNear().
+template <int D> class MovingBoundary final : public Boundary<D> {
+public:
+	/// speed [m/s] along direction, of any length; zero direction on a side: into the ground. rough: the ground sticks to it. ahead: how far
+	/// in front of its side the wall stands at the start [m].
+	MovingBoundary(const Region<D>& region, const TimeTable& speed, const Vec<D>& direction, bool rough, double ahead = 0.0);
+	void   validate(const Grid<D>& grid) const override;
+	void   constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	bool   moves() const override { return true; }
+	Vec<D> velocity(double time) const override;
+	Vec<D> pathBefore() const override;
+
+private:
+	/// True if the wall prescribes this component.
+	bool      holds(int axis) const { return rough_ || direction_[axis] != 0.0; }
+	TimeTable speed_;
+	Vec<D>    direction_;
+	bool      rough_;
+	double    ahead_;
+};
+
 /// Load on the free surface, a side or a line of nodes: traction vector plus pressure against the outward normal [Pa].
 template <int D> class Traction final : public Boundary<D> {
 public:

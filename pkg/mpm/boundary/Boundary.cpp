@@ -133,7 +133,28 @@ template <int D> void MotionConstraints<D>::mirror(int ghost, int inner, const V
 {
 	for (const Mirror& m : mirrors_)
 		if (m.ghost == ghost && m.inner == inner) return;
-	mirrors_.push_back({ ghost, inner, sign });
+	Mirror added;
+	added.ghost  = ghost;
+	added.inner  = inner;
+	added.sign   = sign;
+	added.moving = wall_;
+	mirrors_.push_back(added);
+}
+
+template <int D> void MotionConstraints<D>::fixSolid(int node, int axis)
+{
+	const bool fixed = solidFixed(node, axis);
+	flags_[node] |= bit(axis, 0);
+	if (wall_ < 0) return;
+	const auto same = [&](const Carried& c) { return c.node == node && c.axis == axis; };
+	const auto held = fixed ? std::find_if(carried_.begin(), carried_.end(), same) : carried_.end();
+	if (held != carried_.end()) held->moving = wall_;
+	else {
+		carried_.emplace_back();
+		carried_.back().node   = node;
+		carried_.back().axis   = axis;
+		carried_.back().moving = wall_;
+	}
 }
 
 template <int D> void MotionConstraints<D>::releaseLiquid(const Grid<D>& grid, const Region<D>& region)
@@ -148,6 +169,9 @@ template <int D> void MotionConstraints<D>::releaseLiquid(const Grid<D>& grid, c
 
 template <int D> void MotionConstraints<D>::close()
 {
+	for (const Mirror& m : mirrors_)
+		for (Carried& c : carried_)
+			if (c.node == m.wall() && c.moving == m.moving && m.sign[c.axis] < 0.0) c.inner = m.inner;
 	constrained_.clear();
 	for (std::size_t n = 0; n < flags_.size(); ++n)
 		if (flags_[n]) constrained_.push_back(static_cast<int>(n));
@@ -183,6 +207,15 @@ template <int D> void Boundary<D>::requireTemperatures(const TimeTable& temperat
 }
 
 template <int D> Vec<D> Boundary<D>::traction(double, const Vec<D>&) const { return Vec<D> {}; }
+
+template <int D> Vec<D> Boundary<D>::velocity(double) const { return Vec<D> {}; }
+
+template <int D> double Boundary<D>::away(const Vec<D>& path) const { return onSide() ? std::abs(path[region_.on.axis]) : lengthOf<D>(path); }
+
+template <int D> double Boundary<D>::ahead(const Vec<D>& path) const
+{
+	return onSide() ? (region_.on.upper ? -path[region_.on.axis] : path[region_.on.axis]) : 0.0;
+}
 
 template <int D> std::vector<int> wallNodes(const Grid<D>& grid, const Region<D>& region)
 {

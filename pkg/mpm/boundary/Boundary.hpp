@@ -102,16 +102,18 @@ public:
 	MotionConstraints() = default;
 	explicit MotionConstraints(const Grid<D>& grid);
 
-	/// v_s = 0 along axis.
-	void fixSolid(int node, int axis) { flags_[node] |= bit(axis, 0); }
+	/// From here on nodes and ghosts are those of this moving wall, counted from 0, or (-1) of walls at rest.
+	void beginWall(int moving) { wall_ = moving; }
+	/// v_s along axis is that of the wall. Nodes of several walls take the velocity of the one that moves, of the last if several do.
+	void fixSolid(int node, int axis);
 	/// v_l = v_s along axis (impermeable); 0 where the solid is fixed.
 	void tieLiquid(int node, int axis) { flags_[node] |= bit(axis, 1); }
 	/// The liquid may cross: undoes tieLiquid of other boundaries along axis.
 	void releaseLiquid(int node, int axis) { flags_[node] |= bit(axis, 2); }
 	/// The same on all nodes of a side and on the ghost nodes behind them.
 	void releaseLiquid(const Grid<D>& grid, const Region<D>& side);
-	/// Ghost node behind a wall mirrors the node in front of it: v_ghost = sign v_inner, per component. The wall node lies in
-	/// the middle between the two.
+	/// Ghost node behind a wall mirrors the node in front of it, per component and relative to the wall, eq. (8.4). The wall node lies
+	/// in the middle between the two.
 	void mirror(int ghost, int inner, const Vec<D>& sign);
 
 	bool solidFixed(int node, int axis) const { return flags_[node] & bit(axis, 0); }
@@ -120,9 +122,20 @@ public:
 	struct Mirror {
 		int    ghost, inner;
 		Vec<D> sign;
+		int    moving = -1; ///< number of the moving wall, -1: at rest
+		Vec<D> velocity {}; ///< of the wall at the start of the step [m/s]
+		Vec<D> change {};   ///< of this velocity in the step [m/s]
 		int    wall() const { return (ghost + inner) / 2; }
+		/// What mirroring adds to the ghost's quantity that the wall has with this value per mass.
+		double added(int axis, double ofWall) const { return (1.0 - sign[axis]) * ofWall; }
 	};
 	const std::vector<Mirror>& mirrors() const { return mirrors_; }
+	/// A component of a node that has the velocity of a moving wall.
+	struct Carried {
+		int node, axis, moving;
+		int inner = -1; ///< node in front of the wall, -1: a box of nodes has none
+	};
+	const std::vector<Carried>& carried() const { return carried_; }
 	/// Nodes with any condition, ascending.
 	const std::vector<int>& constrainedNodes() const { return constrained_; }
 	void                    close();
@@ -132,6 +145,8 @@ private:
 	std::vector<unsigned short> flags_;
 	std::vector<Mirror>         mirrors_;
 	std::vector<int>            constrained_;
+	std::vector<Carried>        carried_;
+	int                         wall_ = -1;
 };
 
 /// Nodes with prescribed temperature, collected once from all boundaries.
@@ -158,6 +173,16 @@ public:
 	const Region<D>& region() const { return region_; }
 
 	virtual void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const {}
+	/// True if its nodes have a prescribed velocity other than zero, velocity(time) [m/s].
+	virtual bool   moves() const { return false; }
+	virtual Vec<D> velocity(double time) const;
+	/// Path that has led the wall to where it stands at the start [m].
+	virtual Vec<D> pathBefore() const { return Vec<D> {}; }
+	/// Part of a path of the wall that leads it away from its nodes [m].
+	virtual double away(const Vec<D>& path) const;
+	/// Part of a path of the wall that leads it from its side into the ground [m]; a box of nodes has no such direction.
+	virtual double ahead(const Vec<D>& path) const;
+
 	/// True if the boundary prescribes the temperature of nodes.
 	virtual bool prescribesTemperature() const { return false; }
 	/// Prescribed nodal temperature at a time [degC].

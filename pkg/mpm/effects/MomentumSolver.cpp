@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <stdexcept>
 
 namespace talik {
 
@@ -23,6 +25,12 @@ MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::sh
 {
 	std::size_t loaded = 0;
 	for (const auto& b : boundaries) {
+		constraints_.beginWall(b->moves() ? static_cast<int>(moving_.size()) : -1);
+		if (b->moves()) {
+			moving_.emplace_back();
+			moving_.back().boundary = b;
+			wallPaths_.push_back(b->pathBefore());
+		}
 		b->constrainMotion(grid, constraints_);
 		if (b->loads()) loaded += grid.nodeCount();
 	}
@@ -59,6 +67,7 @@ MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::sh
 	for (int n = 0; n < grid.nodeCount(); ++n)
 		if (isWall_[n]) wallNodes_.push_back(n);
 	walls_.resize(wallNodes_.size());
+	folded_.reserve(std::count_if(mirrors_.begin(), mirrors_.end(), [](const auto& m) { return m.moving >= 0; }));
 	damping_.allocate(grid.nodeCount());
 }
 
@@ -108,35 +117,129 @@ template <int D> void MomentumSolver<D>::rememberWalls(const SolidMotion<D>& mot
 	}
 }
 
-template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
+namespace {
+	/// lambda of eq. (8.5): weights of a point on a wall that is so far [m] ahead of its side.
+	template <int D> double leadOf(const Grid<D>& grid, const ShapeFunction<D>& shape, const Side& side, double ahead)
+	{
+		if (ahead == 0.0) return 0.0;
+		const Vec<D>& from = side.upper ? grid.upper() : grid.lower();
+		Vec<D>        at   = grid.lower();
+		at[side.axis]      = from[side.axis] + (side.upper ? -ahead : ahead);
+		std::array<const double*, D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = &at[a];
+		WeightBlock<D> w;
+		shape.evaluate(grid, x, 0, 1, w);
+		const int  first = grid.nodeOf(w.base[0])[side.axis], wall = side.upper ? grid.cells(side.axis) + 1 : 1, inward = side.upper ? -1 : 1;
+		const auto weight = [&](int node) { return node < first || node >= first + supportNodes ? 0.0 : w.value[side.axis][node - first][0]; };
+		return (weight(wall + inward) - weight(wall - inward)) / weight(wall);
+	}
+} // namespace
+
+template <int D> void MomentumSolver<D>::beginStep(const Grid<D>& grid, const ShapeFunction<D>& shape, double from, double to, double dt)
+{
+	constexpr double farthest = 0.5; // cells; beyond it the ground in front of a wall loses its nodes
+	for (std::size_t k = 0; k < moving_.size(); ++k) {
+		MovingWall&  w   = moving_[k];
+		const Vec<D> end = w.boundary->velocity(to);
+		Vec<D>       path;
+		w.velocity = w.boundary->velocity(from);
+		for (int a = 0; a < D; ++a) {
+			w.change[a] = end[a] - w.velocity[a];
+			path[a]     = wallPaths_[k][a] + dt * end[a];
+		}
+		const double away = w.boundary->away(path);
+		w.lead            = leadOf(grid, shape, w.boundary->region().on, w.boundary->ahead(wallPaths_[k]));
+		if (away <= farthest * grid.spacing()) continue;
+		std::ostringstream text;
+		text << w.boundary->name() << " on " << w.boundary->region().describe() << " would have moved by " << away
+		     << " m across its nodes, more than half of gridSpacing = " << grid.spacing()
+		     << "; the ground is as it was before this step: let it stop in time (times, values), use larger cells, or a body of the scene for longer "
+		        "paths";
+		throw std::runtime_error(text.str());
+	}
+	for (auto& m : mirrors_) {
+		if (m.moving < 0) continue;
+		m.velocity = moving_[m.moving].velocity;
+		m.change   = moving_[m.moving].change;
+	}
+}
+
+template <int D> void MomentumSolver<D>::pushAhead(SolidMotion<D>& motion, PoreWater<D>* water, double dt)
 {
 	using W = PoreWater<D>;
+	for (Folded& f : folded_) {
+		const auto&       m    = mirrors_[f.mirror];
+		const MovingWall& wall = moving_[m.moving];
+		double*           r    = motion.nodes[m.inner];
+		const double*     on   = motion.nodes[m.wall()];
+		if (wall.lead == 0.0 || !(r[motion.massAt] > 0.0) || !(on[motion.massAt] > 0.0)) continue;
+		const double liquid = water ? water->nodes[m.wall()][W::massAt] : 0.0;
+		for (int a = 0; a < D; ++a) {
+			if (m.sign[a] > 0.0) continue;
+			f.pushed[a] = wall.lead * ((on[motion.massAt] + liquid) * m.change[a] / dt - on[motion.forceAt + a]);
+			r[motion.forceAt + a] += f.pushed[a];
+			if (water) water->force[m.inner][a] += wall.lead * (liquid * m.change[a] / dt - water->force[m.wall()][a]);
+		}
+	}
+}
+
+template <int D> void MomentumSolver<D>::endStep(double dt)
+{
+	for (std::size_t k = 0; k < moving_.size(); ++k)
+		for (int a = 0; a < D; ++a)
+			wallPaths_[k][a] += dt * moving_[k].endOf(a);
+}
+
+template <int D> void MomentumSolver<D>::rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water)
+{
+	const double* r  = motion.nodes[mirrors_[mirror].ghost];
+	const double* rl = water ? water->nodes[mirrors_[mirror].ghost] : nullptr;
+	Folded        f;
+	f.pushed     = {};
+	f.mirror     = mirror;
+	f.solidMass  = r[motion.massAt];
+	f.liquidMass = rl ? rl[PoreWater<D>::massAt] : 0.0;
+	for (int a = 0; a < D; ++a) {
+		f.momentumLeft[a] = (1.0 - motion.kept) * r[motion.momentumAt + a] + (rl ? (1.0 - water->kept) * rl[PoreWater<D>::momentumAt + a] : 0.0);
+		f.force[a]        = r[motion.forceAt + a];
+	}
+	folded_.push_back(f);
+}
+
+template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt)
+{
+	using W = PoreWater<D>;
+	folded_.clear();
 	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
 		const auto& m     = mirrors_[k];
 		double*     ghost = motion.nodes[m.ghost];
 		double*     inner = motion.nodes[m.inner];
-		inner[motion.massAt] += ghost[motion.massAt];
+		if (m.moving >= 0) rememberFolded(static_cast<int>(k), motion, water);
+		const double mass = ghost[motion.massAt], moving = mass + (water && foldLiquid_[k] ? water->nodes[m.ghost][W::massAt] : 0.0);
+		inner[motion.massAt] += mass;
 		ghost[motion.massAt] = 0.0;
-		for (int a = 0; a < D; ++a)
-			for (int at : { motion.momentumAt + a, motion.forceAt + a }) {
-				inner[at] += m.sign[a] * ghost[at];
-				ghost[at] = 0.0;
-			}
+		for (int a = 0; a < D; ++a) {
+			inner[motion.momentumAt + a] += m.sign[a] * ghost[motion.momentumAt + a] + m.added(a, mass * m.velocity[a]);
+			inner[motion.forceAt + a] += m.sign[a] * ghost[motion.forceAt + a] + m.added(a, moving * m.change[a] / dt);
+			ghost[motion.momentumAt + a] = ghost[motion.forceAt + a] = 0.0;
+		}
 		if (!water) continue;
 		if (!foldLiquid_[k]) {
 			foldSolidOnly(m, motion, *water, dt);
 			continue;
 		}
-		double* ghostLiquid = water->nodes[m.ghost];
-		double* innerLiquid = water->nodes[m.inner];
+		double*      ghostLiquid = water->nodes[m.ghost];
+		double*      innerLiquid = water->nodes[m.inner];
+		const double liquidMass  = ghostLiquid[W::massAt];
 		for (int at : { W::massAt, W::dragAt }) {
 			innerLiquid[at] += ghostLiquid[at];
 			ghostLiquid[at] = 0.0;
 		}
 		for (int a = 0; a < D; ++a) {
-			innerLiquid[W::momentumAt + a] += m.sign[a] * ghostLiquid[W::momentumAt + a];
+			innerLiquid[W::momentumAt + a] += m.sign[a] * ghostLiquid[W::momentumAt + a] + m.added(a, liquidMass * m.velocity[a]);
 			ghostLiquid[W::momentumAt + a] = 0.0;
-			water->force[m.inner][a] += m.sign[a] * water->force[m.ghost][a];
+			water->force[m.inner][a] += m.sign[a] * water->force[m.ghost][a] + m.added(a, liquidMass * m.change[a] / dt);
 			water->force[m.ghost][a] = 0.0;
 		}
 	}
@@ -155,9 +258,9 @@ void MomentumSolver<D>::foldSolidOnly(const typename MotionConstraints<D>::Mirro
 	const double added = ml * dq / (ml + dq);
 	const double scale = 1.0 + added / inner[motion.massAt];
 	for (int a = 0; a < D; ++a) {
-		const double vs       = m.sign[a] * inner[motion.momentumAt + a] / inner[motion.massAt];
+		const double vs       = m.sign[a] * inner[motion.momentumAt + a] / inner[motion.massAt] + m.added(a, m.velocity[a]);
 		const double vl       = ghost[W::momentumAt + a] / ml;
-		const double residual = water.force[m.ghost][a] - q * (vl - vs);
+		const double residual = water.force[m.ghost][a] - q * (vl - vs) + q * m.added(a, m.change[a]);
 		inner[motion.forceAt + a] -= m.sign[a] * ml * residual / (ml + dq);
 	}
 	for (int a = 0; a < D; ++a)
@@ -284,20 +387,45 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(SolidMotion<D>& motio
 	}
 }
 
+template <int D> void MomentumSolver<D>::carry(SolidMotion<D>& motion, PoreWater<D>* water, double dt)
+{
+	using W          = PoreWater<D>;
+	const double chi = motion.kept;
+	for (const auto& c : constraints_.carried()) {
+		const double* r = motion.nodes[c.node];
+		if (!(r[motion.massAt] > 0.0)) continue;
+		const double w                    = moving_[c.moving].endOf(c.axis);
+		const double ahead                = c.inner >= 0 && motion.nodes[c.inner][motion.massAt] > 0.0 ? moving_[c.moving].lead : 0.0;
+		const double before               = r[motion.momentumAt + c.axis] / r[motion.massAt],
+		             v                    = ahead == 0.0 ? w : w - ahead * (motion.solved[c.inner][D + c.axis] - w);
+		motion.solved[c.node][D + c.axis] = v;
+		motion.solved[c.node][c.axis]     = chi * (v - before) + (1.0 - chi) * v;
+		damping_[c.node][c.axis]          = 0.0;
+		if (!water || !constraints_.liquidTied(c.node, c.axis)) continue;
+		water->flux[c.node][c.axis]   = v;
+		water->solved[c.node][c.axis] = water->kept * (v - water->start[c.node][c.axis]) + (1.0 - water->kept) * v;
+	}
+	if (!water) return;
+	for (const auto& c : constraints_.carried())
+		if (motion.nodes[c.node][motion.massAt] > 0.0 && water->nodes[c.node][W::massAt] > 0.0) constrainLiquid(motion, *water, c.node, dt);
+}
+
 template <int D> void MomentumSolver<D>::unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
 {
 	using W = PoreWater<D>;
 	for (int k = static_cast<int>(mirrors_.size()) - 1; k >= 0; --k) {
-		const auto& m = mirrors_[k];
-		for (int a = 0; a < D; ++a)
-			for (int at : { a, D + a })
-				motion.solved[m.ghost][at] = m.sign[a] * motion.solved[m.inner][at];
+		const auto& m       = mirrors_[k];
+		const auto  takenBy = [&](double kept, int a) { return kept * m.change[a] + (1.0 - kept) * (m.velocity[a] + m.change[a]); };
+		for (int a = 0; a < D; ++a) {
+			motion.solved[m.ghost][a]     = m.sign[a] * motion.solved[m.inner][a] + m.added(a, takenBy(motion.kept, a));
+			motion.solved[m.ghost][D + a] = m.sign[a] * motion.solved[m.inner][D + a] + m.added(a, m.velocity[a] + m.change[a]);
+		}
 		if (!water) continue;
 		for (int a = 0; a < D; ++a) {
 			if (foldLiquid_[k]) {
-				water->solved[m.ghost][a] = m.sign[a] * water->solved[m.inner][a];
-				water->flux[m.ghost][a]   = m.sign[a] * water->flux[m.inner][a];
-				water->start[m.ghost][a]  = m.sign[a] * water->start[m.inner][a];
+				water->solved[m.ghost][a] = m.sign[a] * water->solved[m.inner][a] + m.added(a, takenBy(water->kept, a));
+				water->flux[m.ghost][a]   = m.sign[a] * water->flux[m.inner][a] + m.added(a, m.velocity[a] + m.change[a]);
+				water->start[m.ghost][a]  = m.sign[a] * water->start[m.inner][a] + m.added(a, m.velocity[a]);
 				continue;
 			}
 			const double* rl = water->nodes[m.ghost];
@@ -333,6 +461,7 @@ void MomentumSolver<D>::keepAccount(
 			account.impulse[a] += w.solidMass * motion.solved[i][a] + (water ? w.liquidMass * water->solved[i][a] : 0.0) - w.momentumLeft[a]
 			        - dt * w.force[a];
 	}
+	account.wallWork += wallWork(motion, water, dt);
 	for (const Load& load : loads_)
 		for (int a = 0; a < D; ++a) {
 			account.impulse[a] += dt * load.force[a];
@@ -365,6 +494,30 @@ void MomentumSolver<D>::keepAccount(
 	}
 }
 
+/// Of the forces that keep nodes on moving walls at the velocity of their wall, and ghosts behind them mirrored.
+template <int D> double MomentumSolver<D>::wallWork(const SolidMotion<D>& motion, const PoreWater<D>* water, double dt) const
+{
+	const double keep = 1.0 - motion.kept, keepLiquid = water ? 1.0 - water->kept : 0.0;
+	double       work = 0.0;
+	for (const auto& c : constraints_.carried()) {
+		const double* r  = motion.nodes[c.node];
+		const double* rl = water ? water->nodes[c.node] : nullptr;
+		if (!(r[motion.massAt] > 0.0)) continue;
+		double impulse = r[motion.massAt] * motion.solved[c.node][c.axis] - keep * r[motion.momentumAt + c.axis] - dt * r[motion.forceAt + c.axis];
+		if (rl) impulse += rl[PoreWater<D>::massAt] * water->solved[c.node][c.axis] - keepLiquid * rl[PoreWater<D>::momentumAt + c.axis];
+		work += impulse * motion.solved[c.node][D + c.axis];
+	}
+	for (const Folded& f : folded_) {
+		const auto& m = mirrors_[f.mirror];
+		for (int a = 0; a < D; ++a) {
+			const double impulse = f.solidMass * motion.solved[m.ghost][a] + (water ? f.liquidMass * water->solved[m.ghost][a] : 0.0)
+			        - f.momentumLeft[a] - dt * f.force[a];
+			work += m.added(a, impulse * moving_[m.moving].endOf(a)) + dt * f.pushed[a] * motion.solved[m.inner][D + a];
+		}
+	}
+	return work;
+}
+
 template <int D>
 void MomentumSolver<D>::solve(
         const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account)
@@ -377,6 +530,7 @@ void MomentumSolver<D>::solve(
 			front->addLoad(load.node, load.force);
 	}
 	fold(motion, water, dt);
+	pushAhead(motion, water, dt);
 	if (water) {
 		damped ? solveTwoPhase<true>(range, motion, *water, dt) : solveTwoPhase<false>(range, motion, *water, dt);
 		constrainTwoPhase(motion, *water, dt);
@@ -384,7 +538,8 @@ void MomentumSolver<D>::solve(
 		damped ? solveDry<true>(range, motion, dt) : solveDry<false>(range, motion, dt);
 		constrainDry(motion);
 	}
-	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt, account.impulse);
+	if (!moving_.empty()) carry(motion, water, dt);
+	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt, account.impulse, account.wallWork);
 	unfold(motion, water, dt);
 	if (water) findFlux(range, motion, *water);
 	keepAccount(range, motion, water, dt, keepWorks, account);

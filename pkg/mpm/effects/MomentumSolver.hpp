@@ -48,6 +48,7 @@ template <int D> struct MomentumAccount {
 	double dampingDissipation = 0.0; ///< [J]
 	double loadWork           = 0.0; ///< [J]
 	double slipWork           = 0.0; ///< [J]
+	double wallWork           = 0.0; ///< [J]
 };
 
 /// Momentum balance of the nodes: gravity, surface loads, mechanical boundaries, damping and, with water, the implicit drag.
@@ -58,6 +59,11 @@ public:
 	void addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const;
 	/// traction of a boundary on its nodes; remembered for the account of work.
 	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
+	/// Velocities of moving walls in a step from one calendar time to another [s] and of length dt. Throws std::runtime_error if a wall would
+	/// leave its nodes by more than half a cell.
+	void beginStep(const Grid<D>& grid, const ShapeFunction<D>& shape, double from, double to, double dt);
+	/// The path of the walls in a step that is done.
+	void endStep(double dt);
 	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With account the works are summed.
 	void solve(
 	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks,
@@ -68,6 +74,8 @@ public:
 	const std::vector<int>& freeLiquid() const { return freeLiquid_; }
 	/// Axes along which a wall holds the ground at a node on it, in front of it or behind, a bit each.
 	const std::vector<unsigned char>& heldAxes() const { return heldAxes_; }
+	/// Paths of the moving walls since the start [m]; they belong to the state.
+	std::vector<Vec<D>>& wallPaths() { return wallPaths_; }
 
 private:
 	struct Load {
@@ -78,16 +86,36 @@ private:
 		double solidMass, liquidMass;
 		Vec<D> momentumLeft, force;
 	};
+	/// A wall that moves; its boundary is that of the settings.
+	struct MovingWall {
+		std::shared_ptr<Boundary<D>> boundary;
+		Vec<D>                       velocity {}, change {}; ///< at the start of the step and in it [m/s]
+		double                       lead = 0.0;             ///< lambda of eq. (8.5)
+		double                       endOf(int axis) const { return velocity[axis] + change[axis]; }
+	};
+	/// What lies behind a moving wall, as it is folded.
+	struct Folded {
+		int    mirror;
+		double solidMass, liquidMass;
+		Vec<D> momentumLeft, force;
+		Vec<D> pushed; ///< force on the node in front, eq. (8.5) [N]
+	};
 	void                        rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void                        fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void                        fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
 	void                        foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
+	void                        rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water);
 	void                        constrainDry(SolidMotion<D>& motion) const;
-	void                        constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
-	void                        constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
-	void                        unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
-	void                        findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
+	/// What a wall that has left its nodes by a part of a cell gives to the nodes in front of it.
+	void pushAhead(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
+	/// Gives nodes on moving walls their velocity.
+	void   carry(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
+	double wallWork(const SolidMotion<D>& motion, const PoreWater<D>* water, double dt) const;
+	void   constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void   constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
+	void   unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void   findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
 	/// Sums the momenta of the step and, with keepWorks, the works.
 	void keepAccount(
 	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
@@ -100,6 +128,9 @@ private:
 	std::vector<int>                                   wallNodes_; ///< nodes whose motion the walls change
 	std::vector<char>                                  isWall_;
 	std::vector<WallRecord>                            walls_;
+	std::vector<MovingWall>                            moving_;
+	std::vector<Vec<D>>                                wallPaths_;
+	std::vector<Folded>                                folded_; ///< one per mirror of a moving wall
 	std::vector<Load>                                  loads_;
 	std::vector<double>                                partial_;
 	NodeField<D>                                       damping_; ///< force of local damping; allocated when damping is used

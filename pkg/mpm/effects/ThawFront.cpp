@@ -307,7 +307,7 @@ template <int D> void ThawFront<D>::addLoad(int node, const Vec<D>& force)
 
 // ---- contact ---------------------------------------------------------------------------------------------------------------
 
-template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
+template <int D> void ThawFront<D>::fold(const Mirrors& mirrors, double dt)
 {
 	folded_.assign(mirrors.size(), {});
 	for (std::size_t k = 0; k < mirrors.size(); ++k) {
@@ -318,9 +318,13 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
 		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt, modulusAt })
 			inner[at] += ghost[at];
-		for (int a = 0; a < D; ++a)
+		for (int a = 0; a < D; ++a) {
 			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
 				inner[at + a] += m.sign[a] * ghost[at + a];
+			inner[momentumAt + a] += m.added(a, ghost[massAt] * m.velocity[a]);
+			inner[liquidMomentumAt + a] += m.added(a, ghost[liquidMassAt] * m.velocity[a]);
+			inner[forceAt + a] += m.added(a, (ghost[massAt] + ghost[liquidMassAt]) * m.change[a] / dt);
+		}
 		for (int a = 0; a < D; ++a)
 			for (int b = a; b < D; ++b)
 				inner[stressAt + stressIndex<D>(a, b)] += m.sign[a] * m.sign[b] * ghost[stressAt + stressIndex<D>(a, b)];
@@ -328,7 +332,7 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors)
 	}
 }
 
-template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impulse)
+template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork)
 {
 	for (std::size_t k = mirrors.size(); k-- > 0;) {
 		const auto& m = mirrors[k];
@@ -336,10 +340,13 @@ template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impul
 		const std::array<double, 4>& mass  = folded_[k];
 		const double*                inner = result(slot_[m.inner]);
 		// what the sides gain cancels out on a node and its image together; a wall turns the part of the image round
-		for (int a = 0; a < D; ++a)
-			impulse[a] += (m.sign[a] - 1.0)
+		for (int a = 0; a < D; ++a) {
+			const double turned = (m.sign[a] - 1.0)
 			        * (mass[0] * inner[gainAt + a] + mass[1] * inner[sideSize + gainAt + a] + mass[2] * inner[liquidGainAt + a]
 			           + mass[3] * inner[sideSize + liquidGainAt + a]);
+			impulse[a] += turned;
+			wallWork += turned * (m.velocity[a] + m.change[a]);
+		}
 		for (int at = 0; at < resultSize; ++at)
 			result(slot_[m.ghost])[at] = m.sign[at % D] * inner[at];
 	}
@@ -578,11 +585,12 @@ template <int D> void ThawFront<D>::correct(int slot)
 }
 
 template <int D>
-double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse)
+double ThawFront<D>::solve(
+        const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse, double& wallWork)
 {
 	fastest_ = 0.0;
 	if (!present()) return 0.0;
-	fold(mirrors);
+	fold(mirrors, dt);
 	const int     count     = nodeCount();
 	constexpr int piece     = 64;
 	const auto    overSlots = [&](auto&& work) {
@@ -600,7 +608,7 @@ double ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirror
 		work_[slot] = slide(slot, dt);
 		correct(slot);
 	});
-	unfold(mirrors, impulse);
+	unfold(mirrors, impulse, wallWork);
 	for (int slot = 0; slot < count; ++slot)
 		for (int side = 0; side < 2; ++side)
 			for (int a = 0; a < D; ++a) {

@@ -77,8 +77,9 @@ public:
 	/// Gives the frozen side its part, by mass, of a surface load on a node [N]; call before mirrors are folded.
 	void addLoad(int node, const Vec<D>& force);
 	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Returns what the force between
-	/// the sides takes from their slip in the step [J], and adds what walls give to the sides apart to impulse [N s].
-	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse);
+	/// the sides takes from their slip in the step [J], and adds what walls give to the sides apart to impulse [N s] and, of walls that
+	/// move, to wallWork [J].
+	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse, double& wallWork);
 	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine);
 	/// Adds the slip of points first .. last to their displacement gradient.
@@ -133,8 +134,8 @@ private:
 	void          markNear();
 	void          addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine);
 	void          addThawed(const WeightBlock<D>& w, int k);
-	void          fold(const Mirrors& mirrors);
-	void          unfold(const Mirrors& mirrors, Vec<D>& impulse);
+	void          fold(const Mirrors& mirrors, double dt);
+	void          unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);

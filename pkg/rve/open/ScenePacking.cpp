@@ -5,7 +5,7 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondMat.hpp>
 #include <pkg/icebond/IceBondPhys.hpp>
-#include <pkg/icebond/RollingIceBond.hpp>
+#include <pkg/icebond/MomentIceBond.hpp>
 #include <pkg/rve/open/HoldGil.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
@@ -172,7 +172,22 @@ namespace {
 	PackedRolling rollingOf(const Material& material)
 	{
 		const auto* rolls = dynamic_cast<const RollingIceBondMat*>(&material);
-		return rolls ? PackedRolling { rolls->alphaKr, rolls->etaRoll } : PackedRolling();
+		return rolls && rolls->etaRoll > 0 ? PackedRolling { rolls->alphaKr, rolls->etaRoll } : PackedRolling();
+	}
+
+	BondSection sectionOf(const Material& material)
+	{
+		const auto* bonds = dynamic_cast<const MomentIceBondMat*>(&material);
+		return bonds ? bonds->section() : BondSection();
+	}
+
+	std::string reasonOfMoments(const IceBondPhys& bond, const Material& material)
+	{
+		const BondSection section = sectionOf(material);
+		if (!section.acts()) return "";
+		const auto* contact = dynamic_cast<const MomentIceBondPhys*>(&bond);
+		if (!contact) return "is not made by its material, whose bonds carry moments";
+		return contact->section() == section ? "" : "carries moments in another way than its material gives";
 	}
 
 	std::string reasonOfRolling(const IceBondPhys& bond, const ScGeom& geom, const Material& material)
@@ -203,7 +218,9 @@ namespace {
 			return "has another stiffness than its material gives";
 		if (!bond) return "";
 		const std::string ofRolling = reasonOfRolling(*bond, *geom, material);
-		return ofRolling.empty() ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : ofRolling;
+		if (!ofRolling.empty()) return ofRolling;
+		const std::string ofMoments = reasonOfMoments(*bond, material);
+		return ofMoments.empty() ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : ofMoments;
 	}
 
 	std::string reasonOfContacts(const Scene& scene)
@@ -318,6 +335,7 @@ namespace {
 	{
 		auto grains     = std::make_shared<PackedGrains>();
 		grains->rolling = rollingOf(*presentBodies(scene).front()->material);
+		grains->section = sectionOf(*presentBodies(scene).front()->material);
 		for (const Body* body : presentBodies(scene)) {
 			const State&      motion = *body->state;
 			const std::size_t index  = grains->size();
@@ -331,7 +349,7 @@ namespace {
 			packTurning(motion, former, index, state);
 		}
 		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass
-		    && former->grains->inertia == grains->inertia && former->grains->rolling == grains->rolling) {
+		    && former->grains->inertia == grains->inertia && former->grains->rolling == grains->rolling && former->grains->section == grains->section) {
 			bool same = true;
 			for (std::size_t i = 0; i < grains->size(); i++)
 				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];
@@ -445,6 +463,10 @@ namespace {
 			if (!ice) continue;
 			const auto& bond = static_cast<const IceBondPhys&>(phys);
 			k.iceShear.push_back(shearOf(entry, bond.iceShear, geom.normal, true));
+			if (state.bondsCarryMoments()) {
+				k.bondMoment.emplace_back();
+				setMoment(k.bondMoment.back(), entry.sign * static_cast<const MomentIceBondPhys&>(phys).bondMoment);
+			}
 			k.iceReference.push_back(bond.uIce);
 			k.grainReference.push_back(bond.uGrain);
 			k.bond.push_back(k.encode(bond.bond()));
@@ -452,16 +474,28 @@ namespace {
 		}
 		if (ice && !anyIce && !(former && former->bonded())) {
 			k.iceShear.clear();
+			k.bondMoment.clear();
 			k.iceReference.clear();
 			k.grainReference.clear();
 			k.bond.clear();
 		}
 	}
 
+	template <int Dim> shared_ptr<RollingIceBondPhys> openedMoments(const PackedState<Dim>& s, std::size_t c)
+	{
+		if (!s.bondsCarryMoments()) return shared_ptr<RollingIceBondPhys>(new RollingIceBondPhys);
+		shared_ptr<MomentIceBondPhys> phys(new MomentIceBondPhys);
+		phys->bondRadiusFactor   = s.grains->section.radiusFactor;
+		phys->momentContribution = s.grains->section.contribution;
+		if (s.bonded()) phys->bondMoment = momentVector(s.contacts.bondMoment[c]);
+		return phys;
+	}
+
 	template <int Dim> shared_ptr<IceBondPhys> openedBond(const PackedState<Dim>& s, std::size_t c, double r1, double r2, double shearStiffness)
 	{
-		if (!s.resistsRolling()) return shared_ptr<IceBondPhys>(new IceBondPhys);
-		shared_ptr<RollingIceBondPhys> phys(new RollingIceBondPhys);
+		if (!s.resistsRolling() && !s.bondsCarryMoments()) return shared_ptr<IceBondPhys>(new IceBondPhys);
+		const shared_ptr<RollingIceBondPhys> phys = openedMoments(s, c);
+		if (!s.resistsRolling()) return phys;
 		phys->kr             = s.grains->rolling.stiffness(shearStiffness, r1, r2);
 		phys->maxRollPl      = s.grains->rolling.lever(r1, r2);
 		phys->moment_bending = momentVector(s.contacts.moment[c]);
@@ -578,11 +612,19 @@ double timeStepForIce(const Scene& scene)
 		if (!ice || !sphere || !(ice->iceYoung > 0) || !(body->state->mass > 0)) continue;
 		const double ofRolling = rollingOf(*ice).alphaKr * largest
 		        / sphere->radius; // stiffness of its rotation on the largest grain, over that of sliding
-		const double stiffened = 1 + ofRolling + ice->iceYoung / ice->young;
+		// the stiffer one of bending and twisting over that of sliding
+		const double ofMoments = std::pow(sectionOf(*ice).radiusFactor, 2) * ice->bondAreaFactor / (4 * M_PI) * std::max(1 / ice->poisson, 2.);
+		const double stiffened = 1 + ofRolling + (1 + ofMoments) * ice->iceYoung / ice->young;
 		stiffening             = std::max(stiffening, stiffened / (1 + ofRolling));
 		limit                  = std::min(limit, stiffnessSafety * std::sqrt(body->state->mass / (ice->young * sphere->radius * stiffened)));
 	}
 	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
+}
+
+bool bondsCarryMoments(const Scene& scene)
+{
+	const auto bodies = presentBodies(scene);
+	return std::any_of(bodies.begin(), bodies.end(), [](const Body* body) { return body->material && sectionOf(*body->material).acts(); });
 }
 
 std::string reasonAgainstPacking(const Scene& scene)

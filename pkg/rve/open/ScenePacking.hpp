@@ -8,6 +8,9 @@ namespace talik {
 /// Why a scene cannot take the packed form (shapes, laws or materials that it does not know); empty if it can. Holds the GIL.
 std::string reasonAgainstPacking(const yade::Scene& scene);
 
+/// Whether ice bonds of a scene carry moments.
+bool bondsCarryMoments(const yade::Scene& scene);
+
 /// 2 for a scene of discs, that is of bodies that lie in one layer or are held there, 3 for one of spheres.
 int packedDimension(const yade::Scene& scene);
 

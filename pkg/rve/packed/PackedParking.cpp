@@ -161,6 +161,7 @@ template <int Dim> template <class Stream, class State, class Lists> void Parked
 	stream.array(c.shear, contacts);
 	stream.array(c.moment, grains->rolling.acts() ? contacts : 0);
 	stream.array(c.iceShear, bonds);
+	stream.array(c.bondMoment, grains->section.acts() ? bonds : 0);
 	stream.array(c.iceReference, bonds);
 	stream.sparse(c.grainReference, bonds, gaps);
 	const auto indices = [&](auto& of, std::size_t number) {

@@ -8,7 +8,8 @@ namespace talik {
 
 namespace {
 
-	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '3' }, rollingFormatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'R', '3' };
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '3' }, rollingFormatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'R', '3' },
+	               momentFormatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'M', '3' };
 
 	class Writer {
 	public:
@@ -120,6 +121,15 @@ namespace {
 		stream.array(s.contacts.moment);
 	}
 
+	/// What only samples whose bonds carry moments have; their grains may resist rolling.
+	template <class Stream, class State, class Grains> void streamMoments(Stream& stream, State& s, Grains& g)
+	{
+		streamRolling(stream, s, g);
+		stream.value(g.section.radiusFactor);
+		stream.value(g.section.contribution);
+		stream.array(s.contacts.bondMoment);
+	}
+
 	[[noreturn]] void refuse(const char* attribute, double value, const char* remedy)
 	{
 		throw std::invalid_argument(std::string("packed sample: ") + attribute + " = " + std::to_string(value) + " " + remedy);
@@ -188,6 +198,10 @@ template <int Dim> void PackedState<Dim>::check() const
 	requirePositive("inertia", grains->inertia);
 	for (const double value : { grains->rolling.alphaKr, grains->rolling.etaRoll })
 		if (!(value >= 0) || !std::isfinite(value)) refuse("alphaKr or etaRoll", value, "must be finite and not negative");
+	const BondSection& section = grains->section;
+	if (!(section.radiusFactor >= 0) || !std::isfinite(section.radiusFactor))
+		refuse("bondRadiusFactor", section.radiusFactor, "must be finite and not negative");
+	if (!(section.contribution >= 0 && section.contribution <= 1)) refuse("momentContribution", section.contribution, "must lie in 0..1");
 	requireSize("position", position.size(), n);
 	requireSize("velocity", velocity.size(), n);
 	requireSize("angularVelocity", angularVelocity.size(), n);
@@ -204,6 +218,7 @@ template <int Dim> void PackedState<Dim>::check() const
 	requireSize("contacts.iceShear", contacts.iceShear.size(), bonds);
 	requireSize("contacts.iceReference", contacts.iceReference.size(), bonds);
 	requireSize("contacts.grainReference", contacts.grainReference.size(), bonds);
+	requireSize("contacts.bondMoment", contacts.bondMoment.size(), bondsCarryMoments() ? bonds : 0);
 	for (std::size_t k = 0; k < m; ++k)
 		if (contacts.first[k] >= contacts.second[k] || contacts.second[k] >= n)
 			refuse("contacts.second", contacts.second[k], "must be a grain's index and larger than contacts.first");
@@ -213,11 +228,12 @@ template <int Dim> std::string PackedState<Dim>::toBytes() const
 {
 	check();
 	Writer writer;
-	writer.bytes.append(resistsRolling() ? rollingFormatName : formatName, sizeof(formatName));
+	writer.bytes.append(bondsCarryMoments() ? momentFormatName : resistsRolling() ? rollingFormatName : formatName, sizeof(formatName));
 	writer.value(std::int32_t(Dim));
 	streamParameters(writer, static_cast<const PackedParameters<Dim>&>(*this));
 	streamArrays(writer, *this, *grains);
-	if (resistsRolling()) streamRolling(writer, *this, *grains);
+	if (bondsCarryMoments()) streamMoments(writer, *this, *grains);
+	else if (resistsRolling()) streamRolling(writer, *this, *grains);
 	return std::move(writer.bytes);
 }
 
@@ -225,7 +241,7 @@ namespace {
 
 	struct Head {
 		int  dimension;
-		bool resistsRolling;
+		bool resistsRolling, bondsCarryMoments;
 	};
 
 	Head takeHead(Reader& reader)
@@ -233,11 +249,11 @@ namespace {
 		char         name[sizeof(formatName)];
 		std::int32_t dim = 0;
 		reader.take(name, sizeof(name));
-		const bool rolling = std::memcmp(name, rollingFormatName, sizeof(name)) == 0;
-		if (!rolling && std::memcmp(name, formatName, sizeof(name)) != 0)
-			throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
+		const auto is      = [&](const char(&known)[sizeof(formatName)]) { return std::memcmp(name, known, sizeof(name)) == 0; };
+		const bool rolling = is(rollingFormatName), moments = is(momentFormatName);
+		if (!rolling && !moments && !is(formatName)) throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
 		reader.value(dim);
-		return { dim, rolling };
+		return { dim, rolling, moments };
 	}
 
 } // namespace
@@ -258,7 +274,8 @@ template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::strin
 	auto        grains = std::make_shared<PackedGrains>();
 	streamParameters(reader, static_cast<PackedParameters<Dim>&>(state));
 	streamArrays(reader, state, *grains);
-	if (head.resistsRolling) streamRolling(reader, state, *grains);
+	if (head.bondsCarryMoments) streamMoments(reader, state, *grains);
+	else if (head.resistsRolling) streamRolling(reader, state, *grains);
 	if (!reader.finished()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
 	state.grains = std::move(grains);
 	state.check();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <memory>
+#include <pkg/icebond/BondSection.hpp>
 #include <pkg/icebond/IceBond.hpp>
 #include <pkg/icebond/IceStrengthLaw.hpp>
 #include <string>
@@ -33,6 +34,7 @@ struct PackedGrains {
 	std::vector<double>       inertia; ///< about the axis of rotation [kg m^2], > 0
 	std::vector<std::int32_t> id;      ///< body id in the scene the sample comes from
 	PackedRolling             rolling {};
+	BondSection               section {}; ///< of bonds that carry moments
 	std::size_t               size() const { return radius.size(); }
 };
 
@@ -60,6 +62,7 @@ template <int Dim> struct PackedContacts {
 	std::vector<typename PackedTypes<Dim>::Shear> iceShear;       ///< the part of `shear` carried by ice [N]
 	std::vector<double>                           iceReference;   ///< u_ice: overlap at which the ice spring is free [m]
 	std::vector<double>                           grainReference; ///< u_grain: the same of the cemented grain spring [m]
+	std::vector<typename PackedTypes<Dim>::Spin>  bondMoment;     ///< on `second` [N m]; empty in a sample whose bonds carry no moments
 	std::vector<std::uint8_t>                     bond;           ///< a BondState, plus iceSpringUncut for a broken bond that still pushes
 
 	static constexpr std::uint8_t iceSpringUncut = 4;
@@ -131,6 +134,7 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 	std::size_t size() const { return position.size(); }
 	bool        bonded() const { return !contacts.bond.empty(); }
 	bool        resistsRolling() const { return grains->rolling.acts(); }
+	bool        bondsCarryMoments() const { return grains->section.acts(); }
 
 	/// Everything, grains' constants included; fromBytes(toBytes()) is bit-equal. Throws std::runtime_error on foreign or damaged bytes.
 	std::string        toBytes() const;

@@ -86,7 +86,29 @@ namespace HWY_NAMESPACE {
 			Many                  shearStep; ///< k_s/k_n dt [s]
 		};
 
-		template <bool Bonded, bool Periodic>
+		/// Angular velocity of the second grains less that of the first ones; Block knows the inverse radii.
+		template <class Block> HWY_INLINE Many spinBetween(const PackedStepView<2>& view, const Place<2>& p, const Block& block)
+		{
+			const Many second = Mul(singles(view.rim, p.second()), load(block.inverseSecond + p.lane));
+			return NegMulAdd(singles(view.rim, p.first()), load(block.inverseFirst + p.lane), second);
+		}
+
+		/// Moment of the bonds on the second grains, and what it adds at the edge of their sections.
+		template <bool Moments> HWY_INLINE auto bendBonds(const PackedStepView<2>& view, const Place<2>& p)
+		{
+			if constexpr (Moments) {
+				PackedMomentBlock<2>& block  = p.moments();
+				const Many            angle  = Mul(splat(view.dt), spinBetween(view, p, block));
+				const Many            moment = NegMulAdd(load(block.bending + p.lane), angle, load(block.moment[0] + p.lane));
+				store(moment, block.moment[0] + p.lane);
+				return EdgeForces<Many> { Mul(load(block.edgeOverMoment + p.lane), lengthOf(moment)), splat(0.) };
+			} else {
+				(void)view, (void)p;
+				return NoMoments();
+			}
+		}
+
+		template <bool Bonded, bool Moments, bool Periodic>
 		HWY_INLINE ContactForces<Many, Many> respond(PackedStepView<2>& view, const Place<2>& p, const Constants& c, const Gathered& g)
 		{
 			PackedBlock<2>&           block = p.pair();
@@ -103,7 +125,7 @@ namespace HWY_NAMESPACE {
 				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
-				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment,
+				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment, bendBonds<Moments>(view, p),
 				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
 			} else {
@@ -117,23 +139,30 @@ namespace HWY_NAMESPACE {
 		HWY_INLINE Many roll(const PackedStepView<2>& view, const Place<2>& p, Many normal)
 		{
 			PackedRollingBlock<2>& block     = p.rolling();
-			const Many             second    = Mul(singles(view.rim, p.second()), load(block.inverseSecond + p.lane));
-			const Many             spin      = NegMulAdd(singles(view.rim, p.first()), load(block.inverseFirst + p.lane), second);
-			const Many             increment = Mul(Mul(splat(view.dt), load(block.stiffness + p.lane)), spin);
+			const Many             increment = Mul(Mul(splat(view.dt), load(block.stiffness + p.lane)), spinBetween(view, p, block));
 			const Many             moment    = rollingMoment(load(block.lever + p.lane), normal, load(block.moment[0] + p.lane), increment);
 			store(moment, block.moment[0] + p.lane);
 			return moment;
 		}
 
-		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; moments of rolling act on the second ones and against the first ones.
-		template <bool Periodic, bool Rolling>
+		/// Moments of the bonds that are left, and of rolling.
+		template <bool Rolling, bool Moments> HWY_INLINE Many momentOf(const PackedStepView<2>& view, const Place<2>& p, Many normal)
+		{
+			if constexpr (!Moments) return roll(view, p, normal);
+			const Many ofBonds = load(p.moments().moment[0] + p.lane);
+			if constexpr (Rolling) return Add(ofBonds, roll(view, p, normal));
+			return ofBonds;
+		}
+
+		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; moments act on the second ones and against the first ones.
+		template <bool Periodic, bool Rolling, bool Moments>
 		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
 		{
 			const Many nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
 			const Many gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
 			const Many ofShear = Mul(Mul(splat(0.5), f.overlap), f.shear);
-			if constexpr (Rolling) {
-				const Many moment = roll(view, p, f.normal);
+			if constexpr (Rolling || Moments) {
+				const Many moment = momentOf<Rolling, Moments>(view, p, f.normal);
 				addRows<Periodic>(
 				        view, p, rowsOf({ gx, gy, f.shear, Sub(ofShear, moment) }), rowsOf({ gx, gy, f.shear, Add(ofShear, moment) }));
 			} else {
@@ -142,22 +171,23 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		template <bool Bonded, bool Rolling, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
+		template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
+		HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
 		{
 			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
 			const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
 			const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
                                 if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
                                 // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
-                                scatter<Periodic, Rolling>(view, p, gathered, respond<Bonded, Periodic>(view, p, c, gathered));
+                                scatter<Periodic, Rolling, Moments>(view, p, gathered, respond<Bonded, Moments, Periodic>(view, p, c, gathered));
 			};
 			inPipeline(pairs, gatherAt, finish);
 		}
 
-		template <bool Bonded, bool Rolling> void contacts(PackedStepView<2>* view)
+		template <bool Bonded, bool Rolling, bool Moments = false> void contacts(PackedStepView<2>* view)
 		{
-			contactLoop<Bonded, Rolling, false>(*view, view->inner);
-			contactLoop<Bonded, Rolling, true>(*view, view->periodic);
+			contactLoop<Bonded, Rolling, Moments, false>(*view, view->inner);
+			contactLoop<Bonded, Rolling, Moments, true>(*view, view->periodic);
 		}
 
 		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
@@ -224,6 +254,7 @@ namespace HWY_NAMESPACE {
 	{
 		const auto free    = kind.bonded ? contacts<true, false> : contacts<false, false>,
 		           rolling = kind.bonded ? contacts<true, true> : contacts<false, true>;
+		if (kind.moments) return { kind.rolling ? contacts<true, true, true> : contacts<true, false, true>, integrate, hwy::TargetName(HWY_TARGET) };
 		return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
 	}
 

@@ -62,13 +62,13 @@ namespace HWY_NAMESPACE {
 			Kept       distance, inverse;
 		};
 
-		/// What a contact gives the sums.
-		template <bool Rolling> struct ResponseOf {
+		/// What a contact gives the sums; Turning: moments that are not those of forces.
+		template <bool Turning> struct ResponseOf {
 			Kept       normal;
 			KeptVector shear;
 		};
 		template <> struct ResponseOf<true> : ResponseOf<false> {
-			KeptVector moment; ///< of rolling, on the second grain
+			KeptVector moment; ///< of rolling and of bonds, on the second grain
 		};
 
 		/// Columns of second + sign first, four numbers of the rows.
@@ -98,14 +98,14 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Adds G to the first grains' rows and subtracts it from the second ones'; moments of s on the arms r - u_n/2 to both.
-		template <bool Periodic, bool Rolling>
-		HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const ResponseOf<Rolling>& f)
+		template <bool Periodic, bool Turning>
+		HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const ResponseOf<Turning>& f)
 		{
 			const Vector n = g.n(), shear = f.shear(), m = cross(n, shear);
 			const Many   normal = f.normal();
 			const Many   half = Mul(splat(0.5), g.distance()), difference = load(p.pair().halfDifference + p.lane);
 			Vector       ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
-			if constexpr (Rolling) {
+			if constexpr (Turning) {
 				const Vector moment = f.moment();
 				ofFirst             = { Add(ofFirst.x, moment.x), Add(ofFirst.y, moment.y), Add(ofFirst.z, moment.z) };
 				ofSecond            = Sub(ofSecond, moment);
@@ -166,12 +166,18 @@ namespace HWY_NAMESPACE {
 			Many                  step, halfStep; ///< dt, dt/2 [s]
 		};
 
+		/// Angular velocity of the second grains less that of the first ones.
+		HWY_INLINE Vector spinBetween(const PackedStepView<3>& view, const Place<3>& p)
+		{
+			const Columns w = gatherColumns<false>(view, p, Layout::spin, less);
+			return { w.a, w.b, w.c };
+		}
+
 		/// Moment of rolling on the second grains; it is carried along with the contact by `turn`.
 		HWY_INLINE Vector roll(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many normal)
 		{
 			PackedRollingBlock<3>& block = p.rolling();
-			const Columns          w     = gatherColumns<false>(view, p, Layout::spin, less);
-			const Vector           spin { w.a, w.b, w.c }, bending = NegMulAdd(dot(spin, n), n, spin);
+			const Vector           spin = spinBetween(view, p), bending = NegMulAdd(dot(spin, n), n, spin);
 			const Vector           before    = load3(block.moment, p.lane);
 			const Vector           increment = scaled(bending, Mul(c.step, load(block.stiffness + p.lane)));
 			const Vector           moment    = rollingMoment(load(block.lever + p.lane), normal, crossAdd(turn, before, before), increment);
@@ -179,8 +185,40 @@ namespace HWY_NAMESPACE {
 			return moment;
 		}
 
-		template <bool Bonded, bool Periodic, bool Rolling>
-		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, ResponseOf<Rolling>& r)
+		/// Moment of the bonds on the second grains, carried along with the contact by `turn`, and what it adds at the edge of their sections.
+		template <bool Moments>
+		HWY_INLINE auto bendBonds(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn)
+		{
+			if constexpr (Moments) {
+				PackedMomentBlock<3>& block  = p.moments();
+				const Vector          before = load3(block.moment, p.lane), spin = spinBetween(view, p);
+				const Many            along = dot(spin, n), bending = Mul(c.step, load(block.bending + p.lane));
+				const Many            twisting = MulSub(c.step, load(block.twisting + p.lane), bending);
+				const Vector          bent     = NegMulAdd(bending, spin, crossAdd(turn, before, before));
+				const Vector          moment   = NegMulAdd(Mul(twisting, along), n, bent);
+				store3(moment, block.moment, p.lane);
+				const Many twist = dot(moment, n), edge = load(block.edgeOverMoment + p.lane);
+				return EdgeForces<Many> { Mul(edge, lengthOf(NegMulAdd(twist, n, moment))), Mul(Mul(splat(0.5), edge), lengthOf(twist)) };
+			} else {
+				(void)view, (void)p, (void)c, (void)n, (void)turn;
+				return NoMoments();
+			}
+		}
+
+		/// Moments of the bonds that are left, and of rolling.
+		template <bool Rolling, bool Moments>
+		HWY_INLINE Vector
+		momentOf(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many normal)
+		{
+			if constexpr (!Moments) return roll(view, p, c, n, turn, normal);
+			const Vector ofBonds = load3(p.moments().moment, p.lane);
+			if constexpr (!Rolling) return ofBonds;
+			const Vector ofRolling = roll(view, p, c, n, turn, normal);
+			return { Add(ofBonds.x, ofRolling.x), Add(ofBonds.y, ofRolling.y), Add(ofBonds.z, ofRolling.z) };
+		}
+
+		template <bool Bonded, bool Periodic, bool Rolling, bool Moments>
+		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, ResponseOf<Rolling || Moments>& r)
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
@@ -204,36 +242,37 @@ namespace HWY_NAMESPACE {
 				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
-				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment,
+				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment, bendBonds<Moments>(view, p, c, n, turn),
 				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
 				store3(f.iceShear, ice.iceShear, p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
 			}
 			store3(f.shear, block.shear, p.lane);
-			if constexpr (Rolling) r.moment = roll(view, p, c, n, turn, f.normal);
+			if constexpr (Rolling || Moments) r.moment = momentOf<Rolling, Moments>(view, p, c, n, turn, f.normal);
 			r.normal = f.normal;
 			r.shear  = f.shear;
 		}
 
-		template <bool Bonded, bool Rolling, bool Periodic> HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
+		template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
+		HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
 		{
 			const Constants c {
 				{ splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(view.dt), splat(0.5 * view.dt)
 			};
-			using Response = ResponseOf<Rolling>;
+			using Response = ResponseOf<Rolling || Moments>;
 			inStages<Gathered, Response, Bonded, Rolling>(
 			        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
 			        [&](const Place<3>& p, const Gathered& g, Response& r)
-			                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling>(view, p, c, g, r); },
+			                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(view, p, c, g, r); },
 			        [&](const Place<3>& p, const Gathered& g, const Response& r)
-			                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling>(view, p, g, r); });
+			                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
 		}
 
-		template <bool Bonded, bool Rolling> void contacts(PackedStepView<3>* view)
+		template <bool Bonded, bool Rolling, bool Moments = false> void contacts(PackedStepView<3>* view)
 		{
-			contactLoop<Bonded, Rolling, false>(*view, view->inner);
-			contactLoop<Bonded, Rolling, true>(*view, view->periodic);
+			contactLoop<Bonded, Rolling, Moments, false>(*view, view->inner);
+			contactLoop<Bonded, Rolling, Moments, true>(*view, view->periodic);
 		}
 
 		/// A 3x3 matrix, the same in every lane.
@@ -321,6 +360,7 @@ namespace HWY_NAMESPACE {
 	{
 		const auto free    = kind.bonded ? contacts<true, false> : contacts<false, false>,
 		           rolling = kind.bonded ? contacts<true, true> : contacts<false, true>;
+		if (kind.moments) return { kind.rolling ? contacts<true, true, true> : contacts<true, false, true>, integrate, hwy::TargetName(HWY_TARGET) };
 		return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
 	}
 

@@ -57,6 +57,14 @@ template <int Dim> struct alignas(32) PackedRollingBlock {
 	double inverseFirst[4], inverseSecond[4];     ///< of the radii [1/m]
 };
 
+/// What moments of bonds add to four pairs; stiffness and moment are zero where no bond is intact.
+template <int Dim> struct alignas(32) PackedMomentBlock {
+	double moment[PackedLayout<Dim>::angular][4]; ///< on the second grain [N m]
+	double bending[4], twisting[4];               ///< stiffness [N m]
+	double edgeOverMoment[4];                     ///< see BondSection [1/m]
+	double inverseFirst[4], inverseSecond[4];     ///< of the radii [1/m]
+};
+
 /// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives where four rows of the shift table begin per block).
 template <int Dim> struct PackedPairs {
 	PackedBlock<Dim>*        block;
@@ -64,6 +72,7 @@ template <int Dim> struct PackedPairs {
 	const std::uint32_t*     shift;
 	std::size_t              blocks;
 	PackedRollingBlock<Dim>* rolling;
+	PackedMomentBlock<Dim>*  moments;
 };
 
 /// A bond that reached its limit, or a broken one whose force fell below its floor: in come the trial forces, out go those of this step.
@@ -119,7 +128,7 @@ template <int Dim> struct PackedKernel {
 
 /// What contacts of a sample carry beyond friction.
 struct PackedContactKind {
-	bool bonded, rolling;
+	bool bonded, rolling, moments; ///< moments: of bonds
 };
 
 /// The fastest step that the processor at hand knows, or the one that all processors know.

@@ -136,6 +136,7 @@ namespace HWY_NAMESPACE {
 			HWY_INLINE PackedBlock<Dim>& pair() const { return pairs.block[block]; }
 			HWY_INLINE PackedIceBlock<Dim>& ice() const { return pairs.ice[block]; }
 			HWY_INLINE PackedRollingBlock<Dim>& rolling() const { return pairs.rolling[block]; }
+			HWY_INLINE PackedMomentBlock<Dim>& moments() const { return pairs.moments[block]; }
 			HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
 			HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
 			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }

@@ -25,6 +25,7 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	grains                                    = state.grains;
 	grainCount                                = state.size();
 	resistsRolling                            = state.resistsRolling();
+	bondsCarryMoments                         = state.bondsCarryMoments();
 	rowCount                                  = (grainCount + 3) / 4 * 4;
 	copyMatrix<Dim>(base.hSize, view.hSize);
 	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
@@ -127,6 +128,7 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
 		pairs.blocks  = lanes.block.size();
 		pairs.rolling = lanes.rolling.data();
+		pairs.moments = lanes.moments.data();
 		return pairs;
 	};
 	view.motion           = motion.data()->value;

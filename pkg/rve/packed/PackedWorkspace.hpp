@@ -83,6 +83,7 @@ private:
 		std::vector<std::uint32_t>           shift;
 		std::vector<IceBond>                 bond;
 		std::vector<PackedRollingBlock<Dim>> rolling;
+		std::vector<PackedMomentBlock<Dim>>  moments;
 		void                                 resize(std::size_t number, bool periodic, PackedContactKind kind);
 		void                                 takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
 		void                                 forgetHistory(std::size_t lane);
@@ -114,6 +115,7 @@ private:
 	void     fillUp(Lanes& lanes, bool periodic);
 	void     setResponse(Lanes& lanes, std::size_t lane);
 	void     setRolling(Lanes& lanes, std::size_t lane, double shearStiffness);
+	void     setMoments(Lanes& lanes, std::size_t lane, const ContactStiffness& k);
 	void     updateShiftRows();
 	unsigned shiftIndex(const std::array<std::int8_t, Dim>& cellDist);
 	void     predictedCell(double* hSize) const;
@@ -129,13 +131,14 @@ private:
 	void        settleBond(PackedBondEvent<Dim>& event);
 
 	void                 changeIceOfBonds(double newRatio, bool melted);
+	void                 keepMoments(Lanes& lanes, double share);
 	bool                 formBond(Lanes& lanes, std::size_t lane);
 	bool                 anyBond() const;
 	void                 shrinkGrains(double saturationBefore);
 	void                 setStrengths();
 	void                 selectKernel();
 	void                 carryBonds(bool carry);
-	PackedContactKind    contactKind() const { return { carriesBonds, resistsRolling }; }
+	PackedContactKind    contactKind() const { return { carriesBonds, resistsRolling, carriesBonds && bondsCarryMoments }; }
 	static std::uint32_t rowOf(std::uint32_t offset) { return offset / PackedLayout<Dim>::row; }
 	Lanes&               lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
@@ -154,7 +157,7 @@ private:
 	Rows                            shiftMotion, shiftForce;
 	std::vector<std::int8_t>        shiftCell;
 	Lanes                           innerLanes, periodicLanes, oldInner, oldPeriodic;
-	bool                            carriesBonds = false, resistsRolling = false, portable;
+	bool                            carriesBonds = false, resistsRolling = false, bondsCarryMoments = false, portable;
 	double                          iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;

@@ -32,6 +32,7 @@ template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
 		Lanes& lanes = lanesOf(crosses);
 		lanes.ice.assign(carry ? lanes.block.size() : 0, PackedIceBlock<Dim>());
 		lanes.bond.assign(carry ? lanes.pairs : 0, IceBond());
+		lanes.moments.assign(contactKind().moments ? lanes.block.size() : 0, PackedMomentBlock<Dim>());
 	}
 	bind();
 	selectKernel();
@@ -58,7 +59,19 @@ template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, 
 			setLaneShear<Dim>(lanes.ice[b].iceShear, l, iceShear);
 		}
 	}
+	if (newRatio < iceRatio)
+		for (Lanes* lanes : { &innerLanes, &periodicLanes })
+			keepMoments(*lanes, newRatio / iceRatio);
 	if (melted) carryBonds(anyBond());
+}
+
+/// Melting ice takes its share of the moments away.
+template <int Dim> void PackedWorkspace<Dim>::keepMoments(Lanes& lanes, double share)
+{
+	for (auto& block : lanes.moments)
+		for (auto& component : block.moment)
+			for (double& moment : component)
+				moment *= share;
 }
 
 template <int Dim> bool PackedWorkspace<Dim>::anyBond() const
@@ -112,6 +125,7 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengthFactors(const BondStren
 
 template <int Dim> void PackedWorkspace<Dim>::creep(const BondCreep& creep)
 {
+	if (bondsCarryMoments) throw std::invalid_argument(momentsDoNotCreep);
 	if (!carriesBonds || base.ice.melted(base.iceSaturation)) return;
 	const double young = base.ice.grainYoung * (1 + iceRatio);
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })

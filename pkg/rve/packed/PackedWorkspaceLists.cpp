@@ -23,6 +23,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, 
 	ice.resize(kind.bonded ? blocks : 0);
 	bond.resize(kind.bonded ? number : 0);
 	rolling.resize(kind.rolling ? blocks : 0);
+	moments.resize(kind.moments ? blocks : 0);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
@@ -31,6 +32,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lan
 	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / 4].moment, lane % 4, laneShear<Dim>(from.rolling[at / 4].moment, at % 4));
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, laneShear<Dim>(from.ice[at / 4].iceShear, at % 4));
+	if (!moments.empty()) setLaneShear<Dim>(moments[lane / 4].moment, lane % 4, laneShear<Dim>(from.moments[at / 4].moment, at % 4));
 	bond[lane] = from.bond[at];
 }
 
@@ -42,6 +44,7 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t l
 	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / 4].moment, lane % 4, none);
 	if (ice.empty()) return;
 	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, none);
+	if (!moments.empty()) setLaneShear<Dim>(moments[lane / 4].moment, lane % 4, none);
 	if (lane < pairs) bond[lane] = IceBond();
 }
 
@@ -74,6 +77,7 @@ template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::siz
 	if (resistsRolling) setLaneShear<Dim>(lanes.rolling[b].moment, l, c.moment[k]);
 	if (!carriesBonds) return;
 	setLaneShear<Dim>(lanes.ice[b].iceShear, l, c.iceShear[k]);
+	if (bondsCarryMoments) setLaneShear<Dim>(lanes.moments[b].moment, l, c.bondMoment[k]);
 	lanes.bond[lane] = c.iceBond(k);
 }
 
@@ -136,6 +140,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	fit(c.shear, true);
 	fit(c.moment, resistsRolling);
 	fit(c.iceShear, carriesBonds);
+	fit(c.bondMoment, carriesBonds && bondsCarryMoments);
 	fit(c.iceReference, carriesBonds);
 	fit(c.grainReference, carriesBonds);
 	fit(c.bond, carriesBonds);
@@ -153,6 +158,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			if (carriesBonds) {
 				const IceBond& bond = lanes.bond[lane];
 				c.iceShear[k]       = laneShear<Dim>(lanes.ice[b].iceShear, l);
+				if (bondsCarryMoments) c.bondMoment[k] = laneShear<Dim>(lanes.moments[b].moment, l);
 				c.iceReference[k]   = bond.uIce;
 				c.grainReference[k] = bond.uGrain;
 				c.bond[k]           = c.encode(bond);
@@ -369,6 +375,10 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 			rolling.stiffness[l] = rolling.lever[l] = rolling.inverseFirst[l] = rolling.inverseSecond[l] = 0;
 		}
 		if (!carriesBonds) continue;
+		if (bondsCarryMoments) {
+			PackedMomentBlock<Dim>& moments = lanes.moments[lane / 4];
+			moments.bending[l] = moments.twisting[l] = moments.edgeOverMoment[l] = moments.inverseFirst[l] = moments.inverseSecond[l] = 0;
+		}
 		PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
 		ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
 	}
@@ -408,6 +418,7 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 	ice.floor[l]                          = contact.floor;
 	ice.cohesion[l]                       = contact.cohesion;
 	ice.iceShare[l]                       = contact.iceShare;
+	if (bondsCarryMoments) setMoments(lanes, lane, k);
 	if (bond.hasIceSpring()) return;
 	Shear none;
 	clearShear(none);
@@ -424,6 +435,26 @@ template <int Dim> void PackedWorkspace<Dim>::setRolling(Lanes& lanes, std::size
 	block.lever[l]                 = grains->rolling.lever(r1, r2);
 	block.inverseFirst[l]          = 1 / view.radius[first];
 	block.inverseSecond[l]         = 1 / view.radius[second];
+}
+
+/// Only an intact bond carries moments.
+template <int Dim> void PackedWorkspace<Dim>::setMoments(Lanes& lanes, std::size_t lane, const ContactStiffness& k)
+{
+	const std::size_t       l     = lane % 4;
+	const std::uint32_t     first = rowOf(lanes.block[lane / 4].first[l]), second = rowOf(lanes.block[lane / 4].second[l]);
+	const double            area      = base.ice.bondArea(std::min(grains->radius[first], grains->radius[second]));
+	const bool              intact    = lanes.bond[lane].intact();
+	const MomentStiffness   stiffness = grains->section.stiffness(area, intact ? k.ice() : 0., k.shearRatio);
+	PackedMomentBlock<Dim>& block     = lanes.moments[lane / 4];
+	block.bending[l]                  = stiffness.bending;
+	block.twisting[l]                 = stiffness.twisting;
+	block.edgeOverMoment[l]           = grains->section.edgeOverMoment(area);
+	block.inverseFirst[l]             = 1 / view.radius[first];
+	block.inverseSecond[l]            = 1 / view.radius[second];
+	if (intact) return;
+	Shear none;
+	clearShear(none);
+	setLaneShear<Dim>(block.moment, l, none);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/AttributeRefusal.hpp>
+#include <pkg/icebond/MomentIceBond.hpp>
+
+namespace yade {
+YADE_PLUGIN((MomentIceBondMat)(MomentIceBondPhys));
+
+void MomentIceBondMat::postLoad(MomentIceBondMat&)
+{
+	constexpr AttributeRefusal require { "MomentIceBondMat" };
+	require(bondRadiusFactor > 0, "bondRadiusFactor", bondRadiusFactor, "give a finite number greater than 0; bonds of IceBondMat carry no moments.");
+	require(momentContribution >= 0 && momentContribution <= 1, "momentContribution", momentContribution, "give a share from 0 to 1.");
+}
+
+shared_ptr<IceBondPhys> MomentIceBondMat::newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const
+{
+	const auto* second = dynamic_cast<const MomentIceBondMat*>(&other);
+	if (!second) return RollingIceBondMat::newContact(other, r1, r2, shearStiffness);
+	shared_ptr<MomentIceBondPhys> phys(new MomentIceBondPhys);
+	resistRolling(*phys, *second, r1, r2, shearStiffness);
+	phys->bondRadiusFactor   = std::min(bondRadiusFactor, second->bondRadiusFactor);
+	phys->momentContribution = std::max(momentContribution, second->momentContribution);
+	return phys;
+}
+
+talik::EdgeForces<double> MomentIceBondPhys::bend(
+        const ScGeom& geom, const Interaction& interaction, const Scene& scene, const talik::ContactStiffness& contact)
+{
+	geom.rotate(bondMoment);
+	const auto     stiffness = section().stiffness(bondArea, contact.ice(), contact.shearRatio);
+	const Vector3r spin      = spinBetween(interaction, scene);
+	const Vector3r twisting  = geom.normal.dot(spin) * geom.normal;
+	bondMoment -= scene.dt * (stiffness.bending * (spin - twisting) + stiffness.twisting * twisting);
+	const double along = geom.normal.dot(bondMoment), edge = section().edgeOverMoment(bondArea);
+	return { edge * (bondMoment - along * geom.normal).norm(), 0.5 * edge * std::abs(along) };
+}
+
+void MomentIceBondPhys::keepBondMoment(double share) { bondMoment = share > 0 ? Vector3r(share * bondMoment) : Vector3r::Zero(); }
+
+void MomentIceBondPhys::addMoments(const ScGeom& geom, const Interaction& interaction, Scene& scene)
+{
+	if (maxRollPl > 0) RollingIceBondPhys::addMoments(geom, interaction, scene);
+	scene.forces.addTorque(interaction.id1, -bondMoment);
+	scene.forces.addTorque(interaction.id2, bondMoment);
+}
+
+void MomentIceBondPhys::clearMoments()
+{
+	RollingIceBondPhys::clearMoments();
+	bondMoment = Vector3r::Zero();
+}
+
+} // namespace yade
