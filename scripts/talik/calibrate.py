@@ -561,7 +561,8 @@ def main():
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
 	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
 	parser.add_argument("--creep", action="store_true", help="rate of creep of frozen samples over stress instead: table, picture")
-	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8), --rolling or --creep (3)")
+	parser.add_argument("--moments", action="store_true", help="frozen samples whose bonds carry moments beside others instead: table, picture")
+	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8), --rolling, --creep or --moments (3)")
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
@@ -590,6 +591,10 @@ def main():
 		writeWhole(folder / "creep.md", "\n".join(lines) + "\n")
 		print(plots.save(table.draw(), folder / "creep.png"))
 		return
+	if options.moments:
+		_moments((options.grains or (100,))[0], options.realisations or 3, folder, told)
+		writeWhole(folder / "moments.md", "\n".join(lines) + "\n")
+		return
 	if options.rolling:
 		table = rollingFriction((options.grains or (200,))[0], realisations=options.realisations or 3, told=told)
 		writeWhole(folder / "rolling.md", "\n".join(lines) + "\n")
@@ -599,6 +604,12 @@ def main():
 	print(result.report())
 	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")
+
+
+def _moments(grains, realisations, folder, told):
+	from talik import moments
+
+	print(plots.save(moments.compare(grains, realisations, told=told).draw(), folder / "moments.png"))
 
 
 def _toTarget(path, grains, folder, told):

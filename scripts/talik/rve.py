@@ -484,7 +484,10 @@ def _grainsOf(sample):
 
 
 def listOf(samples):
-	"""One sample or several, as a list."""
+	"""One sample or several, as a list.
+
+	>>> talik.rve.listOf(sample) == [sample]
+	True"""
 	return list(samples) if isinstance(samples, (list, tuple)) else [samples]
 
 

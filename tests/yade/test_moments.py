@@ -2,16 +2,18 @@
 """Ice bonds that carry moments, against closed forms of the parallel bond and stock YADE's law of moments."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
-from talik import packing, rve
+from talik import calibrate, moments, packing, rve
 
 friction, ratio, young, iceYoung, strength = 0.5, 0.8, 0.6e9, 3e9, 51e6
 gradient = {2: Matrix3(0.6, 1.0, 0, -0.5, -1.0, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}
+components = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
 
 
 def relative(a, b):
@@ -287,6 +289,15 @@ def test_opened_samples_whose_bonds_carry_moments_go_on_as_packed_to_1e9_over_50
 	assert frozen.stateBytes == before
 
 
+def test_samples_whose_bonds_carry_moments_thaw_and_freeze_again_open_as_packed(frozen):
+	opened, motion = wrapper.OpenRveSample(source=frozen.open()), 2e-5 * gradient[frozen.dimension]
+	for ice in (1, 0.6, 0.6, 0, 0.8, 0.8):
+		packed, other = frozen.apply(motion, ice), opened.apply(motion, ice)
+		error = relative(packed["stress"], [other["stress"][i][j] for i, j in components[frozen.dimension]])
+		print(f"\nS_i = {ice:g}: stress differs by {error:.1e}, {frozen.statistics()['bondsIntact']} bonds", end="")
+		assert error < 1e-9
+
+
 def test_a_scene_whose_bonds_carry_moments_in_another_way_than_their_material_is_not_packed(frozen):
 	scene = frozen.open()
 	with talik.inspect(scene):
@@ -320,3 +331,16 @@ def test_bonds_that_carry_moments_do_not_creep_and_are_refused_by_one_sentence_w
 def test_impossible_moments_are_refused_with_their_remedy(attribute, value):
 	with pytest.raises(ValueError, match=f"MomentIceBondMat.{attribute} is .*give a"):
 		wrapper.MomentIceBondMat(**{attribute: value})
+
+
+def test_strength_of_frozen_samples_with_moments_stands_beside_that_without_in_a_table_and_a_picture(tmp_path, monkeypatch, capsys, sampleCache):
+	found = moments.compare(30, 1, strain=4e-3, told=print, cache=sampleCache)
+	rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
+	print("\n" + "\n".join(rows))
+	peaks = {kind: tests[0].deviator.max() for kind, tests in found.compression.items()}
+	assert len(rows) == 1 + len(moments.kinds) and f"{1e-6 * peaks['moments']:.2f} ±" in rows[2]
+	assert peaks["neither"] != peaks["moments"] != peaks["moments, R_b doubled"], "moments change how bonds break"
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--moments", "--grains", "30", "--realisations", "1", "--output", str(tmp_path)])
+	monkeypatch.setattr(moments, "compare", lambda grains, realisations, told: told(f"{grains} {realisations}") or found)
+	calibrate.main()
+	assert (tmp_path / "moments.md").read_text() == "30 1\n" and (tmp_path / "moments.png").stat().st_size > 10000
