@@ -52,6 +52,7 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 		heat->exchange(boundary.heat(time), surface->patch(b), *surface, grid.spacing(), clock.dt);
 		cost.lap(CostMeter::boundaries);
 	}
+	heat->produce(settings.boundaries, time, clock.dt);
 	heat->finishNodes(clock.range, clock.dt);
 	cost.lap(CostMeter::heat);
 	if (settings.heat->source == 0.0) return;
@@ -509,12 +510,11 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	} else g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
-		g.water->findCellPressure(g.clock.range);
+		g.water->findCellPressure(g.clock.range, g.content->iceMass ? g.enthalpyModel() : nullptr);
 		g.points->strips().gather([&](int, int first, int last) {
 			g.water->shareCellPressure(*cells, first, last);
 			if (g.content->iceMass)
-				g.water->levelPoints(
-				        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity(), g.enthalpyModel());
+				g.water->levelPoints(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity());
 		});
 		g.cost.lap(CostMeter::water);
 	}

@@ -86,6 +86,7 @@ void BodyTemperature::checkBodies(const std::set<int>& met) const
 			        + ", which is no body that the ground meets: give numbers of O.bodies that BodyContact.mask does not leave out.");
 }
 template <int D> GroundBoundary::Pointer<D> HeatFlux::make() const { return std::make_shared<talik::HeatFlux<D>>(where<D>(), overTime(flux)); }
+template <int D> GroundBoundary::Pointer<D> HeatSource::make() const { return std::make_shared<talik::HeatSource<D>>(where<D>(), overTime(power)); }
 template <int D> GroundBoundary::Pointer<D> WaterFlux::make() const { return std::make_shared<talik::WaterFlux<D>>(where<D>(), overTime(flux), temperature); }
 template <int D> GroundBoundary::Pointer<D> SurfaceLoad::make() const
 {
@@ -108,13 +109,14 @@ TALIK_IN_BOTH_DIMENSIONS(WallTemperature)
 TALIK_IN_BOTH_DIMENSIONS(SurfaceTemperature)
 TALIK_IN_BOTH_DIMENSIONS(BodyTemperature)
 TALIK_IN_BOTH_DIMENSIONS(HeatFlux)
+TALIK_IN_BOTH_DIMENSIONS(HeatSource)
 TALIK_IN_BOTH_DIMENSIONS(WaterFlux)
 TALIK_IN_BOTH_DIMENSIONS(SurfaceLoad)
 #undef TALIK_IN_BOTH_DIMENSIONS
 
 // clang-format off
 YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(MovingBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)
-        (SurfaceTemperature)(BodyTemperature)(HeatFlux)(WaterFlux)(SurfaceLoad));
+        (SurfaceTemperature)(BodyTemperature)(HeatFlux)(HeatSource)(WaterFlux)(SurfaceLoad));
 // clang-format on
 
 } // namespace yade

@@ -191,6 +191,20 @@ public:
 };
 REGISTER_SERIALIZABLE(HeatFlux);
 
+class HeatSource : public BoundaryInAnyDimension<HeatSource> {
+public:
+	virtual ~HeatSource() {};
+	template <int D> Pointer<D> make() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(HeatSource,GroundBoundary,"Heat produced in the ground inside a box or disc (ball) that stays in its place, edges between nodes "
+			"included: a cable, waste, a heat pump (negative). heatIn in MpmEngine.balance() has it. HeatTransfer.source heats the whole ground. Example, a "
+			"cable of 40 W per metre: HeatSource(region='disc',lower=(-.1,-1.1),upper=(.1,-.9),power=40/(3.1416*.1**2)).",
+		((Real,power,0,,"[W/m^3] of ground, pores included, per calendar time; times and values may replace it."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(HeatSource);
+
 class WaterFlux : public BoundaryInAnyDimension<WaterFlux> {
 public:
 	virtual ~WaterFlux() {};

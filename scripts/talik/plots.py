@@ -2,7 +2,7 @@
 """Pictures of slopes and samples. Every function draws into Matplotlib axes that the caller gives (and may compose) and returns
 them, takes plain arrays, and needs no display; figure() makes a figure that can be saved without one.
 
-Slope:   slopeField, markPoints; thawFront and slopeHistory (rows = times, columns = fields) return what they make
+Slope:   slopeField, markPoints; isolines, thawFront and slopeHistory (rows = times, columns = fields) return what they make
 Sample:  forceChains, sampleForces, normalRose, stressPath, bondHistory
 """
 
@@ -14,6 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from talik import ranks
@@ -119,20 +120,41 @@ def thawFront(axes, position, iceSaturation, volume, level=0.5, **style):
 	"""The line where the ice saturation is `level`; nothing where there is no front. Returns the contour set or None.
 
 	>>> front = talik.plots.thawFront(axes, mpm.field("position"), mpm.field("iceSaturation"), mpm.field("volume"))"""
-	position, iceSaturation = _inPlane(position), np.asarray(iceSaturation, dtype=float)
-	if len(position) < 3 or not iceSaturation.min() < level < iceSaturation.max():
+	return isolines(axes, position, iceSaturation, volume, [level], unit=None, **{"colors": "crimson", "linewidths": 1.2, **style})
+
+
+def isolines(axes, position, values, volume, levels=None, unit="", **style):
+	"""Lines of equal value through material points, in axes that may hold a slopeField. Returns the contour set, or None where there is no line.
+
+	position (n, 2) [m], values (n,) or (n, 2), vectors by their length, volume (n,) [m2]; points without a value (NaN) are left out, and no
+	line crosses a gap wider than two and a half points. levels: the values of the lines, None: about eight round ones between the
+	least and the largest; unit: written behind the numbers on the lines, None: no numbers; style: of Matplotlib's tricontour.
+
+	>>> lines = talik.plots.isolines(axes, mpm.field("position"), mpm.field("temperature"), mpm.field("volume"), [-1, 0, 1], unit=" °C")"""
+	position, values = _inPlane(position), magnitude(values)
+	known = np.isfinite(values)
+	position, values, sizes = position[known], values[known], np.sqrt(np.asarray(volume, dtype=float))
+	if len(values) < 3:
+		return None
+	wanted = MaxNLocator(9, steps=[1, 2, 5, 10]).tick_values(values.min(), values.max()) if levels is None else np.atleast_1d(levels)
+	wanted = [level for level in np.unique(wanted) if values.min() < level < values.max()]
+	if not wanted:
 		return None
 	mesh = Triangulation(position[:, 0], position[:, 1])
-	mesh.set_mask(_longestSides(mesh) > 2.5 * np.sqrt(np.median(volume)))
-	return axes.tricontour(mesh, iceSaturation, levels=[level], **{"colors": "crimson", "linewidths": 1.2, **style})
+	mesh.set_mask(_longestSides(mesh) > 2.5 * np.median(sizes))
+	lines = axes.tricontour(mesh, values, levels=wanted, **{"colors": "black", "linewidths": 0.8, **style})
+	if unit is not None:
+		axes.clabel(lines, fmt=lambda level: f"{level:g}{unit}", fontsize=8)
+	return lines
 
 
-def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), watched=None, into=None):
+def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), watched=None, into=None, lines=None):
 	"""A figure with one row per time and one column per field, like Fig. 6 of Yu & Zhao.
 
 	frames   list of {"time": t [s], "day": of the calendar, "position": (n, 2), "volume": (n,), "iceSaturation": (n,), field: array, ...}
 	watched  {letter: (x, y)} marked points, or {letter: id} points that are followed
 	into     figure or subfigure to draw into; default: a new one
+	lines    {field: levels} of isolines in the column of a field; levels None: round ones
 	All rows of a column share one colour scale; the crimson line is the thaw front S_i = 0.5.
 
 	>>> frames = talik.output.Frames(mpm, times=[0])
@@ -149,6 +171,8 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 		limits = _sharedLimits([frame[name] for frame in frames], limits)
 		for row, frame in enumerate(frames):
 			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, _placesOf(watched, frame))
+			if name in (lines or {}):
+				isolines(grid[row, column], frame["position"], frame[name], frame["volume"], lines[name])
 		fig.colorbar(drawn, ax=grid[:, column], label=label, location="bottom", shrink=0.85, aspect=30)
 	for row, frame in enumerate(frames):
 		grid[row, 0].set_title(timeLabel(frame["time"], frame.get("day")), loc="left", fontsize=10)

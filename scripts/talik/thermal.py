@@ -17,7 +17,7 @@ import numpy as np
 import talik
 from yade import O
 
-thermalBoundaries = ("SurfaceTemperature", "WallTemperature", "HeatFlux", "InsulatedBoundary")
+thermalBoundaries = ("SurfaceTemperature", "WallTemperature", "HeatFlux", "HeatSource", "InsulatedBoundary")
 
 
 def spinUp(mpm, days, boundaries=None, told=None):

@@ -21,6 +21,7 @@ boundaries = {
 	"DrainedBoundary": dict(region="surface"),
 	"WallTemperature": dict(region="bottom", temperature=-1),
 	"HeatFlux": dict(region="left", flux=1),
+	"HeatSource": dict(region="box", power=5),
 	"WaterFlux": dict(region="left"),
 	"BodyTemperature": dict(bodies=[0], temperature=3),
 }

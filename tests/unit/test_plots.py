@@ -89,6 +89,39 @@ def test_thaw_front_is_absent_while_all_is_frozen():
 	assert plots.thawFront(plots.figure(4, 3).subplots(), frame["position"], np.ones(len(frame["position"])), frame["volume"]) is None
 
 
+def test_isolines_of_a_field_of_circles_are_circles_and_cross_no_gap(folder):
+	position, volume = geometry.fillPolygon([(0, 0), (4, 0), (4, 4), (0, 4)], 0.1, 4)
+	gap = np.abs(position[:, 0] - 3) > 0.2
+	position, volume = position[gap], volume[gap]
+	temperature = np.hypot(*position.T) ** 2 - 9
+	temperature[np.hypot(*(position - [0.5, 0.5]).T) < 0.2] = np.nan
+	axes = plots.figure(6, 5).subplots()
+	plots.slopeField(axes, position, temperature, volume, "temperature [°C]", "coolwarm", (-9, 9))
+	lines = plots.isolines(axes, position, temperature, volume, [-8, -5, 0, 3, 99], unit=" °C")
+	print("levels", lines.levels.tolist(), "of -8, -5, 0, 3 and 99")
+	assert lines.levels.tolist() == [-8, -5, 0, 3]
+	assert sorted(text.get_text() for text in lines.labelTexts)[0] == "-5 °C"
+	worst = 0.0
+	for level, segments in zip(lines.levels, lines.allsegs):
+		line = np.vstack(segments)
+		worst = max(worst, np.abs(np.hypot(*line.T) - np.sqrt(9 + level)).max())
+		assert len(line) > 5 and (np.abs(line[:, 0] - 3) > 0.1).all()
+	print(f"farthest from the circle sqrt(9 + T): {worst:.1e} m, points 0.05 m wide")
+	assert worst < 2e-3
+	assert imread(plots.save(axes.figure, os.path.join(folder, "isolines.png"))).std() > 0.05
+
+
+def test_isolines_take_round_levels_by_themselves_and_are_absent_in_a_field_of_one_value():
+	frame = {**thawingSlope(10), "day": 100}
+	frame["temperature"] = 3.3 * frame["position"][:, 1] - 7
+	fig = plots.slopeHistory([frame], fields=("temperature", "iceSaturation"), lines={"temperature": None})
+	written = sorted(float(text.get_text()) for text in fig.axes[0].texts if text.get_text())
+	print("numbers on the lines:", written)
+	assert len(written) >= 4 and all(level == round(level) for level in written)
+	assert not [text for text in fig.axes[1].texts if text.get_text()]
+	assert plots.isolines(fig.axes[1], frame["position"], np.ones(len(frame["position"])), frame["volume"]) is None
+
+
 def test_force_chains_draw_intact_bonds_red_the_others_black_and_width_by_force(folder):
 	centre, radius, start, end, force, state = randomPacking()
 	fig = plots.figure(5, 5)

@@ -183,3 +183,96 @@ TEST(HeatConduction, ConstantHeatProductionGivesTheParabola)
 	expectSmall("heat production between cold walls: largest error, h = L/20", fine, 1e-2);
 	expectAtLeast("heat production between cold walls: order of convergence, L/10 to L/20", std::log2(coarse / fine), 1.6);
 }
+
+namespace {
+
+/// Column of thawed ground, along the last axis, between walls of the initial temperature, with a source of q [W/m^3] from a to b; largest error
+/// of a point's temperature in the steady state over the peak.
+template <int D> double errorOfSource(int cells, double a, double b, Balance<D>* balance = nullptr)
+{
+	const double      h = length / cells, q = 500.0;
+	GroundSettings<D> s;
+	s.upper.fill(h);
+	s.upper[D - 1] = length;
+	s.gridSpacing  = h;
+	s.mixture      = withoutExpansion();
+	s.heat.emplace();
+	auto lower = Region<D>::filled(-1.0), upper = Region<D>::filled(2.0);
+	lower[D - 1] = a;
+	upper[D - 1] = b;
+	s.boundaries.push_back(std::make_shared<HeatSource<D>>(Region<D>::nodeBox(lower, upper), q));
+	for (const char* side : { "bottom", "top" })
+		s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::side(side), initial));
+	Ground<D> ground(s);
+	for (int k = 0; k < 2 * cells * (1 << (D - 1)); ++k) {
+		PointInput<D> p;
+		for (int axis = 0; axis < D; ++axis)
+			p.position[axis] = axis == D - 1 ? (k / (1 << (D - 1)) + 0.5) * 0.5 * h : ((k >> axis) % 2 + 0.5) * 0.5 * h;
+		p.volume      = std::pow(0.5 * h, D);
+		p.temperature = initial;
+		ground.addPoint(p);
+	}
+	ground.initialise();
+	const double before = ground.balance().enthalpy;
+	marchTo(ground, 1.5 * length * length / diffusivity());
+	const double kappa = s.mixture.conductivity(VolumeFractions::of(0.4, 1.0));
+	const auto   twice = [&](double x) { return 0.5 * (std::pow(std::max(0.0, x - a), 2) - std::pow(std::max(0.0, x - b), 2)); };
+	const auto   above = [&](double x) { return q / kappa * (twice(length) * x / length - twice(x)); };
+	double       peak = 0.0, worst = 0.0;
+	for (int k = 0; k <= 1000; ++k)
+		peak = std::max(peak, above(k * 1e-3 * length));
+	const auto t = valuesOf(ground, "temperature"), x = valuesOf(ground, "position", D - 1);
+	for (std::size_t p = 0; p < t.size(); ++p)
+		worst = std::max(worst, std::abs(t[p] - initial - above(x[p])) / peak);
+	if (!balance) return worst;
+	*balance = ground.balance();
+	balance->enthalpy -= before;
+	return worst;
+}
+
+template <int D> void expectSource(const std::string& where)
+{
+	const std::string name = "heat source in a slab, " + where + ": ";
+	expectSmall(name + "largest error over the peak q L^2/(8 kappa), whole slab, h = L/20", errorOfSource<D>(20, 0.0, length), 1e-2);
+	const double coarse = errorOfSource<D>(10, 0.33, 0.71);
+	Balance<D>   balance;
+	const double fine = errorOfSource<D>(20, 0.33, 0.71, &balance);
+	expectSmall(name + "largest error over the peak, from 0.33 to 0.71 L, h = L/20", fine, 2e-2);
+	expectAtLeast(name + "order of convergence, L/10 to L/20", std::log2(coarse / fine), 1.0);
+	const double produced = 500.0 * 0.38 * length * std::pow(length / 20, D - 1) * balance.time;
+	expectSmall(name + "(gain - logged heat)/heat produced", (balance.enthalpy - balance.heatIn) / produced, 1e-11);
+}
+
+} // namespace
+
+TEST(HeatConduction, SourceInPartOfASlabGivesTheParabolaInItAndLinesBeside)
+{
+	citing("steady state, parabola and lines");
+	expectSource<2>("plane");
+	expectSource<3>("space");
+}
+
+TEST(HeatConduction, SourceThatChangesInTimeGivesItsPowerTimesItsAreaToFrozenGroundThatThaws)
+{
+	GroundSettings<2> s;
+	s.upper       = { 2.0, 2.0 };
+	s.gridSpacing = 0.1;
+	s.heat.emplace();
+	s.freezing         = makeFreezingCurve();
+	const double power = 4e4, hour = 3600.0, radius = 0.37;
+	addBoundary<HeatSource<2>>(
+	        s, Region<2>::disc({ 1.03 - radius, 0.94 - radius }, { 1.03 + radius, 0.94 + radius }),
+	        TimeTable({ 0.0, hour, 2.0 * hour, 3.0 * hour }, { 0.0, power, power, 0.0 }));
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { 2.0, 2.0 }, [](PointInput<2>& p) { p.temperature = -2.0; });
+	ground.initialise();
+	const auto before = ground.balance();
+	marchTo(ground, 4.0 * hour, 60.0);
+	const auto after = ground.balance();
+	citing("power times area");
+	expectRelative("heat source in a disc, two hours of full power: heat [J/m]", after.heatIn, 2.0 * hour * power * M_PI * radius * radius, 5e-3);
+	expectSmall(
+	        "heat source in a disc, two hours of full power: (gain - logged heat)/gain", (after.enthalpy - before.enthalpy - after.heatIn) / after.heatIn,
+	        1e-12);
+	expectAtLeast("heat source in a disc, two hours of full power: ice that melted [kg/m]", before.iceMass - after.iceMass, 1.0);
+}

@@ -260,7 +260,7 @@ template class BodyTemperature<3>;
 
 template <int D> void HeatFlux<D>::validate(const Grid<D>& grid) const
 {
-	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box");
+	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use HeatSource in the ground");
 	flux_.validate("HeatFlux.flux");
 	Boundary<D>::validate(grid);
 }
@@ -274,6 +274,16 @@ template <int D> SurfaceHeat HeatFlux<D>::heat(double time) const
 
 template class HeatFlux<2>;
 template class HeatFlux<3>;
+
+template <int D> void HeatSource<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(!nodeShares(grid, this->region_).empty(), "must be a box or disc with room in it that reaches the grid");
+	power_.validate("HeatSource.power");
+	Boundary<D>::validate(grid);
+}
+
+template class HeatSource<2>;
+template class HeatSource<3>;
 
 template class InsulatedBoundary<2>;
 template class InsulatedBoundary<3>;

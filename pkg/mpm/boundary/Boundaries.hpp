@@ -28,7 +28,7 @@ public:
 };
 
 /// Wall with a prescribed velocity, on a side or on the nodes of a box: v_s = v_l = w, or of a smooth wall the component along w alone. Its
-/// nodes stay where they are, so that its path across them is limited, see MomentumSolver::requireWallsNear().
+/// nodes stay where they are, so that its path across them is limited, see MomentumSolver::beginStep().
 template <int D> class MovingBoundary final : public Boundary<D> {
 public:
 	/// speed [m/s] along direction, of any length; zero direction on a side: into the ground. rough: the ground sticks to it. ahead: how far
@@ -205,6 +205,23 @@ public:
 
 private:
 	TimeTable flux_;
+};
+
+/// Heat produced in the ground inside a box or disc, by the share of each node that lies in it.
+template <int D> class HeatSource final : public Boundary<D> {
+public:
+	/// power [W per m^3 of ground], scaled by the thermal time scale like conduction
+	explicit HeatSource(const Region<D>& region, const TimeTable& power)
+	        : Boundary<D>(region, "HeatSource", "heat")
+	        , power_(power)
+	{}
+	void   validate(const Grid<D>& grid) const override;
+	bool   takesVolumes() const override { return true; }
+	bool   producesHeat() const override { return true; }
+	double power(double time) const override { return power_.at(time); }
+
+private:
+	TimeTable power_;
 };
 
 /// No heat crosses. This is what happens where no thermal boundary acts; the object states the intention and is refused

@@ -253,12 +253,17 @@ template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Re
 	for (int index = 0; index < grid.nodeCount(); ++index) {
 		const std::array<int, D> node = grid.nodeOf(index);
 		Vec<D>                   at;
-		bool                     near = true;
+		bool                     near = true, inside = !region.round;
 		for (int a = 0; a < D; ++a) {
-			at[a] = grid.nodePosition(a, node[a]);
-			near  = near && at[a] > region.boxLower[a] - 1.5 * grid.spacing() && at[a] < region.boxUpper[a] + 1.5 * grid.spacing();
+			at[a]  = grid.nodePosition(a, node[a]);
+			near   = near && at[a] > region.boxLower[a] - 1.5 * grid.spacing() && at[a] < region.boxUpper[a] + 1.5 * grid.spacing();
+			inside = inside && at[a] >= region.boxLower[a] + 1.5 * grid.spacing() && at[a] <= region.boxUpper[a] - 1.5 * grid.spacing();
 		}
 		if (!near) continue;
+		if (inside) {
+			found.push_back({ index, 1.0 });
+			continue;
+		}
 		double             all = 0.0, held = 0.0;
 		std::array<int, D> k {};
 		while (true) {

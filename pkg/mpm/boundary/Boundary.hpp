@@ -198,6 +198,9 @@ public:
 	/// Heat through the surface.
 	virtual SurfaceHeat heat(double) const { return {}; }
 	virtual bool        heats() const { return false; }
+	/// True if heat is produced in the volume of a box or disc, power(time) [W/m^3] of ground.
+	virtual bool   producesHeat() const { return false; }
+	virtual double power(double) const { return 0.0; }
 	/// True if water may cross the surface; pressure outside is pressure(time) [Pa].
 	virtual bool   drains() const { return false; }
 	virtual double pressure(double) const { return 0.0; }

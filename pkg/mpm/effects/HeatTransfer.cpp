@@ -70,6 +70,9 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	isPrescribed_.assign(grid.nodeCount(), 0);
 	std::vector<char> touched(grid.nodeCount(), 0);
 	for (std::size_t b = 0; b < boundaries.size(); ++b) {
+		if (boundaries[b]->producesHeat())
+			for (const NodeShare& s : nodeShares(grid, boundaries[b]->region()))
+				produced_.push_back({ s.node, s.share, static_cast<int>(b) });
 		if (!boundaries[b]->prescribesTemperature()) continue;
 		const Region<D>&             region = boundaries[b]->region();
 		const bool                   wall   = region.kind == Region<D>::Kind::side;
@@ -91,6 +94,7 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	wanted_.assign(prescribed_.size(), 0.0);
 	expected_.assign(prescribed_.size(), 0.0);
 	if (walls_) moments.allocate(grid.nodeCount());
+	if (!produced_.empty()) volumes.allocate(grid.nodeCount());
 }
 
 template <int D> void HeatTransfer<D>::limitShares(int first, int count)
@@ -107,6 +111,7 @@ template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::sha
 	if (settings->source != 0.0) return false;
 	for (const auto& b : boundaries) {
 		if (b->prescribesTemperature() && b->temperature(time) != reference) return false;
+		if (b->producesHeat() && b->power(time) != 0.0) return false;
 		if (!b->heats()) continue;
 		const SurfaceHeat heat = b->heat(time);
 		if (heat.flux != 0.0 || ((heat.atSurface || heat.coefficient != 0.0) && heat.ambient != reference)) return false;
@@ -127,6 +132,7 @@ template <int D> void HeatTransfer<D>::rest(const ActiveRange& range)
 template <int D> void HeatTransfer<D>::map(const WeightBlock<D>& w)
 {
 	if (walls_) mapMoments(w);
+	if (!produced_.empty()) mapVolumes(w);
 	if (carried_) return;
 	double values[2][blockSize];
 	for (int k = 0; k < w.count; ++k) {
@@ -147,6 +153,12 @@ template <int D> void HeatTransfer<D>::mapMoments(const WeightBlock<D>& w)
 				moments[node][a] += s * cx[a];
 		});
 	}
+}
+
+template <int D> void HeatTransfer<D>::mapVolumes(const WeightBlock<D>& w)
+{
+	for (int k = 0; k < w.count; ++k)
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { volumes[node][0] += s * volume[w.first + k]; });
 }
 
 template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid)
@@ -227,6 +239,15 @@ template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt
 }
 
 template <int D> void HeatTransfer<D>::conduct(const WeightBlock<D>& w, double dt) { nodeLoops<D>().flowHeat(w, flow(dt), nodal[0], energy[0]); }
+
+template <int D> void HeatTransfer<D>::produce(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
+{
+	for (const ProducingNode& n : produced_) {
+		const double gained = dt * scale * boundaries[n.boundary]->power(time) * n.share * volumes[n.node][0];
+		energy[n.node][0] += gained;
+		heatIn += gained;
+	}
+}
 
 template <int D> void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
 {

@@ -46,6 +46,7 @@ public:
 	{
 		nodes.clear(first, last);
 		if (walls_) moments.clear(first, last);
+		if (!produced_.empty()) volumes.clear(first, last);
 	}
 	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
 	void map(const WeightBlock<D>& w);
@@ -58,6 +59,8 @@ public:
 	typename NodeLoops<D>::HeatFlow flow(double dt) const;
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const WeightBlock<D>& w, double dt);
+	/// Heat of the regions that produce it, eq. (9.7).
+	void produce(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	/// Heat of a surface patch, implicit in the temperature of each node.
 	void exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
@@ -81,12 +84,14 @@ public:
 	NodeField<1> noise;    ///< sum S C (T of the grid at the point - T of the point)
 	NodeField<1> rise;     ///< what points receive: Delta E_I/C_I and smoothing
 	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
+	NodeField<1> volumes;  ///< sum S V, in scenes with regions that produce heat
 
 	double heatIn        = 0.0; ///< through boundaries and from sources since the start [J]
 	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:
 	void mapMoments(const WeightBlock<D>& w);
+	void mapVolumes(const WeightBlock<D>& w);
 	void mirrorWalls(const Grid<D>& grid);
 	void prescribe(const Grid<D>& grid, double dt);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
@@ -103,15 +108,21 @@ private:
 		int    boundary;
 		double wanted; ///< T - T_r [K]
 	};
-	std::vector<HeldNode>  held_;
-	double                 diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
-	std::vector<int>       affected_;            ///< nodes whose heat the prescribed temperatures change
-	std::vector<double>    wanted_;              ///< temperature of each prescribed node
-	std::vector<double>    expected_;            ///< mean temperature of the points around it that goes with this wall temperature
-	std::array<double*, D> position_ {};
-	NodeField<2>           received_;       ///< energy and noise in one record, without water
-	double                 smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
-	bool                   walls_ = false, carried_ = false;
+	struct ProducingNode {
+		int    node;
+		double share;
+		int    boundary;
+	};
+	std::vector<ProducingNode> produced_;
+	std::vector<HeldNode>      held_;
+	double                     diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
+	std::vector<int>           affected_;            ///< nodes whose heat the prescribed temperatures change
+	std::vector<double>        wanted_;              ///< temperature of each prescribed node
+	std::vector<double>        expected_;            ///< mean temperature of the points around it that goes with this wall temperature
+	std::array<double*, D>     position_ {};
+	NodeField<2>               received_;       ///< energy and noise in one record, without water
+	double                     smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
+	bool                       walls_ = false, carried_ = false;
 };
 
 extern template class HeatTransfer<2>;

@@ -236,9 +236,7 @@ template <int D> void PoreContent<D>::collectPressure(const Block& b, const Cell
 {
 	double excess[blockSize], compliance[blockSize];
 	findFill(b, excess, compliance);
-	if (iceMass)
-		for (int k = 0; k < b.count; ++k)
-			water.addFill(cells.cell(b.first + k), b.first + k, excess[k], compliance[k], dt, b.of->mixture.liquid.density);
+	if (iceMass) water.addFills(cells, b.first, b.count, excess, compliance, dt, b.of->mixture.liquid.density);
 	else
 		for (int k = 0; k < b.count; ++k)
 			water.addFill(cells.cell(b.first + k), excess[k], compliance[k]);

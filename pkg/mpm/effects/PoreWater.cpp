@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talik {
 
@@ -545,41 +546,62 @@ template <int D> void PoreWater<D>::bookMomentum(const Vec<D>& lost)
 		momentumOut[a] += lost[a];
 }
 
-template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
+template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
 			if (cell.compliance > 0.0) cell.fillPressure = std::max(cell.excess / cell.compliance, settings->state.cavitationPressure);
-			if (freezing_.empty()) continue;
-			FreezingCell& more = freezing_[c];
-			if (!(more.compliance > 0.0)) continue;
-			const double atCavitation = more.excess - more.compliance * settings->state.cavitationPressure;
-			more.level                = atCavitation >= 0.0 ? more.excess / more.compliance : settings->state.cavitationPressure;
-			more.filled               = atCavitation >= 0.0 ? 1.0 : more.surplus / (more.surplus - atCavitation);
+			if (freezing_.empty() || !(freezing_[c].compliance > 0.0)) continue;
+			FreezingCell& more         = freezing_[c];
+			const double  perMass      = cell.liquidMass > 0.0 ? 1.0 / cell.liquidMass : 0.0;
+			const double  atCavitation = more.excess - more.compliance * settings->state.cavitationPressure;
+			more.level                 = atCavitation >= 0.0 ? more.excess / more.compliance : settings->state.cavitationPressure;
+			more.filled                = atCavitation >= 0.0 ? 1.0 : more.surplus / (more.surplus - atCavitation);
+			more.handed                = enthalpy ? enthalpy->liquidEnthalpy(more.warmth * perMass) : 0.0;
+			for (int i = 0; i < D; ++i)
+				more.velocity[i] = more.carried[i] * perMass;
 		}
 	});
 }
 
-template <int D> double PoreWater<D>::reachedMobility(int p, double dt, double liquidDensity) const
+template <int D>
+void PoreWater<D>::findShares(
+        int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity, double* share, double* surplus) const
 {
-	const double mass = liquidMass(p), volume = volume_[p], liquid = mass / liquidDensity;
-	return 1.0 / (volume * drag[p] / (liquid * liquid) + liquidDensity * liquidDensity * volume / (mass * dt));
+	const double* const water  = waterMass_ + first;
+	const double* const ice    = iceMass_ + first;
+	const double* const volume = volume_ + first;
+	const double* const drags  = drag + first;
+	const double        flow = dt * perHalfCell_, square = liquidDensity * liquidDensity, perStep = 1.0 / dt, lowest = settings->state.cavitationPressure;
+	const double        most    = largestLoss / liquidDensity;
+	constexpr double    nothing = std::numeric_limits<double>::min();
+#pragma GCC ivdep
+	for (int k = 0; k < count; ++k) {
+		const double mass = water[k] - ice[k], moves = flow * mass * mass;
+		// the drag, and the inertia of what has to be moved within the step
+		const double resists = compliance[k] * square * volume[k] * (drags[k] + mass * perStep);
+		const double over    = excess[k] - compliance[k] * lowest;
+		surplus[k]           = over > 0.0 ? over : 0.0;
+		const double part = moves / (moves + resists), largest = most * mass / (surplus[k] + nothing);
+		share[k] = part < largest ? part : largest;
+	}
 }
 
-template <int D> void PoreWater<D>::addFill(int c, int p, double excess, double compliance, double dt, double liquidDensity)
+template <int D>
+void PoreWater<D>::addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity)
 {
-	addFill(c, excess, compliance);
-	const double surplus = std::max(0.0, excess - compliance * settings->state.cavitationPressure);
-	const double rate    = dt * perHalfCell_ * reachedMobility(p, dt, liquidDensity) / compliance;
-	const double most    = largestLoss * liquidMass(p) / liquidDensity;
-	double       share   = rate / (1.0 + rate);
-	if (surplus * share > most) share = most / surplus;
-	FreezingCell& cell = freezing_[c];
-	cell.excess += share * excess;
-	cell.compliance += share * compliance;
-	cell.surplus += share * surplus;
-	fills_[p] = { excess, compliance, share };
+	double share[blockSize], surplus[blockSize];
+	findShares(first, count, excess, compliance, dt, liquidDensity, share, surplus);
+	for (int k = 0; k < count; ++k) {
+		const int c = cells.cell(first + k);
+		addFill(c, excess[k], compliance[k]);
+		FreezingCell& cell = freezing_[c];
+		cell.excess += share[k] * excess[k];
+		cell.compliance += share[k] * compliance[k];
+		cell.surplus += share[k] * surplus[k];
+		fills_[first + k] = { excess[k], compliance[k], share[k] };
+	}
 }
 
 template <int D> double PoreWater<D>::given(const PointFill& point, const FreezingCell& cell) const
@@ -588,20 +610,19 @@ template <int D> double PoreWater<D>::given(const PointFill& point, const Freezi
 	return difference < 0.0 ? difference * cell.filled : difference;
 }
 
-template <int D>
-void PoreWater<D>::levelPoints(
-        const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity, const EnthalpyModel* model)
+template <int D> void PoreWater<D>::levelPoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity)
 {
+	const double perDensity = 1.0 / liquidDensity;
 	for (int p = first; p < last; ++p) {
-		const int           c    = cells.cell(p);
-		const FreezingCell& cell = freezing_[c];
-		if (!(cell.compliance > 0.0) || !(cells_[c].liquidMass > 0.0)) continue;
-		const double perMass = 1.0 / cells_[c].liquidMass, mass = liquidDensity * given(fills_[p], cell), part = mass / (liquidMass(p) - mass);
+		const FreezingCell& cell = freezing_[cells.cell(p)];
+		const double        mass = liquidDensity * given(fills_[p], cell);
+		if (mass == 0.0) continue;
+		const double part = mass / (liquidMass(p) - mass);
 		for (int i = 0; i < D; ++i)
-			velocity[i][p] += part * (velocity[i][p] - cell.carried[i] * perMass);
+			velocity[i][p] += part * (velocity[i][p] - cell.velocity[i]);
 		waterMass[p] -= mass;
-		liquidFraction[p] -= mass / (liquidDensity * volume_[p]);
-		if (enthalpy) enthalpy[p] -= mass * model->liquidEnthalpy(cell.warmth * perMass);
+		liquidFraction[p] -= mass * perDensity / volume_[p];
+		if (enthalpy) enthalpy[p] -= mass * cell.handed;
 	}
 }
 

@@ -104,15 +104,15 @@ public:
 		cells_[cell].excess += excess;
 		cells_[cell].compliance += compliance;
 	}
-	/// The same in ground that freezes, for levelPoints().
-	void addFill(int cell, int place, double excess, double compliance, double dt, double liquidDensity);
-	/// Pressure of each cell from what fills it, when all points were added.
-	void findCellPressure(const ActiveRange& range);
+	/// The same of some points from first on in ground that freezes, for levelPoints() in the step dt.
+	void addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity);
+	/// Pressure of each cell from what fills it, when all points were added. enthalpy null: ground without heat, or without freezing.
+	void findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy);
 	/// Hands water on between the points of a cell, in ground that freezes: a point that holds more than its pores, at the pressure of its
 	/// cell, gives to those that hold less, eq. (7.7). Exchange by seepage is even within a cell, so that nothing else would ever bring the
 	/// water of a point and its pores together, and the point would carry the difference, as a pressure, into the next cell.
 	/// Call when the cells have their pressure. enthalpy null: ground without heat.
-	void levelPoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity, const EnthalpyModel* model);
+	void levelPoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity);
 	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
@@ -167,12 +167,14 @@ private:
 	/// More of a cell in ground that freezes: sums of drag, mass of liquid and ice, liquid mass times temperature and times velocity.
 	struct FreezingCell {
 		double drag, contentMass, warmth, carried[D];
-		double excess, compliance; ///< sums of addFill, each times the share that its point levels in the step
+		double excess, compliance; ///< sums of addFills, each times the share that its point levels in the step
 		double surplus;            ///< the part of excess beyond the pores at the cavitation pressure [m^D]
 		double level;              ///< pressure at which what its points give is what they take [Pa]
 		double filled;             ///< share of the room of its points that they fill where there is more room than surplus [-]
+		double handed;             ///< enthalpy of the water that they hand on [J/kg]
+		double velocity[D];        ///< of that water [m/s]
 	};
-	/// Of a point at the end of a step: see addFill, and the share of its difference from the cell that it levels in the step.
+	/// Of a point at the end of a step: see addFills, and the share of its difference from the cell that it levels in the step.
 	struct PointFill {
 		double excess, compliance, share;
 	};
@@ -196,8 +198,9 @@ private:
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
 	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
-	/// V n_l^2/Q of a point with what its inertia lets through in dt [m^2/(Pa s)].
-	double reachedMobility(int place, double dt, double liquidDensity) const;
+	/// s_p of eq. (7.7) and the surplus of some points from first on, and the former for levelPoints().
+	TALIK_PROCESSOR_VERSIONS void findShares(
+	        int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity, double* share, double* surplus) const;
 	/// Volume that a point gives to the others of its cell in the step [m^D].
 	double                           given(const PointFill& point, const FreezingCell& cell) const;
 	double                           traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
