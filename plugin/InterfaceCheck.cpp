@@ -13,6 +13,7 @@
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/GLDrawFunctors.hpp>
 #include <pkg/common/NormShearPhys.hpp>
+#include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/FrictPhys.hpp>
@@ -152,6 +153,7 @@ namespace {
 			SIZE(Facet),
 			SIZE(TimeStepper),
 			SIZE(Collider),
+			SIZE(GlExtraDrawer),
 			MEMBER(Engine, dead),
 			MEMBER(Engine, ompThreads),
 			MEMBER(Engine, label),
@@ -181,6 +183,7 @@ namespace {
 			MEMBER(Facet, vertices),
 			MEMBER(TimeStepper, active),
 			MEMBER(Collider, avoidSelfInteractionMask),
+			MEMBER(GlExtraDrawer, dead),
 			MEMBER(Sphere, radius),
 			MEMBER(Shape, color),
 			MEMBER(Interaction, id1),
@@ -221,6 +224,7 @@ namespace {
 			VIRTUAL(FrictPhys, "9FrictPhys", getClassIndex, "K4yade9FrictPhys13getClassIndexEv"),
 			VIRTUAL(FrictPhys, "9FrictPhys", getBaseClassIndex, "K4yade9FrictPhys17getBaseClassIndexEi"),
 			VIRTUAL(Collider, "8Collider", invalidatePersistentData, "4yade8Collider24invalidatePersistentDataEv"),
+			VIRTUAL(GlExtraDrawer, "13GlExtraDrawer", render, "4yade13GlExtraDrawer6renderEv"),
 			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", renders, "K4yade14GlIPhysFunctor7rendersB5cxx11Ev"),
 			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", initgl, "4yade14GlIPhysFunctor6initglEv"),
 		};

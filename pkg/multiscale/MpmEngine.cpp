@@ -556,6 +556,7 @@ void MpmEngine::stepGround()
 	else advanceAlone(newLimit);
 	compareRanks();
 	if (watched) recordWatched();
+	picture.takeIfAsked(*ground, pointCount());
 	stopAtTheDay(before);
 }
 

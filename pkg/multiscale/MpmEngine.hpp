@@ -9,6 +9,7 @@
 #include <pkg/multiscale/GroundBoundaries.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
 #include <pkg/multiscale/GroundOfScene.hpp>
+#include <pkg/multiscale/GroundPicture.hpp>
 #include <pkg/multiscale/GroundVector.hpp>
 #include <pkg/multiscale/PointTable.hpp>
 #include <pkg/multiscale/PointWatch.hpp>
@@ -83,6 +84,8 @@ public:
 
 	/// The running ground; throws if there is none yet.
 	talik::AnyGround& runningGround();
+	/// For views that are drawn by other threads.
+	talik::GroundPicture picture;
 	/// Materials in use: those listed, or the single one.
 	vector<shared_ptr<GroundMaterial>> activeMaterials() const;
 	/// As the ground takes them; empty if one material has nothing that the scene has not. Throws std::invalid_argument.

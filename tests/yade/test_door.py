@@ -83,6 +83,7 @@ def test_all_classes_are_registered_and_part_of_yades_families():
 		"Ip2_IceBondMat_IceBondMat_IceBondPhys": "IPhysFunctor",
 		"Law2_ScGeom_IceBondPhys_IceBond": "LawFunctor",
 		"Gl1_IceBondPhys": "GlIPhysFunctor",
+		"GlGround": "GlExtraDrawer",
 		"RveSkeleton": "SkeletonLaw",
 		"ElasticSkeleton": "SkeletonLaw",
 		"MohrCoulombSkeleton": "SkeletonLaw",
@@ -250,6 +251,70 @@ print("DRAWN", Gl1_IceBondPhys.maxForce > 0, O.interactions[0, 1].phys.normalFor
 		prefix=display,
 	)
 	assert "DRAWN True True" in output
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_ground_is_drawn_in_the_3d_view_beside_the_bodies_at_rest_and_while_it_runs(dimension, tmp_path):
+	output, _ = runScript(
+		tmp_path,
+		"""
+import time
+import numpy as np
+from PyQt5.QtGui import QImage
+from PyQt5.QtWidgets import QApplication
+from yade import O, qt, utils, wrapper
+import talik
+dimension = """
+		+ str(dimension)
+		+ """
+lower, upper, box = [np.full(dimension, value).tolist() for value in (0.0, 2.0, 1.0)]
+mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=lower, upper=upper, gravity=[0.0] * dimension, skeleton=wrapper.ElasticSkeleton(young=1e6), heat=wrapper.HeatTransfer())
+axes = [np.arange(0.125, 1, 0.25)] * dimension
+position = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, dimension)
+mpm.addPoints(position=position, volume=0.25**dimension, porosity=0.4, temperature=10 * position[:, 0])
+O.engines = [mpm]
+O.bodies.append(utils.sphere((1.5, 0.5, 0), 0.2, color=(1, 0, 0)))
+view = qt.View()
+view.lookAt, view.sceneRadius = (1, 0.5, 0), 2
+view.eyePosition, view.viewDir = ((1, 0.5, 5), (0, 0, -1)) if dimension == 2 else ((3, -3, 3), (-0.5, 0.8, -0.6))
+renderer = qt.Renderer()
+renderer.bgColor = (1, 1, 1)
+ground = GlGround(mpm=mpm, field="temperature", lowColor=(0, 1, 0), highColor=(0, 0, 1))
+def draw(frames=20):
+	for _ in range(frames):
+		QApplication.instance().processEvents()
+		time.sleep(0.01)
+def pixels(*colours):
+	image = QApplication.instance().primaryScreen().grabWindow(0).toImage().convertToFormat(QImage.Format_RGB888)
+	rows = np.frombuffer(image.constBits().asstring(image.byteCount()), np.uint8).reshape(image.height(), image.bytesPerLine())
+	seen = rows[:, : 3 * image.width()].reshape(-1, 3)
+	return [int((seen == colour).all(axis=1).sum()) for colour in colours]
+green, blue = (0, 255, 0), (0, 0, 255)
+mpm.initialise()
+draw()
+print("BEFORE", ground.drawn, *pixels(green, blue))
+renderer.extraDrawers = [ground]
+draw()
+print("DRAWN", ground.drawn == len(position))
+print("PIXELS", *pixels(green, blue))
+ground.field = "displacement"
+O.run()
+for _ in range(20):
+	draw(3)
+	mpm.field("position")
+O.pause(); O.wait()
+print("RUN", O.iter > 0, ground.drawn == len(position))
+try:
+	ground.field = "tempratur"
+except ValueError as refused:
+	print("REFUSED", refused)
+""",
+		prefix=display,
+	)
+	low, high = map(int, re.search(r"PIXELS (\d+) (\d+)", output).groups())
+	print(f"\npixels with the colours of the smallest and the largest temperature: {low} and {high}")
+	assert "BEFORE 0 0 0" in output and "DRAWN True" in output and "RUN True True" in output and min(low, high) > 100
+	assert "REFUSED GlGround.field is 'tempratur'" in output and "temperature" in output
 
 
 # --- classes ---------------------------------------------------------------------------------------------------------------

@@ -73,6 +73,11 @@ StepGate::StepGate()
 	if (state) PyEval_RestoreThread(state);
 }
 
+StepGate::StepGate(std::try_to_lock_t)
+        : taken(!helps && queue().tryEnter())
+        , through(helps || taken)
+{}
+
 StepGate::~StepGate()
 {
 	if (taken) queue().leave();

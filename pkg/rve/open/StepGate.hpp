@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <mutex>
 
 namespace talik {
 
@@ -9,7 +10,11 @@ namespace talik {
 class StepGate {
 public:
 	StepGate();
+	/// Does not wait: check passes().
+	explicit StepGate(std::try_to_lock_t);
 	~StepGate();
+	/// True if nobody else is inside.
+	bool passes() const { return through; }
 	StepGate(const StepGate&)            = delete;
 	StepGate& operator=(const StepGate&) = delete;
 
@@ -26,7 +31,7 @@ public:
 	};
 
 private:
-	bool taken = false;
+	bool taken = false, through = true;
 };
 
 } // namespace talik

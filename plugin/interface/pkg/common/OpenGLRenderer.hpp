@@ -3,6 +3,26 @@
 #include <lib/serialization/Serializable.hpp>
 
 namespace yade {
+class Scene;
+
+/// Draws what is no body, when the renderer has drawn the scene.
+class GlExtraDrawer : public Serializable {
+public:
+	Scene* scene = nullptr;
+	bool   dead  = false;
+
+	GlExtraDrawer() {}
+	virtual ~GlExtraDrawer();
+	string                getBaseClassName(unsigned int = 0) const override;
+	int                   getBaseClassNumber() const override;
+	string                getClassName() const override;
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
+	::boost::python::dict pyDict() const override;
+	void                  callPostLoad() override;
+	void                  pyRegisterClass(::boost::python::object) override;
+	virtual void          render();
+};
+
 /// Draws the 3-D view. It is never made or measured here: only asked to look for drawing functors again.
 class OpenGLRenderer : public Serializable {
 public:
@@ -12,3 +32,4 @@ public:
 	void init();
 };
 } // namespace yade
+TALIK_STOCK_BASE(GlExtraDrawer)
