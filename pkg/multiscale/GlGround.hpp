@@ -24,10 +24,10 @@ public:
 		((shared_ptr<MpmEngine>,mpm,,Attr::triggerPostLoad,"The ground; None draws nothing."))
 		((string,field,"displacement",Attr::triggerPostLoad,"Field of the points, as in mpm.fieldNames() but for those of samples and strains; of several "
 				"components the norm."))
-		((Real,smallest,NaN,,"Value that is drawn with lowColor, in units of the field; NaN: the smallest in the picture."))
-		((Real,largest,NaN,,"Value that is drawn with highColor; NaN: the largest in the picture."))
-		((Vector3r,lowColor,Vector3r(0.95,0.9,0.75),,"Colour of the smallest value (red, green, blue from 0 to 1)."))
-		((Vector3r,highColor,Vector3r(0.1,0.3,0.7),,"Colour of the largest value."))
+		((Real,smallest,NaN,,"Value that is drawn with lowColor [unit of the field]; NaN: the smallest in the picture."))
+		((Real,largest,NaN,,"Value that is drawn with highColor [unit of the field]; NaN: the largest in the picture."))
+		((Vector3r,lowColor,Vector3r(0.95,0.9,0.75),,"Colour of the smallest value: red, green, blue from 0 to 1 [-]."))
+		((Vector3r,highColor,Vector3r(0.1,0.3,0.7),,"Colour of the largest value: red, green, blue from 0 to 1 [-]."))
 		((long,drawn,0,Attr::readonly,"Points drawn the last time; 0 before."))
 	);
 	// clang-format on

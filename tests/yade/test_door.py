@@ -268,7 +268,8 @@ dimension = """
 		+ str(dimension)
 		+ """
 lower, upper, box = [np.full(dimension, value).tolist() for value in (0.0, 2.0, 1.0)]
-mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=lower, upper=upper, gravity=[0.0] * dimension, skeleton=wrapper.ElasticSkeleton(young=1e6), heat=wrapper.HeatTransfer())
+mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=lower, upper=upper, gravity=[0.0] * dimension, skeleton=wrapper.ElasticSkeleton(young=1e6))
+mpm.heat = wrapper.HeatTransfer()
 axes = [np.arange(0.125, 1, 0.25)] * dimension
 position = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, dimension)
 mpm.addPoints(position=position, volume=0.25**dimension, porosity=0.4, temperature=10 * position[:, 0])
