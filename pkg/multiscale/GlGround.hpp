@@ -19,8 +19,8 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(GlGround,GlExtraDrawer,"Draws the points of an MpmEngine in the 3-D view as squares of their volume, in space as "
-			"cubes, coloured by a field. While the ground runs the view shows it as it was at the end of a recent step. Example: "
-			"GlGround(field='temperature',smallest=-5,largest=10). In the view: yade.qt.Renderer().extraDrawers=[GlGround(mpm=mpm,field='iceSaturation')].",
+			"cubes, coloured by a field. While the ground runs the view shows it as it was at the end of a recent step. It is drawn once it is in "
+			"yade.qt.Renderer().extraDrawers. Example: GlGround(field='temperature',smallest=-5,largest=10).",
 		((shared_ptr<MpmEngine>,mpm,,Attr::triggerPostLoad,"The ground; None draws nothing."))
 		((string,field,"displacement",Attr::triggerPostLoad,"Field of the points, as in mpm.fieldNames() but for those of samples and strains; of several "
 				"components the norm."))
