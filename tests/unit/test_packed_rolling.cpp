@@ -2,8 +2,8 @@
 // Resistance of grains to rolling in packed samples; against stock YADE see tests/yade/test_rolling.py.
 #include "packedPair.hpp"
 #include "packedReference.hpp"
+#include "packedRoundTrip.hpp"
 #include <gtest/gtest.h>
-#include <pkg/rve/packed/PackedSamplePool.hpp>
 
 using namespace talik;
 using packedReference::matrix;
@@ -78,27 +78,8 @@ TEST(PackedRolling, bothPathsAgreeWithAndWithoutBonds)
 TEST(PackedRolling, samplesComeBackFromBytesAndParkingToTheLastBit)
 {
 	for (const bool bonded : { false, true }) {
-		const State       state = sheared(bonded);
-		const std::string bytes = state.toBytes();
-		double            most  = 0;
-		for (const double moment : state.contacts.moment)
-			most = std::max(most, std::fabs(moment));
-		State unparked;
-		ParkedSample<2>(state).unpark(unparked);
-		EXPECT_GT(most, 0);
-		EXPECT_EQ(State::fromBytes(bytes).toBytes(), bytes);
-		EXPECT_EQ(unparked.toBytes(), bytes);
-
-		SamplePool<2>       pool;
-		PackedUpdateOptions options;
-		options.steps = 40;
-		pool.add(state);
-		PackedSample<2> alone(state);
-		for (int k = 0; k < 3; ++k) {
-			pool.update({ { 0, matrix(1e-5, 4e-5, 0, -3e-5), state.iceSaturation } }, options, 1);
-			alone.apply(matrix(1e-5, 4e-5, 0, -3e-5), state.iceSaturation, options);
-			EXPECT_EQ(pool.state(0).toBytes(), alone.state().toBytes());
-		}
+		const State state = sheared(bonded);
+		packedReference::expectKept(state, state.contacts.moment, std::vector<double>(3, state.iceSaturation));
 	}
 }
 
