@@ -29,7 +29,7 @@ sections = (
 		("SkeletonLaw", "IceStrength", "IceCreep", "RveSample", "OpenRveSample"),
 	),
 	("grains", "Grains with ice bonds", "For any scene of YADE, and for samples.", ("IceBondMat", "IceBondPhys", "Functor", "GrainSwelling", "CreepingBonds")),
-	("scene", "Bodies, histories, checkpoints", "What stands beside the ground in a scene.", ("BodyContact", "PointWatch", "Checkpoint")),
+	("scene", "Bodies, histories, checkpoints", "What stands beside the ground in a scene.", ("BodyContact", "PointWatch", "Checkpoint", "GlGround")),
 )
 
 

@@ -76,6 +76,13 @@ def test_help_texts_lose_the_marks_of_boost_and_keep_their_units():
 	assert signatures == {"field": "(name)", "most": "(field, n=10)"}
 
 
+def test_every_class_has_a_place_in_the_reference():
+	text = "".join(reference.pages().values())
+	lacking = [cls.__name__ for cls in reference.classes() if f"class:: talik.{cls.__name__}" not in text]
+	print(f"{len(reference.classes())} classes, {len(lacking)} without a place")
+	assert not lacking
+
+
 def test_the_manual_builds_without_a_warning_is_installed_and_has_everything_public_in_its_index_slow(tmp_path):
 	build = Path(talik.__file__).parents[2]
 	environment = {**os.environ, "TALIK_BUILD": str(build)}
