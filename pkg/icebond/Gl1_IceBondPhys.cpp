@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
 #include <core/Scene.hpp>
-#include <GL/gl.h>
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/Gl1_IceBondPhys.hpp>
+#include <pkg/icebond/Unlit.hpp>
 
 namespace yade {
 YADE_PLUGIN((Gl1_IceBondPhys));
@@ -17,19 +17,6 @@ Vector3r Gl1_IceBondPhys::intactColor;
 Vector3r Gl1_IceBondPhys::frictionalColor;
 
 namespace {
-
-	/// Colours tell the state, so light must not change them; the former drawing state returns with the scope.
-	struct PlainColor {
-		PlainColor(const Vector3r& color, bool onTop)
-		{
-			glPushAttrib(GL_ENABLE_BIT | GL_CURRENT_BIT | GL_POLYGON_BIT);
-			glDisable(GL_LIGHTING);
-			glDisable(GL_CULL_FACE);
-			if (onTop) glDisable(GL_DEPTH_TEST);
-			glColor3d(color[0], color[1], color[2]);
-		}
-		~PlainColor() { glPopAttrib(); }
-	};
 
 	void drawRod(const Vector3r& start, const Vector3r& end, Real radius, int sides)
 	{
@@ -84,9 +71,10 @@ void Gl1_IceBondPhys::go(
 	if (!(branch.squaredNorm() > 0)) return;
 	if (!(maxRadius > 0)) maxRadius = 0.25 * std::min(geom->refR1, geom->refR2);
 
-	const Vector3r   start  = wrapped(first->state->se3.position);
-	const bool       intact = phys.bondState == int(talik::BondState::BONDED);
-	const PlainColor color(intact ? intactColor : frictionalColor, onTop);
+	const Vector3r     start = wrapped(first->state->se3.position);
+	const Vector3r&    color = phys.bondState == int(talik::BondState::BONDED) ? intactColor : frictionalColor;
+	const talik::Unlit unlit(onTop);
+	glColor3d(color[0], color[1], color[2]);
 	if (wire) drawLine(start, start + branch);
 	else drawRod(start, start + branch, radiusFor(phys), std::max(slices, 3));
 }

@@ -510,7 +510,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	} else g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
-		g.water->findCellPressure(g.clock.range, g.content->iceMass ? g.enthalpyModel() : nullptr);
+		g.water->findCellPressure(g.clock.range, g.enthalpyModel());
 		g.points->strips().gather([&](int, int first, int last) {
 			g.water->shareCellPressure(*cells, first, last);
 			if (g.content->iceMass)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
-#include <GL/gl.h>
+#include <pkg/icebond/Unlit.hpp>
 #include <pkg/multiscale/GlGround.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 
@@ -8,17 +8,6 @@ namespace yade {
 YADE_PLUGIN((GlGround));
 
 namespace {
-
-	/// Colours tell values, so light must not change them; the former drawing state returns with the scope.
-	struct Unlit {
-		Unlit()
-		{
-			glPushAttrib(GL_ENABLE_BIT | GL_CURRENT_BIT | GL_POLYGON_BIT);
-			glDisable(GL_LIGHTING);
-			glDisable(GL_CULL_FACE);
-		}
-		~Unlit() { glPopAttrib(); }
-	};
 
 	void drawSquare(const Vector3r& centre, Real half)
 	{
@@ -80,10 +69,10 @@ void GlGround::render()
 
 void GlGround::drawPoints(const talik::GroundPicture::Points& points)
 {
-	const Unlit unlit;
-	const auto  range = rangeOf(points.value);
-	const Real  from = std::isnan(smallest) ? range.first : smallest, to = std::isnan(largest) ? range.second : largest;
-	const auto  colorOf = [&](std::size_t k) -> Vector3r {
+	const talik::Unlit unlit;
+	const auto         range = rangeOf(points.value);
+	const Real         from = std::isnan(smallest) ? range.first : smallest, to = std::isnan(largest) ? range.second : largest;
+	const auto         colorOf = [&](std::size_t k) -> Vector3r {
                 if (points.value.empty() || !std::isfinite(points.value[k])) return Vector3r(0.5, 0.5, 0.5);
                 const Real share = to > from ? std::min(std::max((points.value[k] - from) / (to - from), Real(0)), Real(1)) : 0;
                 return (1 - share) * lowColor + share * highColor;

@@ -106,7 +106,7 @@ public:
 	}
 	/// The same of some points from first on in ground that freezes, for levelPoints() in the step dt.
 	void addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity);
-	/// Pressure of each cell from what fills it, when all points were added. enthalpy null: ground without heat, or without freezing.
+	/// Pressure of each cell from what fills it, when all points were added. enthalpy null: ground without heat.
 	void findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy);
 	/// Hands water on between the points of a cell, in ground that freezes: a point that holds more than its pores, at the pressure of its
 	/// cell, gives to those that hold less, eq. (7.7). Exchange by seepage is even within a cell, so that nothing else would ever bring the
