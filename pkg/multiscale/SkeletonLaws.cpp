@@ -4,16 +4,17 @@
 #include <pkg/multiscale/SkeletonLaws.hpp>
 
 namespace yade {
-YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton));
+YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton)(CreepingSkeleton));
 
 SkeletonLaw::Model<2> SkeletonLaw::build(const Places<2>&)
 {
-	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton or RveSkeleton.");
+	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton, CreepingSkeleton or RveSkeleton.");
 }
 
 SkeletonLaw::Model<3> SkeletonLaw::build(const Places<3>&)
 {
-	throw std::invalid_argument("MpmEngine.skeleton: " + getClassName() + " knows no ground in space: use ElasticSkeleton or MohrCoulombSkeleton.");
+	throw std::invalid_argument(
+	        "MpmEngine.skeleton: " + getClassName() + " knows no ground in space: use ElasticSkeleton, MohrCoulombSkeleton or CreepingSkeleton.");
 }
 
 ::boost::python::object SkeletonLaw::values(const string& name) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
@@ -58,9 +59,29 @@ template <int D> SkeletonLaw::Model<D> MohrCoulombSkeleton::model() const
 	return model;
 }
 
+template <int D> SkeletonLaw::Model<D> CreepingSkeleton::model() const
+{
+	if (!iceCreep) throw std::invalid_argument("CreepingSkeleton.iceCreep is None; give an IceCreep(), or use ElasticSkeleton.");
+	const auto law                = iceCreep->law();
+	auto       model              = std::make_shared<talik::CreepingSkeleton<D>>();
+	model->youngModulus           = young;
+	model->poissonRatio           = poisson;
+	model->exponent               = law.exponent;
+	model->rateFactor             = [law](double temperature) { return law.rateFactorAt(temperature); };
+	model->temperatureWithoutHeat = law.referenceTemperature;
+	talik::underScriptNames(
+	        { { "CreepingSkeleton.youngModulus", "CreepingSkeleton.young" },
+	          { "CreepingSkeleton.poissonRatio", "CreepingSkeleton.poisson" },
+	          { "CreepingSkeleton.exponent", "CreepingSkeleton.iceCreep.exponent" } },
+	        [&] { model->validate(); });
+	return model;
+}
+
 template SkeletonLaw::Model<2> ElasticSkeleton::model<2>() const;
 template SkeletonLaw::Model<3> ElasticSkeleton::model<3>() const;
 template SkeletonLaw::Model<2> MohrCoulombSkeleton::model<2>() const;
 template SkeletonLaw::Model<3> MohrCoulombSkeleton::model<3>() const;
+template SkeletonLaw::Model<2> CreepingSkeleton::model<2>() const;
+template SkeletonLaw::Model<3> CreepingSkeleton::model<3>() const;
 
 } // namespace yade

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <lib/serialization/Serializable.hpp>
+#include <pkg/icebond/IceCreep.hpp>
+#include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/multiscale/SampleAccuracy.hpp>
@@ -103,5 +105,29 @@ public:
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(MohrCoulombSkeleton);
+
+class CreepingSkeleton : public SkeletonLaw {
+public:
+	virtual ~CreepingSkeleton() {};
+	Model<2> build(const Places<2>&) override { return model<2>(); }
+	Model<3> build(const Places<3>&) override { return model<3>(); }
+
+private:
+	template <int D> Model<D> model() const;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(CreepingSkeleton,SkeletonLaw,"Elastic skeleton that flows by Glen's law while it has ice: strain rate A(T) tau^(n-1) times the "
+			"stress deviator, tau the root of its second invariant (in simple shear the shear stress), in calendar time. A and n are those of iceCreep, by default "
+			"of glacier ice. Volume does not creep, ground without ice is elastic, there is no strength. Field creepStrain [-]: A tau^n over the time. Example: "
+			"CreepingSkeleton(young=500e6,iceCreep=IceCreep(rateFactor=7e-25)).",
+		((Real,young,1e9,,"Young's modulus E [Pa], > 0. Sets the time step: a softer one runs faster, and steady creep does not know it."))
+		((Real,poisson,0.3,,"Poisson's ratio of the elastic part [-], in (-1, 0.5)."))
+		((shared_ptr<IceCreep>,iceCreep,shared_ptr<IceCreep>(new IceCreep),,"Rate factor over temperature, and exponent. Ground without heat has its "
+				"referenceTemperature."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(CreepingSkeleton);
 
 } // namespace yade

@@ -38,6 +38,7 @@ def everything(sample):
 		bodies=wrapper.BodyContact(),
 	)
 	skeletons = [wrapper.RveSkeleton(samples=[sample.copy()], strainTolerance=2e-5), wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()]
+	skeletons.append(wrapper.CreepingSkeleton())
 	conditions = [getattr(wrapper, name)(**settings) for name, settings in boundaries.items()]
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.5,
@@ -51,7 +52,7 @@ def everything(sample):
 		**held,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.5)
-	mpm.addPoints(position=position, volume=volume, temperature=-1.0, skeleton=[min(2, k // 4) for k in range(len(position))])
+	mpm.addPoints(position=position, volume=volume, temperature=-1.0, skeleton=[min(3, k // 4) for k in range(len(position))])
 	O.bodies.append(utils.sphere((0.5, 1.3, 0), 0.2))
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
 	return {type(part).__name__: part for part in [mpm, *held.values(), *skeletons, *conditions]}
@@ -67,6 +68,7 @@ names = [
 	"RveSkeleton",
 	"ElasticSkeleton",
 	"MohrCoulombSkeleton",
+	"CreepingSkeleton",
 	*boundaries,
 ]
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
@@ -19,7 +20,7 @@ constexpr double degree = 0.017453292519943295;
 template <int D> struct Element {
 	double gradient[D * D]       = {};
 	double stress[stressSize<D>] = {};
-	double ice = 0.0, volume = 1.0;
+	double ice = 0.0, volume = 1.0, temperature = 0.0, time = 0.0;
 	int    place = 0, id = 0;
 	void   step(SkeletonModel<D>& model)
 	{
@@ -33,6 +34,8 @@ template <int D> struct Element {
 			b.stress[c] = &stress[c];
 		b.iceSaturation = &ice;
 		b.volume        = &volume;
+		b.temperature   = &temperature;
+		b.naturalTime   = time;
 		model.updateStress(b);
 	}
 };
@@ -355,4 +358,111 @@ TEST(MpmMohrCoulombSkeleton, BadParametersAreNamed)
 	ElasticSkeleton<3> elastic;
 	elastic.poissonRatio = 0.5;
 	EXPECT_THROW(elastic.validate(), std::invalid_argument);
+}
+
+namespace {
+
+/// Rate factor of 2e-24 Pa^-3/s, doubled by every kelvin above -10 degC; another exponent keeps the rate at 100 kPa.
+template <int D> CreepingSkeleton<D> ice(double exponent)
+{
+	CreepingSkeleton<D> m;
+	m.exponent   = exponent;
+	m.rateFactor = [exponent](double temperature) { return 2e-24 * std::pow(1e5, 3.0 - exponent) * std::exp2(temperature + 10.0); };
+	return m;
+}
+
+double invariant(const double* s)
+{
+	const double mean = (s[0] + s[1] + s[2]) / 3.0;
+	return std::sqrt(0.5 * (std::pow(s[0] - mean, 2) + std::pow(s[1] - mean, 2) + std::pow(s[2] - mean, 2)) + s[3] * s[3]);
+}
+
+} // namespace
+
+// dtau/dt = -2 G A tau^n at constant strain; the implicit step is of first order in time
+TEST(MpmCreepingSkeleton, StressAtConstantStrainRelaxesByTheClosedFormAndItsMeanStays)
+{
+	for (const double n : { 1.0, 3.0, 4.0 }) {
+		auto         m     = ice<2>(n);
+		const double shear = 1e9 / 2.6, rate = m.rateFactor(-5.0), tau0 = 90e3, total = 2.0 / (2.0 * shear * rate * std::pow(tau0, n - 1.0));
+		double       error[2], mean = 0.0;
+		for (int fine = 0; fine < 2; ++fine) {
+			Element<2>   e;
+			const int    steps    = fine ? 400 : 200;
+			const double start[4] = { -200e3, -100e3, -150e3, std::sqrt(tau0 * tau0 - 50e3 * 50e3) };
+			std::copy(start, start + 4, e.stress);
+			e.ice         = 1.0;
+			e.temperature = -5.0;
+			e.time        = total / steps;
+			for (int k = 0; k < steps; ++k)
+				e.step(m);
+			const double flown    = 2.0 * shear * rate * std::pow(tau0, n - 1.0) * total;
+			const double expected = tau0 * (n == 1.0 ? std::exp(-flown) : std::pow(1.0 + (n - 1.0) * flown, -1.0 / (n - 1.0)));
+			error[fine]           = invariant(e.stress) / expected - 1.0;
+			mean                  = (e.stress[0] + e.stress[1] + e.stress[2]) / 3.0;
+			EXPECT_NEAR((e.stress[0] - mean) / e.stress[3], -50e3 / start[3], 1e-12) << "direction";
+		}
+		std::printf("n = %g: %.2e off the closed form in 200 steps, %.2e in 400\n", n, error[0], error[1]);
+		EXPECT_LT(std::abs(error[1]), 0.01);
+		EXPECT_NEAR(error[0] / error[1], 2.0, 0.05);
+		EXPECT_NEAR(mean, -150e3, 1e-6);
+	}
+}
+
+TEST(MpmCreepingSkeleton, SteadyShearHasTheStressOfGlensLawWhateverTheStep)
+{
+	for (const double step : { 1e3, 1e6 }) {
+		const double rate = 1e-9; // tensor component [1/s]
+		auto         m    = ice<2>(3.0);
+		auto         m3   = ice<3>(3.0);
+		Element<2>   plane;
+		Element<3>   space;
+		plane.ice = space.ice = 1.0;
+		plane.temperature = space.temperature = -3.0;
+		plane.time = space.time = step;
+		plane.gradient[0]       = rate * step; // pure shear: the axes do not turn
+		plane.gradient[3]       = -rate * step / (1.0 + rate * step);
+		space.gradient[4]       = plane.gradient[0];
+		space.gradient[8]       = plane.gradient[3];
+		for (int k = 0; k < int(3e8 / step); ++k) {
+			plane.step(m);
+			space.step(m3);
+		}
+		const double expected = std::pow(rate / m.rateFactor(-3.0), 1.0 / 3.0);
+		std::printf("steps of %g s: tau %.1f Pa, Glen's law %.1f Pa\n", step, invariant(plane.stress), expected);
+		EXPECT_NEAR(0.5 * (plane.stress[0] - plane.stress[1]) / expected, 1.0, 1e-3);
+		EXPECT_NEAR(0.5 * (space.stress[1] - space.stress[2]) / expected, 1.0, 1e-3);
+	}
+}
+
+TEST(MpmCreepingSkeleton, GroundWithoutIceOrTimeIsElasticToTheLastBit)
+{
+	for (const bool frozen : { false, true }) {
+		auto               m = ice<3>(3.0);
+		ElasticSkeleton<3> elastic;
+		elastic.youngModulus = m.youngModulus;
+		Element<3> creeping, reference;
+		for (Element<3>* e : { &creeping, &reference }) {
+			for (int c = 0; c < 9; ++c)
+				e->gradient[c] = 1e-5 * (c - 3.5);
+			e->ice  = frozen ? 1.0 : 0.0;
+			e->time = frozen ? 0.0 : 1e9;
+		}
+		for (int k = 0; k < 20; ++k) {
+			creeping.step(m);
+			reference.step(elastic);
+		}
+		for (int c = 0; c < 6; ++c)
+			EXPECT_EQ(creeping.stress[c], reference.stress[c]);
+	}
+}
+
+TEST(MpmCreepingSkeleton, BadParametersAreNamed)
+{
+	auto m     = ice<2>(3.0);
+	m.exponent = 0.5;
+	EXPECT_THROW(m.validate(), std::invalid_argument);
+	m              = ice<2>(3.0);
+	m.youngModulus = -1.0;
+	EXPECT_THROW(m.validate(), std::invalid_argument);
 }

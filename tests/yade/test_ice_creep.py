@@ -418,3 +418,49 @@ def test_the_frozen_slope_of_the_examples_creeps_at_the_speed_of_glens_infinite_
 	summary = json.loads((tmp_path / "summary.json").read_text())
 	print(f"\n{summary}")
 	assert summary["speed [m/year]"] == pytest.approx(summary["by hand [m/year]"], rel=0.1)
+
+
+def test_a_block_of_creeping_ground_bears_the_stress_of_glens_law_under_a_plate_that_presses_it():
+	"""Plane strain, free sides: tau = q/2, so that the plate is met by q = 2 (rate/A)^(1/n) at a rate in calendar time."""
+	law, height, speed, scale = wrapper.IceCreep(), 2.0, 0.02, 1e7
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.5,
+		lower=(0, 0),
+		upper=(3, height),
+		damping=0.3,
+		heat=wrapper.HeatTransfer(thermalTimeScale=scale),
+		skeleton=wrapper.CreepingSkeleton(young=1e9, iceCreep=law),
+		boundaries=[
+			wrapper.RollerBoundary(region="left"),
+			wrapper.RollerBoundary(region="bottom"),
+			wrapper.MovingBoundary(region="top", rough=False, speed=speed),
+		],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2, height), temperature=-2)
+	O.engines = [mpm]
+	mpm.initialise()
+	while mpm.time < 0.2:
+		O.step()
+	length = height - speed * mpm.time
+	stress, wanted = -mpm.field("stress").mean(axis=0), 2 * (speed / length / scale / law.rateFactorAt(-2)) ** (1 / law.exponent)
+	print(f"\nvertical {1e-3 * stress[1]:.1f} kPa, lateral {1e-3 * stress[0]:.2f} kPa, across {1e-3 * stress[2]:.1f} kPa; Glen's law {1e-3 * wanted:.1f} kPa")
+	assert stress[1] == pytest.approx(wanted, rel=0.02)
+	assert stress[2] == pytest.approx(wanted / 2, rel=0.02) and abs(stress[0]) < 0.02 * wanted
+
+
+@pytest.mark.parametrize("exponent, factor", [(3.0, 1.5), (2.0, 2.0)])
+def test_a_strip_footing_on_frozen_ground_settles_with_the_power_of_the_load_that_its_ice_has(exponent, factor, tmp_path):
+	"""Level: Nye's closed form for a cylinder that expands in ground without end (1953), taken for a footing after Ladanyi, within a factor on the load."""
+	example = Path(__file__).resolve().parents[2] / "examples" / "creeping_footing.py"
+	run = subprocess.run(
+		["yade", "-n", "-x", str(example), "--preset", "test", "--exponent", str(exponent), "--output", str(tmp_path)],
+		capture_output=True,
+		text=True,
+		timeout=600,
+		check=False,
+	)
+	assert (tmp_path / "summary.json").exists() and (tmp_path / "creeping_footing.png").stat().st_size > 10_000, run.stdout + run.stderr
+	summary = json.loads((tmp_path / "summary.json").read_text())
+	print("\n".join(line for line in run.stdout.splitlines() if "by hand" in line or "power" in line))
+	assert summary["exponent [-]"] == pytest.approx(exponent, rel=0.05)
+	assert 1 / factor < summary["load over that by hand [-]"] < factor

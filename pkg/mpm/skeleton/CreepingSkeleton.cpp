@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
+#include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+template <int D> void CreepingSkeleton<D>::validate() const
+{
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "CreepingSkeleton.youngModulus", youngModulus, "must be positive, in Pa");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "CreepingSkeleton.poissonRatio", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(exponent >= 1.0 && exponent <= 10.0, "CreepingSkeleton.exponent", exponent, "must lie in [1, 10]");
+}
+
+template <int D> void CreepingSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
+{
+	fields_ = &fields;
+	strain_ = fields.declare(prefix + "creepStrain", "CreepingSkeleton", "-", 1);
+}
+
+template <int D> double CreepingSkeleton<D>::relaxed(double trial, double compliance, double exponent)
+{
+	// the left side is convex and rises: Newton's steps from the trial stress fall, and stop where rounding lets them rise
+	double tau = trial;
+	while (true) {
+		const double flown = compliance * std::pow(tau, exponent);
+		const double next  = tau - (tau + flown - trial) / (1.0 + exponent * flown / tau);
+		if (!(next < tau)) return tau;
+		tau = next;
+	}
+}
+
+template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int first, int count)
+{
+	const double shear = LameModuli(youngModulus, poissonRatio).shear;
+	double*      crept = fields_ ? fields_->component(strain_) : nullptr;
+	for (int p = first; p < first + count; ++p) {
+		if (b.iceSaturation && b.iceSaturation[p] == 0.0) continue;
+		const double mean   = (b.stress[0][p] + b.stress[1][p] + b.stress[2][p]) / 3.0;
+		double       square = 0.0;
+		for (int c = 0; c < stressSize<D>; ++c) {
+			const double part = b.stress[c][p] - (c < 3 ? mean : 0.0);
+			square += (c < 3 ? 0.5 : 1.0) * part * part;
+		}
+		if (!(square > 0.0)) continue;
+		const double trial = std::sqrt(square);
+		const double rate  = rateFactor(b.temperature ? b.temperature[p] : temperatureWithoutHeat);
+		const double tau   = relaxed(trial, 2.0 * shear * rate * b.naturalTime, exponent);
+		for (int c = 0; c < stressSize<D>; ++c) {
+			const double volumetric = c < 3 ? mean : 0.0;
+			b.stress[c][p]          = volumetric + (b.stress[c][p] - volumetric) * (tau / trial);
+		}
+		if (crept) crept[p] += (trial - tau) / (2.0 * shear);
+	}
+}
+
+template <int D> void CreepingSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
+{
+	constexpr int    piece = 256;
+	const LameModuli moduli(youngModulus, poissonRatio);
+	double           lambda[piece], shear[piece];
+	std::fill(lambda, lambda + piece, moduli.lambda);
+	std::fill(shear, shear + piece, moduli.shear);
+	ThreadTeam::run((b.count + piece - 1) / piece, b.count >= 2000 ? ThreadTeam::threads() : 1, [&](int i, int) {
+		const int end = std::min(b.count, (i + 1) * piece);
+		for (int k = i * piece; k < end;) {
+			// places that follow each other are worked on in one go
+			const int first = k, place = b.place[k];
+			while (k < end && b.place[k] == place + (k - first))
+				++k;
+			updateElastic<D>(k - first, lambda, shear, from(b.gradient, place), from(b.stress, place));
+			if (b.naturalTime > 0.0) creep(b, place, k - first);
+		}
+	});
+}
+
+template <int D> void CreepingSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
+{
+	const double m = LameModuli(youngModulus, poissonRatio).oedometer();
+	for (int k = 0; k < b.count; ++k)
+		modulus[b.place[k]] = m;
+}
+
+template class CreepingSkeleton<2>;
+template class CreepingSkeleton<3>;
+
+} // namespace talik

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/skeleton/SkeletonModel.hpp>
+
+#include <functional>
+
+namespace talik {
+
+/// Elastic ground that flows by Glen's law while it has ice, eq. (25.1): strain rate A tau^(n-1) times the stress deviator, with tau the root
+/// of its second invariant, over the time of slow processes. Volume does not creep. Ground without ice is elastic.
+/// Trial stress by the Jaumann rate, then eq. (25.2): implicit in the stress, so that steady creep is exact whatever the length of a step.
+template <int D> class CreepingSkeleton final : public SkeletonModel<D> {
+public:
+	double                        youngModulus = 1e9;             ///< E [Pa], > 0
+	double                        poissonRatio = 0.3;             ///< nu [-], in (-1, 0.5)
+	double                        exponent     = 3.0;             ///< n of Glen's law [-], 1 to 10
+	std::function<double(double)> rateFactor;                     ///< A [Pa^-n/s] at a temperature [degC]
+	double                        temperatureWithoutHeat = -10.0; ///< of ground without heat [degC]
+
+	std::string name() const override { return "CreepingSkeleton"; }
+	bool        canFail() const override { return false; }
+	void        validate() const override;
+	void        declareFields(PointFields&, const std::string& prefix) override;
+	void        updateStress(const SkeletonBatch<D>&) override;
+	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
+
+	/// tau [Pa] with tau + compliance tau^n = trial; compliance: 2 G A t [Pa^(1-n)].
+	static double relaxed(double trial, double compliance, double exponent);
+
+private:
+	/// Of points in sequence, from the trial stress.
+	void creep(const SkeletonBatch<D>&, int first, int count);
+
+	PointFields*        fields_ = nullptr;
+	PointFields::Handle strain_ = -1;
+};
+
+} // namespace talik
