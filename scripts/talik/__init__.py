@@ -133,6 +133,7 @@ _submodules = (
 	"ranks",
 	"realisation",
 	"refinement",
+	"refrozen",
 	"running",
 	"rve",
 	"slope",

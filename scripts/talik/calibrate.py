@@ -9,6 +9,7 @@
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
 	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
 	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.moments
+	scripts/calibrate --refrozen              # frozen strength after thaw and refreezing, see talik.refrozen
 	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.target
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
@@ -100,7 +101,7 @@ def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5, late
 	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=0.5, pressure=100e3, strain=2e-4)"""
 	tested = _underPressure(sample, pressure)
 	tested.freeze(iceSaturation)
-	return _drive(tested, iceSaturation, pressure if lateral is None else lateral, strain, perCall)
+	return drive(tested, iceSaturation, pressure if lateral is None else lateral, strain, perCall)
 
 
 def extensionTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
@@ -162,7 +163,7 @@ def _withThawedStrength(sample, strength):
 
 
 def _largestTension(tested, iceSaturation, strain, perCall):
-	return _drive(tested, iceSaturation, 0.0, -strain, perCall).tension
+	return drive(tested, iceSaturation, 0.0, -strain, perCall).tension
 
 
 def _largestShearStress(sheared, pressure, strain, perCall):
@@ -410,7 +411,13 @@ def drawStrength(overRate, overTemperature):
 	return fig
 
 
-def _drive(tested, iceSaturation, pressure, strain, perCall):
+def drive(tested, iceSaturation, pressure, strain, perCall=2e-5):
+	"""Compression (strain > 0) or extension (strain < 0) of an RveSample as it stands, under a constant lateral `pressure` [Pa]. The sample is
+	changed. A BiaxialTest.
+
+	>>> frozen.copy().iceSaturation
+	1.0
+	>>> test = talik.calibrate.drive(frozen.copy(), iceSaturation=1, pressure=10e3, strain=2e-4)"""
 	control = NormalStressControl(pressure, perCall, frozenStiffness if iceSaturation > 0 else thawedStiffness)
 	across, rows = 0.0, []
 	stress, bonds = tested.stress, tested.statistics()["bondsIntact"]
@@ -562,8 +569,15 @@ def main():
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
 	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
 	parser.add_argument("--creep", action="store_true", help="rate of creep of frozen samples over stress instead: table, picture")
-	parser.add_argument("--moments", action="store_true", help="frozen samples whose bonds carry moments beside others instead: table, picture")
-	parser.add_argument("--realisations", type=int, default=None, help="of each sample, with --scatter (8), --rolling, --creep or --moments (3)")
+	parser.add_argument(
+		"--moments",
+		action="store_true",
+		help="frozen samples whose bonds carry moments beside others instead: table, picture",
+	)
+	parser.add_argument("--refrozen", action="store_true", help="strength of samples that thawed and froze again beside others instead: table, picture")
+	parser.add_argument(
+		"--realisations", type=int, default=None, help="of each sample, with --scatter or --refrozen (8), --rolling, --creep or --moments (3)"
+	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
@@ -592,6 +606,10 @@ def main():
 		writeWhole(folder / "creep.md", "\n".join(lines) + "\n")
 		print(plots.save(table.draw(), folder / "creep.png"))
 		return
+	if options.refrozen:
+		_refrozen((options.grains or (100,))[0], options.realisations or 8, folder, told)
+		writeWhole(folder / "refrozen.md", "\n".join(lines) + "\n")
+		return
 	if options.moments:
 		_moments((options.grains or (100,))[0], options.realisations or 3, folder, told)
 		writeWhole(folder / "moments.md", "\n".join(lines) + "\n")
@@ -611,6 +629,12 @@ def _moments(grains, realisations, folder, told):
 	from talik import moments
 
 	print(plots.save(moments.compare(grains, realisations, told=told).draw(), folder / "moments.png"))
+
+
+def _refrozen(grains, realisations, folder, told):
+	from talik import refrozen
+
+	print(plots.save(refrozen.compare(grains, realisations, told=told).draw(), folder / "refrozen.png"))
 
 
 def _toTarget(path, grains, folder, told):
