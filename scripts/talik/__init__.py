@@ -122,6 +122,7 @@ _submodules = (
 	"creep",
 	"files",
 	"geometry",
+	"growth",
 	"layers",
 	"moments",
 	"movie",

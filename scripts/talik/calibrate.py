@@ -7,6 +7,7 @@
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
+	scripts/calibrate --growth                # what lets frozen strength grow with the rate, see talik.growth
 	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
 	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.moments
 	scripts/calibrate --refrozen              # frozen strength after thaw and refreezing, see talik.refrozen
@@ -568,6 +569,7 @@ def main():
 	)
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
 	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
+	parser.add_argument("--growth", action="store_true", help="growth of frozen strength with the rate by bonds and contacts instead: table, picture")
 	parser.add_argument("--creep", action="store_true", help="rate of creep of frozen samples over stress instead: table, picture")
 	parser.add_argument(
 		"--moments",
@@ -576,7 +578,7 @@ def main():
 	)
 	parser.add_argument("--refrozen", action="store_true", help="strength of samples that thawed and froze again beside others instead: table, picture")
 	parser.add_argument(
-		"--realisations", type=int, default=None, help="of each sample, with --scatter or --refrozen (8), --rolling, --creep or --moments (3)"
+		"--realisations", type=int, default=None, help="of each sample, with --scatter or --refrozen (8), --rolling, --growth, --creep or --moments (3)"
 	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
@@ -606,6 +608,10 @@ def main():
 		writeWhole(folder / "creep.md", "\n".join(lines) + "\n")
 		print(plots.save(table.draw(), folder / "creep.png"))
 		return
+	if options.growth:
+		_growth((options.grains or (100,))[0], options.realisations or 3, folder, told)
+		writeWhole(folder / "growth.md", "\n".join(lines) + "\n")
+		return
 	if options.refrozen:
 		_refrozen((options.grains or (100,))[0], options.realisations or 8, folder, told)
 		writeWhole(folder / "refrozen.md", "\n".join(lines) + "\n")
@@ -629,6 +635,12 @@ def _moments(grains, realisations, folder, told):
 	from talik import moments
 
 	print(plots.save(moments.compare(grains, realisations, told=told).draw(), folder / "moments.png"))
+
+
+def _growth(grains, realisations, folder, told):
+	from talik import growth
+
+	print(plots.save(growth.draw(growth.table(grains, realisations, told=told)), folder / "growth.png"))
 
 
 def _refrozen(grains, realisations, folder, told):

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Growth of frozen strength with the strain rate: tenfold in compression, hardly in tension (Haynes, Karalius & Kalafut 1975, abstract: -10 degC,
+1.2e-4 to 2.9 1/s)."""
+
+import sys
+
+from talik import calibrate, growth
+
+
+def test_compression_grows_tenfold_with_the_rate_and_tension_hardly_where_moments_do_not_break_bonds_slow(sampleCache):
+	"""Bonds whose shear strength is 0.4 of the tensile one at the slow rate, in samples that roll with resistance; exponent of the bonds 0.3."""
+	wanted = ("IceStrength's defaults", "shear 0.4 of tensile", "0.4, moments and rolling", "0.4, moments and rolling, n 0.3")
+	print()
+	found = growth.table(100, 2, which=wanted, cache=sampleCache)
+	plain, weakShear, carrying, steep = (found[name] for name in wanted)
+	ratio = [(of.compression[1] / of.tension[1]).mean() for of in (plain, steep)]
+	print(f"compression over tension at the fast rate: {ratio[0]:.1f} with the defaults, {ratio[1]:.1f} with moments and rolling")
+	assert 1.2 < plain.ofCompression < weakShear.ofCompression < carrying.ofCompression
+	assert carrying.ofCompression > 5 and 7.5 < steep.ofCompression < 13
+	assert max(of.ofTension for of in found.values()) < 1.3
+
+
+def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
+	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--growth", "--grains", "40", "--realisations", "1", "--output", str(tmp_path)])
+	calibrate.main()
+	said, written = capsys.readouterr().out, (tmp_path / "growth.md").read_text()
+	assert written.strip() in said and len(written.splitlines()) == 2 + len(growth.kinds)
+	assert (tmp_path / "growth.png").stat().st_size > 10_000
