@@ -574,13 +574,14 @@ def main():
 	parser.add_argument(
 		"--moments",
 		action="store_true",
-		help="frozen samples whose bonds carry moments beside others instead: table, picture",
+		help="frozen samples whose bonds carry moments beside others instead: table, picture; with --target: bonds carry moments",
 	)
 	parser.add_argument("--refrozen", action="store_true", help="strength of samples that thawed and froze again beside others instead: table, picture")
 	parser.add_argument(
 		"--realisations", type=int, default=None, help="of each sample, with --scatter or --refrozen (8), --rolling, --growth, --creep or --moments (3)"
 	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
+	parser.add_argument("--strain", type=float, default=0.04, help="with --target: axial strain of each test, within which strength is the largest stress")
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
@@ -591,7 +592,7 @@ def main():
 		print(line, flush=True)
 
 	if options.target:
-		_toTarget(options.target, (options.grains or (100,))[0], folder, told)
+		_toTarget(options.target, (options.grains or (100,))[0], folder, told, options.moments, options.strain)
 		writeWhole(folder / "target.md", "\n".join(lines) + "\n")
 		return
 	if options.scatter:
@@ -649,21 +650,21 @@ def _refrozen(grains, realisations, folder, told):
 	print(plots.save(refrozen.compare(grains, realisations, told=told).draw(), folder / "refrozen.png"))
 
 
-def _toTarget(path, grains, folder, told):
+def _toTarget(path, grains, folder, told, moments, strain):
 	"""Fits a sample to a target and tests it once more; picture, sample file, parameters for further realisations."""
 	from talik import target
 
 	rows = target.read(path)
-	found = target.fit(rows, grains)
+	found = target.fit(rows, grains, moments=moments, strain=strain)
 	told(found.report())
 	sample = found.sample()
-	alone = target.Candidate(found.best.parameters, [target.test(sample, row).values for row in rows])
+	alone = target.Candidate(found.best.parameters, [target.test(sample, row, strain=strain).values for row in rows])
 	off = ", ".join(f"{name} {factor:.2f}" for name, factor in alone.misfits(rows).items())
 	told(f"\nThe sample of the file is off by a factor of: {off}")
 	with talik.inspect(sample.open()):
 		O.save(str(folder / "sample.yade.gz"))
 	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
-	picture = plots.save(target.draw(found, sample), folder / "target.png", dpi=100)
+	picture = plots.save(target.draw(found, sample, strain=strain), folder / "target.png", dpi=100)
 	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A sample calibrated to tests of a soil: a target in a CSV file, bond strength, stiffness, friction, rolling friction and thickness by SciPy.
+"""A sample calibrated to tests of a soil: a target in a CSV file, bond strength, stiffness, friction, rolling friction and thickness by SciPy;
+where bonds carry moments their radius and share in the strength, too.
 
 	rows = talik.target.read("soil.csv")
 	found = talik.target.fit(rows, grains=100)
@@ -202,12 +203,16 @@ ranges = {
 	"iceShearStrength": Range(1e6, 1e9),  # [Pa]
 	"friction": Range(0.2, 1.0, False),
 	"etaRoll": Range(0.01, 0.3, False),
+	"bondRadiusFactor": Range(0.5, 2.0),
+	"momentContribution": Range(0.0, 1.0, False),
 }
+ofMoments = ("bondRadiusFactor", "momentContribution")
 standard = dict(thickness=0.03, iceYoung=3e9, iceTensileStrength=50e6, iceShearStrength=50e6, friction=0.5, etaRoll=0.05)
+standardMoments = dict(bondRadiusFactor=1.0, momentContribution=0.5)
 
 
-def fitted(rows):
-	"""Names of the parameters that the rows decide.
+def fitted(rows, moments=False):
+	"""Names of the parameters that the rows decide; moments: bonds carry moments.
 
 	>>> talik.target.fitted([talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 36.0})])
 	['friction', 'etaRoll']"""
@@ -219,15 +224,18 @@ def fitted(rows):
 		"iceTensileStrength": frozen & {"strength", "tension"},
 		"iceShearStrength": "strength" in frozen,
 		"friction": thawed & {"strength", "phi"},
-		"etaRoll": thawed & {"strength", "phi"},
+		"etaRoll": thawed & {"strength", "phi"} or moments and "strength" in frozen,
+		"bondRadiusFactor": moments and "strength" in frozen,
+		"momentContribution": moments and "strength" in frozen,
 	}
 	return [name for name in ranges if decided[name]]
 
 
 def altered(sample, friction, etaRoll, **bonds):
-	"""A copy of a packed, ice-free sample of RollingIceBondMat with another contact friction, rolling friction and bonds.
+	"""A copy of a packed, ice-free sample of RollingIceBondMat or MomentIceBondMat with another contact friction, rolling friction and bonds.
 
-	bonds  attributes of IceBondMat: iceYoung, iceTensileStrength, iceShearStrength [Pa]
+	bonds  attributes of IceBondMat: iceYoung, iceTensileStrength, iceShearStrength [Pa]; of MomentIceBondMat bondRadiusFactor and
+		   momentContribution [-]
 
 	>>> rolling = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19, ice=True, etaRoll=0.05))
 	>>> other = talik.target.altered(rolling, friction=0.6, etaRoll=0.1, iceYoung=5e9)"""
@@ -238,6 +246,7 @@ def altered(sample, friction, etaRoll, **bonds):
 		for contact in O.interactions:
 			if contact.isReal:
 				contact.phys.maxRollPl = etaRoll * min(O.bodies[grain].shape.radius for grain in (contact.id1, contact.id2))
+				contact.phys.updateAttrs({name: bonds[name] for name in ofMoments if name in bonds})
 		return wrapper.RveSample.fromScene(scene)
 
 
@@ -325,6 +334,7 @@ class Fit:
 	candidates: list
 	grains: int
 	porosity: float
+	moments: bool = False  # bonds carry moments
 
 	def parameters(self):
 		"""Keyword arguments of talik.rve.prepare for further realisations of the best candidate."""
@@ -334,7 +344,7 @@ class Fit:
 		"""The best candidate itself: a packed, ice-free sample of its thickness at 100 kPa."""
 		parameters = dict(self.best.parameters)
 		thickness = parameters.pop("thickness")
-		with talik.inspect(altered(_unfitted(self.grains, self.porosity, cache), **parameters).open()) as scene:
+		with talik.inspect(altered(_unfitted(self.grains, self.porosity, cache, self.moments), **parameters).open()) as scene:
 			O.tags["thickness"] = repr(float(thickness))
 			sample = wrapper.RveSample.fromScene(scene)
 		if not sample.servo(-usualPressure, -usualPressure):
@@ -367,27 +377,29 @@ def _said(name, value):
 	return f"{value:.1f}°" if name == "phi" else f"{1e-6 * value:.3g} MPa"
 
 
-def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=None):
+def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=None, moments=False):
 	"""Fit of the parameters that the rows decide (`fitted`) by scipy.optimize.least_squares on ln(found/target): Fit.
 
 	grains, porosity  of the sample (discs)
 	steps             of the optimiser from the start, and two more towards each quantity alone, for what cannot be met at once
 	strain            axial, of each test [-]: strength is the largest stress within it
 	cache             of talik.rve.prepare
+	moments           bonds carry moments (MomentIceBondMat): their radius and their share in the strength are fitted, too
 
 	>>> rows = [talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 25.0})]
 	>>> found = talik.target.fit(rows, grains=30, porosity=0.19, steps=1, strain=1e-3)"""
 	from tqdm import tqdm
 
-	names = fitted(rows)
-	sample = _unfitted(grains, porosity, cache)
+	names = fitted(rows, moments)
+	sample = _unfitted(grains, porosity, cache, moments)
+	begin = dict(standard, **(standardMoments if moments else {}))
 	wanted = sorted({name for row in rows for name in row.wanted}, key=quantities.index)
 	candidates = []
 	aims = [{}] + ([{name: 5.0} for name in wanted] if len(wanted) > 1 else [])
 	with tqdm(total=(steps + 2 * (len(aims) - 1)) * (len(names) + 1), unit="sample", desc="calibrating") as bar:
 
 		def tested(places):
-			parameters = dict(standard, **{name: ranges[name].at(place - 1) for name, place in zip(names, places)})
+			parameters = dict(begin, **{name: ranges[name].at(place - 1) for name, place in zip(names, places)})
 			bonds = {name: value for name, value in parameters.items() if name != "thickness"}
 			candidate = Candidate(parameters, [test(altered(sample, **bonds), row, parameters["thickness"], law, strain).values for row in rows])
 			candidates.append(candidate)
@@ -395,18 +407,19 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 			bar.set_postfix({name: f"{factor:.2f}" for name, factor in candidate.misfits(rows).items()})
 			return candidate
 
-		start = np.array([1 + ranges[name].partOf(standard[name]) for name in names])
+		start = np.array([1 + ranges[name].partOf(begin[name]) for name in names])
 		for aim in aims:
 			_descend(lambda places: [aim.get(name, 1.0) * log for name, log in tested(places).logs(rows)], start, steps if not aim else 2)
 			best = min(candidates, key=lambda candidate: sum(log**2 for _, log in candidate.logs(rows)))
 			start = np.array([1 + ranges[name].partOf(best.parameters[name]) for name in names])
-	return Fit(rows, best, candidates, grains, porosity)
+	return Fit(rows, best, candidates, grains, porosity, moments)
 
 
-def _unfitted(grains, porosity, cache):
+def _unfitted(grains, porosity, cache, moments):
 	"""Packed sample that is fitted: it bears what one of the standard thickness bears at the usual pressure."""
 	pressure = usualPressure * standard["thickness"] / usualThickness
-	return rve.pack(rve.prepare(grains=grains, porosity=porosity, pressure=pressure, ice=True, etaRoll=standard["etaRoll"], cache=cache))
+	ofBonds = standardMoments if moments else {}
+	return rve.pack(rve.prepare(grains=grains, porosity=porosity, pressure=pressure, ice=True, etaRoll=standard["etaRoll"], cache=cache, **ofBonds))
 
 
 def _descend(residuals, start, steps):
