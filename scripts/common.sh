@@ -60,11 +60,15 @@ showingProgress() {
 	"$@" 2>&1 | tee "$log" | tenthsBuilt || failWithLog "$what" "$log"
 }
 
+# Not with awk: Debian's reads a pipe in blocks, and would tell everything at the end.
 tenthsBuilt() {
-	awk '/^\[ *[0-9]+%\] Building/ {
-		tenth = int(substr($0, 2) / 10)
-		if (tenth > shown) { shown = tenth; printf "  %d %% built\n", 10 * tenth > "/dev/stderr"; fflush("/dev/stderr") }
-	}'
+	local line tenth shown=0
+	while IFS= read -r line; do
+		[[ $line =~ ^\[\ *([0-9]+)%\]\ Building ]] || continue
+		tenth=$((BASH_REMATCH[1] / 10))
+		[ $tenth -le $shown ] || note "  $((10 * tenth)) % built"
+		shown=$tenth
+	done
 }
 
 ensurePackages() {

@@ -32,6 +32,7 @@ namespace {
 		void      surface();
 		void      fill();
 		void      body();
+		void      movingWall();
 		TimeTable weather(double from, double to);
 
 		static Vec<D> along(double x, double y)
@@ -239,9 +240,31 @@ namespace {
 		scene.body.mass = 2700.0 * std::pow(s.gridSpacing, D) * cellsFilled * dice.decades("massOfGround", 1e-2, 1.0);
 	}
 
+	/// One of the walls moves: pushes, gives way, shears or shakes.
+	template <int D> void Draw<D>::movingWall()
+	{
+		auto&                    boundaries = scene.ground->settings().boundaries;
+		std::vector<std::size_t> walls;
+		for (std::size_t k = 0; k < boundaries.size(); ++k)
+			if (boundaries[k]->name() == "RollerBoundary" || boundaries[k]->name() == "FixedBoundary") walls.push_back(k);
+		if (walls.empty()) return;
+		auto&           wall = boundaries[walls[dice.count("movingWallNumber", 0, static_cast<int>(walls.size()) - 1)]];
+		const Region<D> side = wall->region();
+		Vec<D>          direction {};
+		const bool      rough = dice.chance("movingWallRough", 0.5);
+		if (rough)
+			for (double& component : direction)
+				component = dice.uniform(-1.0, 1.0);
+		// in 300 steps less than half a cell, and less than a twentieth of the box
+		const double cells    = std::lround((s.upper[side.on.axis] - s.lower[side.on.axis]) / s.gridSpacing);
+		const double fastest  = 1.4e-3 * std::min(1.0, 0.1 * cells) * dice.between("movingWallSpeed", 0.0, 1.0) * std::sqrt(softest / 2000.0);
+		const double standing = dice.chance("movingWallAhead", 0.2) ? dice.between("ahead", 0.0, 0.05) * s.gridSpacing : 0.0;
+		wall                  = std::make_shared<MovingBoundary<D>>(side, weather(-fastest, fastest), direction, rough, standing);
+	}
+
 } // namespace
 
-template <int D> RandomScene<D>::RandomScene(std::uint64_t seed)
+template <int D> RandomScene<D>::RandomScene(std::uint64_t seed, bool wallsRest)
 {
 	Draw<D> d { Dice(seed), *this, {} };
 	d.s.gridSpacing = d.dice.decades("h", 0.02, 1.0);
@@ -262,6 +285,8 @@ template <int D> RandomScene<D>::RandomScene(std::uint64_t seed)
 	d.fill();
 	steps = d.dice.count("steps", 100, 300);
 	if (moves && d.dice.chance("body", 0.3)) d.body();
+	// last, so that the rest of a scene does not depend on it
+	if (moves && !wallsRest && d.dice.chance("movingWall", 0.25)) d.movingWall();
 	described = d.dice.text();
 }
 

@@ -24,8 +24,8 @@ template <int D> struct RandomScene {
 	bool   open                = false;             ///< points may leave: a side of the box has no wall, or they were thrown against one
 	bool   energyAccounted     = true; ///< false: water that crosses the surface, or percolates on the spot, has energy which the ledger does not see
 
-	/// The same seed draws the same scene on any machine.
-	explicit RandomScene(std::uint64_t seed);
+	/// The same seed draws the same scene on any machine. wallsRest: without the wall that moves, which scenes found earlier did not have.
+	explicit RandomScene(std::uint64_t seed, bool wallsRest = false);
 	/// Initialises the ground and puts the body in its place. Throws what Ground::initialise() throws.
 	void start();
 	/// The body as the watch takes it; nothing in a scene without.

@@ -94,9 +94,10 @@ private:
 	{
 		const double brought = outsideStart_ - outside_.energy();
 		const double held    = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy - brought;
-		const double spent   = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork;
+		const double spent   = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork - b.wallWork;
 		const double turned  = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
-		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(brought);
+		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(b.wallWork)
+		        + std::abs(brought);
 		turnedOver_          = std::max({ turnedOver_, turned, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });
 		figures_.kineticPeak = std::max(figures_.kineticPeak, b.kineticEnergy);
 		if (turnedOver_ > 0.0) figures_.energyCreated = std::max(figures_.energyCreated, (held + spent) / turnedOver_);

@@ -40,6 +40,20 @@ def test_a_build_tells_every_tenth_that_it_compiles(built):
 	assert said.splitlines() == ["Building Talik for the first time (a few minutes) ...", *(f"  {percent} % built" for percent in (10, 30, 70, 100))]
 
 
+def test_a_tenth_is_told_when_it_is_compiled_not_at_the_end(tmp_path):
+	# the next one is compiled only when somebody has read of the first
+	told = tmp_path / "told"
+	os.mkfifo(told)
+	waiting = "echo '[ 50%] Building CXX object 1.o'; read -t 30 <>" + str(told) + " || exit 3; echo '[100%] Building CXX object 2.o'"
+	script = (
+		f"set -euo pipefail; source {root}/scripts/common.sh; showingProgress 'the build' {tmp_path}/log bash -c \"{waiting}\" 2> "
+		f">(while read -r line; do echo $line; [ \"$line\" != '50 % built' ] || echo go >{told}; done)"
+	)
+	done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, timeout=60)
+	print(done.stdout + done.stderr)
+	assert done.returncode == 0
+
+
 def test_a_build_that_has_nothing_to_compile_is_silent(built):
 	built()
 	assert built(build="echo '[100%] Built target all'") == (0, "")

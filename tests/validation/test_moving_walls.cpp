@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Walls of given velocity against Hooke's law, the standing wave of a column on a shaken base, Rankine's earth pressure and balances.
+// Walls of given velocity against Hooke's law, the standing wave of a column on a shaken base, Rankine's earth pressure, slip along a thaw
+// front that a wall drives, and balances.
 #include "Report.hpp"
-#include "Scenes.hpp"
+#include "Slab.hpp"
 
 #include <gtest/gtest.h>
 
@@ -303,4 +304,106 @@ TEST(MovingWalls, WallThatIsPushedIntoSandOrGivesWayHasRankinesEarthPressure)
 		expectRelative(name + "passive coefficient", earthPressure(friction, 0.04), passive, 5e-2);
 		expectRelative(name + "active coefficient", earthPressure(friction, -0.04), 1.0 / passive, 5e-2);
 	}
+}
+
+namespace {
+
+/// Box with a thaw front and gravity downwards, walls still to be added.
+GroundSettings<2> freezingBox(double spacing, const Vec<2>& size, double gravity, std::shared_ptr<MohrCoulombSkeleton<2>> law)
+{
+	GroundSettings<2> s = dryBox<2>(spacing, size);
+	s.motion->gravity   = { 0.0, -gravity };
+	s.heat.emplace();
+	s.freezing = makeFreezingCurve();
+	s.skeletons.push_back(law);
+	return s;
+}
+
+/// Weight of the Slab's ground.
+double unitWeight() { return Slab().density() * Slab::gravity; }
+
+/// Law of ground without cohesion when thawed, that nothing breaks when frozen.
+std::shared_ptr<MohrCoulombSkeleton<2>> thawedSand(double friction)
+{
+	auto law                   = std::make_shared<MohrCoulombSkeleton<2>>();
+	law->youngModulus          = 20e6;
+	law->youngModulusFrozen    = 100e6;
+	law->cohesion              = 0.0;
+	law->cohesionFrozen        = 50e6;
+	law->tensileStrengthFrozen = 50e6;
+	law->frictionAngle         = friction;
+	return law;
+}
+
+} // namespace
+
+// Newmark: a block on a base that accelerates by more than friction gives it follows with mu g
+TEST(MovingWalls, ThawedLayerOnAFrozenBaseThatIsDraggedAwayFollowsByFriction)
+{
+	for (const int rows : { 2, 4, 6 }) {
+		const double h = 0.25, base = 0.5 * rows * h, depth = 2.0 * h, length = 40.0 * h, duration = 0.5, friction = 26.0;
+		auto         s     = freezingBox(h, { length + 16.0 * h, 8.0 * h }, Slab::gravity, thawedSand(friction));
+		const double ratio = std::sin(Slab::radians(friction)), drive = 2.0 * ratio * Slab::gravity;
+		add<2, MovingBoundary<2>>(s, "bottom", TimeTable({ 0.0, duration }, { 0.0, drive * duration }), Vec<2> { 1.0, 0.0 }, true);
+		Ground<2>        ground(s);
+		std::vector<int> layer;
+		int              id   = 0;
+		const double     from = 4.0 * h, middle = from + 0.5 * length;
+		fillBox(ground, { from, 0.0 }, { from + length, base + depth }, [&](PointInput<2>& p) {
+			const bool thawed = p.position[1] > base;
+			p.temperature     = thawed ? 5.0 : -10.0;
+			p.stress[1]       = -unitWeight() * (base + depth - p.position[1]);
+			p.stress[0] = p.stress[2] = p.stress[1];
+			p.stress[3]               = ratio * p.stress[1];
+			if (thawed && std::abs(p.position[0] - middle) < 3.0 * h) layer.push_back(id);
+			++id;
+		});
+		ground.initialise();
+		marchTo(ground, duration);
+		const auto moved = valuesOf(ground, "displacement", 0);
+		double     sum   = 0.0;
+		for (const int k : layer)
+			sum += moved[k];
+		citing("Newmark 1965; Davis 1968");
+		expectRelative(
+		        "thawed layer on a frozen base of " + std::to_string(rows) + " rows of points that is dragged away: path over sin(phi) g t^2/2",
+		        sum / layer.size() / (0.5 * ratio * Slab::gravity * duration * duration), 1.0, 5e-2);
+	}
+}
+
+// A soft and a stiff layer that a wall pushes by one path have one strain each: nothing shears the front between them.
+TEST(MovingWalls, FrozenAndThawedLayersPushedTogetherDoNotSlipOnEachOther)
+{
+	const double h = 0.1, length = 2.0, height = 1.0, path = 0.045, duration = 1.0;
+	auto         law  = thawedSand(26.0);
+	law->poissonRatio = 0.0;
+	law->youngModulus = 10e6;
+	law->cohesion = law->tensileStrength = 1e7;
+	auto s                               = freezingBox(h, { length, height }, 0.0, law);
+	s.motion->localDamping               = 0.3;
+	for (const char* side : { "left", "bottom", "top" })
+		add<2, RollerBoundary<2>>(s, side);
+	add<2, MovingBoundary<2>>(s, "right", pushing(path, duration), Vec<2> {}, false);
+	Ground<2>        ground(s);
+	std::vector<int> layer[2];
+	int              id = 0;
+	fillBox(ground, s.lower, s.upper, [&](PointInput<2>& p) {
+		const bool thawed = p.position[1] > 0.5 * height;
+		p.temperature     = thawed ? 5.0 : -10.0;
+		layer[thawed].push_back(id++);
+	});
+	ground.initialise();
+	marchTo(ground, duration);
+	const auto   stress = valuesOf(ground, "stress", 0), slip = valuesOf(ground, "slip");
+	const double strain = std::log(1.0 - path / length);
+	for (const bool thawed : { false, true }) {
+		double mean = 0.0;
+		for (const int k : layer[thawed])
+			mean += stress[k] / layer[thawed].size();
+		citing("Hooke");
+		expectRelative(
+		        std::string("frozen and thawed layer pushed together by a wall: mean axial stress of the ") + (thawed ? "thawed" : "frozen") + " [Pa]",
+		        mean, (thawed ? law->youngModulus : law->youngModulusFrozen) * strain, 2e-2);
+	}
+	expectSmall("frozen and thawed layer pushed together by a wall: largest slip over the path", largestSize(slip) / path, 1e-2);
 }

@@ -125,6 +125,7 @@ public:
 		int    moving = -1; ///< number of the moving wall, -1: at rest
 		Vec<D> velocity {}; ///< of the wall at the start of the step [m/s]
 		Vec<D> change {};   ///< of this velocity in the step [m/s]
+		double lead = 0.0;  ///< lambda of eq. (8.5), of a moving wall that has left its nodes
 		int    wall() const { return (ghost + inner) / 2; }
 		/// What mirroring adds to the ghost's quantity that the wall has with this value per mass.
 		double added(int axis, double ofWall) const { return (1.0 - sign[axis]) * ofWall; }

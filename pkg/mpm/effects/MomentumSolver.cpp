@@ -162,6 +162,7 @@ template <int D> void MomentumSolver<D>::beginStep(const Grid<D>& grid, const Sh
 		if (m.moving < 0) continue;
 		m.velocity = moving_[m.moving].velocity;
 		m.change   = moving_[m.moving].change;
+		m.lead     = moving_[m.moving].lead;
 	}
 }
 
@@ -169,17 +170,16 @@ template <int D> void MomentumSolver<D>::pushAhead(SolidMotion<D>& motion, PoreW
 {
 	using W = PoreWater<D>;
 	for (Folded& f : folded_) {
-		const auto&       m    = mirrors_[f.mirror];
-		const MovingWall& wall = moving_[m.moving];
-		double*           r    = motion.nodes[m.inner];
-		const double*     on   = motion.nodes[m.wall()];
-		if (wall.lead == 0.0 || !(r[motion.massAt] > 0.0) || !(on[motion.massAt] > 0.0)) continue;
+		const auto&   m  = mirrors_[f.mirror];
+		double*       r  = motion.nodes[m.inner];
+		const double* on = motion.nodes[m.wall()];
+		if (m.lead == 0.0 || !(r[motion.massAt] > 0.0) || !(on[motion.massAt] > 0.0)) continue;
 		const double liquid = water ? water->nodes[m.wall()][W::massAt] : 0.0;
 		for (int a = 0; a < D; ++a) {
 			if (m.sign[a] > 0.0) continue;
-			f.pushed[a] = wall.lead * ((on[motion.massAt] + liquid) * m.change[a] / dt - on[motion.forceAt + a]);
+			f.pushed[a] = m.lead * ((on[motion.massAt] + liquid) * m.change[a] / dt - on[motion.forceAt + a]);
 			r[motion.forceAt + a] += f.pushed[a];
-			if (water) water->force[m.inner][a] += wall.lead * (liquid * m.change[a] / dt - water->force[m.wall()][a]);
+			if (water) water->force[m.inner][a] += m.lead * (liquid * m.change[a] / dt - water->force[m.wall()][a]);
 		}
 	}
 }

@@ -160,6 +160,9 @@ template <int D> void ThawFront<D>::markNodes(const ActiveRange& range, const Mi
 	};
 	std::for_each(mirrors.begin(), mirrors.end(), join);
 	std::for_each(mirrors.rbegin(), mirrors.rend(), join);
+	// where the sides part in front of a wall that has left its nodes, each has a velocity of its own on them too
+	for (const auto& m : mirrors)
+		if (m.lead != 0.0 && reached_[m.inner + margin_] == bothBits) reached_[m.wall() + margin_] = bothBits;
 	// the liquid of a ghost that stays free of the wall belongs to no side of the node that its solid is folded into
 	for (const int node : freeLiquid)
 		reached_[node + margin_] = 0;
@@ -349,6 +352,52 @@ template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impul
 		}
 		for (int at = 0; at < resultSize; ++at)
 			result(slot_[m.ghost])[at] = m.sign[at % D] * inner[at];
+	}
+}
+
+/// The wall of the mirror has left its nodes, and the sides have velocities of their own in front of it.
+template <int D> bool ThawFront<D>::leads(const typename Mirrors::value_type& m) const
+{
+	using M = SolidMotion<D>;
+	return m.lead != 0.0 && slot_[m.inner] >= 0 && slot_[m.wall()] >= 0 && motion_->nodes[m.inner][M::massAt] > 0.0
+	        && motion_->nodes[m.wall()][M::massAt] > 0.0;
+}
+
+/// The frozen side's part of what the solver pushes ahead of such walls, eq. (8.5). The face of frozen ground on the wall is no front.
+template <int D> void ThawFront<D>::pushAhead(const Mirrors& mirrors, double dt)
+{
+	for (const auto& m : mirrors) {
+		if (!leads(m)) continue;
+		const double* on    = record(slot_[m.wall()]);
+		double*       inner = record(slot_[m.inner]);
+		for (int a = 0; a < D; ++a) {
+			if (m.sign[a] > 0.0) continue;
+			inner[forceAt + a] += m.lead * ((on[massAt] + on[liquidMassAt]) * m.change[a] / dt - on[forceAt + a]);
+			inner[areaAt + a] -= m.lead * on[areaAt + a];
+		}
+	}
+}
+
+/// Both sides move with such a wall where it stands, as v_0 of eq. (8.5) has it for their common velocity.
+template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork)
+{
+	for (const auto& m : mirrors) {
+		if (!leads(m)) continue;
+		const double* on      = record(slot_[m.wall()]);
+		const double* inner   = result(slot_[m.inner]);
+		double*       wall    = result(slot_[m.wall()]);
+		const double  mass[2] = { on[massAt] + on[liquidMassAt], on[thawedMassAt] + on[thawedLiquidMassAt] };
+		for (int side = 0; side < 2; ++side)
+			for (int a = 0; a < D; ++a) {
+				if (m.sign[a] > 0.0) continue;
+				const int    at = side * sideSize + a;
+				const double v  = -m.lead * inner[at + velocityAt];
+				wall[at + velocityAt] += v;
+				wall[at + gainAt] += v;
+				if (water_) wall[at + liquidGainAt] += v;
+				impulse[a] += mass[side] * v;
+				wallWork += mass[side] * v * (m.velocity[a] + m.change[a]);
+			}
 	}
 }
 
@@ -591,6 +640,7 @@ double ThawFront<D>::solve(
 	fastest_ = 0.0;
 	if (!present()) return 0.0;
 	fold(mirrors, dt);
+	pushAhead(mirrors, dt);
 	const int     count     = nodeCount();
 	constexpr int piece     = 64;
 	const auto    overSlots = [&](auto&& work) {
@@ -608,6 +658,7 @@ double ThawFront<D>::solve(
 		work_[slot] = slide(slot, dt);
 		correct(slot);
 	});
+	leadWalls(mirrors, impulse, wallWork);
 	unfold(mirrors, impulse, wallWork);
 	for (int slot = 0; slot < count; ++slot)
 		for (int side = 0; side < 2; ++side)

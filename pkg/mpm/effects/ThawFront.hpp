@@ -136,6 +136,9 @@ private:
 	void          addThawed(const WeightBlock<D>& w, int k);
 	void          fold(const Mirrors& mirrors, double dt);
 	void          unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
+	bool          leads(const typename Mirrors::value_type& mirror) const;
+	void          pushAhead(const Mirrors& mirrors, double dt);
+	void          leadWalls(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
