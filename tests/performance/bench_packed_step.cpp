@@ -3,6 +3,7 @@
 //   yade -n -x -j1 tests/yade/time_stock_step.py
 // To compare, run both in turn in one shell loop: machines are not equally fast at all times.
 #include "../unit/packedReference.hpp"
+#include "../unit/packedSpheres.hpp"
 #include <benchmark/benchmark.h>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 
@@ -12,10 +13,15 @@ using packedReference::State;
 
 namespace {
 
+std::string dataFile(const char* name)
+{
+	const std::string here = __FILE__;
+	return here.substr(0, here.find_last_of('/')) + "/../unit/data/" + name;
+}
+
 const packedReference::Reference& reference()
 {
-	static const std::string here = __FILE__;
-	static const auto        read = packedReference::read(here.substr(0, here.find_last_of('/')) + "/../unit/data/packed_reference.txt");
+	static const auto read = packedReference::read(dataFile("packed_reference.txt"));
 	return read;
 }
 
@@ -36,27 +42,32 @@ State frozen(double iceSaturation)
 	return sample.state();
 }
 
-void run(benchmark::State& bench, State state, bool portable, double before)
+template <int Dim> void time(benchmark::State& bench, PackedSample<Dim>& sample, const Eigen::Matrix<double, Dim, Dim>& motion)
 {
-	constexpr long steps = 500;
-	PackedSample<2>::forcePortable(portable);
-	PackedSample<2> sample(state);
-	PackedSample<2>::forcePortable(false);
-	if (before > 0) sample.advance(shear(0.3), long(before / (0.3 * state.dt)));
-	const State start = sample.state();
+	constexpr long         steps = 500;
+	const PackedState<Dim> start = sample.state();
 	for (auto _ : bench) {
 		bench.PauseTiming();
 		sample.setState(start);
 		bench.ResumeTiming();
-		sample.advance(shear(0.01), steps);
+		sample.advance(motion, steps);
 	}
 	const auto statistics               = sample.statistics();
 	bench.counters["contacts"]          = double(statistics.contacts);
 	bench.counters["bondsIntact"]       = double(statistics.bondsIntact);
 	bench.counters["bondsBroken"]       = double(statistics.bondsBroken);
 	bench.counters["time/(grain step)"] = benchmark::Counter(
-	        double(steps * long(state.size())), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+	        double(steps * long(start.size())), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 	bench.SetLabel(sample.path());
+}
+
+void run(benchmark::State& bench, State state, bool portable, double before)
+{
+	PackedSample<2>::forcePortable(portable);
+	PackedSample<2> sample(state);
+	PackedSample<2>::forcePortable(false);
+	if (before > 0) sample.advance(shear(0.3), long(before / (0.3 * state.dt)));
+	time(bench, sample, shear(0.01));
 }
 
 void frictional(benchmark::State& bench) { run(bench, reference().state(), bench.range(0), 0); }
@@ -86,6 +97,54 @@ void bondedWithMoments(benchmark::State& bench)
 	run(bench, state, bench.range(0), 0);
 }
 
+/// Eight copies of the sample of spheres, in one cell.
+packedSpheres::State spheres()
+{
+	static const auto          read   = packedSpheres::read(dataFile("packed_spheres_reference.txt"));
+	const packedSpheres::State one    = read.state();
+	packedSpheres::State       all    = one;
+	auto                       grains = std::make_shared<PackedGrains>();
+	const auto                 place  = [&](int copy) { return Eigen::Vector3d(copy & 1, copy >> 1 & 1, copy >> 2); };
+	all.hSize = all.prevHSize = 2 * one.hSize;
+	all.position.clear(), all.velocity.clear(), all.angularVelocity.clear();
+	all.contacts = {};
+	for (int copy = 0; copy < 8; ++copy)
+		for (std::size_t g = 0; g < one.size(); ++g) {
+			grains->radius.push_back(one.grains->radius[g]);
+			grains->mass.push_back(one.grains->mass[g]);
+			grains->inertia.push_back(one.grains->inertia[g]);
+			grains->id.push_back(int(grains->id.size()));
+			all.position.push_back(one.position[g] + one.hSize * place(copy));
+			all.velocity.push_back(one.velocity[g]);
+			all.angularVelocity.push_back(one.angularVelocity[g]);
+		}
+	all.grains = grains;
+	return all;
+}
+
+packedSpheres::State frozenSpheres()
+{
+	PackedSample<3> sample(spheres());
+	for (int k = 1; k <= 20; ++k) {
+		sample.setIceSaturation(0.5 * k / 20);
+		sample.advance(5);
+	}
+	return sample.state();
+}
+
+void run(benchmark::State& bench, const packedSpheres::State& state)
+{
+	PackedSample<3>::forcePortable(bench.range(0));
+	PackedSample<3> sample(state);
+	PackedSample<3>::forcePortable(false);
+	packedSpheres::Matrix motion = packedSpheres::Matrix::Zero();
+	motion.topLeftCorner<2, 2>() = shear(0.01);
+	sample.advance(motion, 2000);
+	time(bench, sample, motion);
+}
+void frictionalSpheres(benchmark::State& bench) { run(bench, spheres()); }
+void bondedSpheres(benchmark::State& bench) { run(bench, frozenSpheres()); }
+
 /// One update of many samples, all of it: load, motion, tangent, store.
 void pool(benchmark::State& bench)
 {
@@ -114,4 +173,6 @@ BENCHMARK(bondedWithBreakage)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(frictionalRolling)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedRolling)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedWithMoments)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(frictionalSpheres)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(bondedSpheres)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(pool)->ArgName("steps")->Arg(10)->Arg(50)->Arg(200);
