@@ -448,6 +448,27 @@ def test_a_block_of_creeping_ground_bears_the_stress_of_glens_law_under_a_plate_
 	assert stress[2] == pytest.approx(wanted / 2, rel=0.02) and abs(stress[0]) < 0.02 * wanted
 
 
+def test_creeping_ground_goes_on_from_a_file_to_the_last_bit(tmp_path):
+	states = []
+	for saved in (False, True):
+		O.reset()
+		mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(9, 5), gravity=(0, -9.81), heat=wrapper.HeatTransfer(thermalTimeScale=1e8))
+		mpm.skeleton = wrapper.CreepingSkeleton(young=1e8)
+		mpm.boundaries = [wrapper.FixedBoundary(region="bottom")]
+		talik.geometry.fill(mpm, talik.geometry.rectangle(1, 0, 8, 4.5), temperature=-2)
+		O.engines = [mpm]
+		for k in range(20):
+			if saved and k == 9:
+				O.save(str(tmp_path / "ground.yade.gz"))
+				O.load(str(tmp_path / "ground.yade.gz"))
+			O.step()
+		mpm = O.engines[0]
+		states.append((mpm.field("stress"), mpm.field("skeleton0.creepStrain")))
+	print(f"\n{mpm.pointCount} points, creep strain up to {states[0][1].max():.1e} after 20 steps")
+	assert states[0][1].max() > 0
+	assert all((one == other).all() for one, other in zip(*states))
+
+
 @pytest.mark.parametrize("exponent, factor", [(3.0, 1.5), (2.0, 2.0)])
 def test_a_strip_footing_on_frozen_ground_settles_with_the_power_of_the_load_that_its_ice_has(exponent, factor, tmp_path):
 	"""Level: Nye's closed form for a cylinder that expands in ground without end (1953), taken for a footing after Ladanyi, within a factor on the load."""

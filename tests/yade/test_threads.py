@@ -38,13 +38,14 @@ from yade import O, wrapper
 def states(threads):
 	O.reset()
 	mpm = wrapper.MpmEngine(
-		gridSpacing=0.02, lower=(0, 0), upper=(2, 2), gravity=(1, -9.81), skeletons=[wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()],
+		gridSpacing=0.02, lower=(0, 0), upper=(2, 2), gravity=(1, -9.81),
+		skeletons=[wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton(), wrapper.CreepingSkeleton(young=10e6)],
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e6), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
 		boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", temperature=5)],
 	)
 	position, volume = talik.geometry.fillPolygon([(0, 0), (2, 0), (2, 0.5), (0, 0.5)], 0.02)
 	velocity = np.random.default_rng(1).normal(0, 0.1, position.shape)
-	mpm.addPoints(position=position, volume=volume, temperature=-1, skeleton=[k % 2 for k in range(len(position))], velocity=velocity)
+	mpm.addPoints(position=position, volume=volume, temperature=-1, skeleton=[k % 3 for k in range(len(position))], velocity=velocity)
 	O.engines = [mpm]
 	if threads == 1:
 		talik._talik.runSerially(40)
