@@ -23,8 +23,8 @@ class Solid:
 
 	lower, upper  corners of its box (3,) [m]
 
-	>>> talik.solids.box((0, 0, 0), (4, 2, 1)).upper[0]
-	4.0"""
+	>>> talik.solids.box((0, 0, 0), (4, 2, 1)).upper.tolist()
+	[4.0, 2.0, 1.0]"""
 
 	lower, upper = None, None
 

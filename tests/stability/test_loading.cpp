@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 using namespace talik;
 using namespace talik::stability;
 using namespace talik::validation;

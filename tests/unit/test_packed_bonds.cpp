@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "packedPair.hpp"
+#include <algorithm>
 #include <cstdio>
 #include <gtest/gtest.h>
 #include <random>

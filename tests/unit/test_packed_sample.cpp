@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "packedReference.hpp"
+#include <algorithm>
 #include <cstdio>
 #include <Eigen/LU>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Samples shared out among ranks, which are threads of this process here.
 #include "packedSpheres.hpp"
+#include <algorithm>
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>

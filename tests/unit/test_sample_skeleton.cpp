@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // One point of a ground in space with a sample of spheres behind it.
 #include "packedSpheres.hpp"
+#include <algorithm>
 #include <cstdio>
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

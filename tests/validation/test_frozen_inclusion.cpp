@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 using namespace talik;
 using namespace talik::validation;
 using reference::FrozenInclusion;
