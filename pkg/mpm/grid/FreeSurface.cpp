@@ -155,8 +155,12 @@ template <int D> typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(
 	double    nearest = INFINITY;
 	Emptiness found   = filled;
 	while (true) {
-		const Emptiness here = emptiness_[grid.cellIndex(cell)];
-		if (here != filled) {
+		// most rows of cells are filled
+		const Emptiness* const row = &emptiness_[grid.cellIndex(cell)];
+		for (int at = low[0]; at <= high[0]; ++at) {
+			const Emptiness here = row[(at - low[0]) * grid.cellStride(0)];
+			if (here == filled) continue;
+			cell[0]         = at;
 			double distance = 0.0, ahead = 0.0;
 			for (int a = 0; a < D; ++a) {
 				const double d = cell[a] + 1.5 - node[a]; // from the node to the middle of the cell
@@ -167,7 +171,8 @@ template <int D> typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(
 			if (ahead <= 0.0) distance += 1e3;
 			if (distance < nearest || (distance == nearest && here == openAir)) nearest = distance, found = here;
 		}
-		int a = 0;
+		cell[0] = low[0];
+		int a   = 1;
 		while (a < D && ++cell[a] > high[a])
 			cell[a] = low[a], ++a;
 		if (a == D) return found;
