@@ -103,12 +103,16 @@ def runCase(case, options, days=None):
 	return slump
 
 
+def lawAlone(options):
+	return options.skeleton == "MohrCoulomb" and options.compare is None
+
+
 def groundOf(options, setting):
 	"""Ground of a run. What slides converges with the calendar and a cohesion; samples are too slow for that as a
 	default, and runs that are compared share one ground."""
-	lawAlone = setting["skeleton"] == "MohrCoulomb" and options.compare is None
-	calendar = options.calendar or ("follows-motion" if lawAlone else "constant")
-	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if lawAlone else 0.0
+	alone = lawAlone(options)
+	calendar = options.calendar or ("follows-motion" if alone else "constant")
+	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if alone else 0.0
 	return Ground(thawStrain=setting["thawStrain"], thawedCohesion=cohesion, followsMotion=calendar == "follows-motion")
 
 
@@ -116,6 +120,7 @@ def presetOf(options, days):
 	preset = presets[options.preset]
 	return replace(
 		preset,
+		gridSpacing=preset.lawGridSpacing if lawAlone(options) and preset.lawGridSpacing else preset.gridSpacing,
 		days=options.days or days or preset.days,
 		grains=options.grains or preset.grains,
 		realisations=options.realisations,

@@ -18,6 +18,7 @@ class Preset:
 	realisations: int = 1  # of the sample, dealt to the points by chance
 	seed: int = 1  # of the samples and of that chance
 	longestMotion: float = math.inf  # of the thaw [s]: a run whose ground never rests ends here
+	lawGridSpacing: float = None  # with the calibrated law alone, which is cheap enough for a finer grid [m]; None: gridSpacing
 	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
 
 
@@ -35,8 +36,8 @@ presets = {
 		restTime=0.2,
 		calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3)),
 	),
-	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0),
-	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0),
+	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0, lawGridSpacing=0.25),
+	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0, lawGridSpacing=0.125),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
 }
 
@@ -61,4 +62,9 @@ class Ground:
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
 	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
+	picTimeFactor: float = 4.0  # points keep what the grid does not see for so many times sqrt(h/g) during failure (O); MpmEngine's default is 1
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
+
+	def picTime(self, gridSpacing):
+		"""MpmEngine.picTime [s] during failure. A shorter one is a viscosity that holds thin slides back."""
+		return self.picTimeFactor * math.sqrt(gridSpacing / 9.81)

@@ -173,7 +173,7 @@ class ThawSlump:
 		talik.runUntil(self.preset.restTime)
 		self.restKineticEnergy = self.mpm.balance()["kineticEnergy"]
 		self.mpm.resetDisplacement()
-		self.mpm.damping = self.ground.damping
+		self.mpm.damping, self.mpm.picTime = self.ground.damping, self.ground.picTime(self.preset.gridSpacing)
 		self.mpm.heat.thermalTimeScale, self.mpm.heat.movingTimeScale = self.ground.thermalTimeScale, self.ground.movingTimeScale
 		self.mpm.setDay(0)
 		self.reached = -1.0

@@ -35,6 +35,7 @@ scene = {
 	"thaw strain": 0.0,
 	"follows motion": False,
 	"motion tolerance": thawslump.Ground.motionTolerance,
+	"PIC time over sqrt(h/g)": thawslump.Ground.picTimeFactor,
 }  # what the problem below leaves as it is
 
 
@@ -49,6 +50,7 @@ def slump(settings, folder):
 		thawStrain=s["thaw strain"],
 		followsMotion=s["follows motion"],
 		motionTolerance=s["motion tolerance"],
+		picTimeFactor=s["PIC time over sqrt(h/g)"],
 	)
 	case = thawslump.ThawSlump(s["scene"], preset, folder, ground, skeleton=s["skeleton"])
 	case.mpm.courantNumber, case.mpm.transfer = s["time-step fraction"], s["transfer"]
