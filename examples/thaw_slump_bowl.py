@@ -136,11 +136,11 @@ class Run:
 
 def watched(mpm):
 	"""Two points by letter: A, the frozen one whose sample has lost most bonds by load, or is strained most where none has; B, the thawed one that
-	is strained most."""
-	ice, strain, broken = (mpm.field(name) for name in ("iceSaturation", "deviatoricStrain", "bondsBroken"))
+	is strained most among those whose grains still hold each other. Spheres with friction do from about four contacts each."""
+	ice, strain, broken, contacts = (mpm.field(name) for name in ("iceSaturation", "deviatoricStrain", "bondsBroken", "coordinationNumber"))
 	return {
 		"A": int(np.lexsort((strain, broken, ice > 0.3))[-1]),
-		"B": int(np.lexsort((strain, ice < 0.02))[-1]),
+		"B": int(np.lexsort((strain, contacts > 4, ice < 0.02))[-1]),
 	}
 
 
