@@ -108,12 +108,17 @@ def lawAlone(options):
 
 
 def groundOf(options, setting):
-	"""Ground of a run. What slides converges with the calendar and a cohesion; samples are too slow for that as a
+	"""Ground of a run. What slides converges with the calendar, a cohesion and little viscosity; samples are too slow for that as a
 	default, and runs that are compared share one ground."""
 	alone = lawAlone(options)
 	calendar = options.calendar or ("follows-motion" if alone else "constant")
 	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if alone else 0.0
-	return Ground(thawStrain=setting["thawStrain"], thawedCohesion=cohesion, followsMotion=calendar == "follows-motion")
+	return Ground(
+		thawStrain=setting["thawStrain"],
+		thawedCohesion=cohesion,
+		followsMotion=calendar == "follows-motion",
+		picTimeFactor=4.0 if alone else 1.0,
+	)
 
 
 def presetOf(options, days):

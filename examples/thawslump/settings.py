@@ -62,7 +62,7 @@ class Ground:
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
 	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
-	picTimeFactor: float = 4.0  # points keep what the grid does not see for so many times sqrt(h/g) during failure (O); MpmEngine's default is 1
+	picTimeFactor: float = 1.0  # points keep what the grid does not see for so many times sqrt(h/g) during failure (O); 1: MpmEngine's default
 	restDamping: float = 0.7  # local damping while the slope comes to rest (O)
 
 	def picTime(self, gridSpacing):

@@ -67,7 +67,7 @@ knobs = {
 	"time-step": Knob("time step over draft's", lambda value: {"time-step fraction": value * slump.standard["time-step fraction"]}, fraction),
 	"calendar": Knob("scale of time", lambda value: {"follows motion": value == followsMotion}, str, "a scale that {}"),
 	"motion-tolerance": Knob("motion tolerance [m/s]", lambda value: {"motion tolerance": value}),
-	"pic-time": Knob("PIC time over sqrt(h/g)", lambda value: {"PIC time over sqrt(h/g)": value}),
+	"pic-time": Knob("PIC time over sqrt(h/g)", lambda value: {"PIC time over sqrt(h/g)": value}, phrase="picTime = {} √(h/g)"),
 	"inertial-number": Knob("inertial number", lambda value: {"inertial number": value}),
 	"grains": Knob("grains", lambda value: {"grains": value}),
 	"realisations": Knob("realisations", lambda value: {"realisations": value}, phrase="{} realisations"),
@@ -98,14 +98,15 @@ def sweeps():
 
 def _lawSweeps(cohesion):
 	law = {"skeleton": "MohrCoulomb", "thawed cohesion": cohesion}
-	draft = {"grid-spacing": thawslump.presets["draft"].lawGridSpacing}
+	flowing = {"pic-time": 4.0}
+	draft = {"grid-spacing": thawslump.presets["draft"].lawGridSpacing, **flowing}
 	return (
-		Sweep("grid-spacing", (0.5, 0.25, 0.125, 0.0625), law, quick=2),
+		Sweep("grid-spacing", (0.5, 0.25, 0.125, 0.0625), law, flowing, quick=2),
 		Sweep("f_max", (1, 1 / 4, 1 / 16), law, draft),
-		Sweep("f_max", (1, 1 / 4), law, quick=2),
+		Sweep("f_max", (1, 1 / 4), law, flowing, quick=2),
 		Sweep("time-step", (1, 1 / 2), law, draft),
 		Sweep("motion-tolerance", (0.05, 0.0125), law, draft),
-		Sweep("pic-time", (1.0, 4.0, 16.0), law, draft),
+		Sweep("pic-time", (1.0, 4.0, 16.0), law, {"grid-spacing": draft["grid-spacing"]}),
 		Sweep("calendar", (constantScale, followsMotion), law, draft),
 	)
 
