@@ -196,22 +196,41 @@ template <int Dim> void NeighbourSearch<Dim>::searchBins(const Grid& grid, const
 	}
 }
 
+template <int Dim>
+void NeighbourSearch<Dim>::collect(const std::array<int, Dim>& towards, const std::array<double, Dim>& reach, std::vector<Wrapped>& found) const
+{
+	found.clear();
+	for (std::size_t g = 0; g < wrapped.size(); ++g) {
+		bool within = true;
+		for (int d = 0; d < Dim; ++d)
+			within &= (towards[d] <= 0 || reduced[g][d] >= towards[d] - reach[d]) & (towards[d] >= 0 || reduced[g][d] <= 1 + towards[d] + reach[d]);
+		if (within) found.push_back(wrapped[g]);
+	}
+}
+
 // For cells of a few grains: every pair in every image that can reach.
 template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* hSize, double reach)
 {
-	std::array<int, Dim> range, cells;
+	constexpr double        roundOff = 1e-9; // of reduced coordinates
+	std::array<int, Dim>    range, cells, back;
+	std::array<double, Dim> part; // reach over the distance of opposite sides
 	for (int d = 0; d < Dim; ++d) {
 		double square = 0;
 		for (int e = 0; e < Dim; ++e)
 			square += inverse[d * Dim + e] * inverse[d * Dim + e];
-		range[d] = 1 + int(std::sqrt(square) * reach);
+		part[d]  = std::sqrt(square) * reach + roundOff;
+		range[d] = 1 + int(part[d]);
 		cells[d] = -range[d];
 	}
 	for (;;) {
 		const std::array<double, Dim> shift = shiftOf<Dim>(hSize, cells);
-		for (std::size_t a = 0; a < wrapped.size(); ++a)
-			for (std::size_t b = a + 1; b < wrapped.size(); ++b)
-				testPair(wrapped[a], wrapped[b], cells, shift);
+		for (int d = 0; d < Dim; ++d)
+			back[d] = -cells[d];
+		collect(cells, part, facing);
+		collect(back, part, faced);
+		for (const Wrapped& a : facing)
+			for (const Wrapped& b : faced)
+				if (a.grain < b.grain) testPair(a, b, cells, shift);
 		int d = 0;
 		for (; d < Dim; ++d) {
 			if (++cells[d] <= range[d]) break;

@@ -85,12 +85,14 @@ private:
 	void fillBins(const Grid& grid);
 	void searchBins(const Grid& grid, const double* hSize);
 	void searchAll(const double* hSize, double reach);
+	/// Grains whose distance from the side of the cell towards an image (or, of the image's own grains, away from it) is within reach.
+	void collect(const std::array<int, Dim>& towards, const std::array<double, Dim>& reach, std::vector<Wrapped>& found) const;
 	void testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift);
 	void keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells);
 
 	double                               skin = 0;
 	std::array<double, Dim * Dim>        inverse {};
-	std::vector<Wrapped>                 wrapped, binned;
+	std::vector<Wrapped>                 wrapped, binned, facing, faced;
 	std::vector<std::array<double, Dim>> reduced;
 	std::vector<std::uint32_t>           binStart, binOf;
 	std::vector<std::uint64_t>*          inner    = nullptr;
