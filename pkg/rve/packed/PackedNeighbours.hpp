@@ -85,7 +85,7 @@ private:
 	void fillBins(const Grid& grid);
 	void searchBins(const Grid& grid, const double* hSize);
 	void searchAll(const double* hSize, double reach);
-	/// Grains whose distance from the side of the cell towards an image (or, of the image's own grains, away from it) is within reach.
+	/// Grains that may reach an image of the cell so many cells away: those near enough to the sides that face it. reach: over the cell.
 	void collect(const std::array<int, Dim>& towards, const std::array<double, Dim>& reach, std::vector<Wrapped>& found) const;
 	void testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift);
 	void keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells);
