@@ -11,7 +11,7 @@ import talik
 from talik import output, plots
 from thawslump import page
 from thawslump.page import framesName
-from thawslump.settings import Ground, calendars, fullThawStrain, presets, skeletons
+from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, presets, skeletons
 from thawslump.slump import ThawSlump, bandStrain
 
 shownEvents = 12
@@ -117,7 +117,7 @@ def groundOf(options, setting):
 		thawStrain=setting["thawStrain"],
 		thawedCohesion=cohesion,
 		followsMotion=calendar == "follows-motion",
-		picTimeFactor=4.0 if alone else 1.0,
+		picTimeFactor=flowingPicTimeFactor if alone else Ground.picTimeFactor,
 	)
 
 

@@ -24,6 +24,7 @@ class Preset:
 
 skeletons = ("samples", "MohrCoulomb")
 calendars = ("follows-motion", "constant")
+flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to hang on no setting
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {

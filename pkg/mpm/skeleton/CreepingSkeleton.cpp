@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Errors.hpp>
-#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/skeleton/ElasticTrial.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace talik {
@@ -60,21 +58,8 @@ template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int 
 
 template <int D> void CreepingSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
-	constexpr int    piece = 256;
-	const LameModuli moduli(youngModulus, poissonRatio);
-	double           lambda[piece], shear[piece];
-	std::fill(lambda, lambda + piece, moduli.lambda);
-	std::fill(shear, shear + piece, moduli.shear);
-	ThreadTeam::run((b.count + piece - 1) / piece, b.count >= 2000 ? ThreadTeam::threads() : 1, [&](int i, int) {
-		const int end = std::min(b.count, (i + 1) * piece);
-		for (int k = i * piece; k < end;) {
-			// places that follow each other are worked on in one go
-			const int first = k, place = b.place[k];
-			while (k < end && b.place[k] == place + (k - first))
-				++k;
-			updateElastic<D>(k - first, lambda, shear, from(b.gradient, place), from(b.stress, place));
-			if (b.naturalTime > 0.0) creep(b, place, k - first);
-		}
+	updateElasticBatch<D, 256, 2000>(b, LameModuli(youngModulus, poissonRatio), [&](int first, int count) {
+		if (b.naturalTime > 0.0) creep(b, first, count);
 	});
 }
 

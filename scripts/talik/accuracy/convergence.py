@@ -98,7 +98,7 @@ def sweeps():
 
 def _lawSweeps(cohesion):
 	law = {"skeleton": "MohrCoulomb", "thawed cohesion": cohesion}
-	flowing = {"pic-time": 4.0}
+	flowing = {"pic-time": thawslump.flowingPicTimeFactor}
 	draft = {"grid-spacing": thawslump.presets["draft"].lawGridSpacing, **flowing}
 	return (
 		Sweep("grid-spacing", (0.5, 0.25, 0.125, 0.0625), law, flowing, quick=2),
