@@ -184,3 +184,15 @@ TEST(RandomSearch, HastenedWaterThatFlowsAlongAThawFrontIsNoSlipAndMakesNoEnergy
 	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
 	expectSmall("hastened water along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
 }
+
+/// Found by the search (plane, seed 802391): at a node on a wall that a trace of thawed ground touches, the shear stress of that ground along the
+/// wall's normal pushed it, with the area of the front, to 86 km/s in a step.
+TEST(RandomSearch, TraceOfThawedGroundAtANodeOnAWallIsNotPushedAlongTheWallsNormal)
+{
+	RandomScene<2> scene(802391);
+	scene.start();
+	Watch watch(*scene.ground, scene.outside());
+	watch.run(scene.steps, 25);
+	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+	expectSmall("trace of thawed ground on a wall: energy from nowhere", watch.figures().energyCreated, 0.1);
+}

@@ -440,9 +440,11 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	m.resting   = settles_ && rests(m, dt);
 	m.slope     = r[slopeAt] / r[thawedVolumeAt];
 	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
-	for (int i = 0; i < D; ++i)
+	for (int i = 0; i < D; ++i) {
+		if (constraints.solidFixed(node, i)) continue; // a wall takes it
 		for (int j = 0; j < D; ++j)
 			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
+	}
 }
 
 /// Thawed ground that rests and loses volume settles with one normal velocity at all front nodes. Forces bounded by their mean would let it sink
@@ -549,10 +551,11 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 		friction[i] = -scale * shear[i] - against * slip[i];
 		held -= friction[i] * slip[i];
 	}
-	// Against the slip never more than what stops it. Stress that springs back pushes along with the slip; where a node has only a trace of
+	// Against the slip never more than what stops it. Stress that springs back, or acts across the slip, pushes; where a node has only a trace of
 	// thawed ground, that ground cannot push with the area of the front.
 	const double stopping = m.reducedMass * slipping, thickness = record(slot)[thawedVolumeAt] / m.area;
-	const double share   = held > stopping ? stopping / held : held < 0.0 ? std::min(1.0, thickness / (leastThickness * spacing_)) : 1.0;
+	double       share = held > stopping ? stopping / held : 1.0;
+	if (share * dot<D>(friction, friction) > 2.0 * held * m.reducedMass) share = std::min(share, thickness / (leastThickness * spacing_));
 	const double coulomb = heldShare(m, slipping);
 	double       work    = 0.0;
 	for (int i = 0; i < D; ++i) {
