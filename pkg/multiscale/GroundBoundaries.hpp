@@ -3,7 +3,7 @@
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/multiscale/GroundVector.hpp>
-#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 #include <set>
 
 namespace yade {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/icebond/IceBondCreep.hpp>
-#include <pkg/multiscale/AtomicFile.hpp>
+#include <pkg/icebond/IceLaws.hpp>
 #include <pkg/multiscale/DistributedStore.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <lib/serialization/Serializable.hpp>
-#include <pkg/icebond/IceCreep.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/multiscale/SampleAccuracy.hpp>
-#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 
 namespace yade {
 

@@ -260,10 +260,7 @@ HWY_EXPORT(discKernel);
 
 template <> PackedKernel<2> stepKernel<2>(PackedContactKind kind, bool portable)
 {
-	if (!portable) return HWY_DYNAMIC_DISPATCH(discKernel)(kind);
-	PackedKernel<2> kernel = HWY_STATIC_DISPATCH(discKernel)(kind);
-	kernel.name            = "portable";
-	return kernel;
+	return portable ? HWY_STATIC_DISPATCH(discKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(discKernel)(kind);
 }
 
 } // namespace talik

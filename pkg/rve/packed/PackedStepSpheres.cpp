@@ -366,10 +366,7 @@ HWY_EXPORT(sphereKernel);
 
 template <> PackedKernel<3> stepKernel<3>(PackedContactKind kind, bool portable)
 {
-	if (!portable) return HWY_DYNAMIC_DISPATCH(sphereKernel)(kind);
-	PackedKernel<3> kernel = HWY_STATIC_DISPATCH(sphereKernel)(kind);
-	kernel.name            = "portable";
-	return kernel;
+	return portable ? HWY_STATIC_DISPATCH(sphereKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(sphereKernel)(kind);
 }
 
 } // namespace talik
