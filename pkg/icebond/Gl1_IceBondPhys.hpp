@@ -28,7 +28,6 @@ namespace yade {
 /// Draws contacts as rods from grain centre to grain centre: colour by state, thickness by force.
 class Gl1_IceBondPhys : public GlIPhysFunctor {
 public:
-	virtual ~Gl1_IceBondPhys() {};
 	void go(const shared_ptr<IPhys>&, const shared_ptr<Interaction>&, const shared_ptr<Body>&, const shared_ptr<Body>&, bool wire) override;
 
 private:

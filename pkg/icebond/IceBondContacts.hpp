@@ -13,7 +13,6 @@ class IceBondPhys;
 /// Frictional grain material whose contacts may carry ice, Yu & Zhao eqs (5)-(7).
 class IceBondMat : public FrictMat {
 public:
-	virtual ~IceBondMat() {};
 	/// The material as the formulas see it; the stiffness rule belongs to the law.
 	talik::IceBondModel model() const;
 	void                postLoad(IceBondMat&);
@@ -58,7 +57,6 @@ class ScGeom;
 /// steppers and stress functions see it.
 class IceBondPhys : public FrictPhys {
 public:
-	virtual ~IceBondPhys() {};
 	/// The bond as the formulas see it, and back.
 	talik::IceBond bond() const;
 	void           setBond(const talik::IceBond&);
@@ -99,7 +97,6 @@ std::pair<Real, Real> stiffnessRadii(const GenericSpheresContact&, const IceBond
 /// Stiffness as stock YADE: k_n = 2 E1 R1 E2 R2/(E1 R1 + E2 R2), the smaller friction angle.
 class Ip2_IceBondMat_IceBondMat_IceBondPhys : public IPhysFunctor {
 public:
-	virtual ~Ip2_IceBondMat_IceBondMat_IceBondPhys() {};
 	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Ip2_IceBondMat_IceBondMat_IceBondPhys,IPhysFunctor,"Makes the :yref:`IceBondPhys` of a new contact: k_n = 2 E1 R1 E2 R2/(E1 R1 + "
@@ -117,7 +114,6 @@ REGISTER_SERIALIZABLE(Ip2_IceBondMat_IceBondMat_IceBondPhys);
 /// Ice-bond contact law, Yu & Zhao eqs (5)-(7) with tension and shear failure, melting and refreezing.
 class Law2_ScGeom_IceBondPhys_IceBond : public LawFunctor {
 public:
-	virtual ~Law2_ScGeom_IceBondPhys_IceBond() {};
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	void postLoad(Law2_ScGeom_IceBondPhys_IceBond&);
 

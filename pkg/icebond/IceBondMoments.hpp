@@ -8,7 +8,6 @@ class RollingIceBondPhys;
 /// Grains that resist rolling on each other, in the way and with the names of stock YADE's CohFrictMat.
 class RollingIceBondMat : public IceBondMat {
 public:
-	virtual ~RollingIceBondMat() {};
 	void postLoad(RollingIceBondMat&);
 	/// Whether etaRoll may be 0.
 	virtual bool            mayRollFreely() const { return false; }
@@ -36,7 +35,6 @@ REGISTER_SERIALIZABLE(RollingIceBondMat);
 /// Contact of grains that resist rolling.
 class RollingIceBondPhys : public IceBondPhys {
 public:
-	virtual ~RollingIceBondPhys() {};
 	void addMoments(const ScGeom&, const Interaction&, Scene&) override;
 	void clearMoments() override { moment_bending = Vector3r::Zero(); }
 
@@ -61,7 +59,6 @@ REGISTER_SERIALIZABLE(RollingIceBondPhys);
 /// Grains whose ice bonds carry moments; they may resist rolling, too.
 class MomentIceBondMat : public RollingIceBondMat {
 public:
-	virtual ~MomentIceBondMat() {};
 	void                    postLoad(MomentIceBondMat&);
 	bool                    mayRollFreely() const override { return true; }
 	shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const override;
@@ -87,7 +84,6 @@ REGISTER_SERIALIZABLE(MomentIceBondMat);
 /// Contact of grains whose bonds carry moments.
 class MomentIceBondPhys : public RollingIceBondPhys {
 public:
-	virtual ~MomentIceBondPhys() {};
 	talik::BondSection        section() const { return { bondRadiusFactor, momentContribution }; }
 	bool                      carriesMoments() const override { return true; }
 	talik::EdgeForces<double> bend(const ScGeom&, const Interaction&, const Scene&, const talik::ContactStiffness&) override;

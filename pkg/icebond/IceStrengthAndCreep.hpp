@@ -10,7 +10,6 @@ namespace yade {
 /// The strength law of ice bonds as a script writes it.
 class IceStrength : public Serializable {
 public:
-	virtual ~IceStrength() {};
 	void                   postLoad(IceStrength&);
 	talik::IceStrengthLaw  law() const;
 	::boost::python::tuple factors(Real temperature, Real strainRate) const;
@@ -38,7 +37,6 @@ REGISTER_SERIALIZABLE(IceStrength);
 /// The creep law of ice bonds as a script writes it.
 class IceCreep : public Serializable {
 public:
-	virtual ~IceCreep() {};
 	void                   postLoad(IceCreep&);
 	talik::IceCreepLaw     law() const;
 	Real                   rateFactorAt(Real temperature) const;
@@ -78,7 +76,6 @@ namespace yade {
 /// Creep of the ice bonds of a scene, in every step.
 class CreepingBonds : public GlobalEngine {
 public:
-	virtual ~CreepingBonds() {};
 	void action() override;
 	void postLoad(CreepingBonds&);
 

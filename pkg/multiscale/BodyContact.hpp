@@ -55,8 +55,6 @@ class Engine;
 /// the bodies and brings back their forces, and lets ground and bodies keep steps of different length.
 class BodyContact : public Serializable {
 public:
-	virtual ~BodyContact() {};
-
 	talik::RigidContactSettings build(int dimension) const;
 
 	/// Shows the bodies of a scene to the ground, as they are now. Throws if one of them cannot be met.

@@ -65,7 +65,6 @@ class PointWatch : public Serializable {
 public:
 	/// Numbers of a field at a point, by id.
 	using Look = std::function<vector<Real>(const string& field, int id)>;
-	virtual ~PointWatch() {};
 
 	bool isDue(Real time) const { return times.empty() || (time > times.back() && time >= next); }
 	void record(Real time, const Look&);

@@ -14,7 +14,6 @@ namespace yade {
 /// a fused step. As the only engine of a Scene it is that scene; open() makes the ordinary YADE scene of it.
 class RveSample : public GlobalEngine {
 public:
-	virtual ~RveSample() {};
 	void action() override;
 
 	/// Takes the packed form of a scene; ValueError says why one cannot be packed.
@@ -126,8 +125,6 @@ REGISTER_SERIALIZABLE(RveSample);
 /// A YADE scene driven as a sample: strain and ice saturation in, stress out, by the scene's own engines.
 class OpenRveSample : public Serializable {
 public:
-	virtual ~OpenRveSample() {};
-
 	::boost::python::dict apply(const Matrix3r& displacementGradient, Real iceSaturation, const ::boost::python::object& creep = ::boost::python::object());
 	bool                  flip(Real skew);
 	void                  freeze(Real iceSaturation);

@@ -15,7 +15,6 @@ namespace yade {
 /// Skeleton law of Yu & Zhao: one periodic sample of grains behind every material point.
 class RveSkeleton : public SkeletonLaw {
 public:
-	virtual ~RveSkeleton() {};
 	Model<2>            build(const Places<2>& places) override;
 	Model<3>            build(const Places<3>& places) override;
 	bool                sourcesChanged() const override;
