@@ -329,12 +329,7 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 	running().askNext(id);
 }
 
-vector<string> RveSkeleton::measures() const
-{
-	return {
-		"bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric"
-	};
-}
+vector<string> RveSkeleton::measures() const { return talik::sampleMeasures(); }
 
 py::list RveSkeleton::pyMeasures() const
 {

@@ -9,11 +9,20 @@
 
 namespace talik {
 
+const std::vector<std::string>& sampleMeasures()
+{
+	static const std::vector<std::string> names { "bondsIntact",        "bondsFormed",    "bondsBroken",         "bondsMelted", "contacts",
+		                                      "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric" };
+	return names;
+}
+
 void refuseMeasure(const std::string& name)
 {
-	throw std::invalid_argument(
-	        "RveSkeleton.values: there is no measure '" + name
-	        + "'; choose bondsIntact, bondsFormed, bondsBroken, bondsMelted, contacts, coordinationNumber, samplePorosity, sampleIceSaturation or fabric.");
+	const auto& names = sampleMeasures();
+	std::string list;
+	for (std::size_t k = 0; k + 1 < names.size(); k++)
+		list += (k ? ", " : "") + names[k];
+	throw std::invalid_argument("RveSkeleton.values: there is no measure '" + name + "'; choose " + list + " or " + names.back() + ".");
 }
 
 SampleStore::Numbering SampleStore::numbering() const

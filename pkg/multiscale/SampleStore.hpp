@@ -91,6 +91,8 @@ template <int Dim> std::vector<double> components(const typename PackedTypes<Dim
 	else return { m(0, 0), m(1, 1), m(2, 2), 0.5 * (m(1, 2) + m(2, 1)), 0.5 * (m(0, 2) + m(2, 0)), 0.5 * (m(0, 1) + m(1, 0)) };
 }
 
+/// Names of what every store measures.
+const std::vector<std::string>& sampleMeasures();
 /// "…; choose bondsIntact, …", for exceptions.
 [[noreturn]] void refuseMeasure(const std::string& name);
 
