@@ -11,7 +11,6 @@
 #include <pkg/multiscale/CheckpointFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/ranks/RankTalk.hpp>
-#include <pkg/rve/open/RunningScene.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 #include <pkg/rve/packed/PackedStepView.hpp>
@@ -114,12 +113,21 @@ namespace {
 		      "start yade with -j1.");
 	}
 
+	std::string bytesOf(const py::object& bytes)
+	{
+		char*      data = nullptr;
+		Py_ssize_t size = 0;
+		if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) < 0) py::throw_error_already_set();
+		return std::string(data, std::size_t(size));
+	}
+
+	py::object asBytes(const std::string& bytes) { return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size())))); }
+
 	/// Everything that YADE saves of a scene: equal bytes mean that nothing was done to it.
 	py::object sceneBytes(const shared_ptr<Scene>& scene)
 	{
 		if (!scene) raise(PyExc_ValueError, "sceneBytes: the scene is None; give a Scene.");
-		const std::string bytes = sceneToBytes(scene);
-		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
+		return asBytes(sceneToBytes(scene));
 	}
 
 	/// One object with all that it holds, as YADE archives it.
@@ -131,29 +139,19 @@ namespace {
 			boost::archive::binary_oarchive archive(stream);
 			archive << boost::serialization::make_nvp("object", object);
 		}
-		const std::string bytes = stream.str();
-		return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size()))));
+		return asBytes(stream.str());
 	}
 
 	shared_ptr<Serializable> objectFromBytes(const py::object& bytes)
 	{
-		char*      data = nullptr;
-		Py_ssize_t size = 0;
-		if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) < 0) py::throw_error_already_set();
-		std::istringstream              stream(std::string(data, std::size_t(size)));
+		std::istringstream              stream(bytesOf(bytes));
 		boost::archive::binary_iarchive archive(stream);
 		shared_ptr<Serializable>        object;
 		archive >> boost::serialization::make_nvp("object", object);
 		return object;
 	}
 
-	shared_ptr<Scene> readScene(const py::object& content, bool xml)
-	{
-		char*      data   = nullptr;
-		Py_ssize_t length = 0;
-		if (PyBytes_AsStringAndSize(content.ptr(), &data, &length) != 0) py::throw_error_already_set();
-		return sceneFromFile(std::string(data, std::size_t(length)), xml);
-	}
+	shared_ptr<Scene> readScene(const py::object& content, bool xml) { return sceneFromFile(bytesOf(content), xml); }
 
 	shared_ptr<Scene> emptyScene()
 	{
@@ -180,16 +178,6 @@ namespace {
 		PyThreadState* const state = PyEval_SaveThread();
 		~WithoutInterpreterLock() { PyEval_RestoreThread(state); }
 	};
-
-	std::string bytesOf(const py::object& bytes)
-	{
-		char*      data = nullptr;
-		Py_ssize_t size = 0;
-		if (PyBytes_AsStringAndSize(bytes.ptr(), &data, &size) < 0) py::throw_error_already_set();
-		return std::string(data, std::size_t(size));
-	}
-
-	py::object asBytes(const std::string& bytes) { return py::object(py::handle<>(PyBytes_FromStringAndSize(bytes.data(), Py_ssize_t(bytes.size())))); }
 
 	RankTalk& requireTalk()
 	{
@@ -229,10 +217,7 @@ namespace {
 	{
 		const RankTraffic sent = requireTalk().ranks().traffic();
 		py::dict          d;
-		d["messages"] = sent.messages;
-		d["bytes"]    = sent.bytes;
-		d["waited"]   = sent.waited;
-		d["polling"]  = sent.polling;
+		TALIK_PUT_MEMBERS(d, sent, (messages)(bytes)(waited)(polling))
 		return d;
 	}
 

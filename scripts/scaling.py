@@ -76,7 +76,7 @@ class Record:
 
 
 def dealtAgain(cost, owner, ranks):
-	"""As in SampleDeal.cpp: from the rank with most cost to that with least, until the largest is within 2 % of the mean."""
+	"""As in SampleStore.cpp: from the rank with most cost to that with least, until the largest is within 2 % of the mean."""
 	owner, load = owner.copy(), np.bincount(owner, cost, ranks)
 	for _ in range(len(cost)):
 		most, least = load.argmax(), load.argmin()

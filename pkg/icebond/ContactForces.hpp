@@ -9,7 +9,6 @@
 #endif
 
 #include <hwy/highway.h>
-#include <pkg/icebond/BondSection.hpp>
 #include <pkg/icebond/IceBond.hpp>
 
 HWY_BEFORE_NAMESPACE();

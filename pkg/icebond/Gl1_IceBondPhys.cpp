@@ -3,7 +3,6 @@
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/Gl1_IceBondPhys.hpp>
-#include <pkg/icebond/Unlit.hpp>
 
 namespace yade {
 YADE_PLUGIN((Gl1_IceBondPhys));

@@ -1,14 +1,33 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <GL/gl.h>
 #include <pkg/common/GLDrawFunctors.hpp>
-#include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/icebond/IceBondContacts.hpp>
+
+namespace talik {
+
+/// Drawing by colours that tell something, which light must not change; the former drawing state returns with the scope.
+struct Unlit {
+	/// onTop: over what is drawn already.
+	explicit Unlit(bool onTop = false)
+	{
+		glPushAttrib(GL_ENABLE_BIT | GL_CURRENT_BIT | GL_POLYGON_BIT);
+		glDisable(GL_LIGHTING);
+		glDisable(GL_CULL_FACE);
+		if (onTop) glDisable(GL_DEPTH_TEST);
+	}
+	~Unlit() { glPopAttrib(); }
+	Unlit(const Unlit&)            = delete;
+	Unlit& operator=(const Unlit&) = delete;
+};
+
+} // namespace talik
 
 namespace yade {
 
 /// Draws contacts as rods from grain centre to grain centre: colour by state, thickness by force.
 class Gl1_IceBondPhys : public GlIPhysFunctor {
 public:
-	virtual ~Gl1_IceBondPhys() {};
 	void go(const shared_ptr<IPhys>&, const shared_ptr<Interaction>&, const shared_ptr<Body>&, const shared_ptr<Body>&, bool wire) override;
 
 private:

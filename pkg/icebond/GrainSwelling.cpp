@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/common/Sphere.hpp>
+#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/GrainSwelling.hpp>
-#include <pkg/icebond/IceBondMat.hpp>
-#include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 #include <stdexcept>
 
@@ -11,11 +11,7 @@ YADE_PLUGIN((GrainSwelling));
 
 namespace {
 
-	void require(bool valid, const char* attribute, Real value, const string& remedy)
-	{
-		if (valid) return;
-		throw std::invalid_argument(string("GrainSwelling.") + attribute + " is " + boost::lexical_cast<string>(value) + ": " + remedy);
-	}
+	constexpr AttributeRefusal require { "GrainSwelling" };
 
 	Sphere* sphereWithIce(const Body* body)
 	{

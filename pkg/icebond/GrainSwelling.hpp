@@ -10,7 +10,6 @@ class IceBondPhys;
 /// Grain radius with pore ice, Yu & Zhao eq. (8), and what it does to the contacts. Goes before the collider.
 class GrainSwelling : public GlobalEngine {
 public:
-	virtual ~GrainSwelling() {};
 	void action() override;
 	/// What every formula divides by or takes a root of is checked; throws std::invalid_argument.
 	void postLoad(GrainSwelling&);

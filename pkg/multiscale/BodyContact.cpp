@@ -5,7 +5,7 @@
 #include <pkg/common/Sphere.hpp>
 #include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/BodyContact.hpp>
-#include <pkg/multiscale/ScriptNames.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 
 namespace yade {
 YADE_PLUGIN((BodyContact));

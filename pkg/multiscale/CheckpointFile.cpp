@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <lib/factory/ClassFactory.hpp>
-#include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/CheckpointFile.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 #include <cerrno>
 #include <cstring>
@@ -18,13 +18,6 @@ namespace {
 	constexpr int         currentFormat = 1;
 	constexpr std::size_t headerLength  = 4096;
 	const char            firstLine[]   = "Talik checkpoint";
-
-	std::string hexadecimal(std::uint64_t value)
-	{
-		std::ostringstream text;
-		text << std::hex << std::setw(16) << std::setfill('0') << value;
-		return text.str();
-	}
 
 	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
 

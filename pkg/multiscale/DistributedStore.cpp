@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/DistributedStore.hpp>
-#include <pkg/multiscale/SampleDeal.hpp>
+#include <pkg/multiscale/SampleStore.hpp>
 #include <pkg/ranks/Digest.hpp>
 
 #include <algorithm>

@@ -9,7 +9,6 @@ namespace yade {
 /// Draws the points of a ground in the 3-D view, beside the bodies of the scene.
 class GlGround : public GlExtraDrawer {
 public:
-	virtual ~GlGround() {};
 	void render() override;
 	void postLoad(GlGround&);
 

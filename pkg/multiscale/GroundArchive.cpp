@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 // The state of a running ground in an archive of its engine.
 

@@ -3,7 +3,7 @@
 #include <lib/serialization/Serializable.hpp>
 #include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/multiscale/GroundVector.hpp>
-#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 #include <set>
 
 namespace yade {
@@ -12,7 +12,6 @@ namespace yade {
 class GroundBoundary : public Serializable {
 public:
 	template <int D> using Pointer = std::shared_ptr<talik::Boundary<D>>;
-	virtual ~GroundBoundary() {};
 	/// The condition of one run, in the plane or in space.
 	template <int D> Pointer<D> build() const
 	{
@@ -60,7 +59,6 @@ protected:
 
 class RollerBoundary : public BoundaryInAnyDimension<RollerBoundary> {
 public:
-	virtual ~RollerBoundary() {};
 	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(
 	        RollerBoundary, GroundBoundary,
@@ -70,7 +68,6 @@ REGISTER_SERIALIZABLE(RollerBoundary);
 
 class FixedBoundary : public BoundaryInAnyDimension<FixedBoundary> {
 public:
-	virtual ~FixedBoundary() {};
 	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(FixedBoundary, GroundBoundary, "Grains and water are at rest on this side. Example: FixedBoundary(region='bottom').");
 };
@@ -78,7 +75,6 @@ REGISTER_SERIALIZABLE(FixedBoundary);
 
 class MovingBoundary : public BoundaryInAnyDimension<MovingBoundary> {
 public:
-	virtual ~MovingBoundary() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(MovingBoundary,GroundBoundary,"Impermeable wall of given velocity on a side or on the nodes of a box: a plate that presses, a wall "
@@ -98,7 +94,6 @@ REGISTER_SERIALIZABLE(MovingBoundary);
 
 class ImpermeableBoundary : public BoundaryInAnyDimension<ImpermeableBoundary> {
 public:
-	virtual ~ImpermeableBoundary() {};
 	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(
 	        ImpermeableBoundary, GroundBoundary,
@@ -108,7 +103,6 @@ REGISTER_SERIALIZABLE(ImpermeableBoundary);
 
 class DrainedBoundary : public BoundaryInAnyDimension<DrainedBoundary> {
 public:
-	virtual ~DrainedBoundary() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(DrainedBoundary,GroundBoundary,"Water crosses freely against a prescribed pressure; the balance keeps account of it. Example, a "
@@ -122,7 +116,6 @@ REGISTER_SERIALIZABLE(DrainedBoundary);
 
 class InsulatedBoundary : public BoundaryInAnyDimension<InsulatedBoundary> {
 public:
-	virtual ~InsulatedBoundary() {};
 	template <int D> Pointer<D> make() const;
 	YADE_CLASS_BASE_DOC(
 	        InsulatedBoundary, GroundBoundary,
@@ -133,7 +126,6 @@ REGISTER_SERIALIZABLE(InsulatedBoundary);
 
 class WallTemperature : public BoundaryInAnyDimension<WallTemperature> {
 public:
-	virtual ~WallTemperature() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WallTemperature,GroundBoundary,"Temperature of the ground on a side of the grid's box, or inside a box or disc in the ground, "
@@ -147,7 +139,6 @@ REGISTER_SERIALIZABLE(WallTemperature);
 
 class SurfaceTemperature : public BoundaryInAnyDimension<SurfaceTemperature> {
 public:
-	virtual ~SurfaceTemperature() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. "
@@ -162,7 +153,6 @@ REGISTER_SERIALIZABLE(SurfaceTemperature);
 
 class BodyTemperature : public BoundaryInAnyDimension<BodyTemperature> {
 public:
-	virtual ~BodyTemperature() {};
 	template <int D> Pointer<D> make() const;
 	void                        checkBodies(const std::set<int>& met) const override;
 	// clang-format off
@@ -181,7 +171,6 @@ REGISTER_SERIALIZABLE(BodyTemperature);
 
 class HeatFlux : public BoundaryInAnyDimension<HeatFlux> {
 public:
-	virtual ~HeatFlux() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(HeatFlux,GroundBoundary,"Heat into the ground per unit area of its surface. Example: HeatFlux(region='surface',flux=50).",
@@ -193,7 +182,6 @@ REGISTER_SERIALIZABLE(HeatFlux);
 
 class HeatSource : public BoundaryInAnyDimension<HeatSource> {
 public:
-	virtual ~HeatSource() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(HeatSource,GroundBoundary,"Heat produced in the ground inside a box or disc (ball) that stays in its place, edges between nodes "
@@ -207,7 +195,6 @@ REGISTER_SERIALIZABLE(HeatSource);
 
 class WaterFlux : public BoundaryInAnyDimension<WaterFlux> {
 public:
-	virtual ~WaterFlux() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WaterFlux,GroundBoundary,"Water fed into the ground per unit area of a side or of the surface (rain, a spring; negative: drawn "
@@ -223,7 +210,6 @@ REGISTER_SERIALIZABLE(WaterFlux);
 
 class SurfaceLoad : public BoundaryInAnyDimension<SurfaceLoad> {
 public:
-	virtual ~SurfaceLoad() {};
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SurfaceLoad,GroundBoundary,"Pressure or traction on the ground's surface. Example: SurfaceLoad(region='surface',pressure=10e3).",

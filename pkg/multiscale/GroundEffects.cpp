@@ -2,7 +2,7 @@
 #include <core/Scene.hpp>
 #include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/GroundEffects.hpp>
-#include <pkg/multiscale/ScriptNames.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 
 #include <tuple>
 

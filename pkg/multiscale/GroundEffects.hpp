@@ -8,7 +8,6 @@ namespace yade {
 /// Effect: heat conduction with enthalpy on the points, Yu & Zhao eq. (4).
 class HeatTransfer : public Serializable {
 public:
-	virtual ~HeatTransfer() {};
 	talik::HeatSettings build() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it "
@@ -41,7 +40,6 @@ REGISTER_SERIALIZABLE(HeatTransfer);
 /// Effect: pore water freezes, liquid saturation follows temperature.
 class FreezingCurve : public Serializable {
 public:
-	virtual ~FreezingCurve() {};
 	talik::FreezingCurvePtr build() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs "
@@ -60,7 +58,6 @@ REGISTER_SERIALIZABLE(FreezingCurve);
 /// Effect: two velocities where ground that ice holds meets ground that it does not.
 class ThawFront : public Serializable {
 public:
-	virtual ~ThawFront() {};
 	talik::ThawFrontSettings build() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where ground that ice holds meets ground that it does not, each has a velocity of its "
@@ -79,7 +76,6 @@ REGISTER_SERIALIZABLE(ThawFront);
 /// Effect: pore water moves and carries pressure, Yu & Zhao eqs (2), (3).
 class PoreWater : public Serializable {
 public:
-	virtual ~PoreWater() {};
 	talik::WaterSettings build(Real residualSaturation) const;
 	/// The share per step that picTime has replaced.
 	Real refusedFlip() const;
@@ -117,7 +113,6 @@ REGISTER_SERIALIZABLE(PoreWater);
 /// Phases of the ground, Yu & Zhao section 3.
 class GroundMaterial : public Serializable {
 public:
-	virtual ~GroundMaterial() {};
 	talik::MixtureProperties build() const;
 	/// With what it has of its own and, for the rest, what the scene has (null: nothing). Throws std::invalid_argument.
 	talik::SoilMaterial soil(const FreezingCurve* ofScene, const PoreWater* water) const;

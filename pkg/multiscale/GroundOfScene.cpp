@@ -145,25 +145,11 @@ namespace {
 				return py::tuple(components);
 			};
 			py::dict d;
-			d["time"]               = b.time;
-			d["solidMass"]          = b.solidMass;
-			d["waterMass"]          = b.waterMass;
-			d["iceMass"]            = b.iceMass;
-			d["waterOut"]           = b.waterOut;
-			d["momentum"]           = tupleOf(b.momentum);
-			d["impulse"]            = tupleOf(b.impulse);
-			d["enthalpy"]           = b.enthalpy;
-			d["heatIn"]             = b.heatIn;
-			d["enthalpyOut"]        = b.enthalpyOut;
-			d["kineticEnergy"]      = b.kineticEnergy;
-			d["gravityEnergy"]      = b.gravityEnergy;
-			d["skeletonWork"]       = b.skeletonWork;
-			d["porePressureWork"]   = b.porePressureWork;
-			d["dragDissipation"]    = b.dragDissipation;
-			d["dampingDissipation"] = b.dampingDissipation;
-			d["loadWork"]           = b.loadWork;
-			d["slipWork"]           = b.slipWork;
-			d["wallWork"]           = b.wallWork;
+			TALIK_PUT_MEMBERS(d, b, (time)(solidMass)(waterMass)(iceMass)(waterOut))
+			d["momentum"] = tupleOf(b.momentum);
+			d["impulse"]  = tupleOf(b.impulse);
+			TALIK_PUT_MEMBERS(d, b, (enthalpy)(heatIn)(enthalpyOut)(kineticEnergy)(gravityEnergy)(skeletonWork)(porePressureWork))
+			TALIK_PUT_MEMBERS(d, b, (dragDissipation)(dampingDissipation)(loadWork)(slipWork)(wallWork))
 			return d;
 		}
 

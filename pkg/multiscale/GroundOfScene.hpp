@@ -3,7 +3,7 @@
 #include <boost/python.hpp>
 #include <core/Scene.hpp>
 #include <pkg/mpm/AnyGround.hpp>
-#include <pkg/multiscale/MetBodies.hpp>
+#include <pkg/multiscale/BodyContact.hpp>
 
 #include <memory>
 #include <string>

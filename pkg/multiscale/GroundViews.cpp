@@ -58,14 +58,9 @@ py::list MpmEngine::fields()
 {
 	py::list result;
 	for (const auto& info : runningGround().fields()) {
-		py::dict entry;
-		entry["name"]       = info.name;
-		entry["owner"]      = info.owner;
-		entry["unit"]       = info.unit;
-		entry["place"]      = info.place;
-		entry["components"] = info.components;
-		entry["bytes"]      = info.bytes;
-		result.append(entry);
+		py::dict d;
+		TALIK_PUT_MEMBERS(d, info, (name)(owner)(unit)(place)(components)(bytes))
+		result.append(d);
 	}
 	return result;
 }
@@ -345,9 +340,8 @@ py::list MpmEngine::events()
 		d["day"]      = e.begin / secondsPerDay;
 		d["duration"] = e.duration;
 		d["days"]     = e.passed / secondsPerDay;
-		d["volume"]   = e.volume;
-		d["largest"]  = e.largest;
-		d["goesOn"]   = i >= ended;
+		TALIK_PUT_MEMBERS(d, e, (volume)(largest))
+		d["goesOn"] = i >= ended;
 		list.append(d);
 	}
 	return list;

@@ -4,7 +4,7 @@
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
-#include <pkg/multiscale/MetBodies.hpp>
+#include <pkg/multiscale/BodyContact.hpp>
 
 #include <limits>
 

@@ -2,12 +2,11 @@
 #include <core/Scene.hpp>
 #include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/multiscale/AtomicFile.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
 #include <pkg/multiscale/Plausibility.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 #include <pkg/ranks/Digest.hpp>
 #include <pkg/ranks/RankTalk.hpp>
-#include <pkg/rve/open/HoldGil.hpp>
 #include <pkg/rve/open/StepGate.hpp>
 
 #include <iostream>

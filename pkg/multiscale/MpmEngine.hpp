@@ -12,8 +12,7 @@
 #include <pkg/multiscale/GroundPicture.hpp>
 #include <pkg/multiscale/GroundVector.hpp>
 #include <pkg/multiscale/PointTable.hpp>
-#include <pkg/multiscale/PointWatch.hpp>
-#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
 #include <set>
 

@@ -8,16 +8,11 @@
 namespace talik {
 
 namespace {
-	bool same(const PackedGrains& a, const PackedGrains& b)
-	{
-		return a.radius == b.radius && a.mass == b.mass && a.inertia == b.inertia && a.id == b.id && a.rolling == b.rolling && a.section == b.section;
-	}
-
 	/// Samples of one preparation hold its constants once, as they did before they were saved.
 	template <int Dim> void shareGrains(PackedState<Dim>& state, std::vector<std::shared_ptr<const PackedGrains>>& known)
 	{
 		for (const auto& grains : known)
-			if (same(*grains, *state.grains)) {
+			if (*grains == *state.grains) {
 				state.grains = grains;
 				return;
 			}

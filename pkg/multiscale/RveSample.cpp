@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/BondCreepOfScript.hpp>
-#include <pkg/multiscale/ByteArchive.hpp>
-#include <pkg/multiscale/RveSample.hpp>
-#include <pkg/multiscale/SampleStore.hpp>
-#include <pkg/rve/open/StepGate.hpp>
-
 #include <boost/python/numpy.hpp>
 #include <cmath>
+#include <pkg/multiscale/RveSample.hpp>
+#include <pkg/multiscale/SampleStore.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
 
 namespace yade {
-YADE_PLUGIN((RveSample));
+YADE_PLUGIN((RveSample)(OpenRveSample));
 
 using talik::PackedSample;
 using talik::PackedState;
@@ -129,6 +129,18 @@ namespace {
 		throw std::invalid_argument(
 		        string(method) + ": iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
 	}
+
+	/// How an increment is applied to a sample of either form.
+	template <class Sample> talik::PackedUpdateOptions optionsOf(const Sample& sample, const talik::BondCreep& creep)
+	{
+		talik::PackedUpdateOptions options;
+		options.maxInertialNumber = sample.maxInertialNumber;
+		options.maxStrainPerStep  = sample.maxStrainPerStep;
+		options.minSteps          = sample.minSteps;
+		options.strength          = { sample.tensileStrengthFactor, sample.shearStrengthFactor };
+		options.creep             = creep;
+		return options;
+	}
 } // namespace
 
 py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation, const py::object& creep)
@@ -140,21 +152,12 @@ py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturati
 
 template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradient, Real iceSaturation, const talik::BondCreep& creep)
 {
-	talik::PackedUpdateOptions options;
-	options.maxInertialNumber = maxInertialNumber;
-	options.maxStrainPerStep  = maxStrainPerStep;
-	options.minSteps          = minSteps;
-	options.strength          = { tensileStrengthFactor, shearStrengthFactor };
-	options.creep             = creep;
 	PackedSample<Dim> sample(packed<Dim>());
-	const auto        result = sample.apply(part<Dim>(displacementGradient), iceSaturation, options);
+	const auto        result = sample.apply(part<Dim>(displacementGradient), iceSaturation, optionsOf(*this, creep));
 	if (!result.blewUp) setPacked(sample.state());
 	py::dict d;
-	d["stress"]  = tupleOf(talik::components<Dim>(result.stress));
-	d["steps"]   = result.steps;
-	d["flipped"] = result.flipped;
-	d["blewUp"]  = result.blewUp;
-	d["reason"]  = result.reason;
+	d["stress"] = tupleOf(talik::components<Dim>(result.stress));
+	TALIK_PUT_MEMBERS(d, result, (steps)(flipped)(blewUp)(reason))
 	return d;
 }
 
@@ -209,19 +212,12 @@ py::dict RveSample::statistics() const
 	return withState([](const auto& s) {
 		const auto stats = SampleOf<decltype(s)>(s).statistics();
 		py::dict   d;
-		d["contacts"]             = stats.contacts;
-		d["bondsIntact"]          = stats.bondsIntact;
-		d["bondsBroken"]          = stats.bondsBroken;
-		d["bondsFormed"]          = s.bondsFormed;
-		d["bondsBrokenInTension"] = s.bondsBrokenInTension;
-		d["bondsBrokenInShear"]   = s.bondsBrokenInShear;
-		d["bondsMelted"]          = s.bondsMelted;
-		d["coordinationNumber"]   = stats.coordinationNumber;
-		d["porosity"]             = stats.porosity;
-		d["fabric"]               = tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(stats.fabric));
-		d["unbalancedForce"]      = stats.unbalancedForce;
-		d["kineticEnergy"]        = stats.kineticEnergy;
-		d["steps"]                = s.step;
+		TALIK_PUT_MEMBERS(d, stats, (contacts)(bondsIntact)(bondsBroken))
+		TALIK_PUT_MEMBERS(d, s, (bondsFormed)(bondsBrokenInTension)(bondsBrokenInShear)(bondsMelted))
+		TALIK_PUT_MEMBERS(d, stats, (coordinationNumber)(porosity))
+		d["fabric"] = tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(stats.fabric));
+		TALIK_PUT_MEMBERS(d, stats, (unbalancedForce)(kineticEnergy))
+		d["steps"] = s.step;
 		return d;
 	});
 }
@@ -236,9 +232,7 @@ namespace {
 				data[i * columns + c] = get(i, c);
 		return array;
 	}
-} // namespace
 
-namespace {
 	double shearComponent(double shear, int) { return shear; }
 	double shearComponent(const Vector3r& shear, int c) { return shear[c]; }
 } // namespace
@@ -345,6 +339,42 @@ void RveSample::postLoad(RveSample&)
 	if (!savedScene.empty()) sceneBytes = talik::fromBase64(savedScene);
 	saved.clear();
 	savedScene.clear();
+}
+
+talik::OpenSample& OpenRveSample::sample() const
+{
+	if (running) return *running;
+	if (!source) throw std::invalid_argument("OpenRveSample.source is None: give a Scene, e.g. OpenRveSample(source=O._sceneObj).");
+	running = std::make_shared<talik::OpenSample>(talik::sceneToBytes(source));
+	return *running;
+}
+
+py::dict OpenRveSample::apply(const Matrix3r& displacementGradient, Real iceSaturation, const py::object& creep)
+{
+	requireSaturation("OpenRveSample", iceSaturation);
+	const auto options = optionsOf(*this, bondCreep("OpenRveSample.apply", creep));
+	talik::forbidRedirection();
+	sample().keepState();
+	const auto result = sample().apply(displacementGradient, iceSaturation, options);
+	if (result.blewUp) sample().recover();
+	py::dict d;
+	TALIK_PUT_MEMBERS(d, result, (stress)(steps)(flipped)(blewUp)(reason))
+	return d;
+}
+
+bool OpenRveSample::flip(Real skew) { return sample().flip(skew); }
+
+shared_ptr<Scene> OpenRveSample::open() const { return talik::sceneForView(talik::sceneToBytes(sample().yadeScene())); }
+
+void OpenRveSample::freeze(Real iceSaturation) { apply(Matrix3r::Zero(), iceSaturation); }
+
+py::dict OpenRveSample::statistics() const
+{
+	const auto s = sample().statistics();
+	py::dict   d;
+	TALIK_PUT_MEMBERS(
+	        d, s, (contacts)(bondsIntact)(bondsFormed)(bondsBroken)(bondsMelted)(coordinationNumber)(porosity)(fabric)(unbalancedForce)(kineticEnergy))
+	return d;
 }
 
 } // namespace yade

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/icebond/IceBondCreep.hpp>
-#include <pkg/multiscale/AtomicFile.hpp>
+#include <pkg/icebond/IceLaws.hpp>
 #include <pkg/multiscale/DistributedStore.hpp>
 #include <pkg/multiscale/RveSkeleton.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>
@@ -329,12 +329,7 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 	running().askNext(id);
 }
 
-vector<string> RveSkeleton::measures() const
-{
-	return {
-		"bondsIntact", "bondsFormed", "bondsBroken", "bondsMelted", "contacts", "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric"
-	};
-}
+vector<string> RveSkeleton::measures() const { return talik::sampleMeasures(); }
 
 py::list RveSkeleton::pyMeasures() const
 {

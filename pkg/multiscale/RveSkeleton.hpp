@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
-#include <pkg/icebond/IceCreep.hpp>
-#include <pkg/icebond/IceStrength.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
 #include <pkg/multiscale/OpenStore.hpp>
 #include <pkg/multiscale/PackedStore.hpp>
 #include <pkg/multiscale/RveSample.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>
-#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
 #include <variant>
 
@@ -16,7 +15,6 @@ namespace yade {
 /// Skeleton law of Yu & Zhao: one periodic sample of grains behind every material point.
 class RveSkeleton : public SkeletonLaw {
 public:
-	virtual ~RveSkeleton() {};
 	Model<2>            build(const Places<2>& places) override;
 	Model<3>            build(const Places<3>& places) override;
 	bool                sourcesChanged() const override;

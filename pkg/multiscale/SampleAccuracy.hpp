@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <pkg/mpm/points/PointFields.hpp>
-#include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 namespace talik {
 

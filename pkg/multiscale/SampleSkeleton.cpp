@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
-#include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/SampleSkeleton.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 #include <chrono>
 #include <cmath>

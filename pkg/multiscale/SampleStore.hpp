@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
-#include <pkg/multiscale/ByteArchive.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <string>
 #include <vector>
@@ -91,7 +91,14 @@ template <int Dim> std::vector<double> components(const typename PackedTypes<Dim
 	else return { m(0, 0), m(1, 1), m(2, 2), 0.5 * (m(1, 2) + m(2, 1)), 0.5 * (m(0, 2) + m(2, 0)), 0.5 * (m(0, 1) + m(1, 0)) };
 }
 
+/// Names of what every store measures.
+const std::vector<std::string>& sampleMeasures();
 /// "…; choose bondsIntact, …", for exceptions.
 [[noreturn]] void refuseMeasure(const std::string& name);
+
+/// Owners, 0 to ranks - 1, after a new deal: states go from the rank with most cost to that with least, one at a time and each the one that
+/// brings the two closest, until the largest cost is within 2 % of the mean or no state can be moved with a gain. Depends on nothing else,
+/// so that all ranks find the same.
+std::vector<int> dealtAgain(const std::vector<double>& cost, std::vector<int> owner, int ranks);
 
 } // namespace talik

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/ByteArchive.hpp>
 #include <pkg/multiscale/MpmEngine.hpp>
+#include <pkg/multiscale/SavedBytes.hpp>
 
 #include <algorithm>
 #include <cstring>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/multiscale/ScriptNames.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 #include <pkg/multiscale/SkeletonLaws.hpp>
 
 namespace yade {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <lib/serialization/Serializable.hpp>
-#include <pkg/icebond/IceCreep.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/multiscale/SampleAccuracy.hpp>
-#include <pkg/multiscale/SequenceConverter.hpp>
+#include <pkg/multiscale/ScriptValues.hpp>
 
 namespace yade {
 
@@ -15,7 +15,6 @@ class SkeletonLaw : public Serializable {
 public:
 	template <int D> using Model  = std::shared_ptr<talik::SkeletonModel<D>>;
 	template <int D> using Places = std::vector<talik::Vec<D>>;
-	virtual ~SkeletonLaw() {};
 	/// The model of one run, in the plane or in space; places: where all points of the ground were added, by id [m]. Throws
 	/// std::invalid_argument if the law has none there.
 	virtual Model<2> build(const Places<2>& places);
@@ -53,16 +52,16 @@ public:
 };
 REGISTER_SERIALIZABLE(SkeletonLaw);
 
-class ElasticSkeleton : public SkeletonLaw {
+/// What laws of one point do alike: model<D>() of the law is asked in the dimension of the ground.
+template <class Law> class LawInAnyDimension : public SkeletonLaw {
 public:
-	virtual ~ElasticSkeleton() {};
-	Model<2> build(const Places<2>&) override { return model<2>(); }
-	Model<3> build(const Places<3>&) override { return model<3>(); }
+	Model<2> build(const Places<2>&) override { return static_cast<const Law&>(*this).template model<2>(); }
+	Model<3> build(const Places<3>&) override { return static_cast<const Law&>(*this).template model<3>(); }
+};
 
-private:
+class ElasticSkeleton : public LawInAnyDimension<ElasticSkeleton> {
+public:
 	template <int D> Model<D> model() const;
-
-public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: "
 			"MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
@@ -73,16 +72,9 @@ public:
 };
 REGISTER_SERIALIZABLE(ElasticSkeleton);
 
-class MohrCoulombSkeleton : public SkeletonLaw {
+class MohrCoulombSkeleton : public LawInAnyDimension<MohrCoulombSkeleton> {
 public:
-	virtual ~MohrCoulombSkeleton() {};
-	Model<2> build(const Places<2>&) override { return model<2>(); }
-	Model<3> build(const Places<3>&) override { return model<3>(); }
-
-private:
 	template <int D> Model<D> model() const;
-
-public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice "
 			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them "
@@ -106,16 +98,9 @@ public:
 };
 REGISTER_SERIALIZABLE(MohrCoulombSkeleton);
 
-class CreepingSkeleton : public SkeletonLaw {
+class CreepingSkeleton : public LawInAnyDimension<CreepingSkeleton> {
 public:
-	virtual ~CreepingSkeleton() {};
-	Model<2> build(const Places<2>&) override { return model<2>(); }
-	Model<3> build(const Places<3>&) override { return model<3>(); }
-
-private:
 	template <int D> Model<D> model() const;
-
-public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(CreepingSkeleton,SkeletonLaw,"Elastic skeleton that flows by Glen's law while it has ice: strain rate A(T) tau^(n-1) times the "
 			"stress deviator, tau the root of its second invariant (in simple shear the shear stress), in calendar time. A and n are those of iceCreep, by default "

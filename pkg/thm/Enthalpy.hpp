@@ -158,7 +158,6 @@ public:
 
 	const MixtureProperties& properties() const { return formula_.properties; }
 	const FreezingCurve&     curve() const { return *curve_; }
-	FreezingCurvePtr         curvePointer() const { return curve_; }
 	EnthalpyForm             form() const { return formula_.form; }
 	LatentDensity            latentDensity() const { return latentDensity_; }
 	/// L_f of the state-function form [J/kg]; 9.9 % above the material's with LatentDensity::liquid.

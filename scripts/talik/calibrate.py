@@ -595,36 +595,13 @@ def main():
 		_toTarget(options.target, (options.grains or (100,))[0], folder, told, options.moments, options.strain)
 		writeWhole(folder / "target.md", "\n".join(lines) + "\n")
 		return
-	if options.scatter:
-		scatter(options.grains or (60, 100, 200, 400), options.realisations or 8, told=told)
-		writeWhole(folder / "scatter.md", "\n".join(lines) + "\n")
-		return
-	if options.strength:
-		tables = strengthTable(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)), told=told)
-		writeWhole(folder / "strength.md", "\n".join(lines) + "\n")
-		print(plots.save(drawStrength(*tables), folder / "strength.png"))
-		return
-	if options.creep:
-		table = creep.creepTable(creep.frozenSamples((options.grains or (100,))[0], options.realisations or 3), told=told)
-		writeWhole(folder / "creep.md", "\n".join(lines) + "\n")
-		print(plots.save(table.draw(), folder / "creep.png"))
-		return
-	if options.growth:
-		_growth((options.grains or (100,))[0], options.realisations or 3, folder, told)
-		writeWhole(folder / "growth.md", "\n".join(lines) + "\n")
-		return
-	if options.refrozen:
-		_refrozen((options.grains or (100,))[0], options.realisations or 8, folder, told)
-		writeWhole(folder / "refrozen.md", "\n".join(lines) + "\n")
-		return
-	if options.moments:
-		_moments((options.grains or (100,))[0], options.realisations or 3, folder, told)
-		writeWhole(folder / "moments.md", "\n".join(lines) + "\n")
-		return
-	if options.rolling:
-		table = rollingFriction((options.grains or (200,))[0], realisations=options.realisations or 3, told=told)
-		writeWhole(folder / "rolling.md", "\n".join(lines) + "\n")
-		print(plots.save(table.draw(), folder / "rolling.png"))
+	for name, study in _studies(options, told).items():
+		if not getattr(options, name):
+			continue
+		figure = study()
+		writeWhole(folder / f"{name}.md", "\n".join(lines) + "\n")
+		if figure:
+			print(plots.save(figure, folder / f"{name}.png"))
 		return
 	result = calibrate(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)))
 	print(result.report())
@@ -632,22 +609,23 @@ def main():
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")
 
 
-def _moments(grains, realisations, folder, told):
-	from talik import moments
+def _studies(options, told):
+	"""Option: what it runs. Each gives its lines to `told` and returns a figure, or None."""
+	from talik import growth, moments, refrozen
 
-	print(plots.save(moments.compare(grains, realisations, told=told).draw(), folder / "moments.png"))
+	def grains(usual):
+		return (options.grains or (usual,))[0]
 
-
-def _growth(grains, realisations, folder, told):
-	from talik import growth
-
-	print(plots.save(growth.draw(growth.table(grains, realisations, told=told)), folder / "growth.png"))
-
-
-def _refrozen(grains, realisations, folder, told):
-	from talik import refrozen
-
-	print(plots.save(refrozen.compare(grains, realisations, told=told).draw(), folder / "refrozen.png"))
+	many = options.realisations
+	return {
+		"scatter": lambda: scatter(options.grains or (60, 100, 200, 400), many or 8, told=told) and None,
+		"strength": lambda: drawStrength(*strengthTable(rve.pack(rve.prepare(grains=grains(400), ice=True)), told=told)),
+		"creep": lambda: creep.creepTable(creep.frozenSamples(grains(100), many or 3), told=told).draw(),
+		"growth": lambda: growth.draw(growth.table(grains(100), many or 3, told=told)),
+		"refrozen": lambda: refrozen.compare(grains(100), many or 8, told=told).draw(),
+		"moments": lambda: moments.compare(grains(100), many or 3, told=told).draw(),
+		"rolling": lambda: rollingFriction(grains(200), realisations=many or 3, told=told).draw(),
+	}
 
 
 def _toTarget(path, grains, folder, told, moments, strain):

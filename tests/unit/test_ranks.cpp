@@ -10,7 +10,7 @@
 #include <numeric>
 #include <pkg/multiscale/DistributedStore.hpp>
 #include <pkg/multiscale/PackedStore.hpp>
-#include <pkg/multiscale/SampleDeal.hpp>
+#include <pkg/multiscale/SampleStore.hpp>
 #include <thread>
 
 using namespace talik;

@@ -2,6 +2,7 @@
 """Fixtures of the tests that run inside the stock yade."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -25,3 +26,21 @@ def sampleCache(tmp_path_factory):
 		return tmp_path_factory.mktemp("samples")
 	Path(shared).mkdir(parents=True, exist_ok=True)
 	return Path(shared)
+
+
+@pytest.fixture
+def calibrateCommand(tmp_path, monkeypatch, capsys):
+	"""scripts/calibrate with an option and arguments, on samples of its own: it prints and writes a table and draws a picture. Returns the lines of the table."""
+
+	def run(option, *arguments):
+		from talik import calibrate
+
+		monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+		monkeypatch.setattr(sys, "argv", ["calibrate", f"--{option}", *arguments, "--output", str(tmp_path)])
+		calibrate.main()
+		said, written = capsys.readouterr().out, (tmp_path / f"{option}.md").read_text()
+		assert written.strip() in said
+		assert (tmp_path / f"{option}.png").stat().st_size > 10_000
+		return written.splitlines()
+
+	return run

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Two equal bonds of ice in one line, for closed forms of one bond."""
+"""Two equal bonds of ice in one line, for closed forms of one bond; one cell of ground over frozen samples."""
 
+import numpy as np
 from yade import Matrix3, O, utils, wrapper
 
 
@@ -21,3 +22,17 @@ def frozenPair(radius, depth):
 	sample.freeze(1)
 	assert sample.statistics()["bondsIntact"] == 2
 	return sample
+
+
+def block(packed, form="packed", scale=1e4, velocity=0.2, **skeleton):
+	"""One cell of ground at -5 degC that is sheared and compressed, four samples behind its points; see test_samples.py."""
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), automaticTimeStep=False, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
+	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, **{"strainTolerance": 0, "prediction": False, "minSteps": 10, **skeleton})
+	position = np.array([(0.5 * x, 0.5 * y) for x in (0.25, 0.75) for y in (0.25, 0.75)])
+	centred = position / 0.5 - 0.5
+	motion = velocity * np.column_stack((centred[:, 1] - 0.5 * centred[:, 0], centred[:, 0]))
+	mpm.addPoints(position=position, volume=0.0625, porosity=0.4, velocity=motion, temperature=-5)
+	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")]
+	O.engines, O.dt = [mpm], 2e-4
+	mpm.initialise()
+	return mpm

@@ -4,7 +4,6 @@
 import json
 import math
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,8 @@ import pytest
 from yade import Matrix3, O, utils, wrapper
 
 import talik
-from frozen_pair import frozenPair
-from talik import calibrate, creep, rve
+from frozen_pair import block, frozenPair
+from talik import creep, rve
 
 radius, young, depth = 5e-3, 3.6e9, 0.1  # E_c at full ice saturation
 day = 86400.0
@@ -218,13 +217,8 @@ def test_shorter_calls_bring_the_rate_of_a_sample_to_a_limit_slow(sampleCache):
 	assert (np.diff(np.abs(changes)) < 0).all() and abs(changes[-1]) < 0.05
 
 
-def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
-	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-	monkeypatch.setattr(sys, "argv", ["calibrate", "--creep", "--grains", "60", "--realisations", "1", "--output", str(tmp_path)])
-	calibrate.main()
-	said, written = capsys.readouterr().out, (tmp_path / "creep.md").read_text()
-	assert written.strip() in said and len(written.splitlines()) == 3 + 2 * len(creep.stresses)
-	assert (tmp_path / "creep.png").stat().st_size > 10_000
+def test_the_command_writes_table_and_picture_slow(calibrateCommand):
+	assert len(calibrateCommand("creep", "--grains", "60", "--realisations", "1")) == 3 + 2 * len(creep.stresses)
 
 
 # ---- an ordinary scene ----------------------------------------------------------------------------------------------------
@@ -270,20 +264,6 @@ def test_creep_needs_ice_that_is_a_spring_of_its_own():
 
 
 # ---- ground ---------------------------------------------------------------------------------------------------------------
-
-
-def block(packed, form="packed", scale=1e4, velocity=0.2, **skeleton):
-	"""One cell of ground with a temperature, four samples; see test_ice_strength.py."""
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), automaticTimeStep=False, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
-	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, **{"strainTolerance": 0, "prediction": False, "minSteps": 10, **skeleton})
-	position = np.array([(0.5 * x, 0.5 * y) for x in (0.25, 0.75) for y in (0.25, 0.75)])
-	centred = position / 0.5 - 0.5
-	motion = velocity * np.column_stack((centred[:, 1] - 0.5 * centred[:, 0], centred[:, 0]))
-	mpm.addPoints(position=position, volume=0.0625, porosity=0.4, velocity=motion, temperature=-5)
-	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")]
-	O.engines, O.dt = [mpm], 2e-4
-	mpm.initialise()
-	return mpm
 
 
 @pytest.fixture

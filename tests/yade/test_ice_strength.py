@@ -2,13 +2,12 @@
 """Strength of ice bonds over temperature and strain rate: one bond, samples, points of a ground."""
 
 import math
-import sys
 
 import numpy as np
 import pytest
 from yade import Matrix3, O, wrapper
 
-from frozen_pair import frozenPair
+from frozen_pair import block, frozenPair
 from talik import calibrate, rve
 
 
@@ -94,13 +93,8 @@ def test_a_frozen_sample_grows_stronger_with_rate_and_with_cold_and_its_tension_
 	assert growth[0] > 2 and 2 < growth[1] < 4
 
 
-def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
-	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-	monkeypatch.setattr(sys, "argv", ["calibrate", "--strength", "--grains", "40", "--output", str(tmp_path)])
-	calibrate.main()
-	said, written = capsys.readouterr().out, (tmp_path / "strength.md").read_text()
-	assert written.strip() in said and len(written.splitlines()) == 2 + len(calibrate.rates) + len(calibrate.temperatures)
-	assert (tmp_path / "strength.png").stat().st_size > 10_000
+def test_the_command_writes_table_and_picture_slow(calibrateCommand):
+	assert len(calibrateCommand("strength", "--grains", "40")) == 2 + len(calibrate.rates) + len(calibrate.temperatures)
 
 
 def test_confinement_strengthens_frozen_samples_and_cohesion_follows_the_ice_while_friction_stays_slow(sampleCache):
@@ -118,27 +112,13 @@ def test_confinement_strengthens_frozen_samples_and_cohesion_follows_the_ice_whi
 	assert abs(lines[0.97][0] - lines[0.55][0]) < 8
 
 
-def block(packed, form, law, scale, velocity=0.5, strainTolerance=0):
-	"""One cell of ground with a temperature, four samples; see test_samples.py."""
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(1, 1), automaticTimeStep=False, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
-	mpm.skeleton = wrapper.RveSkeleton(samples=[packed], form=form, strainTolerance=strainTolerance, prediction=False, minSteps=10, iceStrength=law)
-	position = np.array([(0.5 * x, 0.5 * y) for x in (0.25, 0.75) for y in (0.25, 0.75)])
-	centred = position / 0.5 - 0.5
-	motion = velocity * np.column_stack((centred[:, 1] - 0.5 * centred[:, 0], centred[:, 0]))
-	mpm.addPoints(position=position, volume=0.0625, porosity=0.4, velocity=motion, temperature=-5)
-	mpm.boundaries = [wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom", "top")]
-	O.engines, O.dt = [mpm], 2e-4
-	mpm.initialise()
-	return mpm
-
-
 @pytest.mark.parametrize("form", ("packed", "open"))
 def test_behind_a_point_strength_follows_its_temperature_and_its_strain_rate_in_natures_time(form, packed):
 	law, broken = wrapper.IceStrength(shearRateExponent=0.4, referenceRate=1), []
 	packed.freeze(1)
 	for scale in (1, 1e4):
 		O.reset()
-		mpm = block(packed, form, law, scale)
+		mpm = block(packed, form, scale, velocity=0.5, iceStrength=law)
 		direct, difference = [packed.copy() if form == "packed" else wrapper.OpenRveSample(source=packed.open()) for _ in range(4)], 0.0
 		for _ in range(15):
 			O.step()
@@ -165,7 +145,7 @@ def test_ground_whose_bonds_follow_the_rate_goes_on_from_a_file_to_the_last_bit(
 	stresses = []
 	for saved in (False, True):
 		O.reset()
-		mpm = block(packed, "packed", wrapper.IceStrength(shearRateExponent=0.4, referenceRate=1), 1e4, strainTolerance=1e-4)
+		mpm = block(packed, velocity=0.5, strainTolerance=1e-4, iceStrength=wrapper.IceStrength(shearRateExponent=0.4, referenceRate=1))
 		for k in range(20):
 			if saved and k == 9:
 				O.save(str(tmp_path / "ground.yade.gz"))

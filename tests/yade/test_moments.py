@@ -9,6 +9,7 @@ import pytest
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
+from stock_moments import openStock
 from talik import calibrate, moments, packing, rve
 
 friction, ratio, young, iceYoung, strength = 0.5, 0.8, 0.6e9, 3e9, 51e6
@@ -180,71 +181,27 @@ def frozen(request, sampleCache):
 
 def stockScene(scene):
 	"""Grains and bonds of a scene in stock YADE's own law, its contact springs those of the grains and the ice together."""
-	with talik.inspect(scene):
-		grains = [(b.state.pos, b.state.vel, b.state.angVel, b.shape.radius, b.state.mass, b.state.inertia, b.state.blockedDOFs) for b in O.bodies]
-		bonds = {}
-		for i in O.interactions:
-			p = i.phys
-			if not i.isReal:
-				continue
-			assert p.bondState == 1, "every contact is a bond"
-			ice = p.kn - p.grainStiffness
-			square = p.bondRadiusFactor**2 * p.bondArea / math.pi
-			bonds[i.id1, i.id2] = dict(
-				kn=p.kn,
-				ks=p.ks,
-				unp=(p.grainStiffness * p.uGrain + ice * p.uIce) / p.kn,
-				shearForce=p.shearForce,
-				kr=ice * square / 4,
-				ktw=ratio * ice * square / 2,
-				moment_bending=p.bondMoment - p.bondMoment.dot(i.geom.normal) * i.geom.normal,
-				moment_twist=p.bondMoment.dot(i.geom.normal) * i.geom.normal,
-			)
-		size, dt, damping = O.cell.hSize, O.dt, O.engines[-1].damping
-	O.reset()
-	O.periodic = True
-	O.cell.hSize = size
-	O.materials.append(
-		wrapper.CohFrictMat(
-			young=young,
-			poisson=ratio,
-			frictionAngle=math.atan(friction),
-			isCohesive=True,
-			normalCohesion=1e12,
-			shearCohesion=1e12,
-			momentRotationLaw=True,
-			etaRoll=-1,
-			etaTwist=-1,
-			fragile=True,
+
+	def contactOf(i):
+		p = i.phys
+		assert p.bondState == 1, "every contact is a bond"
+		ice = p.kn - p.grainStiffness
+		square = p.bondRadiusFactor**2 * p.bondArea / math.pi
+		return dict(
+			kn=p.kn,
+			ks=p.ks,
+			unp=(p.grainStiffness * p.uGrain + ice * p.uIce) / p.kn,
+			shearForce=p.shearForce,
+			kr=ice * square / 4,
+			ktw=ratio * ice * square / 2,
+			moment_bending=p.bondMoment - p.bondMoment.dot(i.geom.normal) * i.geom.normal,
+			moment_twist=p.bondMoment.dot(i.geom.normal) * i.geom.normal,
+			normalAdhesion=1e12,
+			shearAdhesion=1e12,
 		)
-	)
-	for position, velocity, spin, radius, mass, inertia, blocked in grains:
-		body = utils.sphere(position, radius, material=0)
-		body.state.mass, body.state.inertia, body.state.blockedDOFs, body.state.vel, body.state.angVel = mass, inertia, blocked, velocity, spin
-		O.bodies.append(body)
-	law = wrapper.Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=True, useIncrementalForm=True)
-	ip2 = wrapper.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True, setCohesionOnNewContacts=True)
-	reach = 1.06  # bonds across gaps
-	collider = wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(aabbEnlargeFactor=reach)], allowBiggerThanPeriod=True)
-	geometry = wrapper.Ig2_Sphere_Sphere_ScGeom6D(interactionDetectionFactor=reach)
-	O.engines = [
-		wrapper.ForceResetter(),
-		collider,
-		wrapper.InteractionLoop([geometry], [ip2], [law]),
-		wrapper.NewtonIntegrator(damping=damping),
-	]
-	O.dt = 1e-30  # contacts come into being
-	O.step()
-	for i in list(O.interactions):
-		if i.isReal and (i.id1, i.id2) not in bonds:
-			O.interactions.erase(i.id1, i.id2)
-	geometry.interactionDetectionFactor = 1
-	for ids, values in bonds.items():
-		phys = O.interactions[ids].phys
-		for name, value in values.items():
-			setattr(phys, name, value)
-		phys.normalAdhesion = phys.shearAdhesion = 1e12
-	O.dt = dt
+
+	grain = dict(young=young, poisson=ratio, frictionAngle=math.atan(friction), normalCohesion=1e12, shearCohesion=1e12)
+	openStock(scene, contactOf, moving=True, reach=1.06, cohesive=True, etaRoll=-1, etaTwist=-1, fragile=True, **grain)
 
 
 @pytest.mark.parametrize("frozen", [(2, {}), (3, {})], ids=["discs", "spheres"], indirect=True)

@@ -6,7 +6,6 @@ doi 10.1061/(ASCE)GT.1943-5606.0002464, abstract); the frozen strength of sand w
 2020, Sensors 20:5381, abstract: three cycles with repeated loads, compressed at -5 degC).
 """
 
-import sys
 
 import numpy as np
 import pytest
@@ -75,10 +74,5 @@ def test_frozen_samples_stiffen_as_the_freezing_curve_turns_their_water_to_ice(s
 	assert (np.diff(stiffness) > -0.02 * stiffness[1:]).all() and stiffness[3] > 2 * stiffness[0]
 
 
-def test_the_command_writes_table_and_picture_slow(tmp_path, monkeypatch, capsys):
-	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-	monkeypatch.setattr(sys, "argv", ["calibrate", "--refrozen", "--grains", "40", "--realisations", "1", "--output", str(tmp_path)])
-	calibrate.main()
-	said, written = capsys.readouterr().out, (tmp_path / "refrozen.md").read_text()
-	assert written.strip() in said and len(written.splitlines()) == 2 + len(refrozen.pasts)
-	assert (tmp_path / "refrozen.png").stat().st_size > 10_000
+def test_the_command_writes_table_and_picture_slow(calibrateCommand):
+	assert len(calibrateCommand("refrozen", "--grains", "40", "--realisations", "1")) == 2 + len(refrozen.pasts)

@@ -8,6 +8,7 @@ import pytest
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
+from stock_moments import openStock
 from talik import calibrate, packing, rve
 
 alphaKr, etaRoll, friction, ratio, young = 1.5, 0.2, 0.5, 0.8, 0.6e9
@@ -31,44 +32,12 @@ def rough(request, sampleCache):
 
 def stockScene(scene):
 	"""Grains and contacts of a scene in stock YADE's own law, at rest."""
-	with talik.inspect(scene):
-		grains = [(b.state.pos, b.shape.radius, b.state.mass, b.state.inertia, b.state.blockedDOFs) for b in O.bodies]
-		contacts = {(i.id1, i.id2): (i.phys.shearForce, i.phys.moment_bending) for i in O.interactions if i.isReal}
-		size, dt, damping = O.cell.hSize, O.dt, O.engines[-1].damping
-	O.reset()
-	O.periodic = True
-	O.cell.hSize = size
-	material = wrapper.CohFrictMat(
-		young=young,
-		poisson=ratio,
-		frictionAngle=math.atan(friction),
-		isCohesive=False,
-		normalCohesion=0,
-		shearCohesion=0,
-		momentRotationLaw=True,
-		alphaKr=alphaKr,
-		etaRoll=etaRoll,
-		alphaKtw=0,
-		etaTwist=0,
-	)
-	O.materials.append(material)
-	for position, radius, mass, inertia, blocked in grains:
-		body = utils.sphere(position, radius, material=0)
-		body.state.mass, body.state.inertia, body.state.blockedDOFs = mass, inertia, blocked
-		O.bodies.append(body)
-	law = wrapper.Law2_ScGeom6D_CohFrictPhys_CohesionMoment(always_use_moment_law=True, useIncrementalForm=True)
-	O.engines = [
-		wrapper.ForceResetter(),
-		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()], allowBiggerThanPeriod=True),
-		wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom6D()], [wrapper.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys()], [law]),
-		wrapper.NewtonIntegrator(damping=damping),
-	]
-	O.dt = 1e-30  # contacts come into being
-	O.step()
-	assert {(i.id1, i.id2) for i in O.interactions if i.isReal} == contacts.keys()
-	for ids, (shear, moment) in contacts.items():
-		O.interactions[ids].phys.shearForce, O.interactions[ids].phys.moment_bending = shear, moment
-	O.dt = dt
+
+	def contactOf(i):
+		return dict(shearForce=i.phys.shearForce, moment_bending=i.phys.moment_bending)
+
+	grain = dict(young=young, poisson=ratio, frictionAngle=math.atan(friction), normalCohesion=0, shearCohesion=0)
+	openStock(scene, contactOf, alphaKr=alphaKr, etaRoll=etaRoll, alphaKtw=0, etaTwist=0, **grain)
 
 
 def relative(a, b):

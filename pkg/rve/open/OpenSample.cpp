@@ -4,14 +4,12 @@
 #include <pkg/common/NormShearPhys.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/dem/ScGeom.hpp>
-#include <pkg/icebond/CreepingBonds.hpp>
-#include <pkg/icebond/IceBondMat.hpp>
-#include <pkg/icebond/IceBondPhys.hpp>
+#include <pkg/icebond/IceBondContacts.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
-#include <pkg/rve/open/RunningScene.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
-#include <pkg/rve/packed/CellReduction.hpp>
-#include <pkg/rve/packed/PackedProtocol.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 
 #include <omp.h>
 #include <sstream>

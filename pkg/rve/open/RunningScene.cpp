@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/common/Sphere.hpp>
-#include <pkg/rve/open/HoldGil.hpp>
-#include <pkg/rve/open/RunningScene.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 
 #include <algorithm>
 #include <map>

@@ -3,11 +3,10 @@
 #include <pkg/common/Sphere.hpp>
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/dem/ScGeom.hpp>
-#include <pkg/icebond/IceBondMat.hpp>
-#include <pkg/icebond/IceBondPhys.hpp>
-#include <pkg/icebond/MomentIceBond.hpp>
-#include <pkg/rve/open/HoldGil.hpp>
+#include <pkg/icebond/IceBondContacts.hpp>
+#include <pkg/icebond/IceBondMoments.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/open/StepGate.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 
 #include <algorithm>
@@ -348,8 +347,7 @@ namespace {
 			state.velocity.push_back(motion.vel.template head<Dim>());
 			packTurning(motion, former, index, state);
 		}
-		if (former && former->grains && former->grains->id == grains->id && former->grains->mass == grains->mass
-		    && former->grains->inertia == grains->inertia && former->grains->rolling == grains->rolling && former->grains->section == grains->section) {
+		if (former && former->grains && former->grains->sameButRadii(*grains)) {
 			bool same = true;
 			for (std::size_t i = 0; i < grains->size(); i++)
 				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];

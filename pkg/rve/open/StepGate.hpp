@@ -1,8 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <mutex>
+#include <Python.h>
 
 namespace talik {
+
+/// Python's lock for as long as it lives, whatever thread asks.
+class HoldGil {
+	PyGILState_STATE state = PyGILState_Ensure();
+
+public:
+	HoldGil()                          = default;
+	HoldGil(const HoldGil&)            = delete;
+	HoldGil& operator=(const HoldGil&) = delete;
+	~HoldGil() { PyGILState_Release(state); }
+};
 
 /// Held by a step of one of our engines, or by a call from Python into one of our classes: never both at once, in the order in which
 /// they came, so that neither a run nor a console that asks again and again keeps the other out. The thread that holds it may take it

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
 #include <cstring>
-#include <pkg/rve/packed/PackedParking.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
 
 namespace talik {
 

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 #include <Eigen/LU>
-#include <pkg/rve/packed/PackedProtocol.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <pkg/rve/SampleUpdate.hpp>
@@ -133,12 +132,10 @@ void checkOptions(const PackedUpdateOptions& o)
 
 void checkCreep(const BondCreep& creep)
 {
-	if (!(creep.fluidity >= 0) || !std::isfinite(creep.fluidity))
-		throw std::invalid_argument(
-		        "packed sample: the rate factor of creep times its time is " + std::to_string(creep.fluidity)
-		        + " Pa^-n; it must be finite and not negative");
-	if (!(creep.exponent >= 1) || !std::isfinite(creep.exponent))
-		throw std::invalid_argument("packed sample: the exponent of creep is " + std::to_string(creep.exponent) + "; it must be 1 or more");
+	if (creep.isPossible()) return;
+	throw std::invalid_argument(
+	        "packed sample: creep has the rate factor times its time " + std::to_string(creep.fluidity) + " Pa^-n and the exponent "
+	        + std::to_string(creep.exponent) + "; both must be finite, the first one 0 or more, the exponent 1 or more");
 }
 
 void checkStrength(const BondStrengthFactors& strength)

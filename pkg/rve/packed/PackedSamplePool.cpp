@@ -3,7 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <pkg/mpm/ThreadTeam.hpp>
-#include <pkg/rve/packed/PackedProtocol.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <stdexcept>

@@ -6,9 +6,8 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <memory>
-#include <pkg/icebond/BondSection.hpp>
 #include <pkg/icebond/IceBond.hpp>
-#include <pkg/icebond/IceStrengthLaw.hpp>
+#include <pkg/icebond/IceLaws.hpp>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -36,6 +35,11 @@ struct PackedGrains {
 	PackedRolling             rolling {};
 	BondSection               section {}; ///< of bonds that carry moments
 	std::size_t               size() const { return radius.size(); }
+	bool                      sameButRadii(const PackedGrains& other) const
+	{
+		return mass == other.mass && inertia == other.inertia && id == other.id && rolling == other.rolling && section == other.section;
+	}
+	bool operator==(const PackedGrains& other) const { return radius == other.radius && sameButRadii(other); }
 };
 
 /// Types that differ between discs (Dim 2) and spheres (Dim 3).

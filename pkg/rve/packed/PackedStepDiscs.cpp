@@ -171,78 +171,73 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
-		HWY_NOINLINE void contactLoop(PackedStepView<2>& view, const PackedPairs<2> pairs)
-		{
-			const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
-			const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
-			const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
-                                if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
-                                // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
-                                scatter<Periodic, Rolling, Moments>(view, p, gathered, respond<Bonded, Moments, Periodic>(view, p, c, gathered));
-			};
-			inPipeline(pairs, gatherAt, finish);
-		}
-
-		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<2>& view)
-		{
-			const double* l       = view.prevVelGrad;
-			const double  jump[4] = { view.nextVelGrad[0] - l[0], view.nextVelGrad[1] - l[1], view.nextVelGrad[2] - l[2],
-				                  view.nextVelGrad[3] - l[3] };
-			const Many    lxx = splat(l[0]), lxy = splat(l[1]), lyx = splat(l[2]), lyy = splat(l[3]);
-			const Many    jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
-			const Many    spinJump = splat(-0.5 * (jump[1] - jump[2]));
-			const Many    dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
-			Quad          sxx, sxy, syx, syy, fluctuation;
-			for (std::size_t i = 0; i < view.grains; i += 4)
-				for (std::size_t part = 0; part < Quad::parts; ++part) {
-					const std::size_t g      = i + part * laneCount;
-					const Columns     motion = takeColumns<false, 4>(view.motion + 4 * g), force = takeColumns<true, 4>(view.force + 4 * g);
-					const Many        minusInverseMass = load(view.minusInverseMass + g);
-					const Many        meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
-					Many              ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
-					Many              ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
-					ax                   = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
-					ay                   = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
-					Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
-					const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
-					fluctuation.part[part] = Max(fluctuation.part[part], MulAdd(fx, fx, Mul(fy, fy)));
-					if (Jumps) {
-						vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
-						vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
-					}
-					const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
-					putColumns<4>({ x, y, vx, vy }, view.motion + 4 * g);
-					if (Stress) {
-						sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
-						sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
-						syx.part[part] = MulAdd(force.b, x, syx.part[part]);
-						syy.part[part] = MulAdd(force.b, y, syy.part[part]);
-					}
-					const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
-					double *   spin = view.turning[i / 4].spin[0] + part * laneCount, *angle = view.turning[i / 4].angle + part * laneCount;
-					Many       w = load(spin);
-					w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
-					if (Jumps) w = Add(w, spinJump);
-					store(w, spin);
-					store(MulAdd(dt, w, load(angle)), angle);
-					store(Mul(w, radius), view.rim + g);
-				}
-			view.maxFluctuationSquare = fluctuation.largest();
-			if (!Stress) return;
-			view.virial[0] = sxx.sum();
-			view.virial[1] = sxy.sum();
-			view.virial[2] = syx.sum();
-			view.virial[3] = syy.sum();
-		}
-
 		struct DiscLoops {
-			template <bool Bonded, bool Rolling, bool Moments, bool Periodic, class Pairs>
-			static void contacts(PackedStepView<2>& view, const Pairs& pairs)
+			template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
+			static HWY_NOINLINE void contacts(PackedStepView<2>& view, const PackedPairs<2> pairs)
 			{
-				contactLoop<Bonded, Rolling, Moments, Periodic>(view, pairs);
+				const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
+				const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
+				const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
+                                        if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
+                                        // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
+                                        scatter<Periodic, Rolling, Moments>(view, p, gathered, respond<Bonded, Moments, Periodic>(view, p, c, gathered));
+				};
+				inPipeline(pairs, gatherAt, finish);
 			}
-			template <bool Jumps, bool Stress> static void integrate(PackedStepView<2>& view) { integrateGrains<Jumps, Stress>(view); }
+
+			template <bool Jumps, bool Stress> static void integrate(PackedStepView<2>& view)
+			{
+				const double* l       = view.prevVelGrad;
+				const double  jump[4] = { view.nextVelGrad[0] - l[0], view.nextVelGrad[1] - l[1], view.nextVelGrad[2] - l[2],
+					                  view.nextVelGrad[3] - l[3] };
+				const Many    lxx = splat(l[0]), lxy = splat(l[1]), lyx = splat(l[2]), lyy = splat(l[3]);
+				const Many    jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
+				const Many    spinJump = splat(-0.5 * (jump[1] - jump[2]));
+				const Many    dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
+				Quad          sxx, sxy, syx, syy, fluctuation;
+				for (std::size_t i = 0; i < view.grains; i += 4)
+					for (std::size_t part = 0; part < Quad::parts; ++part) {
+						const std::size_t g         = i + part * laneCount;
+						const Columns     motion    = takeColumns<false, 4>(view.motion + 4 * g),
+						              force         = takeColumns<true, 4>(view.force + 4 * g);
+						const Many minusInverseMass = load(view.minusInverseMass + g);
+						const Many meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
+						Many       ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
+						Many       ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
+						ax            = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
+						ay            = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
+						Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
+						const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
+						fluctuation.part[part] = Max(fluctuation.part[part], MulAdd(fx, fx, Mul(fy, fy)));
+						if (Jumps) {
+							vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
+							vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
+						}
+						const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
+						putColumns<4>({ x, y, vx, vy }, view.motion + 4 * g);
+						if (Stress) {
+							sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
+							sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
+							syx.part[part] = MulAdd(force.b, x, syx.part[part]);
+							syy.part[part] = MulAdd(force.b, y, syy.part[part]);
+						}
+						const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
+						double *   spin = view.turning[i / 4].spin[0] + part * laneCount,
+						       *angle   = view.turning[i / 4].angle + part * laneCount;
+						Many w          = load(spin);
+						w               = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
+						if (Jumps) w = Add(w, spinJump);
+						store(w, spin);
+						store(MulAdd(dt, w, load(angle)), angle);
+						store(Mul(w, radius), view.rim + g);
+					}
+				view.maxFluctuationSquare = fluctuation.largest();
+				if (!Stress) return;
+				view.virial[0] = sxx.sum();
+				view.virial[1] = sxy.sum();
+				view.virial[2] = syx.sum();
+				view.virial[3] = syy.sum();
+			}
 		};
 
 	} // namespace
@@ -260,10 +255,7 @@ HWY_EXPORT(discKernel);
 
 template <> PackedKernel<2> stepKernel<2>(PackedContactKind kind, bool portable)
 {
-	if (!portable) return HWY_DYNAMIC_DISPATCH(discKernel)(kind);
-	PackedKernel<2> kernel = HWY_STATIC_DISPATCH(discKernel)(kind);
-	kernel.name            = "portable";
-	return kernel;
+	return portable ? HWY_STATIC_DISPATCH(discKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(discKernel)(kind);
 }
 
 } // namespace talik

@@ -254,21 +254,6 @@ namespace HWY_NAMESPACE {
 			r.shear  = f.shear;
 		}
 
-		template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
-		HWY_NOINLINE void contactLoop(PackedStepView<3>& view, const PackedPairs<3> pairs)
-		{
-			const Constants c {
-				{ splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt), splat(view.dt), splat(0.5 * view.dt)
-			};
-			using Response = ResponseOf<Rolling || Moments>;
-			inStages<Gathered, Response, Bonded, Rolling>(
-			        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
-			        [&](const Place<3>& p, const Gathered& g, Response& r)
-			                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(view, p, c, g, r); },
-			        [&](const Place<3>& p, const Gathered& g, const Response& r)
-			                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
-		}
-
 		/// A 3x3 matrix, the same in every lane.
 		struct Matrix {
 			Vector row[3];
@@ -299,56 +284,68 @@ namespace HWY_NAMESPACE {
 				sums[k].part[part] = MulAdd(fs[k / 3], xs[k % 3], sums[k].part[part]);
 		}
 
-		template <bool Jumps, bool Stress> void integrateGrains(PackedStepView<3>& view)
-		{
-			double leap[9], leapOfSpin[3];
-			for (int k = 0; k < 9; ++k)
-				leap[k] = view.nextVelGrad[k] - view.prevVelGrad[k];
-			for (int d = 0; d < 3; ++d)
-				leapOfSpin[d] = -0.5 * (leap[(d + 1) % 3 * 3 + (d + 2) % 3] - leap[(d + 2) % 3 * 3 + (d + 1) % 3]);
-			const Matrix gradient(view.prevVelGrad), jump(leap);
-			const Vector none { splat(0.), splat(0.), splat(0.) }, spinJump { splat(leapOfSpin[0]), splat(leapOfSpin[1]), splat(leapOfSpin[2]) };
-			const Many   dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
-			Quad         fluctuation, virial[9];
-			for (std::size_t i = 0; i < view.grains; i += 4)
-				for (std::size_t part = 0; part < Quad::parts; ++part) {
-					const std::size_t g = i + part * laneCount, lane = part * laneCount;
-					double*           row = view.position(g);
-					const Columns xs = takeColumns<false, Layout::row>(row), vs = takeColumns<false, Layout::row>(row + Layout::velocity);
-					const Columns fs = takeColumns<true, Layout::row>(row + Layout::force),
-					              ms = takeColumns<true, Layout::row>(row + Layout::moment);
-					const Vector x { xs.a, xs.b, xs.c }, v { vs.a, vs.b, vs.c }, force { fs.a, fs.b, fs.c }, moment { ms.a, ms.b, ms.c };
-					const Vector meanField = gradient.timesAdd(x, none);
-					const Vector a         = gradient.timesAdd(
-					                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
-					Vector       velocity  = mulAdd(dt, a, v);
-					const Vector carried   = Sub(velocity, meanField);
-					fluctuation.part[part] = Max(fluctuation.part[part], dot(carried, carried));
-					if (Jumps) velocity = jump.timesAdd(x, velocity);
-					const Vector position = mulAdd(dt, velocity, x);
-					if (Stress) addVirial(virial, part, force, position);
-					auto&        turning = view.turning[i / 4];
-					const Vector before  = load3(turning.spin, lane);
-					Vector       w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
-					if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
-					store3(w, turning.spin, lane);
-					const Vector rim = scaled(w, load(view.radius + g));
-					putColumns<Layout::row>({ position.x, position.y, position.z, rim.x }, row);
-					putColumns<Layout::row>({ velocity.x, velocity.y, velocity.z, rim.y }, row + Layout::velocity);
-					putColumns<Layout::row>({ w.x, w.y, w.z, rim.z }, row + Layout::spin);
-				}
-			view.maxFluctuationSquare = fluctuation.largest();
-			for (int k = 0; Stress && k < 9; ++k)
-				view.virial[k] = virial[k].sum();
-		}
-
 		struct SphereLoops {
-			template <bool Bonded, bool Rolling, bool Moments, bool Periodic, class Pairs>
-			static void contacts(PackedStepView<3>& view, const Pairs& pairs)
+			template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
+			static HWY_NOINLINE void contacts(PackedStepView<3>& view, const PackedPairs<3> pairs)
 			{
-				contactLoop<Bonded, Rolling, Moments, Periodic>(view, pairs);
+				const Constants c { { splat(view.friction), splat(view.bondFriction) },
+					            splat(view.stiffnessRatio * view.dt),
+					            splat(view.dt),
+					            splat(0.5 * view.dt) };
+				using Response = ResponseOf<Rolling || Moments>;
+				inStages<Gathered, Response, Bonded, Rolling>(
+				        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
+				        [&](const Place<3>& p, const Gathered& g, Response& r)
+				                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(view, p, c, g, r); },
+				        [&](const Place<3>& p, const Gathered& g, const Response& r)
+				                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
 			}
-			template <bool Jumps, bool Stress> static void integrate(PackedStepView<3>& view) { integrateGrains<Jumps, Stress>(view); }
+
+			template <bool Jumps, bool Stress> static void integrate(PackedStepView<3>& view)
+			{
+				double leap[9], leapOfSpin[3];
+				for (int k = 0; k < 9; ++k)
+					leap[k] = view.nextVelGrad[k] - view.prevVelGrad[k];
+				for (int d = 0; d < 3; ++d)
+					leapOfSpin[d] = -0.5 * (leap[(d + 1) % 3 * 3 + (d + 2) % 3] - leap[(d + 2) % 3 * 3 + (d + 1) % 3]);
+				const Matrix gradient(view.prevVelGrad), jump(leap);
+				const Vector none { splat(0.), splat(0.), splat(0.) },
+				        spinJump { splat(leapOfSpin[0]), splat(leapOfSpin[1]), splat(leapOfSpin[2]) };
+				const Many dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
+				Quad       fluctuation, virial[9];
+				for (std::size_t i = 0; i < view.grains; i += 4)
+					for (std::size_t part = 0; part < Quad::parts; ++part) {
+						const std::size_t g = i + part * laneCount, lane = part * laneCount;
+						double*           row = view.position(g);
+						const Columns     xs  = takeColumns<false, Layout::row>(row),
+						              vs      = takeColumns<false, Layout::row>(row + Layout::velocity);
+						const Columns fs      = takeColumns<true, Layout::row>(row + Layout::force),
+						              ms      = takeColumns<true, Layout::row>(row + Layout::moment);
+						const Vector x { xs.a, xs.b, xs.c }, v { vs.a, vs.b, vs.c }, force { fs.a, fs.b, fs.c },
+						        moment { ms.a, ms.b, ms.c };
+						const Vector meanField = gradient.timesAdd(x, none);
+						const Vector a         = gradient.timesAdd(
+						                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
+						Vector       velocity  = mulAdd(dt, a, v);
+						const Vector carried   = Sub(velocity, meanField);
+						fluctuation.part[part] = Max(fluctuation.part[part], dot(carried, carried));
+						if (Jumps) velocity = jump.timesAdd(x, velocity);
+						const Vector position = mulAdd(dt, velocity, x);
+						if (Stress) addVirial(virial, part, force, position);
+						auto&        turning = view.turning[i / 4];
+						const Vector before  = load3(turning.spin, lane);
+						Vector w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
+						if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
+						store3(w, turning.spin, lane);
+						const Vector rim = scaled(w, load(view.radius + g));
+						putColumns<Layout::row>({ position.x, position.y, position.z, rim.x }, row);
+						putColumns<Layout::row>({ velocity.x, velocity.y, velocity.z, rim.y }, row + Layout::velocity);
+						putColumns<Layout::row>({ w.x, w.y, w.z, rim.z }, row + Layout::spin);
+					}
+				view.maxFluctuationSquare = fluctuation.largest();
+				for (int k = 0; Stress && k < 9; ++k)
+					view.virial[k] = virial[k].sum();
+			}
 		};
 
 	} // namespace
@@ -366,10 +363,7 @@ HWY_EXPORT(sphereKernel);
 
 template <> PackedKernel<3> stepKernel<3>(PackedContactKind kind, bool portable)
 {
-	if (!portable) return HWY_DYNAMIC_DISPATCH(sphereKernel)(kind);
-	PackedKernel<3> kernel = HWY_STATIC_DISPATCH(sphereKernel)(kind);
-	kernel.name            = "portable";
-	return kernel;
+	return portable ? HWY_STATIC_DISPATCH(sphereKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(sphereKernel)(kind);
 }
 
 } // namespace talik

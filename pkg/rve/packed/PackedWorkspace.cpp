@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cstring>
 #include <Eigen/LU>
-#include <pkg/rve/packed/CellReduction.hpp>
-#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 

@@ -2,8 +2,8 @@
 // Bonds of ice: their failure, and how they follow ice saturation.
 #include <algorithm>
 #include <cmath>
-#include <pkg/icebond/IceBondCreep.hpp>
-#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+#include <pkg/icebond/IceLaws.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
 
 namespace talik {
 
@@ -175,15 +175,14 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	return true;
 }
 
-template void        PackedWorkspace<2>::onBondEvent(void*, PackedBondEvent<2>*);
-template void        PackedWorkspace<2>::setIceSaturation(double);
-template void        PackedWorkspace<2>::setStrengthFactors(const BondStrengthFactors&);
-template void        PackedWorkspace<3>::setStrengthFactors(const BondStrengthFactors&);
-template void        PackedWorkspace<2>::creep(const BondCreep&);
-template void        PackedWorkspace<3>::creep(const BondCreep&);
-template std::size_t PackedWorkspace<2>::bondAll();
-template void        PackedWorkspace<3>::onBondEvent(void*, PackedBondEvent<3>*);
-template void        PackedWorkspace<3>::setIceSaturation(double);
-template std::size_t PackedWorkspace<3>::bondAll();
+#define TALIK_BONDS_OF(Dim)                                                                        \
+	template void        PackedWorkspace<Dim>::onBondEvent(void*, PackedBondEvent<Dim>*);      \
+	template void        PackedWorkspace<Dim>::setIceSaturation(double);                       \
+	template void        PackedWorkspace<Dim>::setStrengthFactors(const BondStrengthFactors&); \
+	template void        PackedWorkspace<Dim>::creep(const BondCreep&);                        \
+	template std::size_t PackedWorkspace<Dim>::bondAll();
+TALIK_BONDS_OF(2)
+TALIK_BONDS_OF(3)
+#undef TALIK_BONDS_OF
 
 } // namespace talik

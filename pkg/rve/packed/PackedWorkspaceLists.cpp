@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/LU>
-#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
 
 namespace talik {
 
@@ -478,27 +478,20 @@ template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
 	}
 }
 
-template void             PackedWorkspace<2>::loadContacts(const PackedState<2>&);
-template void             PackedWorkspace<2>::loadListed(const PackedContacts<2>&, const PackedLists<2>&);
-template void             PackedWorkspace<2>::storeContacts(PackedContacts<2>&, PackedLists<2>*) const;
-template bool             PackedWorkspace<2>::listsExhausted() const;
-template void             PackedWorkspace<2>::accumulateTravel();
-template void             PackedWorkspace<2>::refreshLists();
-template void             PackedWorkspace<2>::rebuildLists(double);
-template ContactStiffness PackedWorkspace<2>::stiffness(const Lanes&, std::size_t, double) const;
-template BondStrength     PackedWorkspace<2>::strength(const Lanes&, std::size_t) const;
-template void             PackedWorkspace<2>::setResponse(Lanes&, std::size_t);
-template void             PackedWorkspace<2>::updateShiftRows();
-template void             PackedWorkspace<3>::loadContacts(const PackedState<3>&);
-template void             PackedWorkspace<3>::loadListed(const PackedContacts<3>&, const PackedLists<3>&);
-template void             PackedWorkspace<3>::storeContacts(PackedContacts<3>&, PackedLists<3>*) const;
-template bool             PackedWorkspace<3>::listsExhausted() const;
-template void             PackedWorkspace<3>::accumulateTravel();
-template void             PackedWorkspace<3>::refreshLists();
-template void             PackedWorkspace<3>::rebuildLists(double);
-template ContactStiffness PackedWorkspace<3>::stiffness(const Lanes&, std::size_t, double) const;
-template BondStrength     PackedWorkspace<3>::strength(const Lanes&, std::size_t) const;
-template void             PackedWorkspace<3>::setResponse(Lanes&, std::size_t);
-template void             PackedWorkspace<3>::updateShiftRows();
+#define TALIK_LISTS_OF(Dim)                                                                                              \
+	template void             PackedWorkspace<Dim>::loadContacts(const PackedState<Dim>&);                           \
+	template void             PackedWorkspace<Dim>::loadListed(const PackedContacts<Dim>&, const PackedLists<Dim>&); \
+	template void             PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&, PackedLists<Dim>*) const;    \
+	template bool             PackedWorkspace<Dim>::listsExhausted() const;                                          \
+	template void             PackedWorkspace<Dim>::accumulateTravel();                                              \
+	template void             PackedWorkspace<Dim>::refreshLists();                                                  \
+	template void             PackedWorkspace<Dim>::rebuildLists(double);                                            \
+	template ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes&, std::size_t, double) const;              \
+	template BondStrength     PackedWorkspace<Dim>::strength(const Lanes&, std::size_t) const;                       \
+	template void             PackedWorkspace<Dim>::setResponse(Lanes&, std::size_t);                                \
+	template void             PackedWorkspace<Dim>::updateShiftRows();
+TALIK_LISTS_OF(2)
+TALIK_LISTS_OF(3)
+#undef TALIK_LISTS_OF
 
 } // namespace talik

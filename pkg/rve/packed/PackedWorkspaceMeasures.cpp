@@ -2,7 +2,7 @@
 // Measures of a sample, from the geometry and the forces of its contacts.
 #include <algorithm>
 #include <cmath>
-#include <pkg/rve/packed/PackedWorkspaceParts.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
 
 namespace talik {
 

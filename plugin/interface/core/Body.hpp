@@ -29,14 +29,8 @@ public:
 
 	Body();
 	virtual ~Body();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
-	virtual void          userForcedDisplacementRedrawHook();
+	TALIK_STOCK_OVERRIDES()
+	virtual void userForcedDisplacementRedrawHook();
 
 	static const shared_ptr<Body>& byId(id_t, Scene*);
 	const id_t&                    getId() const { return id; }

@@ -18,13 +18,7 @@ public:
 	std::mutex         drawloopmutex;
 
 	virtual ~BodyContainer();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 
 	Body::id_t              insert(shared_ptr<Body>);
 	void                    clear();

@@ -19,13 +19,7 @@ public:
 
 	Cell();
 	virtual ~Cell();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 
 	void     integrateAndUpdate(Real dt);
 	Matrix3r getTrsf() const;

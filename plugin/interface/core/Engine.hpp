@@ -18,15 +18,9 @@ public:
 
 	Engine();
 	virtual ~Engine();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
-	virtual bool          isActivated();
-	virtual void          action();
+	TALIK_STOCK_OVERRIDES()
+	virtual bool isActivated();
+	virtual void action();
 };
 } // namespace yade
 TALIK_STOCK_HELD(Engine)

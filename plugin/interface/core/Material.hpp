@@ -15,13 +15,7 @@ public:
 
 	Material() {}
 	virtual ~Material();
-	string                    getBaseClassName(unsigned int = 0) const override;
-	int                       getBaseClassNumber() const override;
-	string                    getClassName() const override;
-	void                      pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict     pyDict() const override;
-	void                      callPostLoad() override;
-	void                      pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 	virtual shared_ptr<State> newAssocState() const;
 	virtual bool              stateTypeOk(State*) const;
 	TALIK_STOCK_INDEX_COUNTER()

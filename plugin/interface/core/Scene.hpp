@@ -54,13 +54,7 @@ public:
 
 	Scene();
 	virtual ~Scene();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 
 	void fillDefaultTags();
 	void moveToNextTimeStep();

@@ -26,13 +26,7 @@ public:
 
 	State();
 	virtual ~State();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 	TALIK_STOCK_INDEX_COUNTER()
 };
 } // namespace yade

@@ -9,16 +9,10 @@ public:
 	unsigned int timeStepUpdateInterval;
 
 	virtual ~TimeStepper();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
-	bool                  isActivated() override;
-	void                  action() override;
-	virtual void          computeTimeStep(Scene*);
+	TALIK_STOCK_OVERRIDES()
+	bool         isActivated() override;
+	void         action() override;
+	virtual void computeTimeStep(Scene*);
 
 private:
 	TimeStepper();

@@ -40,6 +40,16 @@ public:
 } // namespace yade
 TALIK_STOCK_BASE(Serializable)
 
+/// What every class of stock YADE declares for scripts and archives.
+#define TALIK_STOCK_OVERRIDES()                                                                       \
+	string                getBaseClassName(unsigned int = 0) const override;                      \
+	int                   getBaseClassNumber() const override;                                    \
+	string                getClassName() const override;                                          \
+	void                  pySetAttr(const std::string&, const ::boost::python::object&) override; \
+	::boost::python::dict pyDict() const override;                                                \
+	void                  callPostLoad() override;                                                \
+	void                  pyRegisterClass(::boost::python::object) override;
+
 namespace talik {
 namespace scripting {
 	namespace py = boost::python;

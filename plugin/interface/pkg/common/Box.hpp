@@ -8,13 +8,7 @@ public:
 	Vector3r extents;
 
 	virtual ~Box();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 	TALIK_STOCK_INDEX()
 
 private:

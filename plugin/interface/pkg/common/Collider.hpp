@@ -12,13 +12,7 @@ public:
 	int                         avoidSelfInteractionMask;
 
 	virtual ~Collider();
-	string                          getBaseClassName(unsigned int = 0) const override;
-	int                             getBaseClassNumber() const override;
-	string                          getClassName() const override;
-	void                            pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict           pyDict() const override;
-	void                            callPostLoad() override;
-	void                            pyRegisterClass(::boost::python::object) override;
+	TALIK_STOCK_OVERRIDES()
 	void                            pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict&) override;
 	virtual std::vector<Body::id_t> probeBoundingVolume(const Bound&);
 	/// Everything known of bounds and pairs is forgotten and found anew in the next run.

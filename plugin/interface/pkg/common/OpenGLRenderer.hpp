@@ -13,14 +13,8 @@ public:
 
 	GlExtraDrawer() {}
 	virtual ~GlExtraDrawer();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
-	virtual void          render();
+	TALIK_STOCK_OVERRIDES()
+	virtual void render();
 };
 
 /// Draws the 3-D view. It is never made or measured here: only asked to look for drawing functors again.

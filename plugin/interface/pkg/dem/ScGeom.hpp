@@ -16,15 +16,9 @@ public:
 
 	ScGeom();
 	virtual ~ScGeom();
-	string                getBaseClassName(unsigned int = 0) const override;
-	int                   getBaseClassNumber() const override;
-	string                getClassName() const override;
-	void                  pySetAttr(const std::string&, const ::boost::python::object&) override;
-	::boost::python::dict pyDict() const override;
-	void                  callPostLoad() override;
-	void                  pyRegisterClass(::boost::python::object) override;
-	Vector3r&             rotate(Vector3r& tangentVector) const;
-	const Vector3r&       shearIncrement() const { return shearInc; }
+	TALIK_STOCK_OVERRIDES()
+	Vector3r&       rotate(Vector3r& tangentVector) const;
+	const Vector3r& shearIncrement() const { return shearInc; }
 	TALIK_STOCK_INDEX()
 };
 } // namespace yade

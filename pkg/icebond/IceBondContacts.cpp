@@ -1,11 +1,108 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/ContactForces.hpp>
-#include <pkg/icebond/Law2_ScGeom_IceBondPhys_IceBond.hpp>
+#include <pkg/icebond/IceBondContacts.hpp>
 #include <stdexcept>
 
 namespace yade {
-YADE_PLUGIN((Law2_ScGeom_IceBondPhys_IceBond));
+YADE_PLUGIN((IceBondMat)(IceBondPhys)(Ip2_IceBondMat_IceBondMat_IceBondPhys)(Law2_ScGeom_IceBondPhys_IceBond));
+
+talik::IceBondModel IceBondMat::model() const
+{
+	talik::IceBondModel m;
+	m.grainYoung       = young;
+	m.iceYoung         = iceYoung;
+	m.tensileStrength0 = tensileStrength;
+	m.tensileStrengthI = iceTensileStrength;
+	m.shearStrength0   = shearStrength;
+	m.shearStrengthI   = iceShearStrength;
+	m.exponent         = exponent;
+	m.bondAreaFactor   = bondAreaFactor;
+	m.meltSaturation   = meltSaturation;
+	m.bondSaturation   = bondSaturation;
+	m.bondRange        = bondRange;
+	m.thawedStrength   = thawedStrength;
+	return m;
+}
+
+shared_ptr<IceBondPhys> IceBondMat::newContact(const IceBondMat&, Real, Real, Real) const { return shared_ptr<IceBondPhys>(new IceBondPhys); }
+
+namespace {
+	constexpr AttributeRefusal require { "IceBondMat" };
+} // namespace
+
+void IceBondMat::postLoad(IceBondMat&)
+{
+	require(iceSaturation >= 0 && iceSaturation <= 1, "iceSaturation", iceSaturation, "give a saturation from 0 to 1.");
+	require(iceYoung >= 0, "iceYoung", iceYoung, "give a finite modulus in Pa, 0 or more.");
+	require(tensileStrength >= 0, "tensileStrength", tensileStrength, "give a finite strength in Pa, 0 or more.");
+	require(iceTensileStrength >= 0, "iceTensileStrength", iceTensileStrength, "give a finite strength in Pa, 0 or more.");
+	require(shearStrength >= 0, "shearStrength", shearStrength, "give a finite strength in Pa, 0 or more.");
+	require(iceShearStrength >= 0, "iceShearStrength", iceShearStrength, "give a finite strength in Pa, 0 or more.");
+	require(exponent > 1, "exponent", exponent, "eq. (7) needs a number above 1.");
+	require(bondAreaFactor > 0, "bondAreaFactor", bondAreaFactor, "give a positive factor.");
+	require(meltSaturation >= 0 && meltSaturation < 1, "meltSaturation", meltSaturation, "give a saturation from 0 to below 1.");
+	require(bondSaturation >= meltSaturation, "bondSaturation", bondSaturation, "it must not be below meltSaturation.");
+	require(bondRange >= 0, "bondRange", bondRange, "give a gap over radius, 0 or more.");
+	require(thawedStrength >= 0, "thawedStrength", thawedStrength, "give a finite strength in Pa, 0 or more.");
+	require(radiusRatio > 0, "radiusRatio", radiusRatio, "it is a positive ratio that GrainSwelling sets; leave it out.");
+	require(radiusRatioBefore > 0, "radiusRatioBefore", radiusRatioBefore, "it is a positive ratio that GrainSwelling sets; leave it out.");
+}
+
+talik::IceBond IceBondPhys::bond() const { return { static_cast<talik::BondState>(bondState), iceCut, uGrain, uIce }; }
+
+void IceBondPhys::setBond(const talik::IceBond& b)
+{
+	bondState = static_cast<int>(b.state);
+	iceCut    = b.iceCut;
+	uGrain    = b.uGrain;
+	uIce      = b.uIce;
+}
+
+namespace {
+	/// Grains that touch because they have grown in this step do so free of force.
+	Real overlapFromSwelling(const IceBondMat& a, const IceBondMat& b, const IGeom& geom)
+	{
+		const auto* contact = dynamic_cast<const ScGeom*>(&geom);
+		if (!contact) return 0;
+		const Real growth = a.growth(contact->refR1) + b.growth(contact->refR2);
+		return std::min(std::max(contact->penetrationDepth, 0.), growth);
+	}
+} // namespace
+
+std::pair<Real, Real> stiffnessRadii(const GenericSpheresContact& geom, const IceBondMat& first, const IceBondMat& second)
+{
+	const Real r1 = geom.refR1 / first.radiusRatio, r2 = geom.refR2 / second.radiusRatio;
+	return { r1 > 0 ? r1 : r2, r2 > 0 ? r2 : r1 };
+}
+
+void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, const shared_ptr<Material>& m2, const shared_ptr<Interaction>& interaction)
+{
+	if (interaction->phys) return;
+	const auto& a       = static_cast<const IceBondMat&>(*m1);
+	const auto& b       = static_cast<const IceBondMat&>(*m2);
+	const auto& geom    = static_cast<const GenericSpheresContact&>(*interaction->geom);
+	const auto [r1, r2] = stiffnessRadii(geom, a, b);
+	const Real k1 = a.young * r1, k2 = b.young * r2;
+
+	const Real grainStiffness = k1 + k2 > 0 ? 2 * k1 * k2 / (k1 + k2) : 0;
+	const Real stiffnessRatio = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
+
+	const shared_ptr<IceBondPhys> phys = a.newContact(b, r1, r2, stiffnessRatio * grainStiffness);
+	phys->grainStiffness               = grainStiffness;
+	phys->stiffnessRatio               = stiffnessRatio;
+	phys->tangensOfFrictionAngle       = std::tan(std::min(a.frictionAngle, b.frictionAngle));
+	phys->kn                           = phys->grainStiffness;
+	phys->ks                           = phys->stiffnessRatio * phys->kn;
+	phys->iceSaturation                = std::min(a.iceSaturation, b.iceSaturation);
+	phys->bondArea                     = std::min(a.bondAreaFactor, b.bondAreaFactor) * std::pow(std::min(r1, r2), 2);
+	phys->gapLimit                     = std::min(a.bondRange, b.bondRange) * std::min(r1, r2);
+	phys->bondNow                      = bondNewContacts;
+	phys->uRef                         = overlapFromSwelling(a, b, *interaction->geom);
+	interaction->phys                  = phys;
+}
 
 using talik::BondFailure;
 using talik::BondState;

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/Dispatching.hpp>
+#include <pkg/common/ElastMat.hpp>
+#include <pkg/dem/FrictPhys.hpp>
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/IceBond.hpp>
+#include <pkg/icebond/IceBondModel.hpp>
+
+namespace yade {
+class IceBondPhys;
+
+/// Frictional grain material whose contacts may carry ice, Yu & Zhao eqs (5)-(7).
+class IceBondMat : public FrictMat {
+public:
+	/// The material as the formulas see it; the stiffness rule belongs to the law.
+	talik::IceBondModel model() const;
+	void                postLoad(IceBondMat&);
+	/// A new contact with a grain of another material, without its parameters of force; r1, r2: radii [m], shearStiffness: k_s without ice [N/m].
+	virtual shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const;
+	/// What a grain of this radius has grown in this step [m], 0 if it shrank.
+	Real growth(Real radius) const { return radius * std::max(1 - radiusRatioBefore / radiusRatio, 0.); }
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondMat,FrictMat,"Grain material with ice bonds: :yref:`young<ElastMat.young>` [Pa] and :yref:`poisson<ElastMat.poisson>` "
+			"(ratio k_s/k_n) describe the contact without ice, the attributes below what ice adds (Yu & Zhao eqs 5-7: C = C0 + dC phi, E = E0 + dE phi, phi = "
+			"1-(1-S_i^m)^m). Example: IceBondMat(young=0.6e9,poisson=0.8,frictionAngle=0.4636,density=2650,iceSaturation=1).",
+		((Real,iceSaturation,0,Attr::triggerPostLoad,"Volumetric ice saturation of the pores around these grains, 0 to 1 [-]. A contact takes the smaller one of "
+				"its two grains."))
+		((Real,iceYoung,3e9,Attr::triggerPostLoad,"Contact modulus added at full ice saturation [Pa], >= 0."))
+		((Real,tensileStrength,1e6,Attr::triggerPostLoad,"Tensile strength of a bond at vanishing ice saturation [Pa], >= 0; dropped once melted, see "
+				"thawedStrength."))
+		((Real,iceTensileStrength,50e6,Attr::triggerPostLoad,"Tensile strength added at full ice saturation [Pa], >= 0."))
+		((Real,shearStrength,1e6,Attr::triggerPostLoad,"Cohesive shear strength of a bond at vanishing ice saturation [Pa], >= 0; dropped once melted, see "
+				"thawedStrength."))
+		((Real,iceShearStrength,50e6,Attr::triggerPostLoad,"Cohesive shear strength added at full ice saturation [Pa], >= 0."))
+		((Real,exponent,2,Attr::triggerPostLoad,"Exponent m of eq. (7), > 1 [-]."))
+		((Real,bondAreaFactor,1,Attr::triggerPostLoad,"Bond area over the square of the smaller radius, > 0 [-]."))
+		((Real,meltSaturation,0.02,Attr::triggerPostLoad,"At or below this ice saturation every bond is gone and contacts are purely frictional [-]."))
+		((Real,bondSaturation,0.05,Attr::triggerPostLoad,"Ice rising through this saturation bonds every frictional contact in range, >= meltSaturation [-]."))
+		((Real,bondRange,0.05,Attr::triggerPostLoad,"Largest gap that is bonded, in units of the smaller radius, >= 0 [-]."))
+		((Real,thawedStrength,0,Attr::triggerPostLoad,"Tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0: C_0 of eq. (5), "
+				"the strength without ice. Such a bond holds until it breaks, once; ice that grows again bonds the contact anew. 0 (default): melting takes the bond "
+				"away."))
+		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling."))
+		((Real,radiusRatioBefore,1,Attr::hidden,"radiusRatio of the step before.")),
+		createIndex();
+	);
+	// clang-format on
+	REGISTER_CLASS_INDEX(IceBondMat, FrictMat);
+};
+REGISTER_SERIALIZABLE(IceBondMat);
+
+class Scene;
+class ScGeom;
+
+/// State of one contact between ice-bearing grains. kn and ks hold the stiffness in force now, so that YADE's own time
+/// steppers and stress functions see it.
+class IceBondPhys : public FrictPhys {
+public:
+	/// The bond as the formulas see it, and back.
+	talik::IceBond bond() const;
+	void           setBond(const talik::IceBond&);
+	/// Whether an intact bond carries moments.
+	virtual bool carriesMoments() const { return false; }
+	/// The moment of an intact bond follows the turning of a step; what it adds at the edge of the section.
+	virtual talik::EdgeForces<double> bend(const ScGeom&, const Interaction&, const Scene&, const talik::ContactStiffness&) { return { 0, 0 }; }
+	/// A share of the moment of the bond stays, 0 to 1.
+	virtual void keepBondMoment(double) {}
+	/// Moments on the grains beyond those of the forces: none here. Called in every step after the forces.
+	virtual void addMoments(const ScGeom&, const Interaction&, Scene&) {}
+	virtual void clearMoments() {}
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondPhys,FrictPhys,"Contact of two grains of :yref:`IceBondMat`: frictional, bonded by ice, or broken. Forces and overlaps "
+			"are positive in compression. Example: [i.phys.bondState for i in O.interactions if i.isReal].",
+		((int,bondState,0,,"0: frictional, 1: intact ice bond, 2: bond broken mechanically (frictional until melted)."))
+		((Real,iceSaturation,0,,"Ice saturation that the contact has taken up [-]."))
+		((Real,grainStiffness,0,,"Normal stiffness without ice [N/m]."))
+		((Real,stiffnessRatio,0,,"Shear over normal stiffness [-]."))
+		((Real,bondArea,0,,"Area of the bond [m^2]."))
+		((Real,gapLimit,0,,"Largest gap that is bonded [m]."))
+		((Real,uGrain,0,,"Overlap at which the grain spring of an intact bond is free [m]."))
+		((Real,uIce,0,,"Overlap at which the ice spring is free [m]; reference of the single spring for the rules forceContinuous and secant."))
+		((Real,uRef,0,,"Part of the geometric overlap that stems from swollen radii and carries no force [m], see GrainSwelling."))
+		((Vector3r,iceShear,Vector3r::Zero(),,"Part of the shear force carried by ice [N]."))
+		((bool,iceCut,false,,"The ice of a broken bond has opened and carries nothing."))
+		((bool,bondNow,false,,"Form a stress-free bond at the next evaluation (set by Ip2_IceBondMat_IceBondMat_IceBondPhys.bondNewContacts).")),
+		createIndex();
+	);
+	// clang-format on
+	REGISTER_CLASS_INDEX(IceBondPhys, FrictPhys);
+};
+REGISTER_SERIALIZABLE(IceBondPhys);
+
+/// Radii [m] by which the stiffness of a contact is counted; a flat body has none of its own and takes that of the sphere.
+std::pair<Real, Real> stiffnessRadii(const GenericSpheresContact&, const IceBondMat& first, const IceBondMat& second);
+
+/// Stiffness as stock YADE: k_n = 2 E1 R1 E2 R2/(E1 R1 + E2 R2), the smaller friction angle.
+class Ip2_IceBondMat_IceBondMat_IceBondPhys : public IPhysFunctor {
+public:
+	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(Ip2_IceBondMat_IceBondMat_IceBondPhys,IPhysFunctor,"Makes the :yref:`IceBondPhys` of a new contact: k_n = 2 E1 R1 E2 R2/(E1 R1 + "
+			"E2 R2) without ice, k_s = poisson k_n, the smaller friction angle, bond area from the smaller radius. Contacts are born frictional; ice that rises "
+			"through IceBondMat.bondSaturation bonds them. Example: "
+			"InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond()]).",
+		((bool,bondNewContacts,false,,"Contacts that come into being are bonded at once, free of stress. To bond across gaps, let "
+				"Ig2_Sphere_Sphere_ScGeom.interactionDetectionFactor and Bo1_Sphere_Aabb.aabbEnlargeFactor exceed 1 while this is set."))
+	);
+	// clang-format on
+	FUNCTOR2D(IceBondMat, IceBondMat);
+};
+REGISTER_SERIALIZABLE(Ip2_IceBondMat_IceBondMat_IceBondPhys);
+
+/// Ice-bond contact law, Yu & Zhao eqs (5)-(7) with tension and shear failure, melting and refreezing.
+class Law2_ScGeom_IceBondPhys_IceBond : public LawFunctor {
+public:
+	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
+	void postLoad(Law2_ScGeom_IceBondPhys_IceBond&);
+
+private:
+	/// What one evaluation works on.
+	struct Contact {
+		const ScGeom&       geom;
+		IceBondPhys&        phys;
+		talik::IceBondModel model;
+		talik::IceBond      bond;
+		double              un;
+		const Interaction&  interaction;
+	};
+	talik::ContactStiffness stiffness(const Contact&, double iceSaturation) const;
+	talik::IceBondModel     weakerModel(const Interaction*, double& iceSaturation) const;
+	void                    takeUpIceSaturation(Contact&, double iceSaturation);
+	void                    meltBond(Contact&);
+	void                    formOrMelt(Contact&, double iceSaturation);
+	void                    respond(Contact&, const talik::ContactStiffness&);
+	void                    applyForces(const Contact&, const Interaction*) const;
+	void                    countBroken();
+	bool                    stayOpen(Contact&) const;
+	talik::StiffnessRule    rule = talik::StiffnessRule::parallel;
+
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(Law2_ScGeom_IceBondPhys_IceBond,LawFunctor,"Contact law of grains bonded by pore ice. Without ice: linear springs with Coulomb "
+			"friction as Law2_ScGeom_FrictPhys_CundallStrack. With ice (Yu & Zhao eqs 5-7): an ice spring beside the grain spring, grown free of stress; an intact "
+			"bond fails in tension at C_eta A_b or in shear at C_tau A_b + mu max(F_n,0), then friction remains; melting takes the share of the ice away, complete "
+			"melting every bond; ice that rises again through IceBondMat.bondSaturation bonds anew. The limits are checked in every step, also when only the ice "
+			"saturation changes. Example: "
+			"InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond(healBroken=True)]).",
+		((string,stiffnessRule,"parallel",Attr::triggerPostLoad,"How forces follow the ice-dependent stiffness of existing contacts: parallel (ice spring beside "
+				"the grain spring, default), forceContinuous (no force ever jumps), secant (F = k(S_i) u)."))
+		((bool,cohesionDisablesFriction,false,,"An intact bond has no frictional part in its shear limit."))
+		((bool,healBroken,false,,"Refreezing bonds broken contacts, too; otherwise they stay broken until melted."))
+		((bool,sphericalBodies,true,,"All bodies are spheres: torques from radii (always so in periodic scenes); else from contact points."))
+		((long,brokenBonds,0,,"Number of bonds broken mechanically so far (melted ones do not count)."))
+	);
+	// clang-format on
+	FUNCTOR2D(ScGeom, IceBondPhys);
+};
+REGISTER_SERIALIZABLE(Law2_ScGeom_IceBondPhys_IceBond);
+
+} // namespace yade

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/AttributeRefusal.hpp>
+#include <pkg/icebond/IceBondContacts.hpp>
+#include <pkg/icebond/IceLaws.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
+#include <pkg/rve/open/StepGate.hpp>
+
+namespace yade {
+YADE_PLUGIN((IceStrength)(IceCreep)(CreepingBonds));
+
+namespace {
+	constexpr AttributeRefusal requireOfStrength { "IceStrength" }, requireOfCreep { "IceCreep" };
+} // namespace
+
+void IceStrength::postLoad(IceStrength&)
+{
+	requireOfStrength(referenceTemperature <= 0, "referenceTemperature", referenceTemperature, "give a temperature in degC, 0 or less.");
+	requireOfStrength(referenceRate > 0, "referenceRate", referenceRate, "give a positive rate in 1/s.");
+	requireOfStrength(leastRate > 0, "leastRate", leastRate, "give a positive rate in 1/s.");
+	requireOfStrength(tensileCold >= 0, "tensileCold", tensileCold, "give a number in 1/K, 0 or more.");
+	requireOfStrength(shearCold >= 0, "shearCold", shearCold, "give a number in 1/K, 0 or more.");
+	requireOfStrength(
+	        tensileRateExponent >= 0 && tensileRateExponent < 1, "tensileRateExponent", tensileRateExponent, "give an exponent from 0 to below 1.");
+	requireOfStrength(shearRateExponent >= 0 && shearRateExponent < 1, "shearRateExponent", shearRateExponent, "give an exponent from 0 to below 1.");
+}
+
+talik::IceStrengthLaw IceStrength::law() const
+{
+	talik::IceStrengthLaw l;
+	l.tensile              = { tensileCold, tensileRateExponent };
+	l.shear                = { shearCold, shearRateExponent };
+	l.referenceTemperature = referenceTemperature;
+	l.referenceRate        = referenceRate;
+	l.leastRate            = leastRate;
+	return l;
+}
+
+::boost::python::tuple IceStrength::factors(Real temperature, Real strainRate) const
+{
+	requireOfStrength(true, "factors: temperature", temperature, "give a temperature in degC.");
+	requireOfStrength(strainRate >= 0, "factors: strainRate", strainRate, "give a rate in 1/s, 0 or more.");
+	const auto both = law().factors(temperature, strainRate);
+	return ::boost::python::make_tuple(both.tensile, both.shear);
+}
+
+void IceCreep::postLoad(IceCreep&)
+{
+	requireOfCreep(rateFactor >= 0, "rateFactor", rateFactor, "give a rate factor in Pa^-n/s, 0 or more.");
+	requireOfCreep(exponent >= 1 && exponent <= 10, "exponent", exponent, "give an exponent from 1 to 10; Glen's is 3.");
+	requireOfCreep(
+	        referenceTemperature <= 0 && referenceTemperature > -talik::IceCreepLaw::celsius, "referenceTemperature", referenceTemperature,
+	        "give a temperature in degC, 0 or less.");
+	requireOfCreep(coldActivationEnergy >= 0, "coldActivationEnergy", coldActivationEnergy, "give an energy in J/mol, 0 or more.");
+	requireOfCreep(warmActivationEnergy >= 0, "warmActivationEnergy", warmActivationEnergy, "give an energy in J/mol, 0 or more.");
+}
+
+talik::IceCreepLaw IceCreep::law() const
+{
+	talik::IceCreepLaw l;
+	l.rateFactor           = rateFactor;
+	l.exponent             = exponent;
+	l.referenceTemperature = referenceTemperature;
+	l.coldActivationEnergy = coldActivationEnergy;
+	l.warmActivationEnergy = warmActivationEnergy;
+	return l;
+}
+
+Real IceCreep::rateFactorAt(Real temperature) const
+{
+	requireOfCreep(temperature > -talik::IceCreepLaw::celsius, "rateFactorAt: temperature", temperature, "give a temperature in degC, above -273.15.");
+	return law().rateFactorAt(temperature);
+}
+
+::boost::python::tuple IceCreep::over(Real temperature, Real time) const
+{
+	requireOfCreep(temperature > -talik::IceCreepLaw::celsius, "over: temperature", temperature, "give a temperature in degC, above -273.15.");
+	requireOfCreep(time >= 0, "over: time", time, "give a time in s, 0 or more.");
+	const auto creep = law().over(temperature, time);
+	return ::boost::python::make_tuple(creep.fluidity, creep.exponent);
+}
+
+} // namespace yade
+
+namespace py = boost::python;
+
+namespace talik {
+void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double overlap, const BondCreep& creep)
+{
+	auto*       phys = dynamic_cast<yade::IceBondPhys*>(contact.phys.get());
+	const auto* geom = dynamic_cast<const yade::ScGeom*>(contact.geom.get());
+	if (!phys || !geom || phys->bondNow) return;
+	if (phys->carriesMoments()) throw std::invalid_argument(momentsDoNotCreep);
+	IceBond bond = phys->bond();
+	if (!bond.hasIceSpring()) return;
+	const auto& a = static_cast<const yade::IceBondMat&>(*(*scene.bodies)[contact.id1]->material);
+	const auto& b = static_cast<const yade::IceBondMat&>(*(*scene.bodies)[contact.id2]->material);
+	if (phys->iceSaturation <= std::max(a.meltSaturation, b.meltSaturation)) return;
+	CreepingContact c;
+	c.stiffness         = { phys->grainStiffness, phys->stiffnessRatio, phys->kn / phys->grainStiffness - 1 };
+	const auto [r1, r2] = yade::stiffnessRadii(*geom, a, b);
+	c.young             = phys->kn / (2 * r1 * r2 / (r1 + r2));
+	c.area              = phys->bondArea;
+	c.friction          = phys->tangensOfFrictionAngle;
+	c.overlap           = overlap - phys->uRef;
+	relaxIce(bond, creep, c, phys->shearForce, phys->iceShear);
+	phys->setBond(bond);
+}
+
+} // namespace talik
+
+namespace yade {
+
+void CreepingBonds::postLoad(CreepingBonds&)
+{
+	constexpr AttributeRefusal require { "CreepingBonds" };
+	require(temperature > -talik::IceCreepLaw::celsius, "temperature", temperature, "give a temperature in degC, above -273.15.");
+	require(timeScale >= 0, "timeScale", timeScale, "give a ratio of times, 0 or more.");
+}
+
+/// Other rules have one spring for grains and ice.
+void CreepingBonds::requireParallelSprings() const
+{
+	talik::HoldGil gil;
+	for (const auto& engine : scene->engines) {
+		if (engine->getClassName() != "InteractionLoop") continue;
+		const py::object functors = py::object(engine).attr("lawDispatcher").attr("functors");
+		for (long k = 0; k < py::len(functors); k++) {
+			const py::object law = functors[k];
+			if (!PyObject_HasAttrString(law.ptr(), "stiffnessRule")) continue;
+			const string rule = py::extract<string>(law.attr("stiffnessRule"));
+			if (rule != "parallel")
+				throw std::invalid_argument(
+				        "CreepingBonds needs bonds whose ice is a spring beside the grains': Law2_ScGeom_IceBondPhys_IceBond.stiffnessRule is '"
+				        + rule + "', choose parallel.");
+		}
+	}
+}
+
+void CreepingBonds::action()
+{
+	const talik::StepGate gate;
+	if (!iceCreep) return;
+	if (!checked) requireParallelSprings();
+	checked                      = true;
+	const talik::BondCreep creep = iceCreep->law().over(temperature, timeScale * scene->dt);
+	if (!creep.acts()) return;
+	for (const auto& contact : *scene->interactions) {
+		if (!contact->isReal()) continue;
+		if (const auto* geom = dynamic_cast<const ScGeom*>(contact->geom.get())) talik::relaxContact(*scene, *contact, geom->penetrationDepth, creep);
+	}
+}
+
+} // namespace yade

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/GlobalEngine.hpp>
+#include <core/Scene.hpp>
+#include <lib/serialization/Serializable.hpp>
+#include <pkg/icebond/IceLaws.hpp>
+
+namespace yade {
+
+/// The strength law of ice bonds as a script writes it.
+class IceStrength : public Serializable {
+public:
+	void                   postLoad(IceStrength&);
+	talik::IceStrengthLaw  law() const;
+	::boost::python::tuple factors(Real temperature, Real strainRate) const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceStrength,Serializable,"Strength of ice bonds over temperature and strain rate: factors exp(b (T_0-T)) (rate/rate_0)^n on "
+			"the tensile and the shear strength that IceBondMat gives at T_0 and rate_0. Defaults are those of frozen Fairbanks silt: temperature by Haynes & "
+			"Karalius 1977 (0 to -57 degC: compression tenfold, tension by root ten), rate by Haynes, Karalius & Kalafut 1975 (1.2e-4 to 2.9/s at -10 degC: "
+			"compression tenfold, tension hardly). Example: IceStrength(shearRateExponent=0.1).factors(-5,1e-3).",
+		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], <= 0; ground above 0 counts as 0."))
+		((Real,referenceRate,1e-4,Attr::triggerPostLoad,"rate_0 [1/s in nature's time], > 0."))
+		((Real,leastRate,1e-7,Attr::triggerPostLoad,"Slower strain counts as this [1/s], > 0: the slowest tests that are known (Parameswaran 1980)."))
+		((Real,tensileCold,0.0203,Attr::triggerPostLoad,"b of the tensile strength [1/K], >= 0: ln(root 10)/56.7."))
+		((Real,shearCold,0.0406,Attr::triggerPostLoad,"b of the shear strength [1/K], >= 0: ln(10)/56.7."))
+		((Real,tensileRateExponent,0,Attr::triggerPostLoad,"n of the tensile strength [-], 0 to below 1."))
+		((Real,shearRateExponent,0.228,Attr::triggerPostLoad,"n of the shear strength [-], 0 to below 1: 1/log10(2.9/1.2e-4)."))
+		,/*ctor*/ ,
+		/*py*/
+		.def("factors",&IceStrength::factors,(::boost::python::arg("temperature"),::boost::python::arg("strainRate")),"(tensile, shear): strength at a temperature "
+				"[degC] and a strain rate [1/s in nature's time] over that of the material [-]. RveSample takes them as strengthFactors.")
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(IceStrength);
+
+/// The creep law of ice bonds as a script writes it.
+class IceCreep : public Serializable {
+public:
+	void                   postLoad(IceCreep&);
+	talik::IceCreepLaw     law() const;
+	Real                   rateFactorAt(Real temperature) const;
+	::boost::python::tuple over(Real temperature, Real time) const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceCreep,Serializable,"Creep of ice bonds by Glen's law: the strain rate of a bond under the stress s, its force over its "
+			"area, is A s^n, with A = rateFactor exp(Q/R (1/T_0-1/T)), T in K. Defaults are those that Cuffey & Paterson 2010 (The Physics of Glaciers, section "
+			"3.4.6) recommend for glacier ice. Time is that of nature, in samples behind points that of the calendar. Example: "
+			"IceCreep(exponent=3).rateFactorAt(-5).",
+		((Real,rateFactor,3.5e-25,Attr::triggerPostLoad,"A at T_0 [Pa^-n/s in nature's time], >= 0. Stress in a bond is that of a sample times some 40 t/(0.1 m), t "
+				"its thickness."))
+		((Real,exponent,3,Attr::triggerPostLoad,"n [-], 1 to 10."))
+		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], > -273.15 and <= 0; Q changes there. Ground above 0 counts as 0."))
+		((Real,coldActivationEnergy,60e3,Attr::triggerPostLoad,"Q below T_0 [J/mol], >= 0."))
+		((Real,warmActivationEnergy,115e3,Attr::triggerPostLoad,"Q above T_0 [J/mol], >= 0."))
+		,/*ctor*/ ,
+		/*py*/
+		.def("rateFactorAt",&IceCreep::rateFactorAt,(::boost::python::arg("temperature")),"A [Pa^-n/s] at a temperature [degC].")
+		.def("over",&IceCreep::over,(::boost::python::arg("temperature"),::boost::python::arg("time")),"(A t [Pa^-n], n): creep at a temperature [degC] over a "
+				"time of nature [s]. RveSample.apply and OpenRveSample.apply take it as creep.")
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(IceCreep);
+
+} // namespace yade
+
+namespace talik {
+
+/// The ice of a real contact of two grains relaxes at their overlap [m]; nothing happens where there is no ice bond.
+void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double overlap, const BondCreep& creep);
+
+} // namespace talik
+
+namespace yade {
+
+/// Creep of the ice bonds of a scene, in every step.
+class CreepingBonds : public GlobalEngine {
+public:
+	void action() override;
+	void postLoad(CreepingBonds&);
+
+private:
+	void requireParallelSprings() const;
+	bool checked = false;
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(CreepingBonds,GlobalEngine,"Ice bonds of the scene creep: in every step the force of their ice relaxes by the closed "
+			"form of Glen's law over timeScale*O.dt. Put it behind the InteractionLoop. Samples need none: see RveSkeleton.iceCreep. Example: "
+			"O.engines=O.engines+[CreepingBonds(iceCreep=IceCreep(),temperature=-5,timeScale=1e6)].",
+		((shared_ptr<IceCreep>,iceCreep,,,"The law. None: bonds do not creep."))
+		((Real,temperature,-10,Attr::triggerPostLoad,"Of the ice [degC]."))
+		((Real,timeScale,1,Attr::triggerPostLoad,"Time of nature that passes per time of the scene [-], >= 0."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(CreepingBonds);
+
+} // namespace yade
