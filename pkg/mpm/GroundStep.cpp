@@ -383,7 +383,7 @@ template <int D> void Ground<D>::p2g()
 				sample.lap(CostMeter::transfer);
 			}
 			if (g.front) {
-				g.front->map(g.grid, w, g.affine.get());
+				g.front->map(w);
 				sample.lap(CostMeter::front);
 			}
 		}

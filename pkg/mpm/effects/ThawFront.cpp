@@ -218,18 +218,18 @@ template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vec
 
 // ---- to the nodes ----------------------------------------------------------------------------------------------------------
 
-template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
+template <int D> void ThawFront<D>::map(const WeightBlock<D>& w)
 {
 	if (!present()) return;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
 		if (water_) mappedLiquid_[p] = liquidMass(p);
-		frozen(p) ? addFrozen(grid, w, k, affine) : addThawed(w, k);
+		frozen(p) ? addFrozen(w, k) : addThawed(w, k);
 	}
 }
 
-template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine)
+template <int D> void ThawFront<D>::addFrozen(const WeightBlock<D>& w, int k)
 {
 	const int    p = w.first + k;
 	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0, volume = motion_->volume[p];
@@ -253,12 +253,6 @@ template <int D> void ThawFront<D>::addFrozen(const Grid<D>& grid, const WeightB
 			r[forceAt + i] -= volume * f;
 		}
 	});
-	if (!affine) return;
-	affine->overMomenta(grid, w, k, m, [&](int node, const Vec<D>& momentum) {
-		if (slot_[node] < 0) return;
-		for (int i = 0; i < D; ++i)
-			record(slot_[node])[momentumAt + i] += momentum[i];
-	});
 }
 
 template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
@@ -271,6 +265,8 @@ template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
 		double* r = record(slot_[node]);
 		r[thawedVolumeAt] += s * volume;
 		r[thawedMassAt] += s * m;
+		for (int i = 0; i < D; ++i)
+			r[thawedMomentumAt + i] += s * m * motion_->velocity[i][p];
 		r[slopeAt] += s * volume * strengthSlope_[p];
 		r[modulusAt] += s * volume * modulus_[p];
 		r[thawedLiquidMassAt] += s * ml;
@@ -322,9 +318,10 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors, double dt)
 		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt, modulusAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a) {
-			for (const int at : { momentumAt, liquidMomentumAt, forceAt, areaAt })
+			for (const int at : { momentumAt, liquidMomentumAt, thawedMomentumAt, forceAt, areaAt })
 				inner[at + a] += m.sign[a] * ghost[at + a];
 			inner[momentumAt + a] += m.added(a, ghost[massAt] * m.velocity[a]);
+			inner[thawedMomentumAt + a] += m.added(a, ghost[thawedMassAt] * m.velocity[a]);
 			inner[liquidMomentumAt + a] += m.added(a, ghost[liquidMassAt] * m.velocity[a]);
 			inner[forceAt + a] += m.added(a, (ghost[massAt] + ghost[liquidMassAt]) * m.change[a] / dt);
 		}
@@ -434,7 +431,7 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		const double frozenForce = r[forceAt + a];
 		const double parting     = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
 		// of the skeletons: the thawed side holds more water, and does not slide because that flows
-		m.jump[a] = (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
+		m.jump[a] = r[thawedMomentumAt + a] / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
 	m.resting   = settles_ && rests(m, dt);
@@ -586,19 +583,17 @@ template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
 /// Corrections for both sides from the jump between them.
 template <int D> void ThawFront<D>::correct(int slot)
 {
-	using M          = SolidMotion<D>;
 	const Meeting& m = meetings_[slot];
 	if (!m.meets) return;
 	const int     node = nodes_[slot];
-	const double* all  = motion_->nodes[node];
 	const double* r    = record(slot);
 	double*       out  = result(slot);
 	const double  kept = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
 	const double  mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	Vec<D>        departure[2], liquidDeparture[2];
 	for (int a = 0; a < D; ++a) {
-		const double common   = all[M::momentumAt + a] / all[M::massAt];
-		const double start[2] = { r[momentumAt + a] / m.solid[0], (all[M::momentumAt + a] - r[momentumAt + a]) / m.solid[1] };
+		const double common   = (r[momentumAt + a] + r[thawedMomentumAt + a]) / (m.solid[0] + m.solid[1]);
+		const double start[2] = { r[momentumAt + a] / m.solid[0], r[thawedMomentumAt + a] / m.solid[1] };
 		for (int side = 0; side < 2; ++side) {
 			departure[side][a]       = start[side] - common;
 			liquidDeparture[side][a] = 0.0;

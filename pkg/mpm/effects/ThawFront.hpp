@@ -68,8 +68,8 @@ public:
 	/// And by how much the shear stress that they carry rises with the normal stress when they fail [-], by place.
 	double* strengthSlope() { return strengthSlope_.data(); }
 
-	/// Adds what the points of a block near the front bring to the front nodes; affine may be null.
-	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
+	/// Adds what the points of a block near the front bring to the front nodes.
+	void map(const WeightBlock<D>& w);
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
 	void push(const WeightBlock<D>& w, int k, const Vec<D>& force);
 	/// Adds the weight of the frozen side; call before mirrors are folded.
@@ -92,11 +92,13 @@ public:
 	const double* correction(int node, int place) const;
 
 private:
-	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, liquid mass,
-	/// and volume times slope of strength, tangent modulus and total stress.
+	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, momentum, liquid
+	/// mass, and volume times slope of strength, tangent modulus and total stress. Momenta are those of the points' own velocities: what affine
+	/// velocities add far from a point would drive the sides apart at nodes that they hardly reach.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
-	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedLiquidMassAt = 5 + 4 * D, slopeAt = 6 + 4 * D,
-	                     modulusAt = 7 + 4 * D, stressAt = 8 + 4 * D, recordSize = stressAt + stressSize<D>;
+	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedMomentumAt = 5 + 4 * D,
+	                     thawedLiquidMassAt = 5 + 5 * D, slopeAt = 6 + 5 * D, modulusAt = 7 + 5 * D, stressAt = 8 + 5 * D,
+	                     recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
 	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
 	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D,
@@ -132,7 +134,7 @@ private:
 	void          markCells(const Grid<D>& grid, int first, int last);
 	void          markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 	void          markNear();
-	void          addFrozen(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>* affine);
+	void          addFrozen(const WeightBlock<D>& w, int k);
 	void          addThawed(const WeightBlock<D>& w, int k);
 	void          fold(const Mirrors& mirrors, double dt);
 	void          unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
