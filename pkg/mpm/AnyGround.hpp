@@ -5,6 +5,7 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/ranks/RankTalk.hpp>
 
 #include <string>
 #include <utility>
@@ -19,6 +20,9 @@ public:
 
 	virtual int dimension() const = 0; ///< 2 or 3
 
+	/// Before initialise(): the ranks, which run the same scene, share out its strips in bands. Every rank has arrays for all points, and looking
+	/// at them brings those of the others.
+	virtual void distribute(std::shared_ptr<RankTalk> talk) = 0;
 	/// Checks everything, allocates all fields and sets the initial state. Throws std::invalid_argument naming attribute, value
 	/// and remedy.
 	virtual void initialise()        = 0;

@@ -66,14 +66,16 @@ template <int D> double Calendar<D>::fastestCell(const Strips& strips, const Cel
 {
 	cellMotion_.resize(cells.count());
 	std::fill(cellMotion_.begin() + range.firstCell, cellMotion_.begin() + range.lastCell, std::array<double, D + 1> {});
-	strips.scatter([&](int, int first, int last) {
-		for (int p = first; p < last; ++p) {
-			auto& sum = cellMotion_[cells.cell(p)];
-			for (int a = 0; a < D; ++a)
-				sum[a] += mass_[p] * velocity_[a][p];
-			sum[D] += mass_[p];
-		}
-	});
+	strips.scatter(
+	        [&](int, int first, int last) {
+		        for (int p = first; p < last; ++p) {
+			        auto& sum = cellMotion_[cells.cell(p)];
+			        for (int a = 0; a < D; ++a)
+				        sum[a] += mass_[p] * velocity_[a][p];
+			        sum[D] += mass_[p];
+		        }
+	        },
+	        [&](SharedRows& rows) { rows.cells(cellMotion_.data()); });
 	double fastest = 0.0;
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		const auto& sum = cellMotion_[c];
@@ -91,6 +93,7 @@ void Calendar<D>::measure(CalendarState& state, const Strips& strips, const Cell
 {
 	partial_.assign(strips.count(), std::numeric_limits<double>::infinity());
 	strips.gather([&](int s, int first, int last) { partial_[s] = leastInertia(first, last); });
+	if (strips.bands) strips.bands->shareByStrip(partial_.data());
 	state.reach = *std::min_element(partial_.begin(), partial_.end()) * heatFraction * spacing * spacing / (2.0 * D);
 	if (cells) {
 		state.speed = std::sqrt(fastestCell(strips, *cells, range));
@@ -98,10 +101,11 @@ void Calendar<D>::measure(CalendarState& state, const Strips& strips, const Cell
 	}
 	partial_.assign(strips.count(), 0.0);
 	strips.gather([&](int s, int first, int last) { partial_[s] = fastestPoint(first, last); });
+	if (strips.bands) strips.bands->shareByStrip(partial_.data());
 	state.speed = std::sqrt(*std::max_element(partial_.begin(), partial_.end()));
 }
 
-template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points)
+template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points, const std::function<void()>& gatherPoints)
 {
 	const double tolerance = std::max(settings_->motionTolerance, settings_->eventSpeed * state.scale);
 	if (!state.moving) {
@@ -117,6 +121,7 @@ template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, d
 	state.quiet         = slow ? state.quiet + dt : 0.0;
 	state.quietCalendar = slow ? state.quietCalendar + state.scale * dt : 0.0;
 	if (state.quiet < MotionEvent::quietTime) return;
+	gatherPoints();
 	const MotionEvent ended = present(state, time, points);
 	if (ended.largest > settings_->eventDisplacement) events.push_back(ended);
 	state.moving = 0;

@@ -7,6 +7,7 @@
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -57,7 +58,8 @@ public:
 	/// fastest point counts.
 	void measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction);
 	/// At the end of a step of length dt [s] that ended at time [s of motion], calendar included: keeps account of events.
-	void keepEvents(CalendarState& state, double dt, double time, int points);
+	/// gatherPoints: makes all points current, before they are looked at.
+	void keepEvents(CalendarState& state, double dt, double time, int points, const std::function<void()>& gatherPoints);
 	/// The event that goes on, as if it ended now.
 	MotionEvent present(const CalendarState& state, double time, int points) const;
 

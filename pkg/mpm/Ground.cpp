@@ -62,6 +62,7 @@ template <int D> std::vector<MotionEvent> Ground<D>::events() const
 	if (!g.calendar) return {};
 	std::vector<MotionEvent> list = g.calendar->events;
 	if (!g.clock.calendar.moving) return list;
+	g.bringPoints();
 	const MotionEvent present = g.calendar->present(g.clock.calendar, g.clock.time, g.points->count());
 	if (present.largest > g.settings.heat->eventDisplacement) list.push_back(present);
 	return list;
@@ -84,7 +85,24 @@ template <int D> const MaterialPoints<D>& Ground<D>::points() const { return *pa
 
 template <int D> RigidContact<D>* Ground<D>::bodies() { return parts_->bodies.get(); }
 
-template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const { return parts_->batch(skeleton); }
+template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const
+{
+	Parts& g = *parts_;
+	if (!g.bands) return g.batch(skeleton);
+	g.bringPoints();
+	g.skeletonPlacesOfAll.resize(g.settings.skeletons.size());
+	std::vector<int>& places = g.skeletonPlacesOfAll[skeleton];
+	places.clear();
+	for (int p = 0; p < g.points->count(); ++p)
+		if (g.points->skeletons()[p] == skeleton) places.push_back(p);
+	return g.batch(places);
+}
+
+template <int D> PointFields& Ground<D>::pointFields()
+{
+	parts_->bringPoints();
+	return points().fields();
+}
 
 // ---- fields and state ---------------------------------------------------------------------------------------------------
 
@@ -119,7 +137,8 @@ template <int D> std::vector<FieldInfo> Ground<D>::fields() const
 
 template <int D> void Ground<D>::copyById(const std::string& field, int component, double* out) const
 {
-	const Parts&  g      = *parts_;
+	const Parts& g = *parts_;
+	g.bringPoints();
 	const double* values = g.points->fields().find(field, component);
 	if (!values) {
 		std::string known;
@@ -133,7 +152,8 @@ template <int D> void Ground<D>::copyById(const std::string& field, int componen
 
 template <int D> void Ground<D>::setThermalState(int id, double temperature, double pressure)
 {
-	Parts&    g = *parts_;
+	Parts& g = *parts_;
+	g.bringPoints();
 	const int p = g.points->place(id);
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
 	g.contentSettled = false;
@@ -147,7 +167,8 @@ template <int D> std::vector<StateArray> Ground<D>::state()
 	Parts&                  g = *parts_;
 	std::vector<StateArray> list;
 	const std::size_t       n = g.points->count();
-	PointFields&            f = g.points->fields();
+	g.bringPoints();
+	PointFields& f = g.points->fields();
 	for (std::size_t k = 0; k < f.list().size(); ++k)
 		if (f.list()[k].persistent)
 			for (int c = 0; c < f.list()[k].components; ++c)
@@ -177,6 +198,7 @@ template <int D> void Ground<D>::stateRestored()
 {
 	Parts& g         = *parts_;
 	g.contentSettled = false;
+	if (g.bands) g.bands->allCurrent = true;
 	g.points->idsRestored();
 	g.afterReordering();
 }
@@ -187,6 +209,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("balance: the ground is not initialised");
+	g.bringPoints();
 	Balance<D> b;
 	b.time      = g.clock.time;
 	const int n = g.points->count();

@@ -38,6 +38,7 @@ public:
 	/// Adds a point and returns its id, which counts from 0 and never changes.
 	int addPoint(const PointInput<D>& point);
 
+	void distribute(std::shared_ptr<RankTalk> talk) override;
 	void initialise() override;
 	bool initialised() const override;
 
@@ -80,7 +81,7 @@ public:
 	RigidContact<D>* bodies();
 
 	std::vector<FieldInfo> fields() const override;
-	PointFields&           pointFields() override { return points().fields(); }
+	PointFields&           pointFields() override;
 	int                    placeOf(int id) const override { return points().place(id); }
 	int                    idAt(int place) const override { return points().id(place); }
 	int*                   skeletonNumbers() override { return points().skeletons(); }

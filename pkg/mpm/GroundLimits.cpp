@@ -96,14 +96,28 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("stableTimeStep: the ground is not initialised");
+	g.cost.start();
+	StableTimeStep result = g.bands ? g.limitsOfRanks() : g.limitsOfPoints();
+	result.step           = infinity;
+	for (const TimeStepLimit& limit : result.limits)
+		if (limit.step < result.step) {
+			result.step      = limit.step;
+			result.governing = limit.name;
+		}
+	g.cost.lap(CostMeter::limits);
+	return result;
+}
+
+template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
+{
+	const Parts&             g = *this;
 	const GroundSettings<D>& s = g.settings;
 	const double             h = g.grid.spacing();
 
-	g.cost.start();
 	StableTimeStep result;
 	const auto     add = [&](const char* name, const std::function<double(int)>& limitOf) {
                 TimeStepLimit limit { name, infinity, -1 };
-                for (int p = 0; p < g.points->count(); ++p) {
+                for (int p = g.points->strips().firstPoint(); p < g.points->strips().endPoint(); ++p) {
                         const double step = limitOf(p);
                         if (step < limit.step) limit.step = step, limit.point = g.points->id(p);
                 }
@@ -127,13 +141,6 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 		add("heat", [&](int p) { return g.heat->heatCapacity[p] / (g.points->volume()[p] * g.heat->conductivity[p] * scale); });
 		if (g.water) add("heat advection", [&](int p) { return g.advectionStep(p); });
 	}
-	result.step = infinity;
-	for (const TimeStepLimit& limit : result.limits)
-		if (limit.step < result.step) {
-			result.step      = limit.step;
-			result.governing = limit.name;
-		}
-	g.cost.lap(CostMeter::limits);
 	return result;
 }
 
@@ -216,7 +223,7 @@ template <int D> void Ground<D>::Parts::checkPositions()
 	const int     stride = grid.cellStride(strips.axis);
 	const double  origin = grid.lower()[strips.axis], h = grid.spacing();
 	const double  cleared = clock.range.firstCell / stride, clearedEnd = clock.range.lastCell / stride;
-	for (int s = 0; s < strips.count(); ++s) {
+	for (int s = strips.begin(); s < strips.end(); ++s) {
 		if (strips.first[s] == strips.first[s + 1]) continue;
 		const PositionBounds& b = bounds[s];
 		if (!(b.numbers && grid.contains(b.low) && grid.contains(b.high))) {
@@ -253,8 +260,8 @@ template <int D> void Ground<D>::Parts::requirePathsInside()
 		for (int p = last - 1; p >= first; --p)
 			if (mayLeaveGrid(p, reach) && leavesGrid(p, w)) bad[strip] = p;
 	});
-	for (const int p : bad)
-		if (p >= 0) refuseToLeave(std::isfinite(reach));
+	const bool leaves = anyBad();
+	if (bands ? bands->anyOf(leaves) : leaves) refuseToLeave(std::isfinite(reach));
 }
 
 template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
@@ -262,17 +269,15 @@ template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
 	std::fill(bad.begin(), bad.end(), -1);
 	WeightBlock<D>   w;
 	std::vector<int> leaving;
-	for (int p = 0; p < points->count(); ++p)
+	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
 		if (leavesGrid(p, w)) leaving.push_back(p);
-	const std::string place = leaving.empty() ? "a material point" : whereabouts(leaving.front());
-	std::string       names;
-	for (std::size_t k = 0; k < leaving.size() && k < 5; ++k)
-		names += (k ? ", " : "") + std::to_string(points->id(leaving[k]));
+	const Concerned   all   = concerned(leaving);
+	const std::string place = all.count == 0 ? "a material point" : all.first;
 	accounts.restore(*this);
 	throw std::runtime_error(
-	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " ("
-	        + std::to_string(leaving.size()) + (leaving.size() == 1 ? " point concerned: " : " points concerned: ") + names
-	        + (leaving.size() > 5 ? ", ..." : "") + "); the ground is as it was before this step: "
+	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(all.count)
+	        + (all.count == 1 ? " point concerned: " : " points concerned: ") + all.names + (all.count > 5 ? ", ..." : "")
+	        + "); the ground is as it was before this step: "
 	        + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
 }
 
@@ -298,6 +303,8 @@ template <int D> void Ground<D>::Parts::Accounts::restore(Parts& g) const
 
 template StableTimeStep Ground<2>::stableTimeStep() const;
 template StableTimeStep Ground<3>::stableTimeStep() const;
+template StableTimeStep Ground<2>::Parts::limitsOfPoints() const;
+template StableTimeStep Ground<3>::Parts::limitsOfPoints() const;
 template void           Ground<2>::Parts::boundPositions(int, int, int);
 template void           Ground<3>::Parts::boundPositions(int, int, int);
 template void           Ground<2>::Parts::checkPositions();

@@ -5,11 +5,11 @@
 
 namespace talik {
 
-template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(int k) const
+template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const std::vector<int>& places) const
 {
 	SkeletonBatch<D> b;
-	b.count = static_cast<int>(skeletonPlaces[k].size());
-	b.place = skeletonPlaces[k].data();
+	b.count = static_cast<int>(places.size());
+	b.place = places.data();
 	b.id    = points->ids();
 	for (int c = 0; c < D * D; ++c)
 		b.gradient[c] = motion->gradient[c];
@@ -34,6 +34,7 @@ template <int D> std::string Ground<D>::Parts::whereabouts(int place) const
 
 template <int D> void Ground<D>::Parts::sort()
 {
+	if (bands) gatherPoints();
 	points->strips().parallel = points->count() >= settings.parallelFrom;
 	points->sort(grid);
 	clock.range      = ActiveRange::of(grid, *points);
@@ -44,6 +45,7 @@ template <int D> void Ground<D>::Parts::sort()
 
 template <int D> void Ground<D>::Parts::afterReordering()
 {
+	if (bands) cutBands();
 	// what lies outside the active range stays zero until the next sorting
 	clearNodes(0, grid.nodeCount());
 	if (cells) cells->clearAll();
@@ -61,7 +63,7 @@ template <int D> void Ground<D>::Parts::listSkeletons()
 		places.clear();
 		places.reserve(points->count());
 	}
-	for (int p = 0; p < points->count(); ++p)
+	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
 		skeletonPlaces[points->skeletons()[p]].push_back(p);
 }
 
@@ -85,16 +87,21 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	cells->clearSums(clock.range);
 	const bool average = averaging();
 	if (water) water->clearCells(clock.range.firstCell, clock.range.lastCell);
-	points->strips().scatter([&](int, int first, int last) {
-		cells->locate(grid, *points, first, last);
-		if (!average) return;
-		if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
-		if (water) water->addPressure(*cells, first, last);
-		useMeanStress(first, last - first);
-		const double* volume = points->volume();
-		for (int p = first; p < last; ++p)
-			cells->add(p, volume[p] * motion->meanStress[p]);
-	});
+	points->strips().scatter(
+	        [&](int, int first, int last) {
+		        cells->locate(grid, *points, first, last);
+		        if (!average) return;
+		        if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
+		        if (water) water->addPressure(*cells, first, last);
+		        useMeanStress(first, last - first);
+		        const double* volume = points->volume();
+		        for (int p = first; p < last; ++p)
+			        cells->add(p, volume[p] * motion->meanStress[p]);
+	        },
+	        [&](SharedRows& rows) {
+		        cells->share(rows);
+		        if (average && water) water->shareCells(rows);
+	        });
 	if (!average) return;
 	cells->finish(clock.range);
 	if (!water) return;
@@ -116,14 +123,14 @@ template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)
 		mean[p] -= water->pressure[p];
 }
 
-template SkeletonBatch<2> Ground<2>::Parts::batch(int) const;
+template SkeletonBatch<2> Ground<2>::Parts::batch(const std::vector<int>&) const;
 template std::string      Ground<2>::Parts::whereabouts(int) const;
 template void             Ground<2>::Parts::sort();
 template void             Ground<2>::Parts::afterReordering();
 template void             Ground<2>::Parts::clearNodes();
 template void             Ground<2>::Parts::locateInCells();
 template void             Ground<2>::Parts::useMeanStress(int, int);
-template SkeletonBatch<3> Ground<3>::Parts::batch(int) const;
+template SkeletonBatch<3> Ground<3>::Parts::batch(const std::vector<int>&) const;
 template std::string      Ground<3>::Parts::whereabouts(int) const;
 template void             Ground<3>::Parts::sort();
 template void             Ground<3>::Parts::afterReordering();

@@ -83,8 +83,11 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<ThawStrain<D>>          thawStrain;
 	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
-	std::vector<std::vector<int>> skeletonPlaces;
-	std::vector<double>           pointFill; ///< pore fill by id; empty if it is that of the settings everywhere
+	std::vector<std::vector<int>> skeletonPlaces;      ///< of this rank's points
+	std::shared_ptr<RankTalk>     talk;                ///< of the ranks that share out this ground; null: there is one
+	std::unique_ptr<Bands>        bands;               ///< the same, from initialise() on
+	std::vector<std::vector<int>> skeletonPlacesOfAll; ///< of the points of all ranks
+	std::vector<double>           pointFill;           ///< pore fill by id; empty if it is that of the settings everywhere
 	Clock<D>                      clock {};
 	std::vector<double>           partial;
 	/// What a step adds to before points move, as it was at its beginning.
@@ -131,26 +134,29 @@ template <int D> struct Ground<D>::Parts {
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------
 	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
-	template <class Work> void scatter(Work&& work)
+	/// share(rows): names the arrays to which work adds.
+	template <class Work, class Share> void scatter(Work&& work, Share&& share)
 	{
-		points->strips().scatter([&](int, int first, int last) { overBlocks(first, last, work); });
+		points->strips().scatter([&](int, int first, int last) { overBlocks(first, last, work); }, share);
 	}
 	/// The same with samples of the time that each effect takes: work(block, sample).
-	template <class Work> void scatterSampled(Work&& work)
+	template <class Work, class Share> void scatterSampled(Work&& work, Share&& share)
 	{
-		scatterSampled(work, [](int, int, int) {});
+		scatterSampled(work, share, [](int, int, int) {});
 	}
 	/// And finish(strip, firstPoint, lastPoint) when a strip's blocks are done.
-	template <class Work, class Finish> void scatterSampled(Work&& work, Finish&& finish)
+	template <class Work, class Share, class Finish> void scatterSampled(Work&& work, Share&& share, Finish&& finish)
 	{
-		points->strips().scatter([&](int strip, int first, int last) {
-			CostMeter::Sample sample = cost.sample(strip);
-			overBlocks(first, last, [&](const WeightBlock<D>& w) {
-				sample.beginBlock();
-				work(w, sample);
-			});
-			finish(strip, first, last);
-		});
+		points->strips().scatter(
+		        [&](int strip, int first, int last) {
+			        CostMeter::Sample sample = cost.sample(strip);
+			        overBlocks(first, last, [&](const WeightBlock<D>& w) {
+				        sample.beginBlock();
+				        work(w, sample);
+			        });
+			        finish(strip, first, last);
+		        },
+		        share);
 		cost.lapShared();
 	}
 	template <class Work> void overBlocks(int first, int last, Work&& work)
@@ -169,10 +175,47 @@ template <int D> struct Ground<D>::Parts {
 		const Strips& strips = points->strips();
 		partial.assign(strips.count(), 0.0);
 		strips.gather([&](int s, int first, int last) { partial[s] = work(first, last); });
+		if (bands) bands->shareByStrip(partial.data());
 		double sum = 0.0;
 		for (double p : partial)
 			sum += p;
 		return sum;
+	}
+
+	// ---- ranks ----------------------------------------------------------------------------------------------------------
+	void startBands();
+	void cutBands();
+	/// All numbers of the points, array by array.
+	template <class Work> void overArrays(Work&& work) const
+	{
+		PointFields& f = points->fields();
+		for (std::size_t k = 0; k < f.list().size(); ++k)
+			for (int c = 0; c < f.list()[k].components; ++c)
+				work(f.component(static_cast<int>(k), c));
+	}
+	/// All points become current on all ranks, in the midst of a step; collective.
+	void gatherPoints();
+	/// All points become current here; the other ranks help when they come to their next step.
+	void        bringPoints() const;
+	std::string answer(const std::string& question) const;
+	std::string ownPoints() const;
+	void        takePoints(const std::vector<std::string>& byRank) const;
+	/// The limits of this rank's points; in words instead if something is wrong.
+	StableTimeStep limitsOfPoints() const;
+	StableTimeStep limitsOfRanks() const;
+	/// What the first rank says that says anything; collective.
+	std::string firstWords(const std::string& own);
+	/// Points that cannot go on, of all ranks; collective.
+	struct Concerned {
+		std::size_t count = 0;
+		std::string names; ///< of up to five
+		std::string first; ///< where the first one is
+		bool        finite = true;
+	};
+	Concerned concerned(const std::vector<int>& places);
+	bool      anyBad() const
+	{
+		return std::any_of(bad.begin(), bad.end(), [](int p) { return p >= 0; });
 	}
 
 	// ---- pieces of a step -----------------------------------------------------------------------------------------------
@@ -223,7 +266,8 @@ template <int D> struct Ground<D>::Parts {
 	std::string whereabouts(int place) const;
 	void        sort();
 
-	SkeletonBatch<D>     batch(int skeleton) const;
+	SkeletonBatch<D>     batch(int skeleton) const { return batch(skeletonPlaces[skeleton]); }
+	SkeletonBatch<D>     batch(const std::vector<int>& places) const;
 	double               largestModulus() const;
 	double               liquidDensity() const { return settings.mixtureOf(0).liquid.density; }
 	CostMeter::Entry     base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs

@@ -141,7 +141,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	if (!surface) return;
 	clearNodes();
 	locateInCells();
-	scatter([&](const WeightBlock<D>& w) { surface->map(w); });
+	scatter([&](const WeightBlock<D>& w) { surface->map(w); }, [&](SharedRows& rows) { rows.nodes(surface->nodes); });
 	surface->collect(grid, *cells, clock.range);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
@@ -198,6 +198,7 @@ template <int D> void Ground<D>::initialise()
 	g.inputs.clear();
 	g.inputs.shrink_to_fit();
 	g.ready = true;
+	if (g.talk) g.startBands();
 }
 
 template int  Ground<2>::addPoint(const PointInput<2>&);

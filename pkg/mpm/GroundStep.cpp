@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 namespace talik {
 
@@ -27,18 +28,22 @@ template <int D> void Ground<D>::Parts::findFlows()
 		water->addPotential(grid, clock.range, *motion, momentum->heldAxes());
 		cost.lap(CostMeter::water);
 	}
+	const auto shareFlows = [&](SharedRows& rows) {
+		if (water) rows.nodes(water->force);
+		if (conducts) heat->shareConducted(rows);
+	};
 	if (conducts && water) {
 		const typename NodeLoops<D>::HeatFlow flow = heat->flow(clock.dt);
-		scatter([&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
+		scatter([&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); }, shareFlows);
 		cost.lap(CostMeter::flows);
 		return;
 	}
 	if (conducts) {
-		scatter([&](const WeightBlock<D>& w) { heat->conduct(w, clock.dt); });
+		scatter([&](const WeightBlock<D>& w) { heat->conduct(w, clock.dt); }, shareFlows);
 		cost.lap(CostMeter::heat);
 	}
 	if (water) {
-		scatter([&](const WeightBlock<D>& w) { water->pressureForce(w); });
+		scatter([&](const WeightBlock<D>& w) { water->pressureForce(w); }, shareFlows);
 		cost.lap(CostMeter::water);
 	}
 }
@@ -98,7 +103,9 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 template <int D> void Ground<D>::Parts::seep()
 {
 	waterRests = settings.resting && !water->flows(clock.range);
-	if (!waterRests) scatter([&](const WeightBlock<D>& w) { water->seep(w, clock.dt, liquidDensity(), enthalpyModel()); });
+	if (!waterRests)
+		scatter([&](const WeightBlock<D>& w) { water->seep(w, clock.dt, liquidDensity(), enthalpyModel()); },
+		        [&](SharedRows& rows) { rows.nodes(water->exchange); });
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.drains())
@@ -119,22 +126,21 @@ template <int D> void Ground<D>::Parts::seep()
 
 template <int D> void Ground<D>::Parts::refuseBadPoints()
 {
-	std::string names;
-	int         count = 0, firstBad = -1;
-	for (int& p : bad) {
-		if (p < 0) continue;
-		if (firstBad < 0) firstBad = p;
-		if (count++ < 5) names += (names.empty() ? "" : ", ") + std::to_string(points->id(p));
-		p = -1;
-	}
-	if (count == 0) return;
-	Vec<D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points->position(a)[firstBad];
-	const bool number = std::isfinite(x[0] + x[1] + x[D - 1]);
+	constexpr unsigned sort = 1, leave = 2;
+	const bool         leaves = anyBad();
+	if (bands) {
+		const unsigned found = bands->anyOf((clock.sortWanted ? sort : 0) | (leaves ? leave : 0));
+		clock.sortWanted     = (found & sort) != 0;
+		if (!(found & leave)) return;
+	} else if (!leaves) return;
+	std::vector<int> places;
+	for (int& p : bad)
+		if (p >= 0) places.push_back(std::exchange(p, -1));
+	const Concerned all    = concerned(places);
+	const bool      number = all.finite;
 	throw std::runtime_error(
-	        whereabouts(firstBad) + (number ? " left the grid's box" : " is not a number: the run became unstable") + " (points concerned: " + names
-	        + ", ...); " + (number ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
+	        all.first + (number ? " left the grid's box" : " is not a number: the run became unstable") + " (points concerned: " + all.names + ", ...); "
+	        + (number ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
 }
 
 template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
@@ -247,8 +253,12 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 /// the state alone.
 template <int D> bool Ground<D>::Parts::heatMayRest()
 {
-	heat->setReference(points->place(0));
-	return settings.resting && heat->hasNothingToDo(settings.boundaries, calendarEnd(), points->count());
+	const Strips& strips = points->strips();
+	const int     place  = points->place(0);
+	if (bands) heat->temperature[place] = bands->valueAt(place, heat->temperature[place]);
+	heat->setReference(place);
+	const bool rests = settings.resting && heat->hasNothingToDo(settings.boundaries, calendarEnd(), strips.firstPoint(), strips.endPoint());
+	return bands ? bands->anyOf(!rests) == 0 : rests;
 }
 
 /// What slow processes run at in this step.
@@ -292,6 +302,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error(
 		        "the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
+	if (g.bands) g.bands->meet(g.clock.steps);
 	g.clock.dt = dt;
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
@@ -370,36 +381,44 @@ template <int D> void Ground<D>::p2g()
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;
 	const double* const share = conducts ? g.heat->carriedShare() : nullptr;
-	g.scatterSampled([&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
-		if (g.motion) {
-			if (average)
-				for (int k = 0; k < w.count; ++k)
-					g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k, g.motion->meanStress[w.first + k]);
-			else if (g.water) g.useMeanStress(w.first, w.count);
-			g.motion->map(w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
-			sample.lap(CostMeter::motion);
-			if (g.affine) {
-				g.affine->map(g.grid, w, *g.motion);
-				sample.lap(CostMeter::transfer);
-			}
-			if (g.front) {
-				g.front->map(w);
-				sample.lap(CostMeter::front);
-			}
-		}
-		if (g.water) {
-			g.water->map(w, g.averagingCells());
-			sample.lap(CostMeter::water);
-		}
-		if (conducts) {
-			g.heat->map(w);
-			sample.lap(CostMeter::heat);
-		}
-		if (g.surface) {
-			g.surface->map(w);
-			sample.lap(CostMeter::surface);
-		}
-	});
+	g.scatterSampled(
+	        [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
+		        if (g.motion) {
+			        if (average)
+				        for (int k = 0; k < w.count; ++k)
+					        g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k, g.motion->meanStress[w.first + k]);
+			        else if (g.water) g.useMeanStress(w.first, w.count);
+			        g.motion->map(w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
+			        sample.lap(CostMeter::motion);
+			        if (g.affine) {
+				        g.affine->map(g.grid, w, *g.motion);
+				        sample.lap(CostMeter::transfer);
+			        }
+			        if (g.front) {
+				        g.front->map(w);
+				        sample.lap(CostMeter::front);
+			        }
+		        }
+		        if (g.water) {
+			        g.water->map(w, g.averagingCells());
+			        sample.lap(CostMeter::water);
+		        }
+		        if (conducts) {
+			        g.heat->map(w);
+			        sample.lap(CostMeter::heat);
+		        }
+		        if (g.surface) {
+			        g.surface->map(w);
+			        sample.lap(CostMeter::surface);
+		        }
+	        },
+	        [&](SharedRows& rows) {
+		        if (g.motion) rows.nodes(g.motion->nodes);
+		        if (g.front) g.front->shareMapped(g.grid, rows);
+		        if (g.water) rows.nodes(g.water->nodes);
+		        if (conducts) g.heat->shareMapped(rows);
+		        if (g.surface) rows.nodes(g.surface->nodes);
+	        });
 	if (g.surface) g.collectSurfaces();
 }
 
@@ -454,11 +473,16 @@ template <int D> void Ground<D>::g2p()
 		}
 		sample.lap(CostMeter::cells);
 	};
+	const auto share = [&](SharedRows& rows) {
+		if (!average) return;
+		g.cells->shareSums(rows);
+		if (g.water) g.water->shareCells(rows);
+	};
 	if (!g.motion) {
-		g.scatterSampled(gather);
+		g.scatterSampled(gather, share);
 		return;
 	}
-	g.scatterSampled(gather, [&](int strip, int first, int last) { g.boundPositions(strip, first, last); });
+	g.scatterSampled(gather, share, [&](int strip, int first, int last) { g.boundPositions(strip, first, last); });
 	if (g.averaging()) g.cells->finish(g.clock.range);
 	g.checkPositions();
 	g.refuseBadPoints();
@@ -504,7 +528,8 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		if (failed < last) g.bad[strip] = failed;
 	};
 	if (cells) {
-		g.points->strips().scatter(update);
+		g.points->strips().scatter(update, [&](SharedRows& rows) { g.water->shareCells(rows); });
+		if (g.bands) g.bands->shareByStrip(g.lostMomentum.data());
 		for (const Vec<D>& lost : g.lostMomentum)
 			g.water->bookMomentum(lost);
 	} else g.points->strips().gather(update);
@@ -524,14 +549,15 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 
 template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 {
-	for (int& failed : bad) {
-		if (failed < 0) continue;
-		const int p = failed;
-		std::fill(bad.begin(), bad.end(), -1);
-		throw std::runtime_error(
-		        whereabouts(p) + " is in an impossible state: " + content->whyImpossible(p, heat.get())
-		        + "; the step has ended half way: go on from a checkpoint with other settings");
-	}
+	const bool failed = anyBad();
+	if (!(bands ? bands->anyOf(failed) : failed)) return;
+	const auto  first = std::find_if(bad.begin(), bad.end(), [](int p) { return p >= 0; });
+	std::string words;
+	if (failed)
+		words = whereabouts(*first) + " is in an impossible state: " + content->whyImpossible(*first, heat.get())
+		        + "; the step has ended half way: go on from a checkpoint with other settings";
+	std::fill(bad.begin(), bad.end(), -1);
+	throw std::runtime_error(bands ? firstWords(words) : words);
 }
 
 template <int D> void Ground<D>::updateEffectiveStress()
@@ -560,7 +586,9 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	if (g.calendar) {
 		g.calendar->measure(
 		        g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
-		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count());
+		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count(), [&] {
+			if (g.bands) g.gatherPoints();
+		});
 		g.cost.lap(CostMeter::calendar);
 	}
 	g.clock.halfDone = 0;

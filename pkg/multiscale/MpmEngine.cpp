@@ -256,6 +256,7 @@ void MpmEngine::initialise()
 	toleranceInForce  = tolerance;
 	distributeInForce = distribute;
 	try {
+		if (inBands()) ground->distribute(talik::jobTalk());
 		ground->initialise();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
@@ -292,29 +293,44 @@ void MpmEngine::say(const string& sentence)
 /// What the laws keep behind points is shared out among the ranks of the job, if there are several.
 void MpmEngine::shareAmongRanks()
 {
-	if (distribute != "automatic" && distribute != "samples" && distribute != "none")
-		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples or none.");
+	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
+		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
 	const auto& talk    = talik::jobTalk();
-	const bool  share   = talk && distribute != "none";
+	const bool  share   = talk && distribute != "none" && distribute != "ground";
 	bool        toShare = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())
 			toShare = (law && law->shareAmongRanks(share)) || toShare;
 	if (!talk) return;
 	const string ranks = "Talik: " + std::to_string(talk->count()) + " ranks ";
-	if (share && toShare) say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
+	if (inBands()) {
+		const string refused = toShare ? "samples behind its points" : bodies ? "bodies of YADE" : "";
+		if (!refused.empty())
+			throw std::invalid_argument(
+			        "MpmEngine.distribute is 'ground', and this ground has " + refused + ", which bands do not serve: choose samples or none.");
+		say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
+	} else if (share && toShare) say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
 	else say(ranks + "each compute all of this ground, which takes as long as on one" + (toShare ? "." : ": it has no samples to share out."));
 }
 
-/// Ranks whose ground drifts apart, as it does on different processors, stop.
+/// Each rank computes a band of this ground.
+bool MpmEngine::inBands() const { return talik::jobTalk() && distribute == "ground"; }
+
+/// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of bands have no points in common: what they owe each other
+/// is compared by what follows from all of them, the times.
 void MpmEngine::compareRanks()
 {
 	constexpr long interval = 100; // steps
 	if (!talik::jobTalk() || ground->steps() < nextComparison) return;
 	nextComparison = ground->steps() + interval;
 	talik::Digest digest;
-	for (const auto& array : ground->state())
-		digest.add(array.data, array.bytes);
+	if (inBands()) {
+		const double times[] = { ground->time(), ground->calendar().time, stableStep };
+		digest.add(times, sizeof times);
+	} else {
+		for (const auto& array : ground->state())
+			digest.add(array.data, array.bytes);
+	}
 	talik::jobTalk()->meet("step " + std::to_string(ground->steps()) + " of the ground", digest.value());
 }
 

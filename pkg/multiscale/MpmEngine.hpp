@@ -117,6 +117,7 @@ private:
 	void                            sayGraveDoubts();
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
+	bool                            inBands() const;
 	void                            compareRanks();
 	bool                            leadsTimeStep() const;
 	Real                            timeStepOfOthers();
@@ -205,8 +206,9 @@ public:
 		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. It is for the calendar "
 				"what O.stopAtTime is for the scene. May be changed while running."))
 		((string,distribute,"automatic",,"What the ranks of mpirun share out. samples: each sample of RveSkeleton has one rank as its owner, and every rank computes "
-				"the whole ground; results are those of one rank, bit for bit. none: every rank computes everything. automatic: samples where there are some, which is "
-				"said once. Without mpirun it has no effect."))
+				"the whole ground; results are those of one rank, bit for bit. ground: each rank has a band of strips of four rows of cells and computes the points in it, "
+				"bit for bit as one rank; for laws, without samples, bodies and thawStrain. none: every rank computes everything. automatic: samples where there are "
+				"some, which is said once. Without mpirun it has no effect."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, "
 				"seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))

@@ -72,7 +72,10 @@ namespace {
 			std::partial_sum(counts.begin(), counts.end() - 1, begins.begin() + 1);
 			std::vector<MPI_Request> request(1);
 			const Watch              watch;
-			MPI_Iallgatherv(mine, counts[std::size_t(own)], MPI_BYTE, into, counts.data(), begins.data(), MPI_BYTE, all, request.data());
+			const bool               inPlace = mine == static_cast<char*>(into) + begins[std::size_t(own)];
+			MPI_Iallgatherv(
+			        inPlace ? MPI_IN_PLACE : mine, counts[std::size_t(own)], MPI_BYTE, into, counts.data(), begins.data(), MPI_BYTE, all,
+			        request.data());
 			waitFor(request);
 			note(lengths[std::size_t(own)] * std::size_t(number - 1), watch);
 		}
@@ -109,6 +112,25 @@ namespace {
 			return received;
 		}
 
+		void pass(const std::vector<Parcel>& going, const std::vector<Parcel>& coming) override
+		{
+			const Watch watch;
+			std::size_t sum = 0;
+			parcels.clear();
+			for (const Parcel& parcel : coming)
+				inPieces(parcel.length, [&](std::size_t at, int length) {
+					MPI_Irecv(parcel.bytes + at, length, MPI_BYTE, parcel.rank, 1, all, &parcels.emplace_back());
+				});
+			for (const Parcel& parcel : going) {
+				inPieces(parcel.length, [&](std::size_t at, int length) {
+					MPI_Isend(parcel.bytes + at, length, MPI_BYTE, parcel.rank, 1, all, &parcels.emplace_back());
+				});
+				sum += parcel.length;
+			}
+			waitFor(parcels);
+			note(sum, watch);
+		}
+
 		void endJob(int status) override
 		{
 			MPI_Abort(all, status);
@@ -129,6 +151,8 @@ namespace {
 			sent.waited += std::chrono::duration<double>(Clock::now() - watch.begin).count();
 			sent.polling += processorTime() - watch.processor;
 		}
+
+		std::vector<MPI_Request> parcels;
 
 		MPI_Comm all = MPI_COMM_NULL;
 		int      own = 0, number = 1;

@@ -7,6 +7,20 @@
 
 namespace talik {
 
+void Ranks::pass(const std::vector<Parcel>& going, const std::vector<Parcel>& coming)
+{
+	std::vector<std::string> toEach(static_cast<std::size_t>(count()));
+	for (const Parcel& parcel : going)
+		toEach[std::size_t(parcel.rank)].append(parcel.bytes, parcel.length);
+	const auto               received = exchange(toEach);
+	std::vector<std::size_t> taken(toEach.size(), 0);
+	for (const Parcel& parcel : coming) {
+		std::size_t& from = taken[std::size_t(parcel.rank)];
+		std::memcpy(parcel.bytes, received[std::size_t(parcel.rank)].data() + from, parcel.length);
+		from += parcel.length;
+	}
+}
+
 /// What a rank holds up in each round.
 struct RankTalk::Slip {
 	static constexpr std::int32_t meeting = -1;

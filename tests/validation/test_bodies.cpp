@@ -52,9 +52,9 @@ double moveBody(Ground<2>& ground, int axis, double path, double duration, doubl
 }
 
 /// Means of a field over bands of the ground, added up over instants; bands count by the place of the points at the start.
-class Bands {
+class PressureBands {
 public:
-	Bands(const Ground<2>& ground, int count, const std::function<double(double, double)>& bandOf)
+	PressureBands(const Ground<2>& ground, int count, const std::function<double(double, double)>& bandOf)
 	        : sum_(count, 0.0)
 	        , weight_(count, 0.0)
 	{
@@ -125,7 +125,7 @@ TEST(Bodies, APlaneLoadsAnOedometerEvenlyInEveryRow)
 		ground.initialise();
 		const double stiffness = ground.bodies()->stiffness(), modulus = young * 0.7 / (1.3 * 0.4);
 		ground.bodies()->bodies = { smoothPlane(height, 1) };
-		Bands rows(ground, 2 * c.cells, [&](double, double y) { return y / (0.5 * h); });
+		PressureBands rows(ground, 2 * c.cells, [&](double, double y) { return y / (0.5 * h); });
 		moveBody(ground, 1, -path, 0.3, 0.1);
 		ground.bodies()->bodies[0].velocity = {};
 		for (int k = 0; k < 2000; ++k)
@@ -187,7 +187,7 @@ TEST(Bodies, AFootingOnCohesiveGroundBearsThePressureOfPrandtlEvenly)
 			footing.friction        = friction;
 			ground.bodies()->bodies = { footing };
 			// of the first cell below the surface: what is below the footing but above the fans
-			Bands             columns(ground, 4, [&](double x, double y) { return y > 2.5 - h ? 4.0 * x / half : -1.0; });
+			PressureBands     columns(ground, 4, [&](double x, double y) { return y > 2.5 - h ? 4.0 * x / half : -1.0; });
 			const double      force  = moveBody(ground, 1, -0.012 * half, 0.6, 0.3, [&] { columns.add(valuesOf(ground, "stress", 1)); });
 			const std::string label  = std::string("footing, ") + shape + (friction > 0.0 ? ", rough: " : ", smooth: "),
 			                  series = std::string(shape) + (friction > 0.0 ? ", rough" : ", smooth");
@@ -233,7 +233,7 @@ TEST(Bodies, AWallThatYieldsOrPushesBearsThePressureOfRankineLayerByLayer)
 		ground.initialise();
 		ground.bodies()->bodies = { smoothPlane(2.0, 0) };
 		// by depth, of the two cells at the wall
-		Bands             depth(ground, layers, [&](double x, double y) { return x > 2.0 - 2 * h ? layers * (height - y) / height : -1.0; });
+		PressureBands     depth(ground, layers, [&](double x, double y) { return x > 2.0 - 2 * h ? layers * (height - y) / height : -1.0; });
 		const double      force = moveBody(ground, 0, active ? 0.01 : -0.03, 1.0, 0.5, [&] { depth.add(valuesOf(ground, "stress", 0)); });
 		const std::string label = std::string("wall, ") + (active ? "active: " : "passive: "), series = active ? "active" : "passive";
 		expectRelative(label + "force over gamma H^2/2", force / (0.5 * weight * height * height), expected, 0.05);

@@ -187,6 +187,84 @@ def asked():
 	return mpm
 
 
+def bandedGround(space=False, thrown=False):
+	"""Wet ground of a law that thaws from its surface, its upper half pushed sideways; each rank computes a band of its strips."""
+	upright = (0, 0, -9.81) if space else (0, -9.81)
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(-1, 0, 0) if space else (-1, 0),
+		upper=(3, 1, 5) if space else (5, 5),
+		gravity=upright,
+		distribute="ground",
+		energyLedger=True,
+		skeleton=wrapper.MohrCoulombSkeleton(young=2e6, youngFrozen=2e8, cohesion=1e3, cohesionFrozen=1e5, frictionAngle=30),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e5, followsMotion=True),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(),
+		boundaries=[
+			wrapper.FixedBoundary(region="bottom"),
+			wrapper.SurfaceTemperature(region="surface", times=[0, 5e3], values=[-1, 15]),
+			wrapper.DrainedBoundary(region="surface"),
+		],
+	)
+	if space:
+		sides = [np.arange(0.0625, length, 0.125) for length in (2, 1, 3.5)]
+		position, volume = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3), 0.125**3
+	else:
+		position, volume = talik.geometry.fillPolygon([(0, 0), (4, 0), (4, 3), (0, 4)], 0.25)
+	height = position[:, -1]
+	velocity = np.zeros_like(position)
+	velocity[:, 0] = 0.4 * height
+	if thrown:
+		velocity[np.argmax(height), 1] = 100
+	mpm.addPoints(position=position, volume=volume, porosity=0.4, temperature=np.where(height > 1.9, 0.5, -1.0), velocity=velocity)
+	O.engines = [mpm]
+	return mpm
+
+
+def bands():
+	"""Looked at by all ranks, by the first alone and by none; changed by hand."""
+	mpm = bandedGround()
+	mpm.watch([0, 100], fields=["temperature", "stress"])
+	run(150)
+	if talik.ranks.first:
+		mpm.field("velocity")
+	run(7)
+	mpm.setTemperature(np.where(mpm.field("position")[:, 0] > 2, -0.2, 0.3))
+	run(120)
+	return mpm
+
+
+def bandsInSpace():
+	mpm = bandedGround(space=True)
+	run(60)
+	return mpm
+
+
+def bandsCheckpoint():
+	mpm = bandedGround()
+	run(60)
+	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
+	talik.checkpoint.write(folder / "bands.checkpoint")
+	return goOn(mpm)
+
+
+def bandsResumed():
+	return goOn(talik.resume(folder / "bands.checkpoint"))
+
+
+def bandsLeft():
+	"""A point of one band leaves the box."""
+	mpm = bandedGround(thrown=True)
+	sentence = ""
+	try:
+		run(400)
+	except RuntimeError as problem:
+		sentence = f"{O.iter} {mpm.time!r} {problem}"
+	(folder / f"bandsLeft.{talik.ranks.rank}.txt").write_text(sentence)
+	return mpm
+
+
 looks = {}
 
 

@@ -150,6 +150,62 @@ def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCac
 	assert count == 0
 
 
+inBands = ["bands", "bandsInSpace", "bandsCheckpoint", "bandsLeft"]
+
+
+@pytest.fixture(scope="module")
+def aloneInBands(tmp_path_factory, sampleCache):
+	folder = tmp_path_factory.mktemp("aloneInBands")
+	return folder, played(folder, sampleCache, inBands, 1)[0]
+
+
+def checkBands(aloneInBands, sampleCache, tmp_path, ranks, threads):
+	folder, states = aloneInBands
+	other, _, complained = played(tmp_path, sampleCache, inBands, ranks, threads)
+	count = differing(states, other)
+	print(f"ranks: ground in bands, {ranks} with {threads} threads against 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
+	assert count == 0
+	assert complained.count(f"Talik: {ranks} ranks share out the strips of this ground (MpmEngine.distribute).") == len(inBands)
+	sentences = {(folder / "bandsLeft.0.txt").read_text(), *((tmp_path / f"bandsLeft.{rank}.txt").read_text() for rank in range(ranks))}
+	print(sentences)
+	assert len(sentences) == 1 and "left the grid's box" in sentences.pop()
+	assert (folder / "bands.checkpoint").read_bytes()[4096:] == (tmp_path / "bands.checkpoint").read_bytes()[4096:]
+
+
+def test_a_ground_in_bands_has_the_bits_of_one_rank_and_its_errors_and_checkpoints(aloneInBands, sampleCache, tmp_path):
+	checkBands(aloneInBands, sampleCache, tmp_path, 2, 1)
+	shutil.copy(aloneInBands[0] / "bands.checkpoint", tmp_path)
+	states = played(tmp_path, sampleCache, ["bandsResumed"], 2)[0]
+	assert differing({"bandsResumed": aloneInBands[1]["bandsCheckpoint"]}, states) == 0
+
+
+@pytest.mark.parametrize("ranks, threads", [(2, 2), (3, 1), (4, 2)])
+def test_any_number_of_bands_has_the_same_bits_slow(ranks, threads, aloneInBands, sampleCache, tmp_path):
+	checkBands(aloneInBands, sampleCache, tmp_path, ranks, threads)
+
+
+def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
+	(tmp_path / "scene.py").write_text(refusing)
+	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
+	print(said, complained)
+	assert "this ground has bodies of YADE, which bands do not serve: choose samples or none" in said
+	assert "choose automatic, samples, ground or none" in said
+
+
+refusing = """
+import talik
+from yade import O, wrapper
+for attributes in ({"distribute": "ground", "bodies": wrapper.BodyContact()}, {"distribute": "halves"}):
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(8, 16), skeleton=wrapper.ElasticSkeleton(), **attributes)
+	mpm.addPoints(position=[[1.1, 1.1]], volume=0.1, porosity=0.4)
+	O.engines = [mpm]
+	try:
+		O.run(1, True)
+	except Exception as problem:
+		print(problem, flush=True)
+"""
+
+
 # ---- one voice ------------------------------------------------------------------------------------------------------------
 
 

@@ -106,7 +106,7 @@ template <int D> void HeatTransfer<D>::limitShares(int first, int count)
 		limited[k] = std::min(std::max(limited[k], sensible[k]), largestShare * sensible[k]);
 }
 
-template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const
+template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int first, int last) const
 {
 	if (settings->source != 0.0) return false;
 	for (const auto& b : boundaries) {
@@ -116,7 +116,7 @@ template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::sha
 		const SurfaceHeat heat = b->heat(time);
 		if (heat.flux != 0.0 || ((heat.atSurface || heat.coefficient != 0.0) && heat.ambient != reference)) return false;
 	}
-	for (int p = 0; p < points; ++p)
+	for (int p = first; p < last; ++p)
 		if (temperature[p] != reference) return false;
 	return true;
 }

@@ -36,8 +36,8 @@ public:
 	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
 	/// nothing, and its heat may rest without a bit being different.
 	void setReference(int place) { reference = temperature[place]; }
-	/// True if nothing would change in a step that ends at time: one temperature at all points and boundaries, no source, no flux.
-	bool hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int points) const;
+	/// True if nothing would change in a step that ends at time: one temperature at points first .. last and boundaries, no source, no flux.
+	bool hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int first, int last) const;
 	/// What a step without anything to do leaves on the nodes for others.
 	void rest(const ActiveRange& range);
 
@@ -57,6 +57,20 @@ public:
 	const double* carriedShare() const { return carried_ ? share : nullptr; }
 	/// Conduction of a step as the loops over nodes see it.
 	typename NodeLoops<D>::HeatFlow flow(double dt) const;
+	/// What map() adds to, but for records of motion.
+	void shareMapped(SharedRows& rows)
+	{
+		rows.nodes(nodes);
+		if (walls_) rows.nodes(moments);
+		if (!produced_.empty()) rows.nodes(volumes);
+	}
+	/// What conduct() adds to, but for records of water.
+	void shareConducted(SharedRows& rows)
+	{
+		rows.nodes(energy);
+		rows.nodes(noise);
+		rows.nodes(received_);
+	}
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const WeightBlock<D>& w, double dt);
 	/// Heat of the regions that produce it, eq. (9.7).

@@ -40,6 +40,12 @@ public:
 	/// that drives the liquid is the transpose.
 	void allocateCells(int cells, double cellVolume);
 	void clearCells(int first, int last);
+	/// What points add to their cells.
+	void shareCells(SharedRows& rows)
+	{
+		if (!cells_.empty()) rows.cells(cells_.data());
+		if (!freezing_.empty()) rows.cells(freezing_.data());
+	}
 	/// Adds pressure of points first .. last to their cells; call within MaterialPoints::strips().scatter.
 	void addPressure(const CellMeans<D>& cells, int first, int last);
 

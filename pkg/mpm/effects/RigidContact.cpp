@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace talik {
 
@@ -268,6 +269,28 @@ template <int D> void RigidContact<D>::boxBodies()
 	}
 }
 
+/// All ranks come to know the contacts of all strips, which they sum up in one order.
+template <int D> void RigidContact<D>::shareTouches(Bands& bands)
+{
+	std::string own;
+	for (int s = bands.firstStrip(); s < bands.endStrip(); ++s) {
+		const std::size_t count = touches_[s].size();
+		own.append(reinterpret_cast<const char*>(&count), sizeof count);
+		own.append(reinterpret_cast<const char*>(touches_[s].data()), count * sizeof(Touch));
+	}
+	std::string all;
+	for (const std::string& part : bands.say(own))
+		all += part;
+	const char* from = all.data();
+	for (std::vector<Touch>& touches : touches_) {
+		std::size_t count = 0;
+		std::memcpy(&count, from, sizeof count);
+		touches.resize(count);
+		std::memcpy(touches.data(), from + sizeof count, count * sizeof(Touch));
+		from += sizeof count + count * sizeof(Touch);
+	}
+}
+
 template <int D> void RigidContact<D>::deliver(Vec<D>& impulse)
 {
 	contacts_ = 0;
@@ -296,26 +319,32 @@ void RigidContact<D>::push(
 	std::array<const double*, D> x;
 	for (int a = 0; a < D; ++a)
 		x[a] = points_->position(a);
-	strips.scatter([&](int strip, int first, int last) {
-		std::vector<Touch>& touches = touches_[strip];
-		touches.clear();
-		WeightBlock<D> w;
-		for (int begin = first; begin < last; begin += blockSize) {
-			const int count = std::min(blockSize, last - begin);
-			findNear(begin, count, laidAgainst, near_[strip]);
-			for (int k = 0; k < count; ++k)
-				pushPoint(begin + k, near_[strip], dt, touches);
-		}
-		for (const Touch& t : touches) {
-			shape.evaluate(grid, x, t.place, 1, w);
-			shape.moveToFace(grid, t.toFace, 0, w);
-			overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
-				for (int i = 0; i < D; ++i)
-					motion.nodes[node][motion.forceAt + i] += s * t.force[i];
-			});
-			if (front) front->push(w, 0, t.force);
-		}
-	});
+	strips.scatter(
+	        [&](int strip, int first, int last) {
+		        std::vector<Touch>& touches = touches_[strip];
+		        touches.clear();
+		        WeightBlock<D> w;
+		        for (int begin = first; begin < last; begin += blockSize) {
+			        const int count = std::min(blockSize, last - begin);
+			        findNear(begin, count, laidAgainst, near_[strip]);
+			        for (int k = 0; k < count; ++k)
+				        pushPoint(begin + k, near_[strip], dt, touches);
+		        }
+		        for (const Touch& t : touches) {
+			        shape.evaluate(grid, x, t.place, 1, w);
+			        shape.moveToFace(grid, t.toFace, 0, w);
+			        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
+				        for (int i = 0; i < D; ++i)
+					        motion.nodes[node][motion.forceAt + i] += s * t.force[i];
+			        });
+			        if (front) front->push(w, 0, t.force);
+		        }
+	        },
+	        [&](SharedRows& rows) {
+		        rows.nodes(motion.nodes);
+		        if (front) front->shareMapped(grid, rows);
+	        });
+	if (strips.bands) shareTouches(*strips.bands);
 	deliver(impulse);
 }
 
@@ -324,30 +353,32 @@ template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, cons
 	std::array<const double*, D> x;
 	for (int a = 0; a < D; ++a)
 		x[a] = points_->position(a);
-	points_->strips().scatter([&](int, int first, int last) {
-		WeightBlock<D> w;
-		for (int p = first; p < last; ++p)
-			for (int slot = 0; slot < contactsPerPoint; ++slot) {
-				if (memory_[slot * memorySize][p] == 0.0) continue;
-				const Memory m = recall(p, slot);
-				const auto   b = std::find_if(
-				          bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
-				if (b == bodies.end()) continue;
-				Vec<D> place;
-				for (int a = 0; a < D; ++a)
-					place[a] = x[a][p];
-				const NearestSurface<D> touched = b->shape->nearest(b->toFrame(place), b->size, m.key > 0 ? 1 : -1);
-				if (touched.distance > m.radius) continue;
-				const Vec<D> normal = b->turned(touched.normal);
-				const double face   = area(p);
-				shape.evaluate(grid, x, p, 1, w);
-				shape.moveToFace(grid, plus<D>({}, -halfSize(p), normal), 0, w);
-				overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
-					for (int i = 0; i < D; ++i)
-						surface.nodes[node][i] += s * face * normal[i];
-				});
-			}
-	});
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        WeightBlock<D> w;
+		        for (int p = first; p < last; ++p)
+			        for (int slot = 0; slot < contactsPerPoint; ++slot) {
+				        if (memory_[slot * memorySize][p] == 0.0) continue;
+				        const Memory m = recall(p, slot);
+				        const auto   b = std::find_if(
+				                  bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
+				        if (b == bodies.end()) continue;
+				        Vec<D> place;
+				        for (int a = 0; a < D; ++a)
+					        place[a] = x[a][p];
+				        const NearestSurface<D> touched = b->shape->nearest(b->toFrame(place), b->size, m.key > 0 ? 1 : -1);
+				        if (touched.distance > m.radius) continue;
+				        const Vec<D> normal = b->turned(touched.normal);
+				        const double face   = area(p);
+				        shape.evaluate(grid, x, p, 1, w);
+				        shape.moveToFace(grid, plus<D>({}, -halfSize(p), normal), 0, w);
+				        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
+					        for (int i = 0; i < D; ++i)
+						        surface.nodes[node][i] += s * face * normal[i];
+				        });
+			        }
+	        },
+	        [&](SharedRows& rows) { rows.nodes(surface.nodes); });
 }
 
 template <int D> void RigidContact<D>::allocateFaces(const Grid<D>& grid) { faces_.allocate(grid.nodeCount()); }
@@ -384,20 +415,22 @@ void RigidContact<D>::collectFaces(
 	std::array<const double*, D> x;
 	for (int a = 0; a < D; ++a)
 		x[a] = points_->position(a);
-	strips.scatter([&](int strip, int first, int last) {
-		WeightBlock<D> w;
-		for (int begin = first; begin < last; begin += blockSize) {
-			const int count = std::min(blockSize, last - begin);
-			findNear(begin, count, 2.0, near_[strip]);
-			for (int p = begin; p < begin + count && !near_[strip].empty(); ++p) {
-				const Facing facing = faced(p, near_[strip], ids);
-				if (facing.area == 0.0) continue;
-				shape.evaluate(grid, x, p, 1, w);
-				shape.moveToFace(grid, plus<D>({}, -halfSize(p), facing.normal), 0, w);
-				overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) { faces_[node][0] += s * facing.area; });
-			}
-		}
-	});
+	strips.scatter(
+	        [&](int strip, int first, int last) {
+		        WeightBlock<D> w;
+		        for (int begin = first; begin < last; begin += blockSize) {
+			        const int count = std::min(blockSize, last - begin);
+			        findNear(begin, count, 2.0, near_[strip]);
+			        for (int p = begin; p < begin + count && !near_[strip].empty(); ++p) {
+				        const Facing facing = faced(p, near_[strip], ids);
+				        if (facing.area == 0.0) continue;
+				        shape.evaluate(grid, x, p, 1, w);
+				        shape.moveToFace(grid, plus<D>({}, -halfSize(p), facing.normal), 0, w);
+				        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) { faces_[node][0] += s * facing.area; });
+			        }
+		        }
+	        },
+	        [&](SharedRows& rows) { rows.nodes(faces_); });
 	patch.nodes.clear();
 	for (int node = range.firstNode; node < range.lastNode; ++node) {
 		if (!(faces_[node][0] > 0.0)) continue;

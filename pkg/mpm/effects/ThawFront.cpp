@@ -188,16 +188,30 @@ template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange&
 {
 	std::fill(sides_.begin(), sides_.end(), 0);
 	std::fill(slid_.begin(), slid_.end(), 0);
-	points_->strips().scatter([&](int, int first, int last) {
-		updateSides(first, last);
-		markCells(grid, first, last);
-	});
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        updateSides(first, last);
+		        markCells(grid, first, last);
+	        },
+	        [&](SharedRows& rows) {
+		        rows.nodes(sides_.data() + margin_);
+		        rows.nodes(slid_.data() + margin_);
+	        });
 	markNodes(range, mirrors, freeLiquid);
 	markNear();
 	meetings_.resize(nodes_.size());
 	records_.assign(nodes_.size() * recordSize, 0.0);
 	results_.assign(nodes_.size() * resultSize, 0.0);
 	work_.assign(nodes_.size(), 0.0);
+}
+
+template <int D> void ThawFront<D>::shareMapped(const Grid<D>& grid, SharedRows& rows)
+{
+	const int row = grid.nodeStride(grid.slowAxis()), count = grid.nodes(grid.slowAxis());
+	rowStarts_.resize(count + 1);
+	for (int r = 0; r <= count; ++r)
+		rowStarts_[r] = static_cast<int>(std::lower_bound(nodes_.begin(), nodes_.end(), r * row) - nodes_.begin());
+	rows.someNodes(records_.data(), recordSize, rowStarts_);
 }
 
 template <int D> void ThawFront<D>::exceptFromMeans(CellMeans<D>& cells, int first, int last) const

@@ -82,6 +82,8 @@ public:
 	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse, double& wallWork);
 	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine);
+	/// What map() and push() add to.
+	void shareMapped(const Grid<D>& grid, SharedRows& rows);
 	/// Adds the slip of points first .. last to their displacement gradient.
 	void addSlip(int first, int last);
 	/// Work of stress on the slip of points first .. last with the present stress [J]; after addSlip().
@@ -171,16 +173,17 @@ private:
 	double                     spacing_ = 0.0;
 	int                        margin_  = 0; ///< of the arrays by node below, so that a reach never leaves them
 
-	std::vector<int>                   cell_;    ///< by place: node at the lower corner of the point's cell, counted with the margin
-	std::vector<unsigned char>         sides_;   ///< by that node: sides of the points in the cell
-	std::vector<unsigned char>         slid_;    ///< by that node: its thawed points have slid along the front
-	std::vector<unsigned char>         reached_; ///< by node: sides that may reach it
-	std::vector<unsigned char>         near_;    ///< by the lower node of a cell: its points reach front nodes
-	std::vector<int>                   reach_;   ///< from a node to the lower nodes of the cells whose points may touch it
-	std::vector<int>                   slot_;    ///< by node: place in the list of front nodes, or -1
-	std::vector<int>                   nodes_;   ///< front nodes, ascending
-	std::vector<int>                   beside_;  ///< from a node to those around it and itself
-	std::vector<double>                volume_;  ///< of full ground, by node
+	std::vector<int>                   cell_;      ///< by place: node at the lower corner of the point's cell, counted with the margin
+	std::vector<unsigned char>         sides_;     ///< by that node: sides of the points in the cell
+	std::vector<unsigned char>         slid_;      ///< by that node: its thawed points have slid along the front
+	std::vector<unsigned char>         reached_;   ///< by node: sides that may reach it
+	std::vector<unsigned char>         near_;      ///< by the lower node of a cell: its points reach front nodes
+	std::vector<int>                   reach_;     ///< from a node to the lower nodes of the cells whose points may touch it
+	std::vector<int>                   slot_;      ///< by node: place in the list of front nodes, or -1
+	std::vector<int>                   nodes_;     ///< front nodes, ascending
+	std::vector<int>                   rowStarts_; ///< place in it of the first node of each row
+	std::vector<int>                   beside_;    ///< from a node to those around it and itself
+	std::vector<double>                volume_;    ///< of full ground, by node
 	std::vector<Meeting>               meetings_;
 	std::vector<int>                   chosen_;
 	std::vector<double>                modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]

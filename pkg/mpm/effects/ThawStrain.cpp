@@ -60,16 +60,20 @@ template <int D> void ThawStrain<D>::release(const CellMeans<D>* cells)
 	all_.clear();
 	std::fill(sharing_.begin(), sharing_.end(), Sharing {});
 	const double* const volume = points_->volume();
-	points_->strips().scatter([&](int, int first, int last) {
-		for (int p = first; p < last; ++p) {
-			releaseAt(p);
-			Sharing& s = sharing(p);
-			s.volume += volume[p];
-			s.room += lastVolume_[p] * open_[p];
-			s.contraction += lastVolume_[p] * (1.0 - swollen_[p]) - volume[p];
-			lastVolume_[p] = volume[p];
-		}
-	});
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        for (int p = first; p < last; ++p) {
+			        releaseAt(p);
+			        Sharing& s = sharing(p);
+			        s.volume += volume[p];
+			        s.room += lastVolume_[p] * open_[p];
+			        s.contraction += lastVolume_[p] * (1.0 - swollen_[p]) - volume[p];
+			        lastVolume_[p] = volume[p];
+		        }
+	        },
+	        [&](SharedRows& rows) {
+		        if (cells) rows.cells(sharing_.data());
+	        });
 }
 
 template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vector<int>& places)

@@ -53,6 +53,19 @@ public:
 			volume_[c] += volume[p];
 		}
 	}
+	/// What locate(), setApart() and add() add to.
+	void share(SharedRows& rows)
+	{
+		rows.cells(volume_.data());
+		if (!apart_.empty()) rows.cells(apart_.data());
+		shareSums(rows);
+	}
+	/// What add() adds to.
+	void shareSums(SharedRows& rows)
+	{
+		rows.cells(sum_.data());
+		if (!apart_.empty()) rows.cells(sum_.data() + count());
+	}
 	void clearVolumes(const ActiveRange& r)
 	{
 		std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0);

@@ -45,6 +45,8 @@ public:
 	double*       operator[](int node) { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
 	const double* operator[](int node) const { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
 	int           stride() const { return stride_; }
+	/// False for columns in the records of another field, or if there are no values.
+	bool ownsRecords() const { return bool(storage_); }
 
 	std::size_t bytes() const { return static_cast<std::size_t>(count_) * (Size - shared_) * sizeof(double); }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/Bands.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 
@@ -23,23 +24,42 @@ struct Strips {
 	bool             parallel = true; ///< false: one thread does all, which is faster for few points
 	std::vector<int> first;           ///< place of the first point of each strip; one more entry for the end
 
-	int count() const { return static_cast<int>(first.size()) - 1; }
+	Bands* bands = nullptr; ///< strips are shared out among ranks: loops are over those of this one
 
-	/// work(strip, firstPoint, lastPoint) for all strips, never two neighbours at the same time.
-	template <class Work> void scatter(Work&& work) const
+	int count() const { return static_cast<int>(first.size()) - 1; }
+	/// Strips of this rank, and their points.
+	int begin() const { return bands ? bands->firstStrip() : 0; }
+	int end() const { return bands ? bands->endStrip() : count(); }
+	int firstPoint() const { return first[begin()]; }
+	int endPoint() const { return first[end()]; }
+
+	/// work(strip, firstPoint, lastPoint) for all strips, never two neighbours at the same time. share(rows): names the arrays to which work
+	/// adds, where there are several ranks.
+	template <class Work, class Share> void scatter(Work&& work, Share&& share) const
 	{
-		const int even = (count() + 1) / 2, odd = count() / 2;
-		ThreadTeam::run(even, threads(), [&](int s, int) { work(2 * s, first[2 * s], first[2 * s + 1]); });
-		ThreadTeam::run(odd, threads(), [&](int s, int) { work(2 * s + 1, first[2 * s + 1], first[2 * s + 2]); });
+		if (bands) share(bands->shared());
+		alternate(begin() + begin() % 2, work);
+		if (bands) bands->handOver();
+		alternate(begin() + 1 - begin() % 2, work);
+		if (bands) bands->complete();
 	}
 
 	/// work(strip, firstPoint, lastPoint) for all strips at once: for loops that write to their own points only.
 	template <class Work> void gather(Work&& work) const
 	{
-		ThreadTeam::run(count(), threads(), [&](int s, int) { work(s, first[s], first[s + 1]); });
+		const int from = begin();
+		ThreadTeam::run(end() - from, threads(), [&](int s, int) { work(from + s, first[from + s], first[from + s + 1]); });
 	}
 
 private:
+	/// Every other strip.
+	template <class Work> void alternate(int from, Work&& work) const
+	{
+		ThreadTeam::run((end() - from + 1) / 2, threads(), [&](int k, int) {
+			const int s = from + 2 * k;
+			work(s, first[s], first[s + 1]);
+		});
+	}
 	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
 };
 

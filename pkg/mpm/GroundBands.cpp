@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/GroundParts.hpp>
+
+#include <cmath>
+#include <cstring>
+
+// A ground whose strips are shared out among ranks.
+
+namespace talik {
+
+namespace {
+	const std::string askPoints = "points of the bands", askLimits = "time step limits";
+} // namespace
+
+template <int D> void Ground<D>::distribute(std::shared_ptr<RankTalk> talk) { parts_->talk = std::move(talk); }
+
+template <int D> void Ground<D>::Parts::startBands()
+{
+	const int strips = points->strips().count();
+	if (thawStrain)
+		throw std::invalid_argument("distribute is 'ground', and materials have a thawStrain, which is not computed in bands: choose 'samples'.");
+	if (strips < talk->count())
+		throw std::invalid_argument(
+		        "distribute is 'ground': the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells for "
+		        + std::to_string(talk->count()) + " ranks: choose 'samples', or run it on fewer ranks.");
+	bands                  = std::make_unique<Bands>(talk, [this](const std::string& question) { return answer(question); });
+	points->strips().bands = bands.get();
+	afterReordering();
+}
+
+template <int D> void Ground<D>::Parts::cutBands()
+{
+	const Strips& strips = points->strips();
+	const int     axis   = strips.axis;
+	Bands::Rows   rows;
+	rows.ofStrip    = Strips::rows;
+	rows.nodes      = grid.nodes(axis);
+	rows.cells      = grid.cells(axis);
+	rows.nodesOfRow = grid.nodeStride(axis);
+	rows.cellsOfRow = grid.cellStride(axis);
+	rows.firstNode  = clock.range.firstNode / rows.nodesOfRow;
+	rows.lastNode   = clock.range.lastNode / rows.nodesOfRow;
+	rows.firstCell  = clock.range.firstCell / rows.cellsOfRow;
+	rows.lastCell   = clock.range.lastCell / rows.cellsOfRow;
+	bands->cut(strips.first, rows);
+}
+
+template <int D> void Ground<D>::Parts::gatherPoints()
+{
+	overArrays([&](double* values) { bands->shareByPoint(values); });
+}
+
+template <int D> void Ground<D>::Parts::bringPoints() const
+{
+	if (!bands || bands->allCurrent) return;
+	takePoints(bands->ask(askPoints));
+	bands->allCurrent = true;
+}
+
+template <int D> std::string Ground<D>::Parts::ownPoints() const
+{
+	const int   first = bands->firstPoint(), count = bands->endPoint() - first;
+	std::string bytes;
+	overArrays([&](double* values) { bytes.append(reinterpret_cast<const char*>(values + first), count * sizeof(double)); });
+	return bytes;
+}
+
+template <int D> void Ground<D>::Parts::takePoints(const std::vector<std::string>& byRank) const
+{
+	for (int r = 0; r < bands->count(); ++r) {
+		const auto [first, end] = bands->pointsOf(r);
+		const std::size_t size  = (end - first) * sizeof(double);
+		const char*       from  = byRank[r].data();
+		overArrays([&, begin = first](double* values) {
+			std::memcpy(values + begin, from, size);
+			from += size;
+		});
+	}
+}
+
+template <int D> std::string Ground<D>::Parts::answer(const std::string& question) const
+{
+	if (question == askPoints) return ownPoints();
+	std::string bytes;
+	try {
+		for (const TimeStepLimit& limit : limitsOfPoints().limits) {
+			bytes.append(reinterpret_cast<const char*>(&limit.step), sizeof limit.step);
+			bytes.append(reinterpret_cast<const char*>(&limit.point), sizeof limit.point);
+		}
+	} catch (const std::exception& problem) {
+		return "!" + std::string(problem.what());
+	}
+	return "." + bytes;
+}
+
+template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
+{
+	const std::vector<std::string> byRank = bands->ask(askLimits);
+	for (const std::string& words : byRank)
+		if (words[0] == '!') throw std::runtime_error(words.substr(1));
+	StableTimeStep result = limitsOfPoints();
+	for (TimeStepLimit& limit : result.limits)
+		limit.step = std::numeric_limits<double>::infinity();
+	for (const std::string& bytes : byRank) {
+		const char* from = bytes.data() + 1;
+		for (TimeStepLimit& limit : result.limits) {
+			double step  = 0.0;
+			int    point = 0;
+			std::memcpy(&step, from, sizeof step);
+			std::memcpy(&point, from + sizeof step, sizeof point);
+			from += sizeof step + sizeof point;
+			if (step < limit.step) limit.step = step, limit.point = point;
+		}
+	}
+	return result;
+}
+
+template <int D> std::string Ground<D>::Parts::firstWords(const std::string& own)
+{
+	for (const std::string& words : bands->say(own))
+		if (!words.empty()) return words;
+	return own;
+}
+
+template <int D> typename Ground<D>::Parts::Concerned Ground<D>::Parts::concerned(const std::vector<int>& places)
+{
+	constexpr std::size_t most = 5;
+	std::vector<int>      ids;
+	Concerned             all;
+	all.count = places.size();
+	for (std::size_t k = 0; k < std::min(most, places.size()); ++k)
+		ids.push_back(points->id(places[k]));
+	if (!places.empty()) {
+		all.first  = whereabouts(places.front());
+		double sum = 0.0;
+		for (int a = 0; a < D; ++a)
+			sum += points->position(a)[places.front()];
+		all.finite = std::isfinite(sum);
+	}
+	if (bands) {
+		const auto counts = bands->say(std::to_string(all.count));
+		const auto firsts = bands->say((all.finite ? "1" : "0") + all.first);
+		const auto named  = bands->say(std::string(reinterpret_cast<const char*>(ids.data()), ids.size() * sizeof(int)));
+		all               = {};
+		ids.clear();
+		for (int r = 0; r < bands->count(); ++r) {
+			const std::size_t count = std::stoul(counts[r]);
+			if (all.count == 0 && count > 0) {
+				all.first  = firsts[r].substr(1);
+				all.finite = firsts[r][0] == '1';
+			}
+			all.count += count;
+			const auto* from = reinterpret_cast<const int*>(named[r].data());
+			ids.insert(ids.end(), from, from + named[r].size() / sizeof(int));
+		}
+	}
+	for (std::size_t k = 0; k < std::min(most, ids.size()); ++k)
+		all.names += (k ? ", " : "") + std::to_string(ids[k]);
+	return all;
+}
+
+template void                                 Ground<2>::distribute(std::shared_ptr<RankTalk>);
+template void                                 Ground<2>::Parts::startBands();
+template void                                 Ground<2>::Parts::cutBands();
+template void                                 Ground<2>::Parts::gatherPoints();
+template void                                 Ground<2>::Parts::bringPoints() const;
+template std::string                          Ground<2>::Parts::firstWords(const std::string&);
+template StableTimeStep                       Ground<2>::Parts::limitsOfRanks() const;
+template typename Ground<2>::Parts::Concerned Ground<2>::Parts::concerned(const std::vector<int>&);
+template void                                 Ground<3>::distribute(std::shared_ptr<RankTalk>);
+template void                                 Ground<3>::Parts::startBands();
+template void                                 Ground<3>::Parts::cutBands();
+template void                                 Ground<3>::Parts::gatherPoints();
+template void                                 Ground<3>::Parts::bringPoints() const;
+template std::string                          Ground<3>::Parts::firstWords(const std::string&);
+template StableTimeStep                       Ground<3>::Parts::limitsOfRanks() const;
+template typename Ground<3>::Parts::Concerned Ground<3>::Parts::concerned(const std::vector<int>&);
+
+} // namespace talik

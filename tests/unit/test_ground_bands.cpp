@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A ground whose strips are shared out among ranks, which are threads of this process here.
+#include "groundState.hpp"
+#include "threadRanks.hpp"
+
+#include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
+#include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+using namespace talik;
+
+namespace {
+
+struct Scene {
+	const char*      name;
+	bool             heat = false, water = false, freezing = false, bBar = true;
+	VelocityTransfer transfer = VelocityTransfer::flip;
+	bool             bodies = false, calendar = false;
+};
+
+/// A slope that slides along the grid's longest axis, so that points cross strips; with heat it is warmed from above and from a wall, with
+/// water it drains and is rained on.
+template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std::shared_ptr<RankTalk>& talk)
+{
+	constexpr double  h = 0.1, day = 86400.0;
+	GroundSettings<D> s;
+	s.gridSpacing = h;
+	s.lower.fill(0.0);
+	s.upper.fill(D == 2 ? 1.2 : 0.8);
+	s.upper[0]     = D == 2 ? 3.0 : 2.0; // neither is a whole number of strips
+	s.parallelFrom = 0;
+	s.motion.emplace();
+	s.motion->gravity[D - 1] = -9.81;
+	s.motion->localDamping   = 0.05;
+	s.motion->transfer       = scene.transfer;
+	s.motion->bBar           = scene.bBar;
+	s.energyLedger           = true;
+	s.deformationRecord      = true;
+	auto rock                = std::make_shared<ElasticSkeleton<D>>();
+	rock->youngModulus       = 5e6;
+	auto soil                = std::make_shared<MohrCoulombSkeleton<D>>();
+	soil->youngModulus       = 2e6;
+	soil->youngModulusFrozen = 2e7;
+	s.skeletons              = { rock, soil };
+	s.boundaries = { std::make_shared<RollerBoundary<D>>(Region<D>::side("left")), std::make_shared<RollerBoundary<D>>(Region<D>::side("right")),
+		         std::make_shared<FixedBoundary<D>>(Region<D>::side("bottom")),
+		         std::make_shared<Traction<D>>(Region<D>::freeSurface(), TimeTable({ 0.0, day }, { 0.0, 2e3 })) };
+	if (scene.heat) {
+		s.heat.emplace();
+		s.heat->thermalTimeScale = 1e5;
+		s.heat->source           = 3.0;
+		s.heat->followsMotion    = scene.calendar;
+		s.boundaries.push_back(std::make_shared<SurfaceTemperature<D>>(Region<D>::freeSurface(), TimeTable({ 0.0, 1e3 }, { -2.0, 10.0 })));
+		s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::side("bottom"), 4.0));
+	}
+	if (scene.freezing) s.freezing = makeFreezingCurve();
+	if (scene.water) {
+		s.water.emplace();
+		s.water->state.liquidBulkModulus = 2.2e7;
+		s.water->state.iceBulkModulus    = 8.8e7;
+		s.boundaries.push_back(std::make_shared<DrainedBoundary<D>>(Region<D>::freeSurface()));
+	}
+	if (scene.bodies) s.bodies.emplace();
+	auto               ground = std::make_unique<Ground<D>>(s);
+	std::array<int, D> n, i {};
+	for (int a = 0; a < D; ++a)
+		n[a] = a == 0 ? (D == 2 ? 46 : 30) : D == 2 ? 14 : 10;
+	for (int a = 0; a < D;) {
+		PointInput<D> p;
+		p.volume = std::pow(0.5 * h, D);
+		for (int b = 0; b < D; ++b)
+			p.position[b] = 0.5 * h * (i[b] + 0.5);
+		p.temperature = p.position[0] < 1.1 ? -2.0 : 1.0;
+		p.velocity[0] = (D == 2 ? 3.0 : 8.0) * p.position[D - 1];
+		p.skeleton    = p.position[D - 1] > 0.25 ? 1 : 0;
+		ground->addPoint(p);
+		for (a = 0; a < D && ++i[a] == n[a]; ++a)
+			i[a] = 0;
+	}
+	if (talk) ground->distribute(talk);
+	ground->initialise();
+	if (!scene.bodies) return ground;
+	RigidBody<D> ball;
+	ball.id = ball.group = 0;
+	ball.shape           = &rigidBall<D>();
+	ball.size.fill(0.3);
+	ball.position.fill(0.4);
+	ball.position[0]     = 0.8; // across the border of two strips
+	ball.position[D - 1] = D == 2 ? 0.98 : 0.78;
+	ball.friction        = 0.3;
+	for (int a = 0; a < D; ++a)
+		ball.axes[a][a] = 1.0;
+	ball.velocity[D - 1]     = -1.0;
+	ground->bodies()->bodies = { ball };
+	return ground;
+}
+
+/// The state after some steps, and what can be asked of the ground.
+template <int D> std::vector<std::vector<char>> march(Ground<D>& ground, int steps)
+{
+	std::vector<double> said;
+	for (int k = 0; k < steps; ++k) {
+		if (k % 20 == 0)
+			for (const TimeStepLimit& limit : ground.stableTimeStep().limits)
+				said.insert(said.end(), { limit.step, double(limit.point) });
+		ground.step(2e-4);
+		if (k % 50) continue;
+		const Balance<D> b = ground.balance();
+		said.insert(said.end(), { b.momentum[0], b.kineticEnergy, b.enthalpy, b.heatIn, b.waterOut, b.skeletonWork, b.porePressureWork });
+		said.insert(said.end(), { b.impulse[0], b.impulse[D - 1], b.dampingDissipation, b.dragDissipation, b.loadWork, b.slipWork });
+	}
+	if (ground.bodies())
+		for (double v : ground.bodies()->bodies[0].impulse)
+			said.push_back(v);
+	auto  all   = copyOf(ground.state());
+	auto* bytes = reinterpret_cast<const char*>(said.data());
+	all.emplace_back(bytes, bytes + said.size() * sizeof(double));
+	return all;
+}
+
+long differing(const std::vector<std::vector<char>>& a, const std::vector<std::vector<char>>& b)
+{
+	long different = std::abs(static_cast<long>(a.size()) - static_cast<long>(b.size()));
+	for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+		for (std::size_t i = 0; i < a[k].size(); ++i)
+			different += i >= b[k].size() || a[k][i] != b[k][i];
+	return different;
+}
+
+template <int D> void expectSameBits(const Scene& scene, int steps)
+{
+	const int before = omp_get_max_threads();
+	omp_set_num_threads(1);
+	const auto one    = slope<D>(scene, nullptr);
+	const auto wanted = march(*one, steps);
+	EXPECT_GE(one->points().order(), 2) << "points were sorted, and bands cut, anew";
+	for (const int ranks : { 2, 3, 4 })
+		for (const int threads : { 1, 2 }) {
+			std::vector<long> different(ranks, -1);
+			asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+				omp_set_num_threads(threads);
+				const auto ground       = slope<D>(scene, talk);
+				different[talk->rank()] = differing(wanted, march(*ground, steps));
+			});
+			std::printf("%d-D, %s: %d ranks of %d threads:", D, scene.name, ranks, threads);
+			for (const long bytes : different) {
+				std::printf(" %ld", bytes);
+				EXPECT_EQ(bytes, 0);
+			}
+			std::printf(" bytes differ from one rank after %d steps\n", steps);
+		}
+	omp_set_num_threads(before);
+}
+
+const Scene dry { "dry" }, dryApic { "dry, apic", false, false, false, false, VelocityTransfer::apic }, warm { "heat", true }, wet { "water", false, true },
+        frozen { "heat, freezing, thaw front", true, false, true }, all { "heat, water, freezing, thaw front", true, true, true },
+        allOwn { "the same without means of cells, apic", true, true, true, false, VelocityTransfer::apic },
+        withBall { "all, a ball, a calendar that follows the motion", true, true, true, true, VelocityTransfer::flip, true, true };
+
+} // namespace
+
+TEST(GroundBands, InThePlaneBandsOnAnyNumberOfRanksGiveTheBitsOfOneRank)
+{
+	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withBall })
+		expectSameBits<2>(scene, 260);
+}
+
+TEST(GroundBands, InSpaceBandsOnAnyNumberOfRanksGiveTheBitsOfOneRank)
+{
+	for (const Scene& scene : { dry, frozen, all, withBall })
+		expectSameBits<3>(scene, 130);
+}
