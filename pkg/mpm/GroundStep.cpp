@@ -329,10 +329,8 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 		near.count                     = static_cast<int>(places.size());
 		if (near.count == 0) continue;
 		settings.skeletons[k]->tangentModulus(near, front->modulus());
-		for (const int p : places) {
-			front->dilatancy()[p]     = settings.skeletons[k]->dilatancy();
-			front->strengthSlope()[p] = settings.skeletons[k]->strengthSlope();
-		}
+		for (const int p : places)
+			front->setStrength(p, settings.skeletons[k]->shearStrength(near.iceSaturation[p]));
 	}
 }
 
@@ -395,7 +393,7 @@ template <int D> void Ground<D>::p2g()
 				        sample.lap(CostMeter::transfer);
 			        }
 			        if (g.front) {
-				        g.front->map(w);
+				        g.front->map(g.grid, w, g.affine.get());
 				        sample.lap(CostMeter::front);
 			        }
 		        }

@@ -22,13 +22,11 @@ namespace {
 	constexpr double largestScale = 1e3;
 	/// Normal stress of the thawed points over the reaction per area beyond which it is led back, within some steps.
 	constexpr double leastPressure = 0.5, mostPressure = 1.1, leadingSteps = 5.0;
-	/// The same, below which dilating ground has lost it.
-	constexpr double noPressure = 0.5, dilatingPressure = 1.1;
 	/// Slip that thawed points take as strain in a step, as stress over the reaction per area, where their normal stress is far from that:
 	/// stress would jump past it.
 	constexpr double settlingStress = 1.0;
 	constexpr double unlimited      = 1e30;
-	/// Coefficient of friction of thawed ground whose law gives none: sin(phi) of samples of discs is 0.40 to 0.44.
+	/// Coefficient of friction of thawed ground whose law states none: sin(phi) of samples of discs is 0.40 to 0.44.
 	constexpr double usualFriction = 0.4;
 	/// Strain of a step with which pressure is led back at most.
 	constexpr double largestLeading = 1e-2;
@@ -104,8 +102,8 @@ void ThawFront<D>::bind(
 	const std::size_t size = grid.nodeCount() + 2 * margin_;
 	cell_.assign(points.count(), 0);
 	modulus_.assign(points.count(), 0.0);
-	dilatancy_.assign(points.count(), 0.0);
-	strengthSlope_.assign(points.count(), 0.0);
+	friction_.assign(points.count(), 0.0);
+	cohesion_.assign(points.count(), 0.0);
 	if (water) mappedLiquid_.assign(points.count(), 0.0);
 	sides_.assign(size, 0);
 	slid_.assign(size, 0);
@@ -230,9 +228,15 @@ template <int D> const std::vector<int>& ThawFront<D>::thawedNear(const std::vec
 	return chosen_;
 }
 
+template <int D> void ThawFront<D>::setStrength(int place, const std::optional<ShearStrength>& strength)
+{
+	friction_[place] = strength ? strength->friction : unlimited;
+	cohesion_[place] = strength ? strength->cohesion : 0.0;
+}
+
 // ---- to the nodes ----------------------------------------------------------------------------------------------------------
 
-template <int D> void ThawFront<D>::map(const WeightBlock<D>& w)
+template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
 {
 	if (!present()) return;
 	for (int k = 0; k < w.count; ++k) {
@@ -240,6 +244,13 @@ template <int D> void ThawFront<D>::map(const WeightBlock<D>& w)
 		if (!near(p)) continue;
 		if (water_) mappedLiquid_[p] = liquidMass(p);
 		frozen(p) ? addFrozen(w, k) : addThawed(w, k);
+		if (!affine) continue;
+		const int at = frozen(p) ? momentumAt : thawedMomentumAt;
+		affine->overMomenta(grid, w, k, motion_->mass[p], [&](int node, const Vec<D>& momentum) {
+			if (slot_[node] < 0) return;
+			for (int i = 0; i < D; ++i)
+				record(slot_[node])[at + i] += momentum[i];
+		});
 	}
 }
 
@@ -281,7 +292,9 @@ template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
 		r[thawedMassAt] += s * m;
 		for (int i = 0; i < D; ++i)
 			r[thawedMomentumAt + i] += s * m * motion_->velocity[i][p];
-		r[slopeAt] += s * volume * strengthSlope_[p];
+		r[frictionAt] += s * volume * friction_[p];
+		r[cohesionAt] += s * volume * cohesion_[p];
+		r[pressureAt] += s * volume * pressure;
 		r[modulusAt] += s * volume * modulus_[p];
 		r[thawedLiquidMassAt] += s * ml;
 		for (int c = 0; c < stressSize<D>; ++c)
@@ -329,7 +342,8 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors, double dt)
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
 		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
-		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, slopeAt, modulusAt })
+		for (const int at :
+		     { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, frictionAt, cohesionAt, pressureAt, modulusAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a) {
 			for (const int at : { momentumAt, liquidMomentumAt, thawedMomentumAt, forceAt, areaAt })
@@ -412,6 +426,30 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, Vec<D>& im
 	}
 }
 
+/// Direction of the front at a node: that of the areas of the nodes around it which face the same way. The areas of single nodes follow the
+/// steps of a front between rows of points, and sides that slide along such steps catch on them.
+template <int D> Vec<D> ThawFront<D>::facing(int node, const MotionConstraints<D>& constraints) const
+{
+	const double* own = record(slot_[node]) + areaAt;
+	Vec<D>        sum {};
+	for (const int step : beside_) {
+		const int other = node + step;
+		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
+		const double* area = record(slot_[other]) + areaAt;
+		Vec<D>        free {};
+		double        same = 0.0;
+		for (int a = 0; a < D; ++a) {
+			if (constraints.solidFixed(node, a) || constraints.solidFixed(other, a)) continue;
+			free[a] = area[a];
+			same += own[a] * area[a];
+		}
+		if (!(same > 0.0)) continue;
+		for (int a = 0; a < D; ++a)
+			sum[a] += free[a];
+	}
+	return sum;
+}
+
 /// Normal, area and the motion that each side would have without the other.
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
@@ -428,19 +466,20 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		if (!(mass > smallestMassShare * all[M::massAt])) return;
 	if (!(r[thawedVolumeAt] > 0.0)) return;
 	double square = 0.0;
-	for (int a = 0; a < D; ++a) {
-		m.normal[a] = constraints.solidFixed(node, a) ? 0.0 : r[areaAt + a];
-		square += m.normal[a] * m.normal[a];
-	}
+	for (int a = 0; a < D; ++a)
+		square += constraints.solidFixed(node, a) ? 0.0 : r[areaAt + a] * r[areaAt + a];
 	m.area = std::sqrt(square);
 	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
+	m.normal            = facing(node, constraints);
+	const double length = lengthOf<D>(m.normal);
+	if (!(length > 0.0)) return;
 	m.meets              = true;
 	m.frozenVolume       = r[volumeAt];
 	m.inside             = r[volumeAt] >= insideShare * volume_[node];
 	const double mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	m.reducedMass        = mass[0] * mass[1] / (mass[0] + mass[1]);
 	for (int a = 0; a < D; ++a) {
-		m.normal[a] /= m.area;
+		m.normal[a] /= length;
 		if (constraints.solidFixed(node, a)) continue;
 		const double frozenForce = r[forceAt + a];
 		const double parting     = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
@@ -449,7 +488,9 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
 	m.resting   = settles_ && rests(m, dt);
-	m.slope     = r[slopeAt] / r[thawedVolumeAt];
+	m.friction  = r[frictionAt] / r[thawedVolumeAt];
+	m.cohesion  = r[cohesionAt] / r[thawedVolumeAt];
+	m.pressure  = r[pressureAt] / r[thawedVolumeAt];
 	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i) {
 		if (constraints.solidFixed(node, i)) continue; // a wall takes it
@@ -479,6 +520,7 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	m.together            = m.resting || opening <= std::max(0.0, m.pressing + carried) / (m.area * m.impedance) || -together <= dt * carried;
 	m.reaction            = m.together ? std::max(m.pressing, -carried) : -carried;
 	m.impulse             = m.together ? together : -dt * carried;
+	m.bound               = m.together;
 }
 
 /// Outside frozen ground its shape functions only trail: to tie the sides there would hold the thawed ground at a distance. They press
@@ -495,6 +537,7 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 		if (!beside.meets || !beside.inside) continue;
 		force += beside.reaction;
 		area += beside.area;
+		m.bound |= beside.together;
 	}
 	if (!(area > 0.0)) return;
 	// at the end of a layer the area is that of frozen ground alone: never more than what would tie the sides
@@ -505,73 +548,78 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 	m.reaction           = pressed / dt;
 }
 
-/// The shear stress at the front over that of the thawed points, which lie away from it and have a normal stress of their own. Below strength
-/// both stresses rise with depth in one ratio; at strength shear follows the slope of the law.
-template <int D> double ThawFront<D>::shearScale(const Meeting& m, double shear, double pressure)
+/// Whether the law of the thawed points states its strength.
+template <int D> bool ThawFront<D>::statesStrength(const Meeting& m) { return m.friction < largestScale; }
+
+/// Normal force between the sides that grains carry [N]. The points lie away from the front; pore pressure and normal stress rise with depth in
+/// one ratio.
+template <int D> double ThawFront<D>::effectiveReaction(const Meeting& m)
 {
-	const double reaction = m.reaction / m.area;
-	if (!(shear > 0.0)) return 0.0;
-	if (!(pressure > 0.0))
-		return std::isfinite(m.slope) && m.slope < largestScale ? std::max(0.0, 1.0 + m.slope * (reaction - pressure) / shear)
-		        : reaction < 0.0                                ? 1.0
-		                                                        : 0.0;
-	return std::clamp(1.0 + std::min(m.slope, shear / pressure) * (reaction - pressure) / shear, 0.0, largestScale);
+	const double normal = -dot<D>(m.traction, m.normal);
+	if (!(m.pressure > 0.0) || !(normal > 0.0)) return m.reaction - m.pressure * m.area;
+	return m.reaction * std::max(0.0, 1.0 - m.pressure / normal);
 }
 
-/// Shear stress at the front of thawed ground that has lost all its stress, as ground does that stretches while it slides: its strength at
-/// the reaction. Such ground has no ratio of stresses to scale.
-template <int D> double ThawFront<D>::strengthWithoutStress(const Meeting& m, double pressure)
+/// What friction and cohesion hold of the slip: all of it below the strength of the thawed ground, eq. (20.2).
+template <int D> double ThawFront<D>::heldShare(const Meeting& m, double speed, double dt)
 {
-	const double lacking = m.reaction / m.area - std::max(0.0, pressure);
-	return m.slope < largestScale ? std::max(0.0, m.slope * lacking) : 0.0;
+	const double strength = m.bound ? std::max(0.0, m.cohesion * m.area + m.friction * effectiveReaction(m)) : 0.0;
+	return std::min(1.0, strength * dt / (m.reducedMass * speed));
 }
 
-/// Part of the slip that Coulomb friction takes away where frozen ground lies on thawed ground. A row of points between that and its own base
-/// shears one way above and the other way below; its stress, the mean of both, would hold neither.
-template <int D> double ThawFront<D>::heldShare(const Meeting& m, double slipping) const
+/// The same where frozen ground lies on thawed ground whose law states no strength. A row of points between that and its own base shears one way
+/// above and the other way below; its stress, the mean of both, would hold neither.
+template <int D> double ThawFront<D>::heldUnderRoof(const Meeting& m, double speed) const
 {
 	const Vec<D>& gravity = motion_->settings->gravity;
 	const bool    carries = dot<D>(gravity, m.normal) > leastWeight * lengthOf<D>(gravity);
-	if (!carries || !(m.impulse > 0.0) || !(slipping > 0.0)) return 0.0;
-	return std::min(1.0, (m.slope < largestScale ? m.slope : usualFriction) * m.impulse / (m.reducedMass * std::sqrt(slipping)));
+	return carries && m.impulse > 0.0 ? std::min(1.0, usualFriction * m.impulse / (m.reducedMass * speed)) : 0.0;
 }
 
-/// Friction as the thawed points carry it, and the jump that is left. Returns the work that the force between the sides takes up.
-template <int D> double ThawFront<D>::slide(int slot, double dt)
+/// Impulse of the shear stress that the thawed points carry, eq. (20.2a), where their law states no strength. They lie away from the front and
+/// have a normal stress of their own; both stresses rise with depth in one ratio.
+template <int D> Vec<D> ThawFront<D>::carriedShear(int slot, const Vec<D>& slip, double dt) const
 {
-	Meeting& m = meetings_[slot];
-	if (!m.meets) return 0.0;
-	const double pressure = -dot<D>(m.traction, m.normal), opening = dot<D>(m.jump, m.normal);
-	Vec<D>       shear;
-	double       square = 0.0;
+	const Meeting& m        = meetings_[slot];
+	const double   pressure = -dot<D>(m.traction, m.normal), reaction = m.reaction / m.area;
+	const double   ratio = pressure > 0.0 ? std::clamp(reaction / pressure, 0.0, largestScale) : reaction < 0.0 ? 1.0 : 0.0;
+	Vec<D>         shear;
+	double         held = 0.0, slipping = 0.0, square = 0.0;
 	for (int i = 0; i < D; ++i) {
-		shear[i] = m.traction[i] + pressure * m.normal[i];
-		square += shear[i] * shear[i];
-	}
-	Vec<D> slip;
-	double slipping = 0.0, held = 0.0;
-	for (int i = 0; i < D; ++i) {
-		slip[i] = m.jump[i] - opening * m.normal[i];
+		shear[i] = -dt * m.area * ratio * (m.traction[i] + pressure * m.normal[i]);
+		held -= shear[i] * slip[i];
 		slipping += slip[i] * slip[i];
-	}
-	const double scale = dt * m.area * shearScale(m, std::sqrt(square), pressure);
-	// without stress of its own the ground's strength acts against the slip; pore pressure of a row of points is too rough for that
-	const double against = square > 0.0 || water_ || !(slipping > 0.0) ? 0.0 : dt * m.area * strengthWithoutStress(m, pressure) / std::sqrt(slipping);
-	Vec<D>       friction;
-	for (int i = 0; i < D; ++i) {
-		friction[i] = -scale * shear[i] - against * slip[i];
-		held -= friction[i] * slip[i];
+		square += shear[i] * shear[i];
 	}
 	// Against the slip never more than what stops it. Stress that springs back, or acts across the slip, pushes; where a node has only a trace of
 	// thawed ground, that ground cannot push with the area of the front.
 	const double stopping = m.reducedMass * slipping, thickness = record(slot)[thawedVolumeAt] / m.area;
 	double       share = held > stopping ? stopping / held : 1.0;
-	if (share * dot<D>(friction, friction) > 2.0 * held * m.reducedMass) share = std::min(share, thickness / (leastThickness * spacing_));
-	const double coulomb = heldShare(m, slipping);
-	double       work    = 0.0;
+	if (share * square > 2.0 * held * m.reducedMass) share = std::min(share, thickness / (leastThickness * spacing_));
+	for (int i = 0; i < D; ++i)
+		shear[i] *= share;
+	return shear;
+}
+
+/// Friction between the sides, and the jump that is left. Returns the work that the force between the sides takes up.
+template <int D> double ThawFront<D>::slide(int slot, double dt)
+{
+	Meeting& m = meetings_[slot];
+	if (!m.meets) return 0.0;
+	const double opening = dot<D>(m.jump, m.normal);
+	Vec<D>       slip;
+	for (int i = 0; i < D; ++i)
+		slip[i] = m.jump[i] - opening * m.normal[i];
+	const double speed = lengthOf<D>(slip);
+	const double held  = !(speed > 0.0) ? 0.0 : statesStrength(m) ? heldShare(m, speed, dt) : heldUnderRoof(m, speed);
+	Vec<D>       shear {};
+	if (held > 0.0 || statesStrength(m))
+		for (int i = 0; i < D; ++i)
+			shear[i] = -held * m.reducedMass * slip[i];
+	else shear = carriedShear(slot, slip, dt);
+	double work = 0.0;
 	for (int i = 0; i < D; ++i) {
-		const double shearing = coulomb > 0.0 ? -coulomb * m.reducedMass * slip[i] : share * friction[i];
-		const double impulse  = shearing + m.impulse * m.normal[i];
+		const double impulse = shear[i] + m.impulse * m.normal[i];
 		m.jump[i] += impulse / m.reducedMass;
 		work -= impulse * m.jump[i];
 	}
@@ -585,13 +633,6 @@ template <int D> double ThawFront<D>::lackingPressure(const Meeting& m) const
 	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
 	if (!m.inside || !m.together || !(reaction > 0.0)) return 0.0;
 	return pressure < leastPressure * reaction ? leastPressure * reaction - pressure : std::min(0.0, mostPressure * reaction - pressure);
-}
-
-/// Share of its dilation that ground takes along: none where it has lost its pressure, which shear at constant volume brings back.
-template <int D> double ThawFront<D>::widenedShare(const Meeting& m) const
-{
-	const double reaction = m.reaction / m.area, pressure = -dot<D>(m.traction, m.normal);
-	return reaction > 0.0 ? std::clamp((pressure / reaction - noPressure) / (dilatingPressure - noPressure), 0.0, 1.0) : 0.0;
 }
 
 /// Corrections for both sides from the jump between them.
@@ -631,17 +672,13 @@ template <int D> void ThawFront<D>::correct(int slot)
 	}
 	const double opened = dot<D>(m.jump, m.normal), perThickness = 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_);
 	// sides that do not press do not shear each other
-	const double fed = m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = lackingPressure(m);
-	double       rate = 0.0;
-	for (int a = 0; a < D; ++a)
-		rate += (m.jump[a] - opened * m.normal[a]) * (m.jump[a] - opened * m.normal[a]);
-	rate = std::sqrt(rate) * fed * widenedShare(m);
+	const bool   strains = !statesStrength(m);
+	const double fed = strains && m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = strains ? lackingPressure(m) : 0.0;
 	for (int a = 0; a < D; ++a) {
-		out[slipAt + a]     = (m.jump[a] - opened * m.normal[a]) * fed;
-		out[lackingAt + a]  = lacking * m.normal[a];
-		out[wideningAt + a] = rate * m.normal[a];
-		out[limitAt + a]    = (lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area) * m.normal[a];
-		out[normalAt + a]   = m.normal[a];
+		out[slipAt + a]    = (m.jump[a] - opened * m.normal[a]) * fed;
+		out[lackingAt + a] = lacking * m.normal[a];
+		out[limitAt + a]   = (lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area) * m.normal[a];
+		out[normalAt + a]  = m.normal[a];
 	}
 }
 
@@ -711,12 +748,11 @@ namespace {
 template <int D> struct ThawFront<D>::AtPoint {
 	double side[sideSize]               = {}; ///< of its own side
 	double gradient[D][D]               = {}; ///< of velocity component i along axis j at [j][i]
-	double product[D][limitAt - slipAt] = {}; ///< slip, lacking and widening times component j of the normal at [j]
+	double product[D][limitAt - slipAt] = {}; ///< slip and lacking times component j of the normal at [j]
 	Vec<D> slipping {};
 	double limit = 0.0, weight = 0.0;
 	double slip(int i, int j) const { return product[j][i]; }
 	double lacking(int i, int j) const { return product[j][lackingAt - slipAt + i]; }
-	double widening(int i, int j) const { return product[j][wideningAt - slipAt + i]; }
 };
 
 template <int D> typename ThawFront<D>::AtPoint ThawFront<D>::sum(const WeightBlock<D>& w, int k, bool thawed) const
@@ -760,15 +796,9 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 		const AtPoint sums       = sum(w, k, thawed);
 		double        slip[D][D] = {};
 		if (thawed) {
-			// ground without pressure of its own would only open further
-			double trace = 0.0;
 			for (int i = 0; i < D; ++i)
-				trace += motion_->stress[i][p];
-			for (int i = 0; i < D; ++i)
-				for (int j = 0; j < D; ++j) {
+				for (int j = 0; j < D; ++j)
 					slip[i][j] = sums.slip(i, j);
-					if (trace < 0.0) slip[i][j] += dilatancy_[p] * sums.widening(i, j);
-				}
 			limitStrain(slip, sums.limit / (sums.weight * modulus_[p] * dt));
 			// water holds the normal stress by itself; what grains gained would be taken off its pressure
 			if (!water_) lead(p, dt, sums, slip);

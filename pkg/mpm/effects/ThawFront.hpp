@@ -8,8 +8,10 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace talik {
@@ -63,13 +65,11 @@ public:
 	const std::vector<int>& thawedNear(const std::vector<int>& places);
 	/// Their tangent modulus [Pa], by place; to be set before gather().
 	double* modulus() { return modulus_.data(); }
-	/// And the tangent of their angle of dilation [-], by place.
-	double* dilatancy() { return dilatancy_.data(); }
-	/// And by how much the shear stress that they carry rises with the normal stress when they fail [-], by place.
-	double* strengthSlope() { return strengthSlope_.data(); }
+	/// Sets the strength of one, or that its law states none.
+	void setStrength(int place, const std::optional<ShearStrength>& strength);
 
-	/// Adds what the points of a block near the front bring to the front nodes.
-	void map(const WeightBlock<D>& w);
+	/// Adds what the points of a block near the front bring to the front nodes; affine may be null.
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine);
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
 	void push(const WeightBlock<D>& w, int k, const Vec<D>& force);
 	/// Adds the weight of the frozen side; call before mirrors are folded.
@@ -95,16 +95,16 @@ public:
 
 private:
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, momentum, liquid
-	/// mass, and volume times slope of strength, tangent modulus and total stress. Momenta are those of the points' own velocities: what affine
-	/// velocities add far from a point would drive the sides apart at nodes that they hardly reach.
+	/// mass, and volume times friction, cohesion, pore pressure, tangent modulus and total stress. Momenta contain those of affine velocities: the
+	/// sides would otherwise hand them to each other in every step, and slide faster than friction lets them.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
 	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedMomentumAt = 5 + 4 * D,
-	                     thawedLiquidMassAt = 5 + 5 * D, slopeAt = 6 + 5 * D, modulusAt = 7 + 5 * D, stressAt = 8 + 5 * D,
-	                     recordSize = stressAt + stressSize<D>;
+	                     thawedLiquidMassAt = 5 + 5 * D, frictionAt = 6 + 5 * D, cohesionAt = 7 + 5 * D, pressureAt = 8 + 5 * D, modulusAt = 9 + 5 * D,
+	                     stressAt = 10 + 5 * D, recordSize = stressAt + stressSize<D>;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
-	/// slip strain [1/s], pressure that is lacking [Pa], speed of slip over thickness [1/s], both along the normal, and the normal.
+	/// slip strain [1/s], pressure that is lacking [Pa], how far it may be led back [Pa], both along the normal, and the normal.
 	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D,
-	                     wideningAt = lackingAt + D, limitAt = wideningAt + D, normalAt = limitAt + D, resultSize = normalAt + D;
+	                     limitAt = lackingAt + D, normalAt = limitAt + D, resultSize = normalAt + D;
 	/// Both sides at a front node.
 	struct Meeting {
 		std::array<double, 2> solid {}, liquid {}; ///< masses of the frozen and the thawed side [kg]
@@ -112,13 +112,16 @@ private:
 		bool                  inside   = false;    ///< the node lies in frozen ground, or next to it
 		bool                  resting  = false;    ///< the thawed side lies on the frozen one and does not slide
 		bool                  together = false;    ///< the sides have one normal velocity
+		bool                  bound    = false;    ///< they have, here or at a node beside
 		Vec<D>                normal {};           ///< from frozen to thawed
 		double                area         = 0.0;  ///< [m^(D-1)]
 		double                frozenVolume = 0.0;  ///< [m^D]
 		double                reducedMass  = 0.0;  ///< [kg]
 		Vec<D>                jump {};             ///< velocity of the thawed side less that of the frozen one [m/s]
 		Vec<D>                traction {};         ///< of the thawed points on the front [Pa]
-		double                slope     = 0.0;     ///< of strength over normal stress, of the thawed points [-]
+		double                friction  = 0.0;     ///< of the thawed points [-]; larger than any where their law states no strength
+		double                cohesion  = 0.0;     ///< [Pa]
+		double                pressure  = 0.0;     ///< of pore water [Pa]
 		double                impedance = 0.0;     ///< of the thawed points [Pa s/m]
 		double                pressing  = 0.0;     ///< force along the normal that would give both the same acceleration [N]
 		double                reaction  = 0.0;     ///< normal force between the sides [N]
@@ -147,12 +150,14 @@ private:
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
-	static double strengthWithoutStress(const Meeting& meeting, double pressure);
-	static double shearScale(const Meeting& meeting, double shear, double pressure);
-	double        heldShare(const Meeting& meeting, double slipping) const;
+	Vec<D>        facing(int node, const MotionConstraints<D>& constraints) const;
+	static bool   statesStrength(const Meeting& meeting);
+	static double effectiveReaction(const Meeting& meeting);
+	static double heldShare(const Meeting& meeting, double speed, double dt);
+	double        heldUnderRoof(const Meeting& meeting, double speed) const;
+	Vec<D>        carriedShear(int slot, const Vec<D>& slip, double dt) const;
 	double        slide(int slot, double dt);
 	double        lackingPressure(const Meeting& meeting) const;
-	double        widenedShare(const Meeting& meeting) const;
 	void          correct(int slot);
 	struct AtPoint;
 	TALIK_PROCESSOR_VERSIONS AtPoint sum(const WeightBlock<D>& w, int k, bool thawed) const;
@@ -186,7 +191,7 @@ private:
 	std::vector<double>                volume_;    ///< of full ground, by node
 	std::vector<Meeting>               meetings_;
 	std::vector<int>                   chosen_;
-	std::vector<double>                modulus_, dilatancy_, strengthSlope_; ///< by place, of thawed points near the front [Pa], [-], [-]
+	std::vector<double>                modulus_, friction_, cohesion_; ///< by place, of thawed points near the front [Pa], [-], [Pa]
 	std::vector<std::array<double, 4>> folded_;       ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
 	std::vector<double>                mappedLiquid_; ///< by place, liquid mass of points near the front when it was mapped [kg]
 	std::vector<double>                records_, results_, work_;

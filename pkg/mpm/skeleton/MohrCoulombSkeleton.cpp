@@ -190,14 +190,13 @@ template <int D> void MohrCoulombSkeleton<D>::initialise(const SkeletonBatch<D>&
 		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).youngModulus - thawed);
 }
 
-/// Davis 1968: tan(phi) with psi = phi, sin(phi) without dilation.
-template <int D> double MohrCoulombSkeleton<D>::strengthSlope() const
+/// Davis 1968: tan(phi) with psi = phi, sin(phi) without dilation, and the same share of the cohesion.
+template <int D> std::optional<ShearStrength> MohrCoulombSkeleton<D>::shearStrength(double iceSaturation) const
 {
 	const double sine = std::sin(frictionAngle * degree), dilation = dilationAngle * degree;
-	return sine * std::cos(dilation) / (1.0 - sine * std::sin(dilation));
+	const double share = std::cos(dilation) / (1.0 - sine * std::sin(dilation));
+	return ShearStrength { sine * share, at(iceSaturation).cohesion * std::cos(frictionAngle * degree) * share };
 }
-
-template <int D> double MohrCoulombSkeleton<D>::dilatancy() const { return std::tan(dilationAngle * degree); }
 
 template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {

@@ -42,14 +42,13 @@ public:
 		std::vector<double> tensileStrength; ///< [Pa], >= 0
 	} table;
 
-	std::string name() const override { return "MohrCoulombSkeleton"; }
-	double      dilatancy() const override;
-	double      strengthSlope() const override;
-	void        validate() const override;
-	void        declareFields(PointFields&, const std::string& prefix) override;
-	void        initialise(const SkeletonBatch<D>&) override;
-	void        updateStress(const SkeletonBatch<D>&) override;
-	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
+	std::string                  name() const override { return "MohrCoulombSkeleton"; }
+	std::optional<ShearStrength> shearStrength(double iceSaturation) const override;
+	void                         validate() const override;
+	void                         declareFields(PointFields&, const std::string& prefix) override;
+	void                         initialise(const SkeletonBatch<D>&) override;
+	void                         updateStress(const SkeletonBatch<D>&) override;
+	void                         tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
 
 private:
 	struct AtSaturation {

@@ -4,6 +4,7 @@
 #include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 
+#include <optional>
 #include <string>
 
 namespace talik {
@@ -29,6 +30,12 @@ template <int D> struct SkeletonBatch : SkeletonPoints {
 	std::array<double*, stressSize<D>> stress {};
 };
 
+/// Shear stress that ground carries when it fails in simple shear: cohesion and friction times the effective normal stress.
+struct ShearStrength {
+	double friction; ///< [-], >= 0
+	double cohesion; ///< [Pa], >= 0
+};
+
 /// Law that turns strain and ice saturation into effective stress. Each point has one; a scene may use several.
 template <int D> class SkeletonModel {
 public:
@@ -42,10 +49,12 @@ public:
 	/// False if stress is never limited by strength: such ground does not slip.
 	virtual bool canFail() const { return true; }
 
-	/// Tangent of the angle of dilation [-] with which ground that fails goes on to shear at constant stress.
-	virtual double dilatancy() const { return 0.0; }
-	/// Rise of the shear stress with the normal stress [-] in ground that fails in simple shear; unknown: larger than any.
-	virtual double strengthSlope() const { return 1e30; }
+	/// Strength in simple shear at an ice saturation. None: only the stress itself tells, as in a sample.
+	virtual std::optional<ShearStrength> shearStrength(double iceSaturation) const
+	{
+		(void)iceSaturation;
+		return {};
+	}
 
 	/// Declares fields of its own on the points (they are sorted and checkpointed with the rest); prefix makes names unique.
 	virtual void declareFields(PointFields&, const std::string& prefix) { (void)prefix; }
