@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Silty slopes of 12, 18 and 24 degrees that thaw from their surface, beside the centrifuge tests of Harris, Rea & Davies (2001).
 
-	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …]
+	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …] [--cycles 4]
 
 Measured at a tenth of the size and ten times gravity, here in nature's size (doi 10.1002/ppp.373): the surface moved by 187 mm in a cycle
-of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope failed as a mudflow. Each slope thaws once here: excess ice that
-has melted does not form again. What the paper's abstract, or another one of the same laboratory, says of the soil is marked as such in
+of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope failed as a mudflow. Each slope thaws once here, or --cycles times:
+excess ice that has melted does not form again by itself, so the next cycle begins with a frozen layer of the shape that the last one left, which has
+heaved normal to the slope to the volume of the first. What the paper's abstract, or another one of the same laboratory, says of the soil is marked as such in
 `Assumptions`; the rest is assumed, and --vary shows what each assumption does. Runs that the folder already holds are not repeated.
 Change the conductivity, the thaw strain or the cohesion first.
 """
@@ -74,17 +75,20 @@ variations = {
 units = {"conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
 
 
-def thaw(slope, ground, days):
+def thaw(slope, ground, days, profile=None):
 	"""One slope [deg] that thaws for some days, in a box that is tilted with it: days, path of the surface down the slope and settlement at
-	mid-length [m], heights and paths of the points there at the end [m], depth thawed [m]."""
+	mid-length [m], heights and paths of the points there at the end [m], depth thawed [m], and the profile of the surface at the end, its
+	places and heights [m]. profile: the one that it has at the start; default: even."""
 	O.reset()
-	mpm = scene(math.radians(slope), ground)
+	profile = profile or even(ground)
+	mpm = scene(math.radians(slope), ground, profile)
 	O.engines = [mpm]
 	O.step()
 	mpm.resetDisplacement()
 	start = mpm.field("position")
 	middle = np.abs(start[:, 0] - 0.5 * ground.length) < 0.25 * ground.length
-	surface = middle & (start[:, 1] > ground.thickness - 0.5 * ground.gridSpacing)
+	top = start[:, 1] > np.interp(start[:, 0], *profile) - 0.5 * ground.gridSpacing
+	surface = middle & top
 	rows = []
 	while not rows or (rows[-1][0] < days and rows[-1][1] < flowing and O.time < longest):
 		talik.runSerially(300)
@@ -93,10 +97,25 @@ def thaw(slope, ground, days):
 	heights = np.unique(start[middle, 1].round(6))
 	paths = [path[middle & (np.abs(start[:, 1] - height) < 1e-6), 0].mean() for height in heights]
 	thawed = ground.thickness * np.mean(mpm.field("iceSaturation")[middle] < 0.02)
-	return dict(zip(("days", "path", "settlement"), np.transpose(rows).tolist())) | dict(heights=heights.tolist(), paths=paths, thawed=float(thawed))
+	run = dict(zip(("days", "path", "settlement"), np.transpose(rows).tolist())) | dict(heights=heights.tolist(), paths=paths, thawed=float(thawed))
+	return run | dict(profile=heaved(mpm.field("position")[top], ground))
 
 
-def scene(b, ground):
+def even(ground):
+	return [0.0, ground.length], [ground.thickness, ground.thickness]
+
+
+def heaved(surface, ground):
+	"""Profile of a layer whose surface has come to these positions and that heaves normal to the slope until it has its first volume again."""
+	places = np.linspace(0, ground.length, round(0.5 * ground.length / ground.gridSpacing) + 1)
+	order = np.argsort(surface[:, 0])
+	heights = np.interp(places, surface[order, 0], surface[order, 1])
+	area = np.sum(0.5 * (heights[1:] + heights[:-1]) * np.diff(places))
+	heights *= ground.thickness * ground.length / area
+	return places.tolist(), heights.tolist()
+
+
+def scene(b, ground, profile):
 	h, height = ground.gridSpacing, ground.thickness
 	# the law does not dilate: in simple shear it has the strength sin(phi), which is to be the soil's tan(phi)
 	law = MohrCoulombSkeleton(
@@ -129,10 +148,10 @@ def scene(b, ground):
 		],
 	)
 	layer = dict(
-		polygon=talik.geometry.rectangle(0, 0, ground.length, height),
+		polygon=[(0, 0), (ground.length, 0), *list(zip(*profile))[::-1]],
 		porosity=ground.porosity,
 		temperature=-2,
-		pressure=lambda x, y: water * gravity * math.cos(b) * (height - y),
+		pressure=lambda x, y: water * gravity * math.cos(b) * np.maximum(np.interp(x, *profile) - y, 0),
 	)
 	talik.layers.fill(mpm, {"silt": layer}, lateralRatio=0.5)
 	return mpm
@@ -144,12 +163,18 @@ class Runs:
 	def __init__(self, folder, days):
 		self.folder, self.days = writableFolder(folder), days
 
-	def of(self, slope, ground):
-		settings = dict(slope=slope, days=self.days, **asdict(ground))
+	def of(self, slope, ground, cycle=1):
+		"""The thaw of a cycle; None after a mudflow."""
+		former = self.of(slope, ground, cycle - 1) if cycle > 1 else None
+		if former and flows(former) or cycle > 1 and not former:
+			return None
+		settings = dict(slope=slope, days=self.days, **asdict(ground)) | ({"cycle": cycle} if former else {})
 		file = self.folder / f"{hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]}.json"
 		if file.exists():
-			return json.loads(file.read_text())
-		run = thaw(slope, ground, self.days) | dict(settings=settings)
+			kept = json.loads(file.read_text())
+			if "profile" in kept:
+				return kept
+		run = thaw(slope, ground, self.days, former and former["profile"]) | dict(settings=settings)
 		writeWhole(file, json.dumps(run))
 		return run
 
@@ -177,6 +202,31 @@ def tableOf(runs, base, attributes):
 		lines.append(f"| {'as assumed' if attribute is None else named(attribute, value)} | {' | '.join(cells)} |")
 		print(lines[-1], flush=True)
 	return lines
+
+
+def cyclesOf(runs, base, cycles):
+	"""Lines of the table: path of the surface [mm] in each cycle."""
+	lines = ["| | 12° | 18° | 24° |", "|---|---|---|---|", "| **measured, in a cycle** | 187 | 651 | mudflow |"]
+	for cycle in range(1, cycles + 1):
+		found = [runs.of(slope, base, cycle) for slope in measured]
+		lines.append(f"| cycle {cycle} | {' | '.join(said(run) if run else '–' for run in found)} |")
+		print(lines[-1], flush=True)
+	return lines
+
+
+def drawCycles(runs, base, cycles):
+	"""Path of the surface in each cycle beside what was measured."""
+	axes = (figure := plots.figure(7, 4.5)).subplots()
+	for slope, colour, mark, beside in zip(measured, colours, "os^", (-0.1, 0, 0.1)):
+		found = [run for cycle in range(1, cycles + 1) if (run := runs.of(slope, base, cycle))]
+		paths = [1e3 * min(run["path"][-1], flowing) for run in found]
+		axes.plot(beside + np.arange(1, len(found) + 1), paths, mark, color=colour, label=f"{slope}°" + (", flows" if flows(found[-1]) else ""))
+		if measured[slope] < math.inf:
+			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured, mean of four cycles")
+	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°")
+	axes.set(xlabel="cycle of frost and thaw", ylabel="path of the surface in the cycle [mm]", yscale="log", ylim=(10, 2e3), xticks=range(1, cycles + 1))
+	axes.legend(fontsize=8, loc="lower right")
+	return figure
 
 
 def draw(runs, base):
@@ -220,6 +270,7 @@ parser.add_argument("--preset", default="draft", choices=("test", "draft"), help
 parser.add_argument(
 	"--vary", nargs="*", default=(), choices=tuple(variations), metavar="ASSUMPTION", help=f"of {', '.join(variations)}: runs with other values"
 )
+parser.add_argument("--cycles", type=int, default=1, help="cycles of frost and thaw")
 parser.add_argument("--output", default="output/centrifuge_slopes", help="folder for the results")
 options = parser.parse_args()
 folder = writableFolder(options.output)
@@ -234,6 +285,9 @@ settled, byHand = gentlest["settlement"][-1], base.thawStrain * gentlest["thawed
 print(f"at 12 deg {gentlest['thawed']:.2f} m have thawed and settled by {1e3 * settled:.0f} mm, thaw strain times depth {1e3 * byHand:.0f} mm")
 writeWhole(folder / "table.md", "\n".join(lines) + "\n")
 plots.save(draw(runs, base), folder / "centrifuge_slopes.png", dpi=100)
+if options.cycles > 1:
+	writeWhole(folder / "cycles.md", "\n".join(cyclesOf(runs, base, options.cycles)) + "\n")
+	plots.save(drawCycles(runs, base, options.cycles), folder / "centrifuge_slopes_cycles.png", dpi=100)
 if options.vary:
 	plots.save(drawVariations(runs, base, options.vary), folder / "centrifuge_slopes_varied.png", dpi=100)
 output.writeSummary(

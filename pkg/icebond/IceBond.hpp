@@ -158,6 +158,12 @@ struct IceBond {
 		}
 	}
 
+	/// The ice has become stiffer by a factor at overlap un; forces stay. Rule parallel.
+	void stiffenIce(double factor, double un)
+	{
+		if (hasIceSpring()) uIce = un - (un - uIce) / factor;
+	}
+
 	/// Complete melt: back to friction, the ice share of the shear force is gone.
 	template <class Shear> void melt(Shear& shear, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
 	{

@@ -12,7 +12,7 @@ struct BondStrengthFactors {
 	bool   operator==(const BondStrengthFactors& other) const { return tensile == other.tensile && shear == other.shear; }
 };
 
-/// How the strength of ice bonds follows temperature and strain rate, eq. (14.7). The numbers are those of frozen silt: rate by Haynes,
+/// How strength and stiffness of ice bonds follow temperature and strain rate, eq. (14.7) and (14.14). The numbers are those of frozen silt: rate by Haynes,
 /// Karalius & Kalafut 1975, temperature by Haynes & Karalius 1977; compression is taken for the shear strength of bonds, tension for tensile.
 struct IceStrengthLaw {
 	/// Exponential growth with cold b [1/K] and exponent of the rate n [-] of one strength.
@@ -23,13 +23,19 @@ struct IceStrengthLaw {
 	double     referenceTemperature = -10;  ///< at which the material's strengths hold [degC], <= 0
 	double     referenceRate        = 1e-4; ///< the same [1/s of nature], > 0
 	double     leastRate            = 1e-7; ///< slower strain counts as this [1/s], > 0
+	double     stiffnessCold        = 0;    ///< exponential growth of the stiffness of ice with cold b_E [1/K], >= 0; 0: it does not follow
 
 	BondStrengthFactors factors(double temperature, double strainRate) const
 	{
-		const double colder = referenceTemperature - std::min(temperature, 0.), faster = std::max(strainRate, leastRate) / referenceRate;
+		const double colder = colderBy(temperature), faster = std::max(strainRate, leastRate) / referenceRate;
 		const auto   factor = [&](const Dependence& of) { return std::exp(of.cold * colder) * std::pow(faster, of.rate); };
 		return { factor(tensile), factor(shear) };
 	}
+	/// Stiffness of the ice over the one that the material gives it [-].
+	double stiffness(double temperature) const { return std::exp(stiffnessCold * colderBy(temperature)); }
+
+private:
+	double colderBy(double temperature) const { return referenceTemperature - std::min(temperature, 0.); }
 };
 
 /// Creep of ice bonds over some time of nature at one temperature.

@@ -22,7 +22,14 @@ void IceStrength::postLoad(IceStrength&)
 	requireOfStrength(shearCold >= 0, "shearCold", shearCold, "give a number in 1/K, 0 or more.");
 	requireOfStrength(
 	        tensileRateExponent >= 0 && tensileRateExponent < 1, "tensileRateExponent", tensileRateExponent, "give an exponent from 0 to below 1.");
+	requireOfStrength(stiffnessCold >= 0, "stiffnessCold", stiffnessCold, "give a number in 1/K, 0 or more.");
 	requireOfStrength(shearRateExponent >= 0 && shearRateExponent < 1, "shearRateExponent", shearRateExponent, "give an exponent from 0 to below 1.");
+}
+
+Real IceStrength::stiffnessFactor(Real temperature) const
+{
+	requireOfStrength(true, "stiffnessFactor: temperature", temperature, "give a temperature in degC.");
+	return law().stiffness(temperature);
 }
 
 talik::IceStrengthLaw IceStrength::law() const
@@ -33,6 +40,7 @@ talik::IceStrengthLaw IceStrength::law() const
 	l.referenceTemperature = referenceTemperature;
 	l.referenceRate        = referenceRate;
 	l.leastRate            = leastRate;
+	l.stiffnessCold        = stiffnessCold;
 	return l;
 }
 
@@ -85,6 +93,15 @@ Real IceCreep::rateFactorAt(Real temperature) const
 namespace py = boost::python;
 
 namespace talik {
+void stiffenContact(yade::Interaction& contact, double overlap, double factor)
+{
+	auto* phys = dynamic_cast<yade::IceBondPhys*>(contact.phys.get());
+	if (!phys || phys->bondNow) return;
+	IceBond bond = phys->bond();
+	bond.stiffenIce(factor, overlap - phys->uRef);
+	phys->setBond(bond);
+}
+
 void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double overlap, const BondCreep& creep)
 {
 	auto*       phys = dynamic_cast<yade::IceBondPhys*>(contact.phys.get());

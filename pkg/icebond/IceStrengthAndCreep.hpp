@@ -13,9 +13,10 @@ public:
 	void                   postLoad(IceStrength&);
 	talik::IceStrengthLaw  law() const;
 	::boost::python::tuple factors(Real temperature, Real strainRate) const;
+	Real                   stiffnessFactor(Real temperature) const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceStrength,Serializable,"Strength of ice bonds over temperature and strain rate: factors exp(b (T_0-T)) (rate/rate_0)^n on "
-			"the tensile and the shear strength that IceBondMat gives at T_0 and rate_0. Defaults are those of frozen Fairbanks silt: temperature by Haynes & "
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceStrength,Serializable,"Strength and stiffness of ice bonds over temperature and strain rate: factors "
+			"exp(b (T_0-T)) (rate/rate_0)^n on the tensile and the shear strength that IceBondMat gives at T_0 and rate_0. Defaults are those of frozen Fairbanks silt: temperature by Haynes & "
 			"Karalius 1977 (0 to -57 degC: compression tenfold, tension by root ten), rate by Haynes, Karalius & Kalafut 1975 (1.2e-4 to 2.9/s at -10 degC: "
 			"compression tenfold, tension hardly). Example: IceStrength(shearRateExponent=0.1).factors(-5,1e-3).",
 		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], <= 0; ground above 0 counts as 0."))
@@ -25,10 +26,14 @@ public:
 		((Real,shearCold,0.0406,Attr::triggerPostLoad,"b of the shear strength [1/K], >= 0: ln(10)/56.7."))
 		((Real,tensileRateExponent,0,Attr::triggerPostLoad,"n of the tensile strength [-], 0 to below 1."))
 		((Real,shearRateExponent,0.228,Attr::triggerPostLoad,"n of the shear strength [-], 0 to below 1: 1/log10(2.9/1.2e-4)."))
+		((Real,stiffnessCold,0,Attr::triggerPostLoad,"b of the stiffness of the ice, IceBondMat.iceYoung [1/K], >= 0. 0 (default): it does not follow. Ice "
+				"itself has 0.0014, by its elastic constants at -3 and -16 degC (Gammon, Kiefte & Clouter 1980; Gammon et al. 1983)."))
 		,/*ctor*/ ,
 		/*py*/
 		.def("factors",&IceStrength::factors,(::boost::python::arg("temperature"),::boost::python::arg("strainRate")),"(tensile, shear): strength at a temperature "
-				"[degC] and a strain rate [1/s in nature's time] over that of the material [-]. RveSample takes them as strengthFactors.")
+				"[degC] and a strain rate [1/s in nature's time] over that of the material [-]. For RveSample.tensileStrengthFactor and shearStrengthFactor.")
+		.def("stiffnessFactor",&IceStrength::stiffnessFactor,(::boost::python::arg("temperature")),"Stiffness of the ice at a temperature [degC] over that of the "
+				"material [-]: exp(stiffnessCold (T_0-T)). For RveSample.iceStiffnessFactor.")
 	);
 	// clang-format on
 };
@@ -65,6 +70,9 @@ REGISTER_SERIALIZABLE(IceCreep);
 } // namespace yade
 
 namespace talik {
+
+/// The ice of a real contact of two grains becomes stiffer by a factor at their overlap [m] and keeps its forces.
+void stiffenContact(yade::Interaction& contact, double overlap, double factor);
 
 /// The ice of a real contact of two grains relaxes at their overlap [m]; nothing happens where there is no ice bond.
 void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double overlap, const BondCreep& creep);

@@ -37,6 +37,7 @@ namespace {
 		digest.add(&request.inertialNumber, sizeof(double));
 		digest.add(std::uint64_t(request.compareRates));
 		digest.add(&request.strength, sizeof(request.strength));
+		digest.add(&request.iceStiffness, sizeof(double));
 		digest.add(&request.creep, sizeof(request.creep));
 	}
 

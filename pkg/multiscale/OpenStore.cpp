@@ -137,6 +137,7 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 		const auto&         request = requests[std::size_t(k)];
 		PackedUpdateOptions chosen  = options;
 		chosen.strength             = request.strength;
+		chosen.iceStiffness         = request.iceStiffness;
 		chosen.creep                = request.creep;
 		const StepGate::Helper helper;
 		try {

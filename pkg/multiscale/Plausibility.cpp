@@ -182,6 +182,8 @@ namespace {
 		for (const auto& law : mpm.activeSkeletons()) {
 			if (const auto* elastic = dynamic_cast<const yade::ElasticSkeleton*>(law.get()))
 				doubtRange(doubts, false, Range { "ElasticSkeleton.young", elastic->young, 1e4, 1e12, "Pa" });
+			if (const auto* creeping = dynamic_cast<const yade::CreepingSkeleton*>(law.get()))
+				doubtRange(doubts, false, Range { "CreepingSkeleton.young", creeping->young, 1e4, 1e12, "Pa" });
 			if (const auto* mohrCoulomb = dynamic_cast<const yade::MohrCoulombSkeleton*>(law.get())) {
 				doubtAngle(doubts, "MohrCoulombSkeleton.frictionAngle", mohrCoulomb->frictionAngle);
 				doubtRange(doubts, false, Range { "MohrCoulombSkeleton.young", mohrCoulomb->young, 1e4, 1e12, "Pa" });

@@ -138,6 +138,7 @@ namespace {
 		options.maxStrainPerStep  = sample.maxStrainPerStep;
 		options.minSteps          = sample.minSteps;
 		options.strength          = { sample.tensileStrengthFactor, sample.shearStrengthFactor };
+		options.iceStiffness      = sample.iceStiffnessFactor;
 		options.creep             = creep;
 		return options;
 	}
@@ -262,6 +263,7 @@ shared_ptr<RveSample> RveSample::copy() const
 	other->minSteps              = minSteps;
 	other->tensileStrengthFactor = tensileStrengthFactor;
 	other->shearStrengthFactor   = shearStrengthFactor;
+	other->iceStiffnessFactor    = iceStiffnessFactor;
 	other->sceneBytes            = sceneBytes;
 	dimension(); // none of an empty sample
 	other->state = state;

@@ -317,7 +317,10 @@ std::vector<PackedRequest<Dim>> SampleSkeleton<Dim>::requests(const SkeletonBatc
 	for (const int place : due) {
 		list.push_back({ std::size_t(sampleOf[batch.id[place]]), a.accumulated(place),
 		                 batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place] });
-		if (schedule.iceStrength) list.back().strength = strengthFactors(batch, place, list.back().displacementGradient);
+		if (schedule.iceStrength) {
+			list.back().strength = strengthFactors(batch, place, list.back().displacementGradient);
+			if (batch.temperature) list.back().iceStiffness = schedule.iceStrength->stiffness(batch.temperature[place]);
+		}
 		if (schedule.iceCreep) list.back().creep = creep(batch, place);
 		if (!accuracy) continue;
 		list.back().inertialNumber = accuracy->inertialNumber(place);

@@ -79,6 +79,96 @@ def test_packed_and_open_samples_are_weakened_alike(packed):
 	assert weak.statistics()["bondsIntact"] < strong.statistics()["bondsIntact"]
 
 
+# ---- stiffness ------------------------------------------------------------------------------------------------------------
+
+# elastic constants of ice Ih [GPa] c11, c12, c13, c33, c44: -3 degC by Gammon, Kiefte & Clouter 1980, -16 degC by Gammon et al. 1983, abstracts
+constantsOfIce = {-3: (13.696, 6.966, 5.628, 14.702, 2.959), -16: (13.929, 7.082, 5.765, 15.010, 3.014)}
+
+
+def youngOfPolycrystal(c11, c12, c13, c33, c44):
+	"""Young's modulus of grains in all directions, mean of Voigt's and Reuss's [the unit of the constants]."""
+	c = np.zeros((6, 6))
+	c[:3, :3] = [[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]]
+	c[[3, 4, 5], [3, 4, 5]] = c44, c44, 0.5 * (c11 - c12)
+	s = np.linalg.inv(c)
+	(a, b, d), (p, q, r) = ((m[0, 0] + m[1, 1] + m[2, 2], m[0, 1] + m[1, 2] + m[2, 0], m[3, 3] + m[4, 4] + m[5, 5]) for m in (c, s))
+	bulk = 0.5 * ((a + 2 * b) / 9 + 1 / (p + 2 * q))
+	shear = 0.5 * ((a - b + 3 * d) / 15 + 15 / (4 * p - 4 * q + 3 * r))
+	return 9 * bulk * shear / (3 * bulk + shear)
+
+
+def test_the_growth_of_stiffness_that_the_help_gives_for_ice_is_that_of_its_elastic_constants():
+	warm, cold = (youngOfPolycrystal(*constantsOfIce[temperature]) for temperature in (-3, -16))
+	growth = math.log(cold / warm) / 13
+	print(f"\nE of ice {warm:.3f} GPa at -3 degC and {cold:.3f} GPa at -16 degC: b = {growth:.5f} 1/K, the help says 0.0014")
+	assert growth == pytest.approx(0.0014, rel=0.05)
+	assert wrapper.IceStrength(stiffnessCold=growth).stiffnessFactor(-16) / wrapper.IceStrength(stiffnessCold=growth).stiffnessFactor(-3) == pytest.approx(
+		cold / warm, rel=1e-12
+	)
+
+
+def test_one_bond_is_as_stiff_as_its_temperature_says_and_keeps_its_force_when_that_changes():
+	"""Two discs stretched along their line: F grows by (k_g + k_ice exp(b (T_0 - T))) du, and a change of temperature alone adds nothing."""
+	radius, depth, law = 5e-3, 0.1, wrapper.IceStrength(stiffnessCold=0.05)
+	sample, width, wanted, length = frozenPair(radius, depth), 10 * radius * depth, 0.0, 2 * radius
+	previous = 0.0
+	for temperature in (-10, -2, -30, -5, -10):
+		sample.iceStiffnessFactor = law.stiffnessFactor(temperature)
+		held = sample.apply(Matrix3.Zero, 1)["stress"][0] * width
+		for _ in range(10):
+			sample.apply(Matrix3(1e-6, 0, 0, 0, 0, 0, 0, 0, 0), 1)
+			wanted += (0.6e9 + 3e9 * math.exp(0.05 * (-10 - temperature))) * radius * 1e-6 * length
+			length *= 1 + 1e-6
+		force = sample.stress[0] * width
+		print(f"\n{temperature} degC: {force:.6f} N, by hand {wanted:.6f} N; the change of temperature added {held - previous:.1e} N", end="")
+		assert force == pytest.approx(wanted, rel=1e-5) and abs(held - previous) < 1e-9 * force
+		previous = force
+	assert sample.statistics()["bondsIntact"] == 2
+
+
+@pytest.mark.parametrize("kind", ["discs", "rolling discs", "discs with moments", "spheres"])
+def test_packed_samples_of_changing_stiffness_follow_open_ones_to_1e9_over_500_steps(kind, sampleCache):
+	settings = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}[kind]
+	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **settings))
+	sample.freeze(1)
+	fixed, opened = sample.copy(), wrapper.OpenRveSample(source=sample.open())
+	law, shear, steps, error = wrapper.IceStrength(stiffnessCold=0.05), Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0
+	for each in (sample, fixed, opened):
+		each.minSteps = 25
+	for temperature in (-10, -2, -20, -5, -30) * 4:
+		sample.iceStiffnessFactor = opened.iceStiffnessFactor = law.stiffnessFactor(temperature)
+		one, other = sample.apply(shear, 1), opened.apply(shear, 1)
+		fixed.apply(shear, 1)
+		assert one["steps"] == other["steps"]
+		steps += one["steps"]
+		stress = other["stress"]
+		places = ((0, 0), (1, 1), (0, 1)) if sample.dimension == 2 else ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+		error = max(error, np.abs(np.subtract(one["stress"], [0.5 * (stress[i, j] + stress[j, i]) for i, j in places])).max())
+	scale = np.abs(sample.stress).max()
+	print(f"\n{kind}: {steps} steps, stress differs by {error / scale:.1e}; {scale / np.abs(fixed.stress).max():.2f} of that of constant stiffness")
+	assert steps >= 500 and error < 1e-9 * scale
+	assert abs(scale / np.abs(fixed.stress).max() - 1) > 0.02 and sample.dt == fixed.dt
+
+
+def test_the_stiffness_of_a_sample_lies_between_that_of_grains_and_of_ice_and_falls_with_warmth(packed):
+	"""E of the sample over temperature, between no growth and that of the ice alone: grains do not stiffen."""
+	packed.freeze(1)
+	law, modulus = wrapper.IceStrength(stiffnessCold=0.05), []
+	for temperature in (-2, -10, -20):
+		sample = packed.copy()
+		sample.iceStiffnessFactor = law.stiffnessFactor(temperature)
+		before = np.array(sample.stress)
+		after = np.array(sample.apply(Matrix3(0, 0, 0, 0, -2e-5, 0, 0, 0, 0), 1)["stress"])
+		modulus.append((before - after)[1] / 2e-5)
+	grew, ice = np.divide(modulus, modulus[1]), [law.stiffnessFactor(t) for t in (-2, -10, -20)]
+	byHand = [(0.6 + 3 * factor) / 3.6 for factor in ice]
+	print(f"\nmodulus over that at -10 degC: {grew.round(3)} at -2, -10, -20 degC; contacts {np.round(byHand, 3)}, ice {np.round(ice, 3)}")
+	assert grew == pytest.approx(byHand, rel=0.02)
+
+
+# ---- tables ---------------------------------------------------------------------------------------------------------------
+
+
 def test_a_frozen_sample_grows_stronger_with_rate_and_with_cold_and_its_tension_not_with_rate_slow(packed):
 	byRate, byCold = calibrate.strengthTable(packed)
 	rates, fast = np.array(calibrate.rates), np.array(calibrate.rates) >= 1e-4
@@ -159,7 +249,8 @@ def test_ground_whose_bonds_follow_the_rate_goes_on_from_a_file_to_the_last_bit(
 
 
 @pytest.mark.parametrize(
-	"attribute, value", [("referenceRate", 0), ("leastRate", -1), ("shearCold", -0.1), ("shearRateExponent", 1), ("referenceTemperature", 1)]
+	"attribute, value",
+	[("referenceRate", 0), ("leastRate", -1), ("shearCold", -0.1), ("stiffnessCold", -0.1), ("shearRateExponent", 1), ("referenceTemperature", 1)],
 )
 def test_impossible_strength_laws_are_refused_by_name(attribute, value):
 	with pytest.raises(ValueError, match=f"IceStrength.{attribute} is"):
@@ -168,6 +259,10 @@ def test_impossible_strength_laws_are_refused_by_name(attribute, value):
 
 @pytest.mark.parametrize("factor", [0, -1, math.nan, math.inf])
 def test_impossible_factors_are_refused(packed, factor):
+	stiff = packed.copy()
+	stiff.iceStiffnessFactor = factor
+	with pytest.raises(ValueError, match="factor .* on the stiffness of ice"):
+		stiff.apply(Matrix3.Zero, 1)
 	packed.shearStrengthFactor = factor
 	with pytest.raises(ValueError, match="factor .* on the strength of bonds"):
 		packed.apply(Matrix3.Zero, 1)

@@ -278,6 +278,43 @@ private:
 	std::vector<Strengths>          before;
 };
 
+/// The ice of the materials and of the contacts is stiffer as long as it lives, and the time step follows; forces stay.
+class OpenSample::StifferIce {
+public:
+	StifferIce(OpenSample& changed, double by)
+	        : sample(changed)
+	        , factor(by)
+	        , timeStep(changed.scene->dt)
+	{
+		if (factor == 1) return;
+		for (auto* material : sample.iceMaterials) {
+			sample.scene->dt = std::min<double>(sample.scene->dt, timeStep * material->model().timeStepOfStifferIce(factor));
+			before.push_back(material->iceYoung);
+			material->iceYoung *= factor;
+		}
+		stiffen(factor);
+	}
+	~StifferIce()
+	{
+		if (factor == 1) return;
+		sample.scene->dt = timeStep;
+		for (std::size_t k = 0; k < before.size(); k++)
+			sample.iceMaterials[k]->iceYoung = before[k];
+		stiffen(1 / factor);
+	}
+	StifferIce(const StifferIce&)            = delete;
+	StifferIce& operator=(const StifferIce&) = delete;
+
+private:
+	void stiffen(double by)
+	{
+		sample.visitContacts([&](Interaction& contact, double overlap) { stiffenContact(contact, overlap, by); });
+	}
+	OpenSample&         sample;
+	double              factor, timeStep;
+	std::vector<double> before;
+};
+
 OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	checkOptions(options);
@@ -288,6 +325,7 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 	const long start = scene->iter;
 	try {
 		const StrengthFactors now(iceMaterials, options.strength);
+		const StifferIce      stiffer(*this, options.iceStiffness);
 		onOneThread([&] {
 			SampleUpdate<OpenSample>(*this, options).perform(displacementGradient, targetIceSaturation);
 			checkHealth();
@@ -337,7 +375,7 @@ void OpenSample::setIceSaturation(double iceSaturation)
 	if (births && !model.melted(iceSaturation)) bondAll();
 }
 
-void OpenSample::creep(const BondCreep& creep)
+template <class Visitor> void OpenSample::visitContacts(Visitor&& visit) const
 {
 	for (const auto& contact : *scene->interactions) {
 		if (!contact->isReal()) continue;
@@ -345,8 +383,13 @@ void OpenSample::creep(const BondCreep& creep)
 		const auto *a = dynamic_cast<const Sphere*>(first.shape.get()), *b = dynamic_cast<const Sphere*>(second.shape.get());
 		if (!a || !b) continue;
 		const Vector3r branch = second.state->se3.position - first.state->se3.position + scene->cell->hSize * contact->cellDist.cast<Real>();
-		relaxContact(*scene, *contact, a->radius + b->radius - branch.norm(), creep);
+		visit(*contact, a->radius + b->radius - branch.norm());
 	}
+}
+
+void OpenSample::creep(const BondCreep& creep)
+{
+	visitContacts([&](Interaction& contact, double overlap) { relaxContact(*scene, contact, overlap, creep); });
 }
 
 Matrix3r OpenSample::motionPerStep(const Matrix3r& displacementGradient, long steps) const

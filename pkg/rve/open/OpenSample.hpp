@@ -92,6 +92,7 @@ private:
 	double stressVolume() const;
 
 	class StrengthFactors;
+	class StifferIce;
 	friend class SampleUpdate<OpenSample>;
 	using Matrix                          = Eigen::Matrix3d;
 	static constexpr long leastStepsOfIce = 1; ///< contacts take ice saturation up in a step
@@ -106,6 +107,8 @@ private:
 	Matrix                motionPerStep(const Matrix& displacementGradient, long steps) const;
 	void                  setIceSaturation(double iceSaturation);
 	void                  creep(const BondCreep&);
+	/// Calls visit(contact, overlap [m]) for real contacts of two spheres, with the overlap of now.
+	template <class Visitor> void visitContacts(Visitor&& visit) const;
 
 	bool        bondPair(yade::Body& first, yade::Body& second);
 	void        checkHealth() const;

@@ -126,7 +126,7 @@ void checkOptions(const PackedUpdateOptions& o)
 	positive("minSteps", double(o.minSteps));
 	positive("pressureFloor", o.pressureFloor);
 	positive("saturationIncrement", o.saturationIncrement);
-	checkStrength(o.strength);
+	checkStrength(o.strength, o.iceStiffness);
 	checkCreep(o.creep);
 }
 
@@ -138,12 +138,15 @@ void checkCreep(const BondCreep& creep)
 	        + std::to_string(creep.exponent) + "; both must be finite, the first one 0 or more, the exponent 1 or more");
 }
 
-void checkStrength(const BondStrengthFactors& strength)
+void checkStrength(const BondStrengthFactors& strength, double iceStiffness)
 {
 	for (const double factor : { strength.tensile, strength.shear })
 		if (!(factor > 0) || !std::isfinite(factor))
 			throw std::invalid_argument(
 			        "packed sample: the factor " + std::to_string(factor) + " on the strength of bonds must be positive and finite");
+	if (!(iceStiffness > 0) || !std::isfinite(iceStiffness))
+		throw std::invalid_argument(
+		        "packed sample: the factor " + std::to_string(iceStiffness) + " on the stiffness of ice must be positive and finite");
 }
 
 template <int Dim>
@@ -155,6 +158,7 @@ PackedUpdateResult<Dim> updateWorkspace(
 		using Matrix     = typename PackedTypes<Dim>::Matrix;
 		const auto start = workspace.parameters().step;
 		workspace.setStrengthFactors(options.strength);
+		workspace.setIceStiffness(options.iceStiffness);
 		SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
 		workspace.checkHealth();
 		PackedUpdateResult<Dim> result;
@@ -162,6 +166,7 @@ PackedUpdateResult<Dim> updateWorkspace(
 		result.stress  = symmetric<Matrix>(workspace.lastStress());
 		result.steps   = long(workspace.parameters().step - start);
 		if (options.tangent) result.tangent = workspace.tangent();
+		workspace.setIceStiffness(1);
 		return result;
 	} catch (const std::runtime_error& problem) {
 		workspace.load(before);

@@ -25,6 +25,7 @@ struct PackedUpdateOptions {
 	double              averageOver         = 0;     ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
 	bool                tangent             = false; ///< also return the elastic tangent of the contact network
 	BondStrengthFactors strength {};                 ///< of the ice bonds in this update
+	double              iceStiffness = 1;            ///< stiffness of ice in this update over that of the material, > 0 [-]
 	BondCreep           creep {};                    ///< of the ice bonds in this update, before the motion
 };
 
@@ -130,7 +131,7 @@ long movingSteps(
         const PackedUpdateOptions& options);
 
 /// Throws std::invalid_argument on a factor that no strength can have.
-void checkStrength(const BondStrengthFactors& strength);
+void checkStrength(const BondStrengthFactors& strength, double iceStiffness);
 
 /// Throws std::invalid_argument on creep that no ice can have.
 void checkCreep(const BondCreep& creep);

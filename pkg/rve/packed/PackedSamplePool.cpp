@@ -23,6 +23,7 @@ namespace {
 		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
 		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
 		if (const int c = std::memcmp(&a.strength, &b.strength, sizeof(a.strength))) return c;
+		if (const int c = std::memcmp(&a.iceStiffness, &b.iceStiffness, sizeof(double))) return c;
 		if (const int c = std::memcmp(&a.creep, &b.creep, sizeof(a.creep))) return c;
 		return int(a.compareRates) - int(b.compareRates);
 	}
@@ -40,7 +41,7 @@ namespace {
 	{
 		if (!(request.iceSaturation >= 0 && request.iceSaturation <= 1))
 			throw std::invalid_argument("packed sample: ice saturation " + std::to_string(request.iceSaturation) + " must lie in 0..1");
-		checkStrength(request.strength);
+		checkStrength(request.strength, request.iceStiffness);
 		checkCreep(request.creep);
 	}
 
@@ -55,6 +56,7 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	{
 		if (request.inertialNumber > 0) options.maxInertialNumber = request.inertialNumber;
 		options.strength               = request.strength;
+		options.iceStiffness           = request.iceStiffness;
 		options.creep                  = request.creep;
 		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
 		if (result.blewUp) return result;

@@ -44,8 +44,9 @@ template <int Dim> struct PackedRequest {
 	double                            inertialNumber       = 0; ///< > 0: bounds the strain of a DEM step of this request in place of the option's [-]
 	/// Also follow the request with finer steps, keep that state, and report by how much the coarser one differs: see rateError.
 	bool                compareRates = false;
-	BondStrengthFactors strength {}; ///< of the ice bonds in this update
-	BondCreep           creep {};    ///< the same
+	BondStrengthFactors strength {};      ///< of the ice bonds in this update
+	double              iceStiffness = 1; ///< the same
+	BondCreep           creep {};         ///< the same
 };
 
 /// Thousands of samples. Samples that were never asked since they were prepared share one state; the first update detaches them.

@@ -98,7 +98,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	if (!(saturation >= 0 && saturation <= 1))
 		throw std::invalid_argument("packed sample: ice saturation " + std::to_string(saturation) + " must lie in 0..1");
 	if (saturation == base.iceSaturation) return;
-	const double newRatio = base.ice.iceStiffnessRatio(saturation);
+	const double newRatio = iceStiffness * base.ice.iceStiffnessRatio(saturation);
 	const bool   melted = base.ice.melted(saturation), births = !melted && base.ice.formsBonds(base.iceSaturation, saturation);
 	if (carriesBonds) changeIceOfBonds(newRatio, melted);
 	const double before = base.iceSaturation;
@@ -121,6 +121,22 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengthFactors(const BondStren
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
 			setResponse(*lanes, lane);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::setIceStiffness(double factor)
+{
+	if (factor == iceStiffness) return;
+	const double stiffer = factor / iceStiffness;
+	iceStiffness         = factor;
+	iceRatio             = factor * base.ice.iceStiffnessRatio(base.iceSaturation);
+	base.dt = view.dt = ownTimeStep * base.ice.timeStepOfStifferIce(factor);
+	if (!carriesBonds) return;
+	for (Lanes* lanes : { &innerLanes, &periodicLanes })
+		for (std::size_t lane = 0; lane < lanes->bond.size(); ++lane) {
+			if (!lanes->bond[lane].hasIceSpring()) continue;
+			lanes->bond[lane].stiffenIce(stiffer, geometry(*lanes, lane).overlap);
+			setResponse(*lanes, lane);
+		}
 }
 
 template <int Dim> void PackedWorkspace<Dim>::creep(const BondCreep& creep)
@@ -179,6 +195,7 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	template void        PackedWorkspace<Dim>::onBondEvent(void*, PackedBondEvent<Dim>*);      \
 	template void        PackedWorkspace<Dim>::setIceSaturation(double);                       \
 	template void        PackedWorkspace<Dim>::setStrengthFactors(const BondStrengthFactors&); \
+	template void        PackedWorkspace<Dim>::setIceStiffness(double);                        \
 	template void        PackedWorkspace<Dim>::creep(const BondCreep&);                        \
 	template std::size_t PackedWorkspace<Dim>::bondAll();
 TALIK_BONDS_OF(2)
