@@ -52,8 +52,6 @@ struct IceBondModel {
 	double young(double iceSaturation) const { return grainYoung + iceYoung * phi(iceSaturation); }
 	/// Stiffness of the ice spring in units of the grain spring: E_c(S_i)/E_c0 - 1 [-].
 	double iceStiffnessRatio(double iceSaturation) const { return iceYoung * phi(iceSaturation) / grainYoung; }
-	/// Time step over that of a sample whose ice is softer by a factor, by the stiffness of grains and full ice [-]; 1 for softer ice.
-	double timeStepOfStifferIce(double factor) const { return factor > 1 ? std::sqrt((grainYoung + iceYoung) / (grainYoung + factor * iceYoung)) : 1.; }
 	/// eq. (5): tensile strength of a bond [Pa]; thawedStrength once melted.
 	double tensileStrength(double iceSaturation) const
 	{

@@ -12,6 +12,9 @@ struct BondStrengthFactors {
 	bool   operator==(const BondStrengthFactors& other) const { return tensile == other.tensile && shear == other.shear; }
 };
 
+/// The time step of a sample bears ice that is stiffer than its material says by this factor [-].
+constexpr double mostIceStiffness = 2;
+
 /// How strength and stiffness of ice bonds follow temperature and strain rate, eq. (14.7) and (14.14). The numbers are those of frozen silt: rate by Haynes,
 /// Karalius & Kalafut 1975, temperature by Haynes & Karalius 1977; compression is taken for the shear strength of bonds, tension for tensile.
 struct IceStrengthLaw {
@@ -32,7 +35,7 @@ struct IceStrengthLaw {
 		return { factor(tensile), factor(shear) };
 	}
 	/// Stiffness of the ice over the one that the material gives it [-].
-	double stiffness(double temperature) const { return std::exp(stiffnessCold * colderBy(temperature)); }
+	double stiffness(double temperature) const { return std::min(std::exp(stiffnessCold * colderBy(temperature)), mostIceStiffness); }
 
 private:
 	double colderBy(double temperature) const { return referenceTemperature - std::min(temperature, 0.); }

@@ -33,7 +33,7 @@ public:
 		.def("factors",&IceStrength::factors,(::boost::python::arg("temperature"),::boost::python::arg("strainRate")),"(tensile, shear): strength at a temperature "
 				"[degC] and a strain rate [1/s in nature's time] over that of the material [-]. For RveSample.tensileStrengthFactor and shearStrengthFactor.")
 		.def("stiffnessFactor",&IceStrength::stiffnessFactor,(::boost::python::arg("temperature")),"Stiffness of the ice at a temperature [degC] over that of the "
-				"material [-]: exp(stiffnessCold (T_0-T)). For RveSample.iceStiffnessFactor.")
+				"material [-]: exp(stiffnessCold (T_0-T)), at most 2. For RveSample.iceStiffnessFactor.")
 	);
 	// clang-format on
 };

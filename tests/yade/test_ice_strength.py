@@ -117,7 +117,7 @@ def test_one_bond_is_as_stiff_as_its_temperature_says_and_keeps_its_force_when_t
 		held = sample.apply(Matrix3.Zero, 1)["stress"][0] * width
 		for _ in range(10):
 			sample.apply(Matrix3(1e-6, 0, 0, 0, 0, 0, 0, 0, 0), 1)
-			wanted += (0.6e9 + 3e9 * math.exp(0.05 * (-10 - temperature))) * radius * 1e-6 * length
+			wanted += (0.6e9 + 3e9 * min(math.exp(0.05 * (-10 - temperature)), 2)) * radius * 1e-6 * length
 			length *= 1 + 1e-6
 		force = sample.stress[0] * width
 		print(f"\n{temperature} degC: {force:.6f} N, by hand {wanted:.6f} N; the change of temperature added {held - previous:.1e} N", end="")
@@ -147,7 +147,7 @@ def test_packed_samples_of_changing_stiffness_follow_open_ones_to_1e9_over_500_s
 	scale = np.abs(sample.stress).max()
 	print(f"\n{kind}: {steps} steps, stress differs by {error / scale:.1e}; {scale / np.abs(fixed.stress).max():.2f} of that of constant stiffness")
 	assert steps >= 500 and error < 1e-9 * scale
-	assert abs(scale / np.abs(fixed.stress).max() - 1) > 0.02 and sample.dt == fixed.dt
+	assert abs(scale / np.abs(fixed.stress).max() - 1) > 0.02
 
 
 def test_the_stiffness_of_a_sample_lies_between_that_of_grains_and_of_ice_and_falls_with_warmth(packed):
@@ -156,8 +156,8 @@ def test_the_stiffness_of_a_sample_lies_between_that_of_grains_and_of_ice_and_fa
 	law, modulus = wrapper.IceStrength(stiffnessCold=0.05), []
 	for temperature in (-2, -10, -20):
 		sample = packed.copy()
-		sample.iceStiffnessFactor = law.stiffnessFactor(temperature)
-		before = np.array(sample.stress)
+		sample.iceStiffnessFactor, sample.minSteps = law.stiffnessFactor(temperature), 2000
+		before = np.array(sample.apply(Matrix3.Zero, 1)["stress"])
 		after = np.array(sample.apply(Matrix3(0, 0, 0, 0, -2e-5, 0, 0, 0, 0), 1)["stress"])
 		modulus.append((before - after)[1] / 2e-5)
 	grew, ice = np.divide(modulus, modulus[1]), [law.stiffnessFactor(t) for t in (-2, -10, -20)]

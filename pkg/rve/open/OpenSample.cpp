@@ -278,17 +278,15 @@ private:
 	std::vector<Strengths>          before;
 };
 
-/// The ice of the materials and of the contacts is stiffer as long as it lives, and the time step follows; forces stay.
+/// The ice of the materials and of the contacts is stiffer as long as it lives; forces stay.
 class OpenSample::StifferIce {
 public:
 	StifferIce(OpenSample& changed, double by)
 	        : sample(changed)
 	        , factor(by)
-	        , timeStep(changed.scene->dt)
 	{
 		if (factor == 1) return;
 		for (auto* material : sample.iceMaterials) {
-			sample.scene->dt = std::min<double>(sample.scene->dt, timeStep * material->model().timeStepOfStifferIce(factor));
 			before.push_back(material->iceYoung);
 			material->iceYoung *= factor;
 		}
@@ -297,7 +295,6 @@ public:
 	~StifferIce()
 	{
 		if (factor == 1) return;
-		sample.scene->dt = timeStep;
 		for (std::size_t k = 0; k < before.size(); k++)
 			sample.iceMaterials[k]->iceYoung = before[k];
 		stiffen(1 / factor);
@@ -311,7 +308,7 @@ private:
 		sample.visitContacts([&](Interaction& contact, double overlap) { stiffenContact(contact, overlap, by); });
 	}
 	OpenSample&         sample;
-	double              factor, timeStep;
+	double              factor;
 	std::vector<double> before;
 };
 

@@ -144,9 +144,10 @@ void checkStrength(const BondStrengthFactors& strength, double iceStiffness)
 		if (!(factor > 0) || !std::isfinite(factor))
 			throw std::invalid_argument(
 			        "packed sample: the factor " + std::to_string(factor) + " on the strength of bonds must be positive and finite");
-	if (!(iceStiffness > 0) || !std::isfinite(iceStiffness))
+	if (!(iceStiffness > 0 && iceStiffness <= mostIceStiffness))
 		throw std::invalid_argument(
-		        "packed sample: the factor " + std::to_string(iceStiffness) + " on the stiffness of ice must be positive and finite");
+		        "packed sample: the factor " + std::to_string(iceStiffness)
+		        + " on the stiffness of ice must be positive and at most 2, which the time step bears; give a larger IceBondMat.iceYoung");
 }
 
 template <int Dim>

@@ -39,7 +39,6 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	view.stiffnessRatio = base.stiffnessRatio;
 	iceRatio            = base.ice.iceStiffnessRatio(base.iceSaturation);
 	iceStiffness        = 1;
-	ownTimeStep         = base.dt;
 	setStrengths();
 	loadGrains(state);
 	carriesBonds = std::any_of(state.contacts.bond.begin(), state.contacts.bond.end(), [](std::uint8_t b) { return b != std::uint8_t(BondState::NONE); });

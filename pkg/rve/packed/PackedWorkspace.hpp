@@ -48,7 +48,7 @@ public:
 	void                  setIceSaturation(double iceSaturation);
 	/// Of intact ice bonds, from now on and for every state that is loaded.
 	void setStrengthFactors(const BondStrengthFactors& factors);
-	/// Of the ice over that of the material [-]; forces stay, and the time step follows stiffer ice. A state is loaded with 1 and to be stored with 1.
+	/// Of the ice over that of the material [-]; forces stay. A state is loaded with 1 and to be stored with 1.
 	void setIceStiffness(double factor);
 	/// Of the ice bonds, at the overlaps of now.
 	void        creep(const BondCreep& creep);
@@ -170,7 +170,7 @@ private:
 	PackedListUse<Dim>         use;
 
 	BondStrengthFactors strengthFactors;
-	double              iceStiffness = 1, ownTimeStep = 0; ///< factor on the stiffness of ice [-]; time step without it [s]
+	double              iceStiffness = 1; ///< stiffness of ice over that of the material [-]
 	PackedKernel<Dim>   kernel;
 	PackedStepView<Dim> view;
 };

@@ -129,7 +129,6 @@ template <int Dim> void PackedWorkspace<Dim>::setIceStiffness(double factor)
 	const double stiffer = factor / iceStiffness;
 	iceStiffness         = factor;
 	iceRatio             = factor * base.ice.iceStiffnessRatio(base.iceSaturation);
-	base.dt = view.dt = ownTimeStep * base.ice.timeStepOfStifferIce(factor);
 	if (!carriesBonds) return;
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->bond.size(); ++lane) {
