@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Silty slopes of 12, 18 and 24 degrees that thaw from their surface, beside the centrifuge tests of Harris, Rea & Davies (2001).
 
-	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …] [--cycles 4]
+	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …] [--cycles 4] [--assume cohesion=1200]
 
 Measured at a tenth of the size and ten times gravity, here in nature's size (doi 10.1002/ppp.373): the surface moved by 187 mm in a cycle
 of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope failed as a mudflow. Each slope thaws once here, or --cycles times:
@@ -271,11 +271,13 @@ parser.add_argument(
 	"--vary", nargs="*", default=(), choices=tuple(variations), metavar="ASSUMPTION", help=f"of {', '.join(variations)}: runs with other values"
 )
 parser.add_argument("--cycles", type=int, default=1, help="cycles of frost and thaw")
+parser.add_argument("--assume", nargs="*", default=(), metavar="ASSUMPTION=NUMBER", help="in place of that of Assumptions, e.g. cohesion=1200")
 parser.add_argument("--output", default="output/centrifuge_slopes", help="folder for the results")
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
 base, days = {"test": (Assumptions(gridSpacing=0.2, length=4.0), 12), "draft": (Assumptions(), 45)}[options.preset]
+base = replace(base, **{name: float(value) for name, value in (each.split("=") for each in options.assume)})
 runs = Runs(folder / "runs", days)
 print(f"friction angle {math.degrees(math.atan(base.friction)):.1f} deg; path of the surface [mm]:")
 lines = tableOf(runs, base, options.vary)

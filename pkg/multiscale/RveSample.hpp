@@ -75,8 +75,8 @@ public:
 		((Real,tensileStrengthFactor,1,,"Tensile strength of ice bonds in apply() and freeze() over that of the material [-], > 0: the first number of "
 				"IceStrength.factors(temperature,strainRate). Of this sample alone; behind points RveSkeleton.iceStrength does that."))
 		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0: the second number."))
-		((Real,iceStiffnessFactor,1,,"Stiffness of the ice in apply() and freeze() over that of the material [-], > 0 to 2: IceStrength.stiffnessFactor(temperature). "
-				"Forces stay when it changes."))
+		((Real,iceStiffnessFactor,1,,"Stiffness of the ice in apply() and freeze() over that of the material [-], > 0 to 2: "
+				"IceStrength.stiffnessFactor(temperature). Forces stay when it changes."))
 		((string,saved,"",Attr::hidden,"State in an archive."))
 		((string,savedScene,"",Attr::hidden,"Scene that the sample opens into, in an archive."))
 		,/*ctor*/ talik::SequenceConverter<RveSample>::registerOnce(); ,
@@ -154,7 +154,8 @@ public:
 		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
 		((Real,tensileStrengthFactor,1,,"Tensile strength of ice bonds in apply() and freeze() over that of IceBondMat [-], > 0; see IceStrength."))
 		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0."))
-		((Real,iceStiffnessFactor,1,,"Stiffness of the ice in apply() and freeze() over that of IceBondMat [-], > 0 to 2; see IceStrength. Forces stay when it changes."))
+		((Real,iceStiffnessFactor,1,,"Stiffness of the ice in apply() and freeze() over that of IceBondMat [-], > 0 to 2; see IceStrength. Forces stay when it "
+				"changes."))
 		,/*ctor*/ ,
 		/*py*/
 		.def("apply",&OpenRveSample::apply,(::boost::python::arg("displacementGradient"),::boost::python::arg("iceSaturation"),
