@@ -16,9 +16,10 @@ public:
 	Real                   stiffnessFactor(Real temperature) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceStrength,Serializable,"Strength and stiffness of ice bonds over temperature and strain rate: factors "
-			"exp(b (T_0-T)) (rate/rate_0)^n on the tensile and the shear strength that IceBondMat gives at T_0 and rate_0. Defaults are those of frozen Fairbanks silt: temperature by Haynes & "
-			"Karalius 1977 (0 to -57 degC: compression tenfold, tension by root ten), rate by Haynes, Karalius & Kalafut 1975 (1.2e-4 to 2.9/s at -10 degC: "
-			"compression tenfold, tension hardly). Example: IceStrength(shearRateExponent=0.1).factors(-5,1e-3).",
+			"exp(b (T_0-T)) (rate/rate_0)^n on the tensile and the shear strength that IceBondMat gives at T_0 and rate_0. Defaults are those of frozen "
+			"Fairbanks silt: temperature by Haynes & Karalius 1977 (0 to -57 degC: compression tenfold, tension by root ten), rate by Haynes, Karalius & "
+			"Kalafut 1975 (1.2e-4 to 2.9/s at -10 degC: compression tenfold, tension hardly). Example: "
+			"IceStrength(shearRateExponent=0.1).factors(-5,1e-3).",
 		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], <= 0; ground above 0 counts as 0."))
 		((Real,referenceRate,1e-4,Attr::triggerPostLoad,"rate_0 [1/s in nature's time], > 0."))
 		((Real,leastRate,1e-7,Attr::triggerPostLoad,"Slower strain counts as this [1/s], > 0: the slowest tests that are known (Parameswaran 1980)."))
