@@ -59,6 +59,11 @@ implausible = {
 	"stress in kPa": (lambda: ground(points={"stress": (-20, -40, -30, 0)}), ("stress is 40", "4e+04"), False),
 	"pore pressure in kPa": (lambda: wet(points={"pressure": 10.0}), ("pressure is 10", "1e+04"), False),
 	"stiffness in MPa": (lambda: skeleton(wrapper.ElasticSkeleton, young=20), ("young is 20", "2e+04"), False),
+	"stiffness of creeping ground in GPa": (
+		lambda: ground(skeleton=wrapper.CreepingSkeleton(young=9, iceCreep=wrapper.IceCreep()), heat=wrapper.HeatTransfer()),
+		("CreepingSkeleton.young is 9",),
+		False,
+	),
 	"rain in mm/h": (lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=5)]), ("flux is 5", "1.389e-06"), False),
 }
 
