@@ -275,19 +275,3 @@ def test_options_of_the_ice_bond_that_only_open_samples_have_keep_the_sample_ope
 	print(f"\n{told}; {skeleton.counters['steps']} steps")
 	assert len(told) == 1 and reason in told[0] and "run open" in told[0]
 	assert skeleton.counters["form"] == "open" and np.abs(mpm.field("stress")).max() > 0
-
-
-@pytest.mark.parametrize("over", [0.5, 1.01, 2.0, 10.0])
-def test_a_time_step_that_is_too_long_for_the_ice_becomes_the_longest_that_fits_whatever_it_was(over):
-	"""0.3 sqrt(m/k), k = (E_c0 + dE) R: the limit of samples, met once and for all."""
-	radius, depth = 5e-3, 0.1
-	O.periodic = True
-	O.cell.hSize = Matrix3(4 * radius, 0, 0, 0, 10 * radius, 0, 0, 0, depth)
-	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650))
-	O.bodies.append(utils.sphere((radius, 5 * radius, 0.5 * depth), radius, material=0))
-	limit = 0.3 * np.sqrt(O.bodies[0].state.mass / (3.6e9 * radius))
-	O.dt = over * limit
-	once = talik._talik.timeStepForIce(O._sceneObj)
-	O.dt = once
-	print(f"\n{over:g} of the limit of {limit:.4g} s: {once / limit:.15g} of it")
-	assert once == pytest.approx(min(over, 1) * limit, rel=1e-12) and talik._talik.timeStepForIce(O._sceneObj) == once

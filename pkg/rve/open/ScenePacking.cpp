@@ -601,7 +601,7 @@ namespace {
 
 double timeStepForIce(const Scene& scene)
 {
-	double limit = std::numeric_limits<double>::infinity(), largest = 0;
+	double limit = std::numeric_limits<double>::infinity(), stiffening = 1, largest = 0;
 	for (const Body* body : presentBodies(scene))
 		if (const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get())) largest = std::max(largest, sphere->radius);
 	for (const Body* body : presentBodies(scene)) {
@@ -613,9 +613,10 @@ double timeStepForIce(const Scene& scene)
 		// the stiffer one of bending and twisting over that of sliding
 		const double ofMoments = std::pow(sectionOf(*ice).radiusFactor, 2) * ice->bondAreaFactor / (4 * M_PI) * std::max(1 / ice->poisson, 2.);
 		const double stiffened = 1 + ofRolling + (1 + ofMoments) * ice->iceYoung / ice->young;
+		stiffening             = std::max(stiffening, stiffened / (1 + ofRolling));
 		limit                  = std::min(limit, stiffnessSafety * std::sqrt(body->state->mass / (ice->young * sphere->radius * stiffened)));
 	}
-	return std::min<double>(scene.dt, limit);
+	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
 }
 
 bool bondsCarryMoments(const Scene& scene)
