@@ -90,20 +90,20 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 
 } // namespace
 
-// The body that slides first is bounded by rows of points: one more row is a tenth of the day and a fifth of the volume. At four times the
-// largest scale the face slides on day 10.7: 0.2 s that it takes to gain speed are two days there.
+// Of an endless face 0.21 m slide (Davis 1968), on day 6. This one is held at its toe and its crest until day 21. Rough stress at the front, as
+// slip left it that the stress of points carried, brought it down between days 7 and 9, depending on the least change of any setting.
 TEST(CalendarOfASlope, HalfTheLargestScaleAndHalfTheToleranceGiveTheSameCalendar_slow)
 {
 	citing("own, 1 x f_T and v_0");
-	const auto whole = thawingFace({}, 16.0);
+	const auto whole = thawingFace({}, 24.0);
 	EXPECT_GT(whole.first.volume, 0.5);
 	for (const bool scale : { true, false }) {
 		SlopeRun run;
 		(scale ? run.largestScale : run.tolerance) *= 0.5;
-		const auto        half = thawingFace(run, 16.0);
+		const auto        half = thawingFace(run, 24.0);
 		const std::string name = std::string("calendar of a thawing face, half of ") + (scale ? "the largest scale" : "the tolerance");
-		expectRelative(name + ": day of the first event", half.first.begin / day, whole.first.begin / day, 0.1);
-		expectRelative(name + ": volume moved in it [m^2]", half.first.volume, whole.first.volume, 0.2);
-		expectRelative(name + ": largest displacement after 16 days [m]", half.displaced, whole.displaced, 0.1);
+		expectRelative(name + ": day of the first event", half.first.begin / day, whole.first.begin / day, 0.05);
+		expectRelative(name + ": volume moved in it [m^2]", half.first.volume, whole.first.volume, 0.05);
+		expectRelative(name + ": largest displacement after 24 days [m]", half.displaced, whole.displaced, 0.05);
 	}
 }
