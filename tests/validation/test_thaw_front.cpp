@@ -190,7 +190,8 @@ TEST(ThawFront, LayerThatFrictionHoldsStaysWhereverTheFrontLies_slow)
 
 namespace {
 
-/// Speed at mid-length after 0.55 s, when what shakes the layer at the start has died out, over that of the closed form without cohesion, with some part of the cohesion that holds the layer.
+/// Speed at mid-length over that of the closed form without cohesion, with some part of the cohesion that holds the layer; after 0.55 s, when what
+/// shakes the layer at the start has died out.
 double speedWithCohesion(Slab s, double part)
 {
 	const double driven = 0.55 * s.acceleration(), beta = Slab::radians(s.slope), phi = Slab::radians(s.friction);
