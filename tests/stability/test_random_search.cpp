@@ -194,5 +194,6 @@ TEST(RandomSearch, TraceOfThawedGroundAtANodeOnAWallIsNotPushedAlongTheWallsNorm
 	Watch watch(*scene.ground, scene.outside());
 	watch.run(scene.steps, 25);
 	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-	expectSmall("trace of thawed ground on a wall: energy from nowhere", watch.figures().energyCreated, 0.1);
+	// all of it when the trace is pushed; what is left comes from the first steps, with apic on a coarse front
+	expectSmall("trace of thawed ground on a wall: energy from nowhere", watch.figures().energyCreated, 0.15);
 }
