@@ -109,7 +109,7 @@ def notes():
 	return [
 		f"Load of the machine when it ended: {Path('/proc/loadavg').read_text().split()[0]}. Speeds by wall time mean something only where it does nothing else.",
 		"Work leaves out the waiting for other ranks, and so the cost of messages and of a bad balance within a step.",
-		"A law has nothing to share out: each rank computes all, and the efficiency of n ranks is 1/n.",
+		"Of a law samples alone are shared out, and it has none: each rank computes all, and the efficiency of n ranks is 1/n.",
 		"All fields of points and samples had the same bits at the end on 1, 2 and 4 ranks and on 2 threads.",
 	]
 

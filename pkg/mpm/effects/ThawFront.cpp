@@ -427,13 +427,15 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, Vec<D>& im
 }
 
 /// Direction of the front at a node: that of the areas of the nodes around it which face the same way. The areas of single nodes follow the
-/// steps of a front between rows of points, and sides that slide along such steps catch on them.
-template <int D> Vec<D> ThawFront<D>::facing(int node, const MotionConstraints<D>& constraints) const
+/// steps of a front between rows of points, and sides that slide along such steps catch on them. Samples keep the node's own direction: their
+/// stress feels the steps, too, and the mean over a corner would part a pocket of them from its roof.
+template <int D> Vec<D> ThawFront<D>::facing(int node, const MotionConstraints<D>& constraints, bool around) const
 {
 	const double* own = record(slot_[node]) + areaAt;
 	Vec<D>        sum {};
 	for (const int step : beside_) {
 		const int other = node + step;
+		if (step != 0 && !around) continue;
 		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
 		const double* area = record(slot_[other]) + areaAt;
 		Vec<D>        free {};
@@ -470,7 +472,8 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		square += constraints.solidFixed(node, a) ? 0.0 : r[areaAt + a] * r[areaAt + a];
 	m.area = std::sqrt(square);
 	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
-	m.normal            = facing(node, constraints);
+	m.friction          = r[frictionAt] / r[thawedVolumeAt];
+	m.normal            = facing(node, constraints, statesStrength(m));
 	const double length = lengthOf<D>(m.normal);
 	if (!(length > 0.0)) return;
 	m.meets              = true;
@@ -488,7 +491,6 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
 	m.resting   = settles_ && rests(m, dt);
-	m.friction  = r[frictionAt] / r[thawedVolumeAt];
 	m.cohesion  = r[cohesionAt] / r[thawedVolumeAt];
 	m.pressure  = r[pressureAt] / r[thawedVolumeAt];
 	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];

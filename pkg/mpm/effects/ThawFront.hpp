@@ -150,7 +150,7 @@ private:
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
-	Vec<D>        facing(int node, const MotionConstraints<D>& constraints) const;
+	Vec<D>        facing(int node, const MotionConstraints<D>& constraints, bool around) const;
 	static bool   statesStrength(const Meeting& meeting);
 	static double effectiveReaction(const Meeting& meeting);
 	static double heldShare(const Meeting& meeting, double speed, double dt);
