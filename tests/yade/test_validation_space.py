@@ -220,15 +220,13 @@ def thawedAndSlid(dimension, spacing):
 	return inPlane(mpm)
 
 
-def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_comes_nearer_to_the_plane_on_a_finer_grid_slow():
-	report, differences = Report("Space.ThawedSlice", "the plane"), []
-	for spacing, tolerance in ((0.25, 0.1), (0.125, 0.02)):
+def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane_within_2_per_cent_on_two_grids_slow():
+	report, tolerance = Report("Space.ThawedSlice", "the plane"), 0.02
+	for spacing in (0.25, 0.125):
 		plane, space = (np.linalg.norm(thawedAndSlid(dimension, spacing), axis=1) for dimension in (2, 3))
 		case = "slope that thaws for 15 days in a slice of space"
 		report.expectRelative(f"{case}: mean displacement [m], h = {spacing} m", space.mean(), plane.mean(), tolerance)
 		report.expectRelative(f"{case}: largest displacement [m], h = {spacing} m", space.max(), plane.max(), tolerance)
-		differences.append(abs(space.mean() / plane.mean() - 1))
-	assert differences[1] < 0.5 * differences[0]
 
 
 # ---- a column that collapses --------------------------------------------------------------------------------------------------
