@@ -166,7 +166,7 @@ class Runs:
 	def of(self, slope, ground, cycle=1):
 		"""The thaw of a cycle; None after a mudflow."""
 		former = self.of(slope, ground, cycle - 1) if cycle > 1 else None
-		if former and flows(former) or cycle > 1 and not former:
+		if cycle > 1 and (not former or flows(former)):
 			return None
 		settings = dict(slope=slope, days=self.days, **asdict(ground)) | ({"cycle": cycle} if former else {})
 		file = self.folder / f"{hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]}.json"

@@ -20,6 +20,8 @@ namespace {
 	constexpr double leastThickness = 0.25;
 	/// The traction of the points is scaled to the reaction up to this factor; beyond, it is round-off.
 	constexpr double largestScale = 1e3;
+	/// Coefficient of friction beyond which the law of the thawed points states none.
+	constexpr double largestFriction = 1e3;
 	/// Normal stress of the thawed points over the reaction per area beyond which it is led back, within some steps.
 	constexpr double leastPressure = 0.5, mostPressure = 1.1, leadingSteps = 5.0;
 	/// Slip that thawed points take as strain in a step, as stress over the reaction per area, where their normal stress is far from that:
@@ -426,16 +428,13 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, Vec<D>& im
 	}
 }
 
-/// Direction of the front at a node: that of the areas of the nodes around it which face the same way. The areas of single nodes follow the
-/// steps of a front between rows of points, and sides that slide along such steps catch on them. Samples keep the node's own direction: their
-/// stress feels the steps, too, and the mean over a corner would part a pocket of them from its roof.
-template <int D> Vec<D> ThawFront<D>::facing(int node, const MotionConstraints<D>& constraints, bool around) const
+/// Sum of the areas around a node that face as its own does (own: without fixed axes). It gives the direction of the front: the areas of single
+/// nodes follow the steps between rows of points, and sides that slide along such steps catch on them.
+template <int D> Vec<D> ThawFront<D>::areaAround(int node, const Vec<D>& own, const MotionConstraints<D>& constraints) const
 {
-	const double* own = record(slot_[node]) + areaAt;
-	Vec<D>        sum {};
+	Vec<D> sum {};
 	for (const int step : beside_) {
 		const int other = node + step;
-		if (step != 0 && !around) continue;
 		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
 		const double* area = record(slot_[other]) + areaAt;
 		Vec<D>        free {};
@@ -467,13 +466,14 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	for (const double mass : m.solid)
 		if (!(mass > smallestMassShare * all[M::massAt])) return;
 	if (!(r[thawedVolumeAt] > 0.0)) return;
-	double square = 0.0;
+	Vec<D> own {};
 	for (int a = 0; a < D; ++a)
-		square += constraints.solidFixed(node, a) ? 0.0 : r[areaAt + a] * r[areaAt + a];
-	m.area = std::sqrt(square);
+		if (!constraints.solidFixed(node, a)) own[a] = r[areaAt + a];
+	m.area = lengthOf<D>(own);
 	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
-	m.friction          = r[frictionAt] / r[thawedVolumeAt];
-	m.normal            = facing(node, constraints, statesStrength(m));
+	m.friction = r[frictionAt] / r[thawedVolumeAt];
+	// the stress of samples feels the steps, too, and the mean over a corner would part a pocket of them from its roof
+	m.normal            = statesStrength(m) ? areaAround(node, own, constraints) : own;
 	const double length = lengthOf<D>(m.normal);
 	if (!(length > 0.0)) return;
 	m.meets              = true;
@@ -551,7 +551,7 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 }
 
 /// Whether the law of the thawed points states its strength.
-template <int D> bool ThawFront<D>::statesStrength(const Meeting& m) { return m.friction < largestScale; }
+template <int D> bool ThawFront<D>::statesStrength(const Meeting& m) { return m.friction < largestFriction; }
 
 /// Normal force between the sides that grains carry [N]. The points lie away from the front; pore pressure and normal stress rise with depth in
 /// one ratio.
@@ -562,20 +562,19 @@ template <int D> double ThawFront<D>::effectiveReaction(const Meeting& m)
 	return m.reaction * std::max(0.0, 1.0 - m.pressure / normal);
 }
 
-/// What friction and cohesion hold of the slip: all of it below the strength of the thawed ground, eq. (20.2).
-template <int D> double ThawFront<D>::heldShare(const Meeting& m, double speed, double dt)
+/// Impulse against the slip that friction and cohesion can give: the strength of the thawed ground, eq. (20.2).
+template <int D> double ThawFront<D>::strengthOf(const Meeting& m, double dt)
 {
-	const double strength = m.bound ? std::max(0.0, m.cohesion * m.area + m.friction * effectiveReaction(m)) : 0.0;
-	return std::min(1.0, strength * dt / (m.reducedMass * speed));
+	return m.bound ? std::max(0.0, m.cohesion * m.area + m.friction * effectiveReaction(m)) * dt : 0.0;
 }
 
 /// The same where frozen ground lies on thawed ground whose law states no strength. A row of points between that and its own base shears one way
 /// above and the other way below; its stress, the mean of both, would hold neither.
-template <int D> double ThawFront<D>::heldUnderRoof(const Meeting& m, double speed) const
+template <int D> double ThawFront<D>::strengthUnderRoof(const Meeting& m) const
 {
 	const Vec<D>& gravity = motion_->settings->gravity;
 	const bool    carries = dot<D>(gravity, m.normal) > leastWeight * lengthOf<D>(gravity);
-	return carries && m.impulse > 0.0 ? std::min(1.0, usualFriction * m.impulse / (m.reducedMass * speed)) : 0.0;
+	return carries && m.impulse > 0.0 ? usualFriction * m.impulse : 0.0;
 }
 
 /// Impulse of the shear stress that the thawed points carry, eq. (20.2a), where their law states no strength. They lie away from the front and
@@ -612,8 +611,8 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 	Vec<D>       slip;
 	for (int i = 0; i < D; ++i)
 		slip[i] = m.jump[i] - opening * m.normal[i];
-	const double speed = lengthOf<D>(slip);
-	const double held  = !(speed > 0.0) ? 0.0 : statesStrength(m) ? heldShare(m, speed, dt) : heldUnderRoof(m, speed);
+	const double speed = lengthOf<D>(slip), strength = statesStrength(m) ? strengthOf(m, dt) : strengthUnderRoof(m);
+	const double held = speed > 0.0 ? std::min(1.0, strength / (m.reducedMass * speed)) : 0.0;
 	Vec<D>       shear {};
 	if (held > 0.0 || statesStrength(m))
 		for (int i = 0; i < D; ++i)

@@ -150,11 +150,11 @@ private:
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
-	Vec<D>        facing(int node, const MotionConstraints<D>& constraints, bool around) const;
+	Vec<D>        areaAround(int node, const Vec<D>& own, const MotionConstraints<D>& constraints) const;
 	static bool   statesStrength(const Meeting& meeting);
 	static double effectiveReaction(const Meeting& meeting);
-	static double heldShare(const Meeting& meeting, double speed, double dt);
-	double        heldUnderRoof(const Meeting& meeting, double speed) const;
+	static double strengthOf(const Meeting& meeting, double dt);
+	double        strengthUnderRoof(const Meeting& meeting) const;
 	Vec<D>        carriedShear(int slot, const Vec<D>& slip, double dt) const;
 	double        slide(int slot, double dt);
 	double        lackingPressure(const Meeting& meeting) const;
