@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/dem/ScGeom.hpp>
-#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/icebond/IceStrengthAndCreep.hpp>
-#include <pkg/rve/open/StepGate.hpp>
+#include <pkg/python/ScriptValues.hpp>
+#include <pkg/python/StepGate.hpp>
 
 namespace yade {
 YADE_PLUGIN((IceStrength)(IceCreep)(CreepingBonds));
@@ -138,7 +138,7 @@ void CreepingBonds::postLoad(CreepingBonds&)
 /// Other rules have one spring for grains and ice.
 void CreepingBonds::requireParallelSprings() const
 {
-	talik::HoldGil gil;
+	talik::PythonLock gil;
 	for (const auto& engine : scene->engines) {
 		if (engine->getClassName() != "InteractionLoop") continue;
 		const py::object functors = py::object(engine).attr("lawDispatcher").attr("functors");

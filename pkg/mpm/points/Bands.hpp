@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 
 #include <functional>
