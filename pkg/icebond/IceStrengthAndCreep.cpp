@@ -35,12 +35,9 @@ Real IceStrength::stiffnessFactor(Real temperature) const
 talik::IceStrengthLaw IceStrength::law() const
 {
 	talik::IceStrengthLaw l;
-	l.tensile              = { tensileCold, tensileRateExponent };
-	l.shear                = { shearCold, shearRateExponent };
-	l.referenceTemperature = referenceTemperature;
-	l.referenceRate        = referenceRate;
-	l.leastRate            = leastRate;
-	l.stiffnessCold        = stiffnessCold;
+	l.tensile = { tensileCold, tensileRateExponent };
+	l.shear   = { shearCold, shearRateExponent };
+	TALIK_TAKE_ATTRIBUTES(l, *this, (referenceTemperature)(referenceRate)(leastRate)(stiffnessCold))
 	return l;
 }
 
@@ -66,11 +63,7 @@ void IceCreep::postLoad(IceCreep&)
 talik::IceCreepLaw IceCreep::law() const
 {
 	talik::IceCreepLaw l;
-	l.rateFactor           = rateFactor;
-	l.exponent             = exponent;
-	l.referenceTemperature = referenceTemperature;
-	l.coldActivationEnergy = coldActivationEnergy;
-	l.warmActivationEnergy = warmActivationEnergy;
+	TALIK_TAKE_ATTRIBUTES(l, *this, (rateFactor)(exponent)(referenceTemperature)(coldActivationEnergy)(warmActivationEnergy))
 	return l;
 }
 

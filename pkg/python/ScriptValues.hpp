@@ -14,6 +14,10 @@
 #define TALIK_PUT_MEMBERS(dict, object, members) BOOST_PP_SEQ_FOR_EACH(TALIK_PUT_MEMBER, (dict, object), members)
 #define TALIK_PUT_MEMBER(r, place, member) BOOST_PP_TUPLE_ELEM(2, 0, place)[BOOST_PP_STRINGIZE(member)] = BOOST_PP_TUPLE_ELEM(2, 1, place).member;
 
+/// Members of an object take the attributes of the same names: TALIK_TAKE_ATTRIBUTES(settings, *this, (picTime)(smoothingTime)).
+#define TALIK_TAKE_ATTRIBUTES(object, source, members) BOOST_PP_SEQ_FOR_EACH(TALIK_TAKE_ATTRIBUTE, (object, source), members)
+#define TALIK_TAKE_ATTRIBUTE(r, place, member) BOOST_PP_TUPLE_ELEM(2, 0, place).member = (BOOST_PP_TUPLE_ELEM(2, 1, place)).member;
+
 namespace talik {
 
 /// Lets Python assign a list of objects to an attribute vector<shared_ptr<T>> and read it back as a list.

@@ -60,7 +60,6 @@ public:
 	int  endStrip() const { return strips_[rank() + 1]; }
 	int  firstPoint() const { return points_[rank()]; }
 	int  endPoint() const { return points_[rank() + 1]; }
-	bool owns(int place) const { return place >= firstPoint() && place < endPoint(); }
 
 	/// To be filled before handOver(), complete() empties it.
 	SharedRows& shared() { return shared_; }

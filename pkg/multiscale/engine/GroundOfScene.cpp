@@ -32,11 +32,10 @@ namespace {
 	template <int D> talik::MotionSettings<D> motionOf(const MpmEngine& engine)
 	{
 		talik::MotionSettings<D> m;
-		m.gravity      = engine.gravity.in<D>("MpmEngine.gravity");
-		m.transfer     = talik::velocityTransferFromName(engine.transfer);
-		m.picTime      = engine.picTime;
+		m.gravity  = engine.gravity.in<D>("MpmEngine.gravity");
+		m.transfer = talik::velocityTransferFromName(engine.transfer);
+		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar))
 		m.localDamping = engine.damping;
-		m.bBar         = engine.bBar;
 		return m;
 	}
 
@@ -51,11 +50,10 @@ namespace {
 	template <int D> talik::GroundSettings<D> settingsOf(const MpmEngine& engine)
 	{
 		talik::GroundSettings<D> s;
-		s.gridSpacing = engine.gridSpacing;
+		TALIK_TAKE_ATTRIBUTES(s, engine, (gridSpacing)(shapeFunction)(energyLedger)(poreFill)(courantNumber)(heatFraction)(motionFraction))
 		placeBox(engine, s);
-		s.shapeFunction = engine.shapeFunction;
-		s.mixture       = engine.activeMaterials().front()->build();
-		s.materials     = engine.soils();
+		s.mixture   = engine.activeMaterials().front()->build();
+		s.materials = engine.soils();
 		if (engine.motion) s.motion = motionOf<D>(engine);
 		if (engine.heat) s.heat = engine.heat->build();
 		if (engine.bodies) s.bodies = engine.bodies->build(D);
@@ -63,9 +61,7 @@ namespace {
 		s.thawFront.reset();
 		if (engine.thawFront) s.thawFront = engine.thawFront->build();
 		if (engine.water) s.water = engine.water->build(engine.freezing ? engine.freezing->residualSaturation : 0);
-		s.energyLedger      = engine.energyLedger;
 		s.deformationRecord = engine.motion && engine.deformationRecord;
-		s.poreFill          = engine.poreFill;
 		for (const auto& boundary : engine.boundaries)
 			s.boundaries.push_back(boundary->build<D>());
 		if (engine.motion) {
@@ -75,9 +71,6 @@ namespace {
 				if (engine.tolerance > 0) law->setTolerance(engine.tolerance);
 			}
 		}
-		s.courantNumber  = engine.courantNumber;
-		s.heatFraction   = engine.heatFraction;
-		s.motionFraction = engine.motionFraction;
 		return s;
 	}
 
@@ -129,10 +122,8 @@ namespace {
 			auto changed = inside.settings();
 			changed.heat = heat;
 			talik::checkSettings(changed);
-			auto& inForce            = *inside.settings().heat;
-			inForce.thermalTimeScale = heat.thermalTimeScale;
-			inForce.movingTimeScale  = heat.movingTimeScale;
-			inForce.motionTolerance  = heat.motionTolerance;
+			auto& inForce = *inside.settings().heat;
+			TALIK_TAKE_ATTRIBUTES(inForce, heat, (thermalTimeScale)(movingTimeScale)(motionTolerance))
 		}
 
 		py::dict balance() const override

@@ -456,10 +456,7 @@ void MpmEngine::followAttributes()
 		moving->picTime      = picTime;
 	}
 	groundOfScene->followGravity(*this);
-	s.courantNumber  = courantNumber;
-	s.heatFraction   = heatFraction;
-	s.motionFraction = motionFraction;
-	s.resting        = resting;
+	TALIK_TAKE_ATTRIBUTES(s, *this, (courantNumber)(heatFraction)(motionFraction)(resting))
 	if (tolerance != toleranceInForce) followTolerance();
 	if (heat) followHeat();
 	if (motion)

@@ -147,12 +147,10 @@ namespace {
 	template <class Sample> talik::PackedUpdateOptions optionsOf(const Sample& sample, const talik::BondCreep& creep)
 	{
 		talik::PackedUpdateOptions options;
-		options.maxInertialNumber = sample.maxInertialNumber;
-		options.maxStrainPerStep  = sample.maxStrainPerStep;
-		options.minSteps          = sample.minSteps;
-		options.strength          = { sample.tensileStrengthFactor, sample.shearStrengthFactor };
-		options.iceStiffness      = sample.iceStiffnessFactor;
-		options.creep             = creep;
+		TALIK_TAKE_ATTRIBUTES(options, sample, (maxInertialNumber)(maxStrainPerStep)(minSteps))
+		options.strength     = { sample.tensileStrengthFactor, sample.shearStrengthFactor };
+		options.iceStiffness = sample.iceStiffnessFactor;
+		options.creep        = creep;
 		return options;
 	}
 } // namespace

@@ -19,12 +19,8 @@ YADE_PLUGIN((RveSkeleton));
 talik::SampleScheduling RveSkeleton::scheduling() const
 {
 	talik::SampleScheduling s;
-	s.strainTolerance          = strainTolerance;
-	s.saturationTolerance      = saturationTolerance;
-	s.prediction               = prediction;
-	s.stressTolerance          = stressTolerance;
+	TALIK_TAKE_ATTRIBUTES(s, *this, (strainTolerance)(saturationTolerance)(prediction)(stressTolerance)(threads))
 	s.stopOnBlowUp             = onBlowUp == "stop";
-	s.threads                  = threads;
 	s.update.maxInertialNumber = maxInertialNumber;
 	s.update.maxStrainPerStep  = maxStrainPerStep;
 	s.update.minSteps          = minSteps;

@@ -96,27 +96,20 @@ template <int D> GroundBoundary::Pointer<D> SurfaceLoad::make() const
 	return std::make_shared<talik::Traction<D>>(where<D>(), overTime(pressure), constant);
 }
 
-#define TALIK_IN_BOTH_DIMENSIONS(Kind)                             \
-	template GroundBoundary::Pointer<2> Kind::make<2>() const; \
-	template GroundBoundary::Pointer<3> Kind::make<3>() const;
-TALIK_IN_BOTH_DIMENSIONS(RollerBoundary)
-TALIK_IN_BOTH_DIMENSIONS(FixedBoundary)
-TALIK_IN_BOTH_DIMENSIONS(MovingBoundary)
-TALIK_IN_BOTH_DIMENSIONS(ImpermeableBoundary)
-TALIK_IN_BOTH_DIMENSIONS(DrainedBoundary)
-TALIK_IN_BOTH_DIMENSIONS(InsulatedBoundary)
-TALIK_IN_BOTH_DIMENSIONS(WallTemperature)
-TALIK_IN_BOTH_DIMENSIONS(SurfaceTemperature)
-TALIK_IN_BOTH_DIMENSIONS(BodyTemperature)
-TALIK_IN_BOTH_DIMENSIONS(HeatFlux)
-TALIK_IN_BOTH_DIMENSIONS(HeatSource)
-TALIK_IN_BOTH_DIMENSIONS(WaterFlux)
-TALIK_IN_BOTH_DIMENSIONS(SurfaceLoad)
-#undef TALIK_IN_BOTH_DIMENSIONS
+// for boundaries in other files
+template talik::Region<2> GroundBoundary::where<2>() const;
+template talik::Region<3> GroundBoundary::where<3>() const;
+template talik::Region<2> GroundBoundary::always<2>() const;
+template talik::Region<3> GroundBoundary::always<3>() const;
 
 // clang-format off
-YADE_PLUGIN((GroundBoundary)(RollerBoundary)(FixedBoundary)(MovingBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature)
-        (SurfaceTemperature)(BodyTemperature)(HeatFlux)(HeatSource)(WaterFlux)(SurfaceLoad));
+#define TALIK_BOUNDARIES (RollerBoundary)(FixedBoundary)(MovingBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature) \
+	(SurfaceTemperature)(BodyTemperature)(HeatFlux)(HeatSource)(WaterFlux)(SurfaceLoad)
+#define TALIK_IN_BOTH_DIMENSIONS(r, data, Kind)                    \
+	template GroundBoundary::Pointer<2> Kind::make<2>() const; \
+	template GroundBoundary::Pointer<3> Kind::make<3>() const;
+BOOST_PP_SEQ_FOR_EACH(TALIK_IN_BOTH_DIMENSIONS, , TALIK_BOUNDARIES)
+YADE_PLUGIN((GroundBoundary)TALIK_BOUNDARIES);
 // clang-format on
 
 } // namespace yade

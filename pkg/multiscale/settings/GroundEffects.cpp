@@ -88,8 +88,7 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 talik::ThawFrontSettings ThawFront::build() const
 {
 	talik::ThawFrontSettings f;
-	f.thawedBelow = thawedBelow;
-	f.frozenAbove = frozenAbove;
+	TALIK_TAKE_ATTRIBUTES(f, *this, (thawedBelow)(frozenAbove))
 	talik::underScriptNames(
 	        { { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
 	return f;
@@ -98,16 +97,10 @@ talik::ThawFrontSettings ThawFront::build() const
 talik::HeatSettings HeatTransfer::build() const
 {
 	talik::HeatSettings heat;
-	heat.thermalTimeScale  = thermalTimeScale;
-	heat.followsMotion     = followsMotion;
-	heat.movingTimeScale   = movingTimeScale;
-	heat.motionTolerance   = motionTolerance;
-	heat.eventSpeed        = eventSpeed;
-	heat.eventDisplacement = eventDisplacement;
-	heat.source            = source;
-	heat.smoothingTime     = smoothingTime;
-	heat.enthalpyForm      = talik::enthalpyFormFromName(enthalpyForm);
-	heat.latentDensity     = talik::latentDensityFromName(latentDensity);
+	TALIK_TAKE_ATTRIBUTES(
+	        heat, *this, (thermalTimeScale)(followsMotion)(movingTimeScale)(motionTolerance)(eventSpeed)(eventDisplacement)(source)(smoothingTime))
+	heat.enthalpyForm  = talik::enthalpyFormFromName(enthalpyForm);
+	heat.latentDensity = talik::latentDensityFromName(latentDensity);
 	return heat;
 }
 
