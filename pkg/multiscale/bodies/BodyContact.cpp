@@ -64,7 +64,7 @@ Real BodyContact::frictionOf(const Body& body) const
 	return std::tan(material->frictionAngle);
 }
 
-void BodyContact::collect(const Scene& scene, const Engine& mpm, MetBodies& met)
+void BodyContact::collect(const Scene& scene, const Engine& mpm, SceneBodies& met)
 {
 	checkEngines(scene, mpm);
 	met.clear();
@@ -99,7 +99,7 @@ void BodyContact::checkEngines(const Scene& scene, const Engine& mpm)
 	enginesChecked = true;
 }
 
-void BodyContact::refuseOverlap(const Scene& scene, const MetBodies& met) const
+void BodyContact::refuseOverlap(const Scene& scene, const SceneBodies& met) const
 {
 	const auto overlap = met.deepestOverlap();
 	if (overlap.met < 0) return;
@@ -107,7 +107,7 @@ void BodyContact::refuseOverlap(const Scene& scene, const MetBodies& met) const
 	       "the ground's material points lie up to " + boost::lexical_cast<string>(overlap.depth) + " m inside it: move it or leave the ground out there");
 }
 
-void BodyContact::limitByContact(const Scene& scene, const MetBodies& met)
+void BodyContact::limitByContact(const Scene& scene, const SceneBodies& met)
 {
 	grips.assign(scene.bodies->size(), {});
 	for (size_t b = 0; b < met.count(); b++) {
@@ -127,7 +127,7 @@ void BodyContact::limitByContact(const Scene& scene, const MetBodies& met)
 
 // ---- from the ground to the scene ------------------------------------------------------------------------------------------
 
-void BodyContact::take(MetBodies& met, Real interval)
+void BodyContact::take(SceneBodies& met, Real interval)
 {
 	// what is still to be delivered of bodies that are there no more is nobody's
 	vector<Real> former;
@@ -166,7 +166,7 @@ void BodyContact::deliver(Scene& scene)
 
 Real BodyContact::due(const Scene& scene) const { return scene.dt - ahead; }
 
-Real BodyContact::timeStep(const Scene& scene, const MetBodies& met, Real stableStep) const
+Real BodyContact::timeStep(const Scene& scene, const SceneBodies& met, Real stableStep) const
 {
 	if (hasTimeStepper(scene)) return std::min(contactLimit, scene.dt);
 	Real limit         = std::min(contactLimit, stableStep);

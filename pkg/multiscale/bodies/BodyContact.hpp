@@ -11,11 +11,11 @@ namespace yade {
 
 /// Bodies of the scene as a ground meets them: in the plane their sections across z, in space themselves. Vectors given and taken are
 /// those of the scene.
-class MetBodies {
+class SceneBodies {
 public:
-	virtual ~MetBodies() = default;
-	static std::unique_ptr<MetBodies> of(talik::RigidContact<2>& contact);
-	static std::unique_ptr<MetBodies> of(talik::RigidContact<3>& contact);
+	virtual ~SceneBodies() = default;
+	static std::unique_ptr<SceneBodies> of(talik::RigidContact<2>& contact);
+	static std::unique_ptr<SceneBodies> of(talik::RigidContact<3>& contact);
 
 	virtual void clear() = 0;
 	/// Returns why the body cannot be met; empty if it can, or is none that this ground meets. friction: tan phi, asked if it is met.
@@ -58,15 +58,15 @@ public:
 	talik::RigidContactSettings build(int dimension) const;
 
 	/// Shows the bodies of a scene to the ground, as they are now. Throws if one of them cannot be met.
-	void collect(const Scene& scene, const Engine& mpm, MetBodies& met);
+	void collect(const Scene& scene, const Engine& mpm, SceneBodies& met);
 	/// Takes what the ground gave during its last `interval` [s].
-	void take(MetBodies& met, Real interval);
+	void take(SceneBodies& met, Real interval);
 	/// Adds the share of the scene's step to O.forces.
 	void deliver(Scene& scene);
 
 	/// O.dt [s] that ground and bodies stand, with their mass on the contact springs and, where they meet each other, the wave in
 	/// the smallest sphere. A time stepper in O.engines has the last word, the contact apart: the ground then takes sub-steps.
-	Real timeStep(const Scene& scene, const MetBodies& met, Real stableStep) const;
+	Real timeStep(const Scene& scene, const SceneBodies& met, Real stableStep) const;
 	/// The next step of the ground [s], as long as the bodies' step or a multiple of it.
 	Real groundStep(const Scene& scene, Real stableStep) const;
 	/// Time since the end of the ground's step, negative while the ground is ahead [s].
@@ -75,14 +75,14 @@ public:
 private:
 	void              checkEngines(const Scene& scene, const Engine& mpm);
 	Real              frictionOf(const Body& body) const;
-	void              limitByContact(const Scene& scene, const MetBodies& met);
+	void              limitByContact(const Scene& scene, const SceneBodies& met);
 	[[noreturn]] void refuse(const Body& body, const string& reason) const;
-	void              refuseOverlap(const Scene& scene, const MetBodies& met) const;
+	void              refuseOverlap(const Scene& scene, const SceneBodies& met) const;
 
-	vector<MetBodies::Grip> grips; ///< by body that moves: of all its contacts, at most
-	Real                    contactLimit   = 0;
-	bool                    enginesChecked = false;
-	size_t                  bodiesChecked  = 0;
+	vector<SceneBodies::Grip> grips; ///< by body that moves: of all its contacts, at most
+	Real                      contactLimit   = 0;
+	bool                      enginesChecked = false;
+	size_t                    bodiesChecked  = 0;
 
 public:
 	// clang-format off

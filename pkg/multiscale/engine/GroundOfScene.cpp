@@ -144,15 +144,15 @@ namespace {
 			return d;
 		}
 
-		MetBodies& bodies() override
+		SceneBodies& bodies() override
 		{
-			if (!met) met = MetBodies::of(*inside.bodies());
+			if (!met) met = SceneBodies::of(*inside.bodies());
 			return *met;
 		}
 
 	private:
-		talik::Ground<D>           inside;
-		std::unique_ptr<MetBodies> met;
+		talik::Ground<D>             inside;
+		std::unique_ptr<SceneBodies> met;
 	};
 } // namespace
 

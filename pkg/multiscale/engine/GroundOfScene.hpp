@@ -33,7 +33,7 @@ public:
 	/// See MpmEngine.balance.
 	virtual ::boost::python::dict balance() const = 0;
 	/// The bodies of the scene as this ground meets them. Call on an initialised ground with bodies.
-	virtual MetBodies& bodies() = 0;
+	virtual SceneBodies& bodies() = 0;
 };
 
 } // namespace yade

@@ -637,7 +637,7 @@ void MpmEngine::advanceAlone(bool newLimit)
 
 void MpmEngine::collectBodies()
 {
-	MetBodies& met = groundOfScene->bodies();
+	SceneBodies& met = groundOfScene->bodies();
 	bodies->collect(*scene, *this, met);
 	if (bodiesNamed) return;
 	std::set<int> numbers; // of bodies, and of clumps that have one
@@ -654,7 +654,7 @@ void MpmEngine::collectBodies()
 /// In the ground's step the bodies are where their velocities take them from their places in the scene.
 void MpmEngine::advanceAmongBodies()
 {
-	MetBodies& met = groundOfScene->bodies();
+	SceneBodies& met = groundOfScene->bodies();
 	collectBodies();
 	if (automaticTimeStep && leadsTimeStep()) scene->dt = std::min(bodies->timeStep(*scene, groundOfScene->bodies(), stableStep), timeStepOfOthers());
 	if (bodies->due(*scene) > 1e-9 * scene->dt) {

@@ -68,7 +68,7 @@ template <int Dim> typename PackedStore<Dim>::Beginning PackedStore<Dim>::frozen
 			throw std::runtime_error("RveSkeleton.samples[" + std::to_string(prototype) + "] does not survive freezing: " + result.reason);
 	}
 	Beginning beginning;
-	beginning.sample        = std::make_shared<ParkedSample<Dim>>(sample.state());
+	beginning.sample        = std::make_shared<CompactSample<Dim>>(sample.state());
 	beginning.start.stress  = sample.stress();
 	beginning.start.tangent = sample.tangent();
 	return beginning;
@@ -114,7 +114,7 @@ template <int Dim> void PackedStore<Dim>::saveState(ByteWriter& writer, std::siz
 {
 	PackedState<Dim> state;
 	PackedLists<Dim> lists;
-	const bool       listed = pool.parked(sample)->unpark(state, lists);
+	const bool       listed = pool.compact(sample)->expand(state, lists);
 	writer.block(state.toBytes());
 	writer.number(listed);
 	if (!listed) return;
@@ -129,7 +129,7 @@ template <int Dim> void PackedStore<Dim>::restoreState(ByteReader& reader, const
 {
 	auto state = PackedState<Dim>::fromBytes(reader.block());
 	shareGrains(state, knownGrains);
-	typename SamplePool<Dim>::Parked parked;
+	typename SamplePool<Dim>::Compact compact;
 	if (reader.number()) {
 		PackedLists<Dim> lists;
 		reader.block(static_cast<PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
@@ -138,15 +138,15 @@ template <int Dim> void PackedStore<Dim>::restoreState(ByteReader& reader, const
 		restoreArray(reader, lists.second);
 		restoreArray(reader, lists.cellDist);
 		if (!belongTogether(lists, state.size())) throw std::runtime_error("the archive's neighbour lists do not belong to its samples; it is damaged");
-		parked = std::make_shared<ParkedSample<Dim>>(state, &lists);
-	} else parked = std::make_shared<ParkedSample<Dim>>(state);
+		compact = std::make_shared<CompactSample<Dim>>(state, &lists);
+	} else compact = std::make_shared<CompactSample<Dim>>(state);
 	for (const auto sample : samples)
-		pool.share(sample, parked);
+		pool.share(sample, compact);
 }
 
 template <int Dim> void PackedStore<Dim>::resize(std::size_t samples)
 {
-	const auto blank = std::make_shared<const ParkedSample<Dim>>(*prototypes.front());
+	const auto blank = std::make_shared<const CompactSample<Dim>>(*prototypes.front());
 	pool.clear();
 	for (std::size_t s = 0; s < samples; s++)
 		pool.add(blank);

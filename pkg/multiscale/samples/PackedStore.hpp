@@ -21,10 +21,10 @@ public:
 	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) override;
 	bool                                 comparesRates() const override { return true; }
 	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
-	const void*                          identity(std::size_t sample) const override { return pool.parked(sample).get(); }
+	const void*                          identity(std::size_t sample) const override { return pool.compact(sample).get(); }
 	std::size_t                          distinctStates() const override { return pool.distinctStates(); }
 	std::size_t                          bytes() const override { return pool.bytes(); }
-	double                               costOfStep(std::size_t sample) const override { return double(pool.parked(sample)->bytes()); }
+	double                               costOfStep(std::size_t sample) const override { return double(pool.compact(sample)->bytes()); }
 	void                                 saveState(ByteWriter&, std::size_t sample) const override;
 	void                                 restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
 	bool                                 restoresExactly() const override { return true; }
@@ -35,8 +35,8 @@ public:
 
 private:
 	struct Beginning {
-		typename SamplePool<Dim>::Parked sample;
-		SampleStart<Dim>                 start;
+		typename SamplePool<Dim>::Compact sample;
+		SampleStart<Dim>                  start;
 	};
 	Beginning frozen(int prototype, double iceSaturation, const PackedUpdateOptions&) const;
 

@@ -156,7 +156,7 @@ namespace {
 		else return shown.shape == &talik::rigidTriangle();
 	}
 
-	template <int D> class InDimension final : public MetBodies {
+	template <int D> class InDimension final : public SceneBodies {
 	public:
 		explicit InDimension(talik::RigidContact<D>& contact)
 		        : contact(contact)
@@ -248,7 +248,7 @@ namespace {
 	};
 } // namespace
 
-std::unique_ptr<MetBodies> MetBodies::of(talik::RigidContact<2>& contact) { return std::make_unique<InDimension<2>>(contact); }
-std::unique_ptr<MetBodies> MetBodies::of(talik::RigidContact<3>& contact) { return std::make_unique<InDimension<3>>(contact); }
+std::unique_ptr<SceneBodies> SceneBodies::of(talik::RigidContact<2>& contact) { return std::make_unique<InDimension<2>>(contact); }
+std::unique_ptr<SceneBodies> SceneBodies::of(talik::RigidContact<3>& contact) { return std::make_unique<InDimension<3>>(contact); }
 
 } // namespace yade

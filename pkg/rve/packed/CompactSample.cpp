@@ -29,7 +29,7 @@ namespace {
 		void                    sparse(const std::vector<double>&, std::size_t, std::size_t others) { bytes += others * (sizeof(double) + 4); }
 	};
 
-	/// Zero of either sign is another number here: what is parked comes back to the last bit.
+	/// Zero of either sign is another number here: it comes back to the last bit.
 	bool isZero(double number)
 	{
 		std::uint64_t bits;
@@ -150,7 +150,7 @@ namespace {
 } // namespace
 
 /// One order for measuring, putting and taking, the widest numbers first.
-template <int Dim> template <class Stream, class State, class Lists> void ParkedSample<Dim>::stream(Stream& stream, State& s, Lists& lists) const
+template <int Dim> template <class Stream, class State, class Lists> void CompactSample<Dim>::stream(Stream& stream, State& s, Lists& lists) const
 {
 	auto&             c     = s.contacts;
 	const std::size_t bonds = bonded ? contacts : 0, unlisted = listed ? 0 : contacts;
@@ -178,7 +178,7 @@ template <int Dim> template <class Stream, class State, class Lists> void Parked
 }
 
 template <int Dim>
-ParkedSample<Dim>::ParkedSample(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
+CompactSample<Dim>::CompactSample(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
         : parameters(state)
         , grains(state.grains)
         , grainCount(std::uint32_t(state.size()))
@@ -203,7 +203,7 @@ ParkedSample<Dim>::ParkedSample(const PackedState<Dim>& state, const PackedLists
 	stream(put, state, listed ? *lists : none);
 }
 
-template <int Dim> bool ParkedSample<Dim>::unpark(PackedState<Dim>& state, PackedLists<Dim>& lists) const
+template <int Dim> bool CompactSample<Dim>::expand(PackedState<Dim>& state, PackedLists<Dim>& lists) const
 {
 	static_cast<PackedParameters<Dim>&>(state) = parameters;
 	state.grains                               = grains;
@@ -215,13 +215,13 @@ template <int Dim> bool ParkedSample<Dim>::unpark(PackedState<Dim>& state, Packe
 	return listed;
 }
 
-template <int Dim> void ParkedSample<Dim>::unpark(PackedState<Dim>& state) const
+template <int Dim> void CompactSample<Dim>::expand(PackedState<Dim>& state) const
 {
 	PackedLists<Dim> lists;
-	unpark(state, lists);
+	expand(state, lists);
 }
 
-template class ParkedSample<2>;
-template class ParkedSample<3>;
+template class CompactSample<2>;
+template class CompactSample<3>;
 
 } // namespace talik
