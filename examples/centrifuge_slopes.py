@@ -15,7 +15,7 @@ import argparse
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 
 import numpy as np
 from yade import O
@@ -265,6 +265,21 @@ def drawVariations(runs, base, attributes):
 	return figure
 
 
+def assumed(words):
+	"""Name and value of ASSUMPTION=NUMBER."""
+	name, _, value = words.partition("=")
+	names = [field.name for field in fields(Assumptions)]
+	if name not in names:
+		raise SystemExit(f"--assume {words}: there is no assumption '{name}'; write ASSUMPTION=NUMBER with one of {', '.join(names)}")
+	try:
+		number = float(value)
+	except ValueError:
+		number = math.nan
+	if not (0 < number < math.inf or (number == 0 and name in ("cohesion", "thawStrain"))):
+		raise SystemExit(f"--assume {words}: '{value}' is not a positive number; write {name}=NUMBER, e.g. {name}={getattr(Assumptions, name):g}")
+	return name, number
+
+
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=("test", "draft"), help="size of the job")
 parser.add_argument(
@@ -277,7 +292,11 @@ options = parser.parse_args()
 folder = writableFolder(options.output)
 
 base, days = {"test": (Assumptions(gridSpacing=0.2, length=4.0), 12), "draft": (Assumptions(), 45)}[options.preset]
-base = replace(base, **{name: float(value) for name, value in (each.split("=") for each in options.assume)})
+base = replace(base, **dict(map(assumed, options.assume)))
+if not 0 < base.friction < 1:
+	raise SystemExit(
+		f"cohesion, safetyAt18, thickness and porosity give tan(phi) = {base.friction:.2f}, which must lie between 0 and 1; change one by --assume"
+	)
 runs = Runs(folder / "runs", days)
 print(f"friction angle {math.degrees(math.atan(base.friction)):.1f} deg; path of the surface [mm]:")
 lines = tableOf(runs, base, options.vary)

@@ -4,11 +4,13 @@
 
 	scripts/style.py         # names what differs, ends with 1 if anything does
 	scripts/style.py --fix   # formats
+	scripts/style.py --known FILE  # leaves out Python that was found good before; FILE keeps what was
 
 Versions of clang-format lay out differently; the style is that of Debian 12 (version 14). With another one C++ is not checked.
 """
 
 import argparse
+import hashlib
 import io
 import re
 import shutil
@@ -95,6 +97,28 @@ def tooLong(path):
 	return lines
 
 
+class Known:
+	"""What was found good before, by a digest of the file, of this script and of the programs that judge; black takes most of the time of a check."""
+
+	def __init__(self, path):
+		self.path = path and Path(path)
+		self.kept = set(self.path.read_text().split()) if path and self.path.exists() else set()
+		programs = [black.__version__, sys.version, Path(__file__).read_text()]
+		if path:
+			programs.append(subprocess.run([sys.executable, "-m", "flake8", "--version"], capture_output=True, text=True).stdout)
+		self.judges = "\n".join(programs).encode()
+
+	def digest(self, path):
+		return hashlib.sha256(b"\0".join([self.judges, str(path.relative_to(root)).encode(), path.read_bytes()])).hexdigest()
+
+	def unknown(self, paths):
+		return [path for path in paths if self.digest(path) not in self.kept] if self.path else paths
+
+	def keep(self, paths):
+		if self.path:
+			self.path.write_text("\n".join(map(self.digest, paths)))
+
+
 def defects(python):
 	"""What flake8 finds. Names of classes may be unknown to it: they are those of YADE's console."""
 	command = [
@@ -119,17 +143,22 @@ def defects(python):
 def main():
 	parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 	parser.add_argument("--fix", action="store_true", help="format the files")
-	fix = parser.parse_args().fix
+	parser.add_argument("--known", metavar="FILE", help="leave out the files of Python that were found good before, and keep here which were")
+	options = parser.parse_args()
+	fix, known = options.fix, Known(options.known)
 	python, cpp = sources(".py"), sources(".cpp", ".hpp", ".inc")
+	changed = known.unknown(python)
 	program = clangFormat()
 	if program is None:
 		print(f"C++ is not checked: there is no clang-format {clangFormatVersion}")
-	good = [holdsStyle(path, formattedPython(path), fix) for path in python]
+	good = [holdsStyle(path, formattedPython(path), fix) for path in changed]
 	if program and not allFormatted(program, cpp):
 		good += [holdsStyle(path, formattedCpp(program, path), fix) for path in cpp]
 	good += [not tooLong(path) for path in python + cpp]
-	good.append(not defects(python))
-	print(f"{len(python)} files of Python and {len(cpp)} of C++ read")
+	good.append(not changed or not defects(changed))
+	print(f"{len(changed)} of {len(python)} files of Python and {len(cpp)} of C++ read")
+	if all(good):
+		known.keep(python)
 	return 0 if all(good) else 1
 
 

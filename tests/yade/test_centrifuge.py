@@ -6,10 +6,32 @@ import re
 import subprocess
 from pathlib import Path
 
+import pytest
+
+example = Path(__file__).resolve().parents[2] / "examples" / "centrifuge_slopes.py"
+
+
+@pytest.mark.parametrize(
+	"given, remedy",
+	[
+		("cohesion", "'' is not a positive number; write cohesion=NUMBER, e.g. cohesion=800"),
+		("cohesion=soft", "'soft' is not a positive number; write cohesion=NUMBER"),
+		("cohesoin=1200", "there is no assumption 'cohesoin'; write ASSUMPTION=NUMBER with one of thickness, cohesion, "),
+		("safetyAt18=4", "which must lie between 0 and 1; change one by --assume"),
+	],
+	ids=["no number", "a word", "unknown name", "no friction angle"],
+)
+def test_an_assumption_that_is_none_is_refused_by_what_was_given_and_the_remedy(tmp_path, given, remedy):
+	command = ["yade", "-n", "-x", str(example), "--preset", "test", "--assume", given, "--output", str(tmp_path)]
+	run = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+	(said,) = [line for line in run.stderr.splitlines() if remedy in line]
+	print(said)
+	assert run.returncode != 0 and "Traceback" not in run.stderr
+	assert given in said or "tan(phi)" in said
+
 
 def test_slopes_that_freeze_and_thaw_twice_settle_by_their_excess_ice_in_the_order_measured_in_the_centrifuge(tmp_path):
 	"""Measured: 187 mm a cycle at 12 degrees, 651 mm at 18, a mudflow at 24."""
-	example = Path(__file__).resolve().parents[2] / "examples" / "centrifuge_slopes.py"
 	command = ["yade", "-n", "-x", str(example), "--preset", "test", "--cycles", "2", "--output", str(tmp_path)]
 	run = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 	assert (tmp_path / "summary.json").exists() and (tmp_path / "centrifuge_slopes_cycles.png").stat().st_size > 10_000, run.stdout + run.stderr

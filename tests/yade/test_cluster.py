@@ -123,7 +123,8 @@ class Cluster:
 	def follow(self, number, patience=900):
 		"""Until the job has ended. Slurm lets a job that queues again wait for two minutes; here it need not."""
 		end = time.monotonic() + patience
-		while (job := self.job(number))["JobState"] in ("PENDING", "RUNNING", "COMPLETING", "REQUEUED"):
+		going = ("PENDING", "CONFIGURING", "RUNNING", "SIGNALING", "COMPLETING", "REQUEUED")
+		while (job := self.job(number))["JobState"] in going:
 			assert time.monotonic() < end, (job, self.logs())
 			if job["JobState"] == "PENDING" and job["Restarts"] != "0":
 				self.ask("scontrol", "update", f"JobId={number}", "StartTime=now", "TimeLimit=60")
@@ -171,7 +172,7 @@ def said(folder):
 	return "".join(path.read_text() for path in folder.glob("slope*.txt"))
 
 
-def test_a_job_on_ranks_that_its_time_limit_stopped_ends_as_one_that_was_not_slow(cluster, tmp_path):
+def test_a_job_on_ranks_that_its_time_limit_stopped_ends_as_one_that_was_never_stopped_slow(cluster, tmp_path):
 	table = f"warming seconds\n8 {motionOf(75, cluster, tmp_path)}\n"
 	folder = copied(tmp_path / "job", table)
 	job = cluster.follow(cluster.submit(folder, "--time=1", "--signal=B:USR1@20", "ranks.sbatch", YADE_BATCH="runs.table:2"))
