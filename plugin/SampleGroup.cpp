@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "SampleGroup.hpp"
 
-#include <pkg/multiscale/RveSample.hpp>
-#include <pkg/multiscale/SampleStore.hpp>
-#include <pkg/rve/open/StepGate.hpp>
+#include <pkg/multiscale/samples/RveSample.hpp>
+#include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <variant>
 

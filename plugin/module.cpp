@@ -8,11 +8,11 @@
 #include <core/Scene.hpp>
 #include <omp.h>
 #include <pkg/common/OpenGLRenderer.hpp>
-#include <pkg/multiscale/CheckpointFile.hpp>
-#include <pkg/multiscale/MpmEngine.hpp>
+#include <pkg/multiscale/checkpoints/Checkpoint.hpp>
+#include <pkg/multiscale/engine/MpmEngine.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
-#include <pkg/rve/open/StepGate.hpp>
 #include <pkg/rve/packed/PackedStepView.hpp>
 #include <sstream>
 

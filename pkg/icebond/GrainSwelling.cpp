@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/common/Sphere.hpp>
-#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/GrainSwelling.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
-#include <pkg/rve/open/StepGate.hpp>
+#include <pkg/python/ScriptValues.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <stdexcept>
 
 namespace yade {

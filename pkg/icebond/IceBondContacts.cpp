@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
-#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/ContactForces.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
+#include <pkg/python/ScriptValues.hpp>
 #include <stdexcept>
 
 namespace yade {
@@ -12,18 +12,12 @@ YADE_PLUGIN((IceBondMat)(IceBondPhys)(Ip2_IceBondMat_IceBondMat_IceBondPhys)(Law
 talik::IceBondModel IceBondMat::model() const
 {
 	talik::IceBondModel m;
-	m.grainYoung       = young;
-	m.iceYoung         = iceYoung;
+	m.grainYoung = young;
+	TALIK_TAKE_ATTRIBUTES(m, *this, (iceYoung)(exponent)(bondAreaFactor)(meltSaturation)(bondSaturation)(bondRange)(thawedStrength))
 	m.tensileStrength0 = tensileStrength;
 	m.tensileStrengthI = iceTensileStrength;
 	m.shearStrength0   = shearStrength;
 	m.shearStrengthI   = iceShearStrength;
-	m.exponent         = exponent;
-	m.bondAreaFactor   = bondAreaFactor;
-	m.meltSaturation   = meltSaturation;
-	m.bondSaturation   = bondSaturation;
-	m.bondRange        = bondRange;
-	m.thawedStrength   = thawedStrength;
 	return m;
 }
 

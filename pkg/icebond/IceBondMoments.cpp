@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
-#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/ContactForces.hpp>
 #include <pkg/icebond/IceBondMoments.hpp>
+#include <pkg/python/ScriptValues.hpp>
 
 namespace yade {
 YADE_PLUGIN((RollingIceBondMat)(RollingIceBondPhys)(MomentIceBondMat)(MomentIceBondPhys));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/dem/ScGeom.hpp>
-#include <pkg/icebond/AttributeRefusal.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/icebond/IceStrengthAndCreep.hpp>
-#include <pkg/rve/open/StepGate.hpp>
+#include <pkg/python/ScriptValues.hpp>
+#include <pkg/python/StepGate.hpp>
 
 namespace yade {
 YADE_PLUGIN((IceStrength)(IceCreep)(CreepingBonds));
@@ -35,12 +35,9 @@ Real IceStrength::stiffnessFactor(Real temperature) const
 talik::IceStrengthLaw IceStrength::law() const
 {
 	talik::IceStrengthLaw l;
-	l.tensile              = { tensileCold, tensileRateExponent };
-	l.shear                = { shearCold, shearRateExponent };
-	l.referenceTemperature = referenceTemperature;
-	l.referenceRate        = referenceRate;
-	l.leastRate            = leastRate;
-	l.stiffnessCold        = stiffnessCold;
+	l.tensile = { tensileCold, tensileRateExponent };
+	l.shear   = { shearCold, shearRateExponent };
+	TALIK_TAKE_ATTRIBUTES(l, *this, (referenceTemperature)(referenceRate)(leastRate)(stiffnessCold))
 	return l;
 }
 
@@ -66,11 +63,7 @@ void IceCreep::postLoad(IceCreep&)
 talik::IceCreepLaw IceCreep::law() const
 {
 	talik::IceCreepLaw l;
-	l.rateFactor           = rateFactor;
-	l.exponent             = exponent;
-	l.referenceTemperature = referenceTemperature;
-	l.coldActivationEnergy = coldActivationEnergy;
-	l.warmActivationEnergy = warmActivationEnergy;
+	TALIK_TAKE_ATTRIBUTES(l, *this, (rateFactor)(exponent)(referenceTemperature)(coldActivationEnergy)(warmActivationEnergy))
 	return l;
 }
 
@@ -138,7 +131,7 @@ void CreepingBonds::postLoad(CreepingBonds&)
 /// Other rules have one spring for grains and ice.
 void CreepingBonds::requireParallelSprings() const
 {
-	talik::HoldGil gil;
+	talik::PythonLock gil;
 	for (const auto& engine : scene->engines) {
 		if (engine->getClassName() != "InteractionLoop") continue;
 		const py::object functors = py::object(engine).attr("lawDispatcher").attr("functors");

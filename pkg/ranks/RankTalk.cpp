@@ -22,64 +22,64 @@ void Ranks::pass(const std::vector<Parcel>& going, const std::vector<Parcel>& co
 }
 
 /// What a rank holds up in each round.
-struct RankTalk::Slip {
+struct RankTalk::Message {
 	static constexpr std::int32_t meeting = -1;
 
 	std::uint64_t digest   = 0;
 	std::int32_t  answerer = meeting; ///< number of the answerer who is asked
 	char          text[116] {};       ///< purpose of the meeting, or question
 
-	Slip() = default;
-	Slip(std::int32_t number, const std::string& words, std::uint64_t state)
+	Message() = default;
+	Message(std::int32_t number, const std::string& words, std::uint64_t state)
 	        : digest(state)
 	        , answerer(number)
 	{
-		if (words.size() >= sizeof text) throw std::logic_error("too long for a slip: " + words);
+		if (words.size() >= sizeof text) throw std::logic_error("too long for a message: " + words);
 		std::memcpy(text, words.data(), words.size());
 	}
 	bool asks() const { return answerer != meeting; }
-	bool saysTheSame(const Slip& other) const { return answerer == other.answerer && std::strcmp(text, other.text) == 0; }
+	bool saysTheSame(const Message& other) const { return answerer == other.answerer && std::strcmp(text, other.text) == 0; }
 };
 
-std::vector<RankTalk::Slip> RankTalk::round(const Slip& mine)
+std::vector<RankTalk::Message> RankTalk::round(const Message& mine)
 {
-	std::vector<Slip> slips(static_cast<std::size_t>(count()));
-	ranks_->allGather(&mine, std::vector<std::size_t>(slips.size(), sizeof(Slip)), slips.data());
-	return slips;
+	std::vector<Message> messages(static_cast<std::size_t>(count()));
+	ranks_->allGather(&mine, std::vector<std::size_t>(messages.size(), sizeof(Message)), messages.data());
+	return messages;
 }
 
 /// The part of this rank goes to all who ask the same.
-std::vector<std::string> RankTalk::answer(const std::vector<Slip>& slips, const Slip& question)
+std::vector<std::string> RankTalk::answer(const std::vector<Message>& messages, const Message& question)
 {
 	const auto               found = answerers.find(question.answerer);
 	const std::string        own   = found == answerers.end() ? "" : found->second->answerTo(question.text);
-	std::vector<std::string> toEach(slips.size());
-	for (std::size_t k = 0; k < slips.size(); ++k)
-		if (slips[k].saysTheSame(question)) toEach[k] = own;
+	std::vector<std::string> toEach(messages.size());
+	for (std::size_t k = 0; k < messages.size(); ++k)
+		if (messages[k].saysTheSame(question)) toEach[k] = own;
 	return ranks_->exchange(toEach);
 }
 
 void RankTalk::meet(const std::string& purpose, std::uint64_t digest)
 {
-	const Slip mine(Slip::meeting, purpose, digest);
+	const Message mine(Message::meeting, purpose, digest);
 	for (;;) {
-		const auto slips    = round(mine);
-		const auto question = std::find_if(slips.begin(), slips.end(), [](const Slip& slip) { return slip.asks(); });
-		if (question == slips.end()) {
-			requireSame(slips);
+		const auto messages = round(mine);
+		const auto question = std::find_if(messages.begin(), messages.end(), [](const Message& message) { return message.asks(); });
+		if (question == messages.end()) {
+			requireSame(messages);
 			return;
 		}
-		answer(slips, *question);
+		answer(messages, *question);
 	}
 }
 
 std::vector<std::string> RankTalk::ask(int answerer, const std::string& words)
 {
-	const Slip mine(answerer, words, 0);
+	const Message mine(answerer, words, 0);
 	for (;;) {
-		const auto slips    = round(mine);
-		const Slip question = *std::find_if(slips.begin(), slips.end(), [](const Slip& slip) { return slip.asks(); });
-		auto       answers  = answer(slips, question);
+		const auto    messages = round(mine);
+		const Message question = *std::find_if(messages.begin(), messages.end(), [](const Message& message) { return message.asks(); });
+		auto          answers  = answer(messages, question);
 		if (question.saysTheSame(mine)) return answers;
 	}
 }
@@ -97,23 +97,23 @@ std::string RankTalk::named(int rank) const
 }
 
 /// Names a rank that came to another place, or whose state is not that of most ranks.
-void RankTalk::requireSame(const std::vector<Slip>& slips) const
+void RankTalk::requireSame(const std::vector<Message>& messages) const
 {
-	for (std::size_t k = 1; k < slips.size(); ++k)
-		if (!slips[k].saysTheSame(slips[0]))
+	for (std::size_t k = 1; k < messages.size(); ++k)
+		if (!messages[k].saysTheSame(messages[0]))
 			throw std::runtime_error(
-			        "The ranks of this job do different things: " + named(0) + " is at '" + slips[0].text + "', " + named(int(k)) + " at '"
-			        + slips[k].text + "'. Let all run the same script; steps must depend neither on the rank nor on the wall clock.");
+			        "The ranks of this job do different things: " + named(0) + " is at '" + messages[0].text + "', " + named(int(k)) + " at '"
+			        + messages[k].text + "'. Let all run the same script; steps must depend neither on the rank nor on the wall clock.");
 	const auto like = [&](std::size_t k) {
-		return std::count_if(slips.begin(), slips.end(), [&](const Slip& slip) { return slip.digest == slips[k].digest; });
+		return std::count_if(messages.begin(), messages.end(), [&](const Message& message) { return message.digest == messages[k].digest; });
 	};
 	std::size_t usual = 0;
-	for (std::size_t k = 1; k < slips.size(); ++k)
+	for (std::size_t k = 1; k < messages.size(); ++k)
 		if (like(k) > like(usual)) usual = k;
-	for (std::size_t k = 0; k < slips.size(); ++k)
-		if (slips[k].digest != slips[usual].digest)
+	for (std::size_t k = 0; k < messages.size(); ++k)
+		if (messages[k].digest != messages[usual].digest)
 			throw std::runtime_error(
-			        "The ground of " + named(int(k)) + " is no longer that of " + named(int(usual)) + " (noticed at '" + slips[k].text
+			        "The ground of " + named(int(k)) + " is no longer that of " + named(int(usual)) + " (noticed at '" + messages[k].text
 			        + "'): start the same script with the same settings on all ranks, on processors of one kind.");
 }
 

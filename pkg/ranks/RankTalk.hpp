@@ -41,10 +41,10 @@ public:
 	void describe(std::vector<std::string> byRank) { descriptions = std::move(byRank); }
 
 private:
-	struct Slip;
-	std::vector<Slip>        round(const Slip& mine);
-	std::vector<std::string> answer(const std::vector<Slip>& slips, const Slip& question);
-	void                     requireSame(const std::vector<Slip>& slips) const;
+	struct Message;
+	std::vector<Message>     round(const Message& mine);
+	std::vector<std::string> answer(const std::vector<Message>& messages, const Message& question);
+	void                     requireSame(const std::vector<Message>& messages) const;
 	std::string              named(int rank) const;
 
 	std::shared_ptr<Ranks>         ranks_;

@@ -57,11 +57,6 @@ double skemptonB(const PressureCoefficients& c, double skeletonModulus) { return
 
 double undrainedModulus(const PressureCoefficients& c, double skeletonModulus) { return skeletonModulus + c.undrained() / c.storage; }
 
-double undrainedWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus)
-{
-	return std::sqrt(undrainedModulus(c, oedometerModulus) / m.density(n));
-}
-
 double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus)
 {
 	const double solidMass  = n.solid * m.solid.density + n.ice * m.ice.density;

@@ -98,9 +98,6 @@ double skemptonB(const PressureCoefficients& c, double skeletonModulus);
 /// K_u = K + chi/K_p [Pa] (or the undrained oedometer modulus, from the drained one).
 double undrainedModulus(const PressureCoefficients& c, double skeletonModulus);
 
-/// Undrained wave speed sqrt(M_u/rho_m) [m/s] from the drained oedometer modulus [Pa].
-double undrainedWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus);
-
 /// Largest wave speed when solid and liquid move without drag [m/s]: the bound that the explicit time step obeys, eq. (10.1). It is the
 /// root of the largest eigenvalue of
 ///   [ (M + (1-n_l) K_S/K_p)/m_s   (1-n_l) K_l/(K_p m_s) ;  n_l K_S/(K_p m_l)   n_l K_l/(K_p m_l) ],

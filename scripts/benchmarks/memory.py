@@ -33,7 +33,7 @@ def residentAtLeast():
 	return resident()
 
 
-def parked(kind, sample, ceiling, number=1000):
+def atRest(kind, sample, ceiling, number=1000):
 	"""Samples of 400 grains, each with a history of its own, after two updates."""
 	motion = twins.pureShear(1e-5)
 	few = talik._talik.SampleGroup(sample, 4)
@@ -45,7 +45,7 @@ def parked(kind, sample, ceiling, number=1000):
 	each = (resident() - before) / number / 1e3
 	contacts = sample.statistics()["contacts"]
 	yield Figure(
-		f"memory per parked sample, {kind}",
+		f"memory per sample at rest, {kind}",
 		each,
 		"kB",
 		ceiling=ceiling,
@@ -90,10 +90,10 @@ def slopeOfBondedSamples():
 
 
 kinds = {
-	"frictional": lambda: parked("frictional", twins.frictional(400), 30),
-	"bonded": lambda: parked("bonded", twins.bonded(400), 60),
-	"spheres": lambda: parked("frictional spheres", twins.frictional(400, dimension=3), 60),
-	"bondedSpheres": lambda: parked("bonded spheres", twins.bonded(400, dimension=3), 110),
+	"frictional": lambda: atRest("frictional", twins.frictional(400), 30),
+	"bonded": lambda: atRest("bonded", twins.bonded(400), 60),
+	"spheres": lambda: atRest("frictional spheres", twins.frictional(400, dimension=3), 60),
+	"bondedSpheres": lambda: atRest("bonded spheres", twins.bonded(400, dimension=3), 110),
 	"slope": slopeOfBondedSamples,
 }
 measured = list(kinds[sys.argv[1]]())

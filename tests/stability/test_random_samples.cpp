@@ -169,12 +169,12 @@ private:
 		if (after.toBytes() != before.toBytes()) note("is not as it was before it blew up");
 	}
 
-	std::shared_ptr<const ParkedSample<D>> throughBytes() const
+	std::shared_ptr<const CompactSample<D>> throughBytes() const
 	{
 		State          state;
 		PackedLists<D> lists;
-		const bool     listed = pool_.parked(0)->unpark(state, lists);
-		return std::make_shared<const ParkedSample<D>>(State::fromBytes(state.toBytes()), listed ? &lists : nullptr);
+		const bool     listed = pool_.compact(0)->expand(state, lists);
+		return std::make_shared<const CompactSample<D>>(State::fromBytes(state.toBytes()), listed ? &lists : nullptr);
 	}
 
 	static PackedUpdateResult<D> ask(SamplePool<D>& pool, const Matrix& increment, double ice, const PackedUpdateOptions& options)

@@ -81,7 +81,7 @@ TEST(PackedMoments, bothPathsAgreeWithAndWithoutRolling)
 	}
 }
 
-TEST(PackedMoments, samplesComeBackFromBytesAndParkingToTheLastBit)
+TEST(PackedMoments, samplesComeBackFromBytesAndCompactFormToTheLastBit)
 {
 	for (const bool rolling : { false, true }) {
 		const State state = bent(beam, rolling);
@@ -94,8 +94,8 @@ TEST(PackedMoments, takeNoByteOfSamplesWhoseBondsCarryNone)
 	const State       free = bent({}), carrying = withMoments(free);
 	const std::size_t expected = 4 * sizeof(double) + 2 * sizeof(std::uint64_t) + sizeof(double) * free.contacts.size();
 	std::printf(
-	        "%zu bytes without, %zu with; parked %zu and %zu\n", free.toBytes().size(), carrying.toBytes().size(), ParkedSample<2>(free).bytes(),
-	        ParkedSample<2>(carrying).bytes());
+	        "%zu bytes without, %zu with; compact %zu and %zu\n", free.toBytes().size(), carrying.toBytes().size(), CompactSample<2>(free).bytes(),
+	        CompactSample<2>(carrying).bytes());
 	EXPECT_TRUE(free.contacts.bondMoment.empty());
 	EXPECT_EQ(carrying.toBytes().size() - free.toBytes().size(), expected);
 	EXPECT_EQ(free.toBytes().substr(0, 8), "TALIKPS3") << "samples that were saved before can be read";

@@ -75,7 +75,7 @@ TEST(PackedRolling, bothPathsAgreeWithAndWithoutBonds)
 	}
 }
 
-TEST(PackedRolling, samplesComeBackFromBytesAndParkingToTheLastBit)
+TEST(PackedRolling, samplesComeBackFromBytesAndCompactFormToTheLastBit)
 {
 	for (const bool bonded : { false, true }) {
 		const State state = sheared(bonded);
@@ -88,8 +88,8 @@ TEST(PackedRolling, takesNoByteOfSamplesWhoseGrainsRollFreely)
 	const State       free = sheared(true, {}), rolling = withRolling(free, rough);
 	const std::size_t expected = 2 * sizeof(double) + sizeof(std::uint64_t) + sizeof(double) * free.contacts.size();
 	std::printf(
-	        "%zu bytes without, %zu with; parked %zu and %zu\n", free.toBytes().size(), rolling.toBytes().size(), ParkedSample<2>(free).bytes(),
-	        ParkedSample<2>(rolling).bytes());
+	        "%zu bytes without, %zu with; compact %zu and %zu\n", free.toBytes().size(), rolling.toBytes().size(), CompactSample<2>(free).bytes(),
+	        CompactSample<2>(rolling).bytes());
 	EXPECT_TRUE(free.contacts.moment.empty());
 	EXPECT_EQ(rolling.toBytes().size() - free.toBytes().size(), expected);
 	EXPECT_EQ(free.toBytes().substr(0, 8), "TALIKPS3") << "samples that were saved before can be read";

@@ -18,7 +18,7 @@ namespace {
 
 double relative(const Matrix& a, const Matrix& b) { return (a - b).norm() / b.norm(); }
 
-std::shared_ptr<const ParkedSample<2>> parked(const State& state) { return std::make_shared<const ParkedSample<2>>(state); }
+std::shared_ptr<const CompactSample<2>> compact(const State& state) { return std::make_shared<const CompactSample<2>>(state); }
 
 /// Bytes of a state whose parts may stand in another order after an update: all of them count.
 std::string bytes(const PackedSample<2>& sample) { return sample.state().toBytes(); }
@@ -218,8 +218,8 @@ TEST(PackedSample, bothPathsAgreeThroughBreakage)
 	EXPECT_LT(difference, 1e-7);
 }
 
-// indices are parked in as many bits as the number of grains needs
-TEST(PackedSample, parkedContactsComeBackWhateverTheNumberOfGrains)
+// indices are held in as many bits as the number of grains needs
+TEST(PackedSample, compactContactsComeBackWhateverTheNumberOfGrains)
 {
 	for (const std::size_t grains : { 200u, 256u, 257u, 700u, 4000u, 5000u, 65000u }) {
 		State s  = frozen(0.2);
@@ -234,22 +234,22 @@ TEST(PackedSample, parkedContactsComeBackWhateverTheNumberOfGrains)
 			s.contacts.first[k]  = std::uint16_t(k * 7919 % (grains - 4));
 		}
 		State back;
-		ParkedSample<2>(s).unpark(back);
+		CompactSample<2>(s).expand(back);
 		EXPECT_TRUE(s.toBytes() == back.toBytes()) << grains << " grains";
 	}
-	std::printf("contacts of 200 to 65000 grains, parked and taken back: the same bytes\n");
+	std::printf("contacts of 200 to 65000 grains, made compact and expanded: the same bytes\n");
 }
 
-TEST(PackedSample, parkedFormIsSmall)
+TEST(PackedSample, compactFormIsSmall)
 {
 	// the reference has 200 grains; the figures are for 400
 	const State plain = PackedSample<2>(packedReference::sample().state()).state(), bonded = frozen(0.5);
 	const auto  kilobytes = [](const State& s) {
-                const double fixed = sizeof(ParkedSample<2>);
-                return (fixed + (double(ParkedSample<2>(s).bytes()) - fixed) * 400 / double(s.size())) / 1000;
+                const double fixed = sizeof(CompactSample<2>);
+                return (fixed + (double(CompactSample<2>(s).bytes()) - fixed) * 400 / double(s.size())) / 1000;
 	};
 	std::printf(
-	        "parked form of 400 discs: %.1f kB frictional (%zu contacts), %.1f kB bonded (%zu contacts)\n", kilobytes(plain), plain.contacts.size() * 2,
+	        "compact form of 400 discs: %.1f kB frictional (%zu contacts), %.1f kB bonded (%zu contacts)\n", kilobytes(plain), plain.contacts.size() * 2,
 	        kilobytes(bonded), bonded.contacts.size() * 2);
 	EXPECT_LT(kilobytes(plain), 30);
 	EXPECT_LT(kilobytes(bonded), 60);
@@ -445,7 +445,7 @@ TEST(PackedSample, badStatesAreRefusedByName)
 
 TEST(SamplePool, resultsAreBitEqualForAnyNumberOfThreads)
 {
-	const auto    plain = parked(packedReference::sample().state()), ice = parked(frozen(0.2));
+	const auto    plain = compact(packedReference::sample().state()), ice = compact(frozen(0.2));
 	SamplePool<2> one, many;
 	for (int k = 0; k < 12; ++k)
 		for (SamplePool<2>* pool : { &one, &many })
@@ -462,7 +462,7 @@ TEST(SamplePool, resultsAreBitEqualForAnyNumberOfThreads)
 			EXPECT_TRUE(one.state(requests[k].sample).toBytes() == many.state(requests[k].sample).toBytes());
 		}
 	}
-	EXPECT_EQ(one.parked(5), ice) << "never asked: still shared";
+	EXPECT_EQ(one.compact(5), ice) << "never asked: still shared";
 	EXPECT_EQ(one.distinctStates(), 12u);
 }
 
@@ -523,19 +523,19 @@ TEST(SamplePool, incrementThatNoSampleCanFollowBlowsUpThatSampleAloneAndImpossib
 	SamplePool<2> pool;
 	for (int k = 0; k < 3; ++k)
 		pool.add(packedReference::sample().state());
-	const auto before = pool.parked(0);
+	const auto before = pool.compact(0);
 	EXPECT_THROW(pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(0, 1e-4, 0, 0), 1.5 } }, {}), std::invalid_argument);
-	EXPECT_EQ(pool.parked(0), before);
-	const auto last    = pool.parked(2);
+	EXPECT_EQ(pool.compact(0), before);
+	const auto last    = pool.compact(2);
 	const auto results = pool.update({ { 0, matrix(0, 1e-4, 0, 0), 0. }, { 2, matrix(-2, 0, 0, 0), 0. } }, {});
 	EXPECT_FALSE(results[0].blewUp);
-	EXPECT_NE(pool.parked(0), before);
+	EXPECT_NE(pool.compact(0), before);
 	EXPECT_TRUE(results[1].blewUp);
 	EXPECT_FALSE(results[1].reason.empty());
-	EXPECT_EQ(pool.parked(2), last);
+	EXPECT_EQ(pool.compact(2), last);
 }
 
-TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)
+TEST(CompactSample, keepsStateAndNeighbourListsToTheLastBit)
 {
 	for (const bool bonds : { false, true }) {
 		PackedWorkspace<2> workspace(false);
@@ -545,8 +545,8 @@ TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)
 		State          state, stateAgain = frozen(0.2); // not empty: it is reused
 		PackedLists<2> lists, listsAgain;
 		workspace.store(state, &lists);
-		const ParkedSample<2> parked(state, &lists);
-		ASSERT_TRUE(parked.unpark(stateAgain, listsAgain));
+		const CompactSample<2> compact(state, &lists);
+		ASSERT_TRUE(compact.expand(stateAgain, listsAgain));
 		EXPECT_TRUE(stateAgain.toBytes() == state.toBytes());
 		EXPECT_EQ(listsAgain.inside, lists.inside);
 		EXPECT_EQ(listsAgain.first, lists.first);
@@ -554,9 +554,9 @@ TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)
 		EXPECT_EQ(listsAgain.cellDist, lists.cellDist);
 		EXPECT_EQ(listsAgain.travel, lists.travel);
 		std::printf(
-		        "%s: %zu bytes with lists of %zu pairs, %zu of them contacts; %zu without lists\n", bonds ? "bonded" : "frictional", parked.bytes(),
-		        lists.size(), state.contacts.size(), ParkedSample<2>(state).bytes());
-		EXPECT_FALSE(ParkedSample<2>(state).unpark(stateAgain, listsAgain));
+		        "%s: %zu bytes with lists of %zu pairs, %zu of them contacts; %zu without lists\n", bonds ? "bonded" : "frictional", compact.bytes(),
+		        lists.size(), state.contacts.size(), CompactSample<2>(state).bytes());
+		EXPECT_FALSE(CompactSample<2>(state).expand(stateAgain, listsAgain));
 		EXPECT_TRUE(stateAgain.toBytes() == state.toBytes());
 	}
 }
@@ -564,7 +564,7 @@ TEST(ParkedSample, keepsStateAndNeighbourListsToTheLastBit)
 TEST(SamplePool, equalRequestsOnASharedStateAreComputedOnce)
 {
 	const State   plain  = packedReference::sample().state();
-	const auto    shared = parked(plain);
+	const auto    shared = compact(plain);
 	SamplePool<2> pool;
 	for (int k = 0; k < 6; ++k)
 		pool.add(shared);

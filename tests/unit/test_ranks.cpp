@@ -8,9 +8,9 @@
 #include <cstring>
 #include <gtest/gtest.h>
 #include <numeric>
-#include <pkg/multiscale/DistributedStore.hpp>
-#include <pkg/multiscale/PackedStore.hpp>
-#include <pkg/multiscale/SampleStore.hpp>
+#include <pkg/multiscale/samples/DistributedStore.hpp>
+#include <pkg/multiscale/samples/PackedStore.hpp>
+#include <pkg/multiscale/samples/SampleStore.hpp>
 
 using namespace talik;
 using packedSpheres::Matrix;

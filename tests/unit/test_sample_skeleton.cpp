@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
-#include <pkg/multiscale/PackedStore.hpp>
-#include <pkg/multiscale/SampleSkeleton.hpp>
+#include <pkg/multiscale/samples/PackedStore.hpp>
+#include <pkg/multiscale/samples/SampleSkeleton.hpp>
 
 using namespace talik;
 using packedSpheres::Matrix;

@@ -3,7 +3,7 @@
 
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/kernels/NodeLoops.hpp>

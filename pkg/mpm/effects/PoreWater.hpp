@@ -5,7 +5,7 @@
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>

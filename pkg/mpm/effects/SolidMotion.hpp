@@ -3,7 +3,7 @@
 
 #include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 

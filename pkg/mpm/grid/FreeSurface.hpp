@@ -4,7 +4,7 @@
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 
 #include <vector>

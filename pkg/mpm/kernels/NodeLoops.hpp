@@ -2,8 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/effects/NodeColumns.hpp>
-#include <pkg/mpm/grid/Vector.hpp>
-#include <pkg/mpm/grid/WeightBlock.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
 
 #include <vector>
 

@@ -619,5 +619,21 @@ template const NodeLoops<3>&              bestVectorLoops<3>();
 template std::vector<const NodeLoops<2>*> vectorLoops<2>();
 template std::vector<const NodeLoops<3>*> vectorLoops<3>();
 
+namespace {
+	template <int D> const NodeLoops<D>*& chosen()
+	{
+		static const NodeLoops<D>* loops = &bestVectorLoops<D>();
+		return loops;
+	}
+} // namespace
+
+template <int D> const NodeLoops<D>& nodeLoops() { return *chosen<D>(); }
+template <int D> void                chooseNodeLoops(const NodeLoops<D>& loops) { chosen<D>() = &loops; }
+
+template const NodeLoops<2>& nodeLoops<2>();
+template const NodeLoops<3>& nodeLoops<3>();
+template void                chooseNodeLoops<2>(const NodeLoops<2>&);
+template void                chooseNodeLoops<3>(const NodeLoops<3>&);
+
 } // namespace talik
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/NodeField.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 
 #include <functional>
@@ -60,7 +60,6 @@ public:
 	int  endStrip() const { return strips_[rank() + 1]; }
 	int  firstPoint() const { return points_[rank()]; }
 	int  endPoint() const { return points_[rank() + 1]; }
-	bool owns(int place) const { return place >= firstPoint() && place < endPoint(); }
 
 	/// To be filled before handOver(), complete() empties it.
 	SharedRows& shared() { return shared_; }

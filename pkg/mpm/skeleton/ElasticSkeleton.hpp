@@ -1,9 +1,33 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
+
+#include <algorithm>
 
 namespace talik {
+
+/// Elastic stress of a batch of points by the Jaumann rate, in pieces of Piece points, several threads from Parallel points on; then
+/// after(first place, count) of each run of places that follow each other.
+template <int D, int Piece, int Parallel, class After> void updateElasticBatch(const SkeletonBatch<D>& b, const LameModuli& moduli, After&& after)
+{
+	double lambda[Piece], shear[Piece];
+	std::fill(lambda, lambda + Piece, moduli.lambda);
+	std::fill(shear, shear + Piece, moduli.shear);
+	ThreadTeam::run((b.count + Piece - 1) / Piece, b.count >= Parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
+		const int end = std::min(b.count, (i + 1) * Piece);
+		for (int k = i * Piece; k < end;) {
+			// places that follow each other are worked on in one go
+			const int first = k, place = b.place[k];
+			while (k < end && b.place[k] == place + (k - first))
+				++k;
+			updateElastic<D>(k - first, lambda, shear, from(b.gradient, place), from(b.stress, place));
+			after(place, k - first);
+		}
+	});
+}
 
 /// Isotropic linear elasticity in rate form with the Jaumann stress rate, integrated with the midpoint rotation, so that a
 /// rigid rotation turns the stress exactly.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/common/Sphere.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
-#include <pkg/rve/open/StepGate.hpp>
 
 #include <algorithm>
 #include <map>
@@ -181,7 +181,7 @@ std::string reasonAgainstRunning(const Scene& scene, bool dense)
 	}
 	const auto        kinds    = kindsOf(scene);
 	const auto        collider = liveEngine(scene, "InsertionSortCollider");
-	const HoldGil     held;
+	const PythonLock  held;
 	const py::object  inPython(loop);
 	const std::string reason = reasonOfContacts(kinds, inPython, dense);
 	if (!reason.empty()) return reason;

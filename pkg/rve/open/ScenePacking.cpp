@@ -5,8 +5,8 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceBondMoments.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
-#include <pkg/rve/open/StepGate.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 
 #include <algorithm>
@@ -627,7 +627,7 @@ bool bondsCarryMoments(const Scene& scene)
 
 std::string reasonAgainstPacking(const Scene& scene)
 {
-	HoldGil gil;
+	PythonLock gil;
 	for (const auto reason : { reasonOfCell, reasonOfBodies, reasonOfEngines, reasonOfContacts }) {
 		const std::string found = reason(scene);
 		if (!found.empty()) return found;
@@ -644,7 +644,7 @@ int packedDimension(const Scene& scene)
 
 template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedState<Dim>* former)
 {
-	HoldGil     gil;
+	PythonLock  gil;
 	std::string reason = reasonAgainstPacking(scene);
 	if (reason.empty() && packedDimension(scene) != Dim)
 		reason = Dim == 2 ? "it has spheres and a sample of discs is wanted" : "it has discs and a sample of spheres is wanted";
@@ -702,7 +702,7 @@ double thicknessOf(const Scene& scene)
 
 template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 {
-	HoldGil gil;
+	PythonLock gil;
 	for (std::size_t i = 0; i < s.size(); i++) {
 		const int id = s.grains->id[i];
 		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id])

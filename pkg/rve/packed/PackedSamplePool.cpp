@@ -16,9 +16,9 @@ namespace {
 
 	/// Requests in groups of equal work: same state, same increment, same ice, bit for bit.
 	template <int Dim>
-	int compareWork(const PackedRequest<Dim>& a, const ParkedSample<Dim>* parkedA, const PackedRequest<Dim>& b, const ParkedSample<Dim>* parkedB)
+	int compareWork(const PackedRequest<Dim>& a, const CompactSample<Dim>* compactA, const PackedRequest<Dim>& b, const CompactSample<Dim>* compactB)
 	{
-		if (parkedA != parkedB) return std::less<const ParkedSample<Dim>*>()(parkedA, parkedB) ? -1 : 1;
+		if (compactA != compactB) return std::less<const CompactSample<Dim>*>()(compactA, compactB) ? -1 : 1;
 		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
 		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
 		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
@@ -52,7 +52,7 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	PackedState<Dim>                      state;
 	PackedLists<Dim>                      lists;
 
-	PackedUpdateResult<Dim> update(Parked& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+	PackedUpdateResult<Dim> update(Compact& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
 	{
 		if (request.inertialNumber > 0) options.maxInertialNumber = request.inertialNumber;
 		options.strength               = request.strength;
@@ -61,23 +61,23 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
 		if (result.blewUp) return result;
 		workspace->store(state, &lists);
-		sample = std::make_shared<ParkedSample<Dim>>(state, &lists);
+		sample = std::make_shared<CompactSample<Dim>>(state, &lists);
 		return result;
 	}
 
-	PackedUpdateResult<Dim> begin(const ParkedSample<Dim>& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	PackedUpdateResult<Dim> begin(const CompactSample<Dim>& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
 	{
-		const bool listed = sample.unpark(state, lists);
+		const bool listed = sample.expand(state, lists);
 		workspace->load(state, listed ? &lists : nullptr);
 		return follow(request, options);
 	}
 
 	/// The error of quasi-static motion is of first order in the rate: what is left of it beyond the finer steps is a geometric series.
-	PackedUpdateResult<Dim> compareRates(const ParkedSample<Dim>& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+	PackedUpdateResult<Dim> compareRates(const CompactSample<Dim>& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
 	{
 		const PackedUpdateResult<Dim> coarse = begin(sample, request, options);
 		if (coarse.blewUp) return coarse;
-		sample.unpark(state, lists);
+		sample.expand(state, lists);
 		options.steps                = rateRefinement * substepCount<Dim>(state, request.displacementGradient, options);
 		PackedUpdateResult<Dim> fine = begin(sample, request, options);
 		fine.rateError               = (fine.stress - coarse.stress).norm() * rateRefinement / (rateRefinement - 1.);
@@ -109,20 +109,20 @@ template <int Dim> SamplePool<Dim>& SamplePool<Dim>::operator=(const SamplePool&
 	return *this;
 }
 
-template <int Dim> std::size_t SamplePool<Dim>::add(Parked parked)
+template <int Dim> std::size_t SamplePool<Dim>::add(Compact compact)
 {
-	if (!parked) throw std::invalid_argument("sample pool: the parked sample is null");
-	samples.push_back(std::move(parked));
+	if (!compact) throw std::invalid_argument("sample pool: the compact sample is null");
+	samples.push_back(std::move(compact));
 	return samples.size() - 1;
 }
 
 template <int Dim> std::size_t SamplePool<Dim>::add(const PackedState<Dim>& state)
 {
 	state.check();
-	return add(std::make_shared<const ParkedSample<Dim>>(state));
+	return add(std::make_shared<const CompactSample<Dim>>(state));
 }
 
-template <int Dim> typename SamplePool<Dim>::Parked SamplePool<Dim>::parked(std::size_t sample) const
+template <int Dim> typename SamplePool<Dim>::Compact SamplePool<Dim>::compact(std::size_t sample) const
 {
 	if (sample >= samples.size()) throw std::invalid_argument("sample pool: sample " + std::to_string(sample) + " of " + std::to_string(samples.size()));
 	return samples[sample];
@@ -131,15 +131,15 @@ template <int Dim> typename SamplePool<Dim>::Parked SamplePool<Dim>::parked(std:
 template <int Dim> PackedState<Dim> SamplePool<Dim>::state(std::size_t sample) const
 {
 	PackedState<Dim> state;
-	parked(sample)->unpark(state);
+	compact(sample)->expand(state);
 	return state;
 }
 
 template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, const PackedState<Dim>& state)
 {
 	state.check();
-	parked(sample);
-	samples[sample] = std::make_shared<const ParkedSample<Dim>>(state);
+	compact(sample);
+	samples[sample] = std::make_shared<const CompactSample<Dim>>(state);
 }
 
 template <int Dim> void SamplePool<Dim>::clear() { samples.clear(); }
@@ -183,7 +183,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 			if (!worker.workspace || worker.workspace->portableOnly() != portablePathForced())
 				worker.workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
 			const std::size_t first  = order[task.begin];
-			Parked&           sample = samples[requests[first].sample];
+			Compact&          sample = samples[requests[first].sample];
 			results[first]           = worker.update(sample, requests[first], options);
 			for (std::size_t k = task.begin + 1; k < task.end; ++k) {
 				results[order[k]]                  = results[first];
@@ -200,17 +200,17 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 
 template <int Dim> std::size_t SamplePool<Dim>::distinctStates() const
 {
-	std::unordered_set<const ParkedSample<Dim>*> distinct;
-	for (const Parked& sample : samples)
+	std::unordered_set<const CompactSample<Dim>*> distinct;
+	for (const Compact& sample : samples)
 		distinct.insert(sample.get());
 	return distinct.size();
 }
 
 template <int Dim> std::size_t SamplePool<Dim>::bytes() const
 {
-	std::unordered_set<const ParkedSample<Dim>*> distinct;
-	std::size_t                                  sum = 0;
-	for (const Parked& sample : samples)
+	std::unordered_set<const CompactSample<Dim>*> distinct;
+	std::size_t                                   sum = 0;
+	for (const Compact& sample : samples)
 		if (distinct.insert(sample.get()).second) sum += sample->bytes();
 	return sum;
 }

@@ -10,16 +10,16 @@
 namespace talik {
 
 /// A sample between two updates: its state, exactly, and the neighbour lists it was left with, in one block of memory. Never changes.
-/// Contacts stand in the lists too: which grains they join is parked once.
-template <int Dim> class ParkedSample {
+/// Contacts stand in the lists too: which grains they join is held once.
+template <int Dim> class CompactSample {
 public:
 	/// lists: those stored with exactly this state, or nullptr. They are dropped where they do not name the contacts of the state.
-	explicit ParkedSample(const PackedState<Dim>& state, const PackedLists<Dim>* lists = nullptr);
+	explicit CompactSample(const PackedState<Dim>& state, const PackedLists<Dim>* lists = nullptr);
 
-	/// The parked state to the last bit.
-	void unpark(PackedState<Dim>& state) const;
-	/// The lists along with it; false if none are parked.
-	bool unpark(PackedState<Dim>& state, PackedLists<Dim>& lists) const;
+	/// The state, to the last bit.
+	void expand(PackedState<Dim>& state) const;
+	/// The lists along with it; false if it has none.
+	bool expand(PackedState<Dim>& state, PackedLists<Dim>& lists) const;
 
 	/// Bytes held, the constants of the grains excluded (they are shared).
 	std::size_t bytes() const { return sizeof(*this) + capacity; }
@@ -52,7 +52,7 @@ template <int Dim> struct PackedRequest {
 /// Thousands of samples. Samples that were never asked since they were prepared share one state; the first update detaches them.
 template <int Dim> class SamplePool {
 public:
-	using Parked = std::shared_ptr<const ParkedSample<Dim>>;
+	using Compact = std::shared_ptr<const CompactSample<Dim>>;
 
 	SamplePool();
 	~SamplePool();
@@ -64,16 +64,16 @@ public:
 	SamplePool& operator=(const SamplePool& other);
 
 	/// Adds a sample of this state, which it shares with every other sample it is given to; returns its index.
-	std::size_t add(Parked parked);
+	std::size_t add(Compact compact);
 	/// Adds a sample with a state of its own. Throws std::invalid_argument when the state is unusable.
 	std::size_t      add(const PackedState<Dim>& state);
 	std::size_t      size() const { return samples.size(); }
 	PackedState<Dim> state(std::size_t sample) const;
 	/// The same for samples that share one state.
-	Parked parked(std::size_t sample) const;
-	void   setState(std::size_t sample, const PackedState<Dim>& state);
-	/// Lets a sample share another's parked state; its own is given up.
-	void share(std::size_t sample, Parked parked) { samples.at(sample) = std::move(parked); }
+	Compact compact(std::size_t sample) const;
+	void    setState(std::size_t sample, const PackedState<Dim>& state);
+	/// Lets a sample share another's compact state; its own is given up.
+	void share(std::size_t sample, Compact compact) { samples.at(sample) = std::move(compact); }
 	void clear();
 
 	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on
@@ -91,7 +91,7 @@ private:
 	/// What a thread works with: kept, and decides nothing.
 	struct Worker;
 
-	std::vector<Parked>                  samples;
+	std::vector<Compact>                 samples;
 	std::vector<std::unique_ptr<Worker>> workers;
 };
 

@@ -249,14 +249,5 @@ namespace HWY_NAMESPACE {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace talik {
-
-HWY_EXPORT(discKernel);
-
-template <> PackedKernel<2> stepKernel<2>(PackedContactKind kind, bool portable)
-{
-	return portable ? HWY_STATIC_DISPATCH(discKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(discKernel)(kind);
-}
-
-} // namespace talik
+TALIK_STEP_KERNEL(2, discKernel)
 #endif

@@ -357,14 +357,5 @@ namespace HWY_NAMESPACE {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace talik {
-
-HWY_EXPORT(sphereKernel);
-
-template <> PackedKernel<3> stepKernel<3>(PackedContactKind kind, bool portable)
-{
-	return portable ? HWY_STATIC_DISPATCH(sphereKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(sphereKernel)(kind);
-}
-
-} // namespace talik
+TALIK_STEP_KERNEL(3, sphereKernel)
 #endif

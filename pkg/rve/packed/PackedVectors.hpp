@@ -290,4 +290,14 @@ namespace HWY_NAMESPACE {
 } // namespace talik
 HWY_AFTER_NAMESPACE();
 
+/// At the end of a source that HWY_TARGET_INCLUDE names: the kernels of a dimension, made by makeKernel(kind) in the namespace of each target.
+#define TALIK_STEP_KERNEL(Dim, makeKernel)                                                                                           \
+	namespace talik {                                                                                                            \
+		HWY_EXPORT(makeKernel);                                                                                              \
+		template <> PackedKernel<Dim> stepKernel<Dim>(PackedContactKind kind, bool portable)                                 \
+		{                                                                                                                    \
+			return portable ? HWY_STATIC_DISPATCH(makeKernel)(kind).portable() : HWY_DYNAMIC_DISPATCH(makeKernel)(kind); \
+		}                                                                                                                    \
+	}
+
 #endif

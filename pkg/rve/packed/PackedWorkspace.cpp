@@ -19,6 +19,19 @@ PackedWorkspace<Dim>::PackedWorkspace(bool portableOnly)
 
 // ---------------------------------------------------------------------------------------------- in and out
 
+namespace {
+	/// What the cell is and how it moves, from parameters to the view of the kernels or back.
+	template <int Dim, class From, class To> void copyMatrices(const From& from, To& to)
+	{
+		copyMatrix<Dim>(from.hSize, to.hSize);
+		copyMatrix<Dim>(from.prevHSize, to.prevHSize);
+		copyMatrix<Dim>(from.trsf, to.trsf);
+		copyMatrix<Dim>(from.velGrad, to.velGrad);
+		copyMatrix<Dim>(from.prevVelGrad, to.prevVelGrad);
+		copyMatrix<Dim>(from.nextVelGrad, to.nextVelGrad);
+	}
+} // namespace
+
 template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state, const PackedLists<Dim>* lists)
 {
 	static_cast<PackedParameters<Dim>&>(base) = state;
@@ -27,12 +40,7 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	resistsRolling                            = state.resistsRolling();
 	bondsCarryMoments                         = state.bondsCarryMoments();
 	rowCount                                  = (grainCount + 3) / 4 * 4;
-	copyMatrix<Dim>(base.hSize, view.hSize);
-	copyMatrix<Dim>(base.prevHSize, view.prevHSize);
-	copyMatrix<Dim>(base.trsf, view.trsf);
-	copyMatrix<Dim>(base.velGrad, view.velGrad);
-	copyMatrix<Dim>(base.prevVelGrad, view.prevVelGrad);
-	copyMatrix<Dim>(base.nextVelGrad, view.nextVelGrad);
+	copyMatrices<Dim>(base, view);
 	view.dt             = base.dt;
 	view.damping        = base.damping;
 	view.friction       = base.friction;
@@ -174,12 +182,7 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, Pac
 
 template <int Dim> const PackedParameters<Dim>& PackedWorkspace<Dim>::parameters() const
 {
-	copyMatrix<Dim>(view.hSize, base.hSize);
-	copyMatrix<Dim>(view.prevHSize, base.prevHSize);
-	copyMatrix<Dim>(view.trsf, base.trsf);
-	copyMatrix<Dim>(view.velGrad, base.velGrad);
-	copyMatrix<Dim>(view.prevVelGrad, base.prevVelGrad);
-	copyMatrix<Dim>(view.nextVelGrad, base.nextVelGrad);
+	copyMatrices<Dim>(view, base);
 	return base;
 }
 

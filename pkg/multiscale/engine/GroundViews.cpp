@@ -1,0 +1,472 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/engine/MpmEngine.hpp>
+
+#include <array>
+#include <boost/python/numpy.hpp>
+#include <cmath>
+#include <Eigen/Eigenvalues>
+#include <limits>
+#include <numeric>
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+// What Python sees of the ground of an MpmEngine.
+
+namespace yade {
+
+double MpmEngine::stableTimeStep()
+{
+	runningGround();
+	followAttributes();
+	return ground->stableTimeStep().step;
+}
+
+py::dict MpmEngine::timeStepLimits()
+{
+	const auto stable = runningGround().stableTimeStep();
+	py::dict   result;
+	for (const auto& limit : stable.limits)
+		result[limit.name] = limit.step;
+	result["governing"] = stable.governing;
+	return result;
+}
+
+vector<string> MpmEngine::existingFields()
+{
+	vector<string> names;
+	for (const auto& info : runningGround().fields())
+		if (info.place == "points") names.push_back(info.name);
+	if (motion && deformationRecord) {
+		names.push_back("strain");
+		names.push_back("deviatoricStrain");
+	}
+	for (const auto& law : activeSkeletons())
+		for (const auto& measure : law->measures())
+			if (std::find(names.begin(), names.end(), measure) == names.end()) names.push_back(measure);
+	return names;
+}
+
+py::list MpmEngine::fieldNames()
+{
+	py::list names;
+	for (const auto& name : existingFields())
+		names.append(name);
+	return names;
+}
+
+py::list MpmEngine::fields()
+{
+	py::list result;
+	for (const auto& info : runningGround().fields()) {
+		py::dict d;
+		TALIK_PUT_MEMBERS(d, info, (name)(owner)(unit)(place)(components)(bytes))
+		result.append(d);
+	}
+	return result;
+}
+
+namespace {
+	/// Components of the strain that a deformation gradient stands for: in the plane xx, yy, xy; in space xx, yy, zz, yz, xz, xy.
+	template <int D> using StrainComponents = std::array<double, D == 2 ? 3 : 6>;
+
+	/// Logarithmic strain 1/2 ln(F F^T) [-] of the deformation gradient F_ij at f[i * D + j].
+	StrainComponents<2> logarithmicStrain(const std::array<double, 4>& f)
+	{
+		Eigen::Matrix2d F;
+		F << f[0], f[1], f[2], f[3];
+		const Eigen::Matrix2d b    = F * F.transpose();
+		const double          mean = 0.5 * b.trace(), radius = std::sqrt(std::max(0., mean * mean - b.determinant()));
+		const double          e1 = 0.5 * std::log(mean + radius), e2 = 0.5 * std::log(std::max(mean - radius, 1e-300));
+		const double          half = radius > 0 ? 0.5 * (e1 - e2) / radius : 0;
+		return { 0.5 * (e1 + e2) + 0.5 * half * (b(0, 0) - b(1, 1)), 0.5 * (e1 + e2) - 0.5 * half * (b(0, 0) - b(1, 1)), half * b(0, 1) };
+	}
+
+	StrainComponents<3> logarithmicStrain(const std::array<double, 9>& f)
+	{
+		const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(f.data());
+		if (!F.allFinite()) {
+			StrainComponents<3> none;
+			none.fill(std::numeric_limits<double>::quiet_NaN());
+			return none;
+		}
+		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> b(Eigen::Matrix3d(F * F.transpose()));
+		const Eigen::Vector3d                                half = 0.5 * b.eigenvalues().array().max(1e-300).log();
+		const Eigen::Matrix3d                                e    = b.eigenvectors() * half.asDiagonal() * b.eigenvectors().transpose();
+		return { e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1) };
+	}
+
+	/// sqrt(2/3 e:e) of the deviator; in the plane that of plane strain.
+	double deviatoricStrain(const StrainComponents<2>& e)
+	{
+		const double third = (e[0] + e[1]) / 3;
+		return std::sqrt(2. / 3 * ((e[0] - third) * (e[0] - third) + (e[1] - third) * (e[1] - third) + third * third + 2 * e[2] * e[2]));
+	}
+
+	double deviatoricStrain(const StrainComponents<3>& e)
+	{
+		const double third = (e[0] + e[1] + e[2]) / 3;
+		double       sum   = 0.0;
+		for (int i = 0; i < 3; ++i)
+			sum += (e[i] - third) * (e[i] - third) + 2 * e[3 + i] * e[3 + i];
+		return std::sqrt(2. / 3 * sum);
+	}
+
+	/// strain or deviatoricStrain of the deformation gradient F_ij at f[i * D + j].
+	template <int D> vector<Real> strainIn(const string& name, const Real* f)
+	{
+		std::array<Real, D * D> components;
+		std::copy_n(f, D * D, components.begin());
+		const auto e = logarithmicStrain(components);
+		if (name == "strain") return { e.begin(), e.end() };
+		return { deviatoricStrain(e) };
+	}
+
+	vector<Real> strainOf(const string& name, const Real* f, int dimension) { return dimension == 2 ? strainIn<2>(name, f) : strainIn<3>(name, f); }
+
+	bool isStrain(const string& name) { return name == "strain" || name == "deviatoricStrain"; }
+
+	/// Rows of equal length as an array (n,) or (n, components).
+	np::ndarray arrayOf(const vector<vector<Real>>& rows)
+	{
+		const std::size_t parts = rows.empty() ? 1 : rows.front().size();
+		np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(rows.size()) : py::make_tuple(rows.size(), parts), np::dtype::get_builtin<double>());
+		Real*       data   = reinterpret_cast<Real*>(result.get_data());
+		for (const auto& row : rows)
+			data = std::copy(row.begin(), row.end(), data);
+		return result;
+	}
+} // namespace
+
+py::object MpmEngine::strains(const string& name)
+{
+	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: " + name + " needs motion and deformationRecord=True.");
+	np::ndarray          f = py::extract<np::ndarray>(field("deformationGradient"))();
+	vector<vector<Real>> rows(f.shape(0));
+	for (std::size_t i = 0; i < rows.size(); i++)
+		rows[i] = strainOf(name, reinterpret_cast<const Real*>(f.get_data()) + f.shape(1) * i, ground->dimension());
+	return arrayOf(rows);
+}
+
+/// Skeletons in use that give this measure.
+vector<shared_ptr<SkeletonLaw>> MpmEngine::lawsMeasuring(const string& name) const
+{
+	vector<shared_ptr<SkeletonLaw>> laws;
+	for (const auto& law : activeSkeletons()) {
+		const auto measures = law->measures();
+		if (std::find(measures.begin(), measures.end(), name) != measures.end()) laws.push_back(law);
+	}
+	return laws;
+}
+
+/// A measure of the samples, each point's from the skeleton that it has.
+py::object MpmEngine::measured(const vector<shared_ptr<SkeletonLaw>>& laws, const string& name) const
+{
+	vector<vector<Real>> rows(pointCount());
+	vector<np::ndarray>  tables;
+	for (const auto& law : laws)
+		tables.push_back(py::extract<np::ndarray>(law->values(name))());
+	for (int id = 0; id < pointCount(); id++)
+		for (const auto& table : tables) {
+			const int   parts = table.get_nd() == 1 ? 1 : table.shape(1);
+			const Real* row   = reinterpret_cast<const Real*>(table.get_data()) + id * parts;
+			if (rows[id].empty() || std::isnan(rows[id].front())) rows[id].assign(row, row + parts);
+		}
+	return arrayOf(rows);
+}
+
+py::object MpmEngine::field(const string& name)
+{
+	auto& g = runningGround();
+	if (isStrain(name)) return strains(name);
+	const auto laws = lawsMeasuring(name);
+	if (!laws.empty()) return measured(laws, name);
+	int       parts = 1;
+	const int n     = pointCount();
+	for (const auto& info : g.fields())
+		if (info.place == "points" && info.name == name) parts = info.components;
+	np::ndarray  result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
+	Real*        data   = reinterpret_cast<Real*>(result.get_data());
+	vector<Real> component(n);
+	for (int c = 0; c < parts; c++) {
+		g.copyById(name, c, component.data());
+		for (int i = 0; i < n; i++)
+			data[i * parts + c] = component[i];
+	}
+	return result;
+}
+
+// ---- points by what they suffer --------------------------------------------------------------------------------------------
+
+int MpmEngine::pick(const py::object& x, const py::object& y, const py::object& z)
+{
+	const auto&  g      = runningGround();
+	const string called = "MpmEngine.pick: ";
+	if (z.is_none() != (g.dimension() == 2))
+		throw std::invalid_argument(
+		        called + (z.is_none() ? "the ground is in space: give x, y and z." : "the ground lies in the plane: give x and y only."));
+	const py::object coordinates[] = { x, y, z };
+	Real             at[3];
+	string           text;
+	for (int a = 0; a < g.dimension(); a++) {
+		at[a] = py::extract<Real>(coordinates[a]);
+		text += (a ? ", " : "(") + boost::lexical_cast<string>(at[a]);
+	}
+	vector<vector<Real>> position(g.dimension(), vector<Real>(pointCount()));
+	for (int a = 0; a < g.dimension(); a++)
+		g.copyById("position", a, position[a].data());
+	int  nearest = -1;
+	Real least   = std::numeric_limits<Real>::infinity();
+	for (int id = 0; id < pointCount(); id++) {
+		Real square = 0;
+		for (int a = 0; a < g.dimension(); a++)
+			square += (position[a][id] - at[a]) * (position[a][id] - at[a]);
+		if (!(square < least)) continue; // also where the place is not a number
+		least   = square;
+		nearest = id;
+	}
+	if (nearest < 0) throw std::invalid_argument(called + text + ") is no place.");
+	return nearest;
+}
+
+py::list MpmEngine::most(const string& name, int count)
+{
+	if (count < 0) throw std::invalid_argument("MpmEngine.most: n is " + std::to_string(count) + ": give 0 or more.");
+	const np::ndarray            values = py::extract<np::ndarray>(field(name))();
+	const int                    points = values.shape(0), parts = values.get_nd() == 1 ? 1 : values.shape(1);
+	vector<std::pair<Real, int>> order;
+	for (int id = 0; id < points; id++) {
+		const Real* row  = reinterpret_cast<const Real*>(values.get_data()) + id * parts;
+		const Real  size = parts == 1 ? row[0] : std::sqrt(std::inner_product(row, row + parts, row, 0.));
+		if (!std::isnan(size)) order.emplace_back(-size, id);
+	}
+	std::sort(order.begin(), order.end());
+	py::list ids;
+	for (int k = 0; k < std::min(count, int(order.size())); k++)
+		ids.append(order[k].second);
+	return ids;
+}
+
+vector<Real> MpmEngine::valueAt(const string& name, int id)
+{
+	const auto laws = lawsMeasuring(name);
+	if (!laws.empty()) {
+		vector<Real> value { NaN };
+		for (const auto& law : laws)
+			if (std::isnan(value.front())) value = law->valueAt(name, id);
+		return value;
+	}
+	const auto&  stored = ground->pointFields();
+	const string source = isStrain(name) ? "deformationGradient" : name;
+	vector<Real> value;
+	for (const auto& info : stored.list())
+		if (info.name == source)
+			for (int c = 0; c < info.components; c++)
+				value.push_back(stored.find(source, c)[ground->placeOf(id)]);
+	return isStrain(name) ? strainOf(name, value.data(), ground->dimension()) : value;
+}
+
+namespace {
+	/// What a history holds unless the user chooses: soil and sample, without what only the method knows.
+	const vector<string> defaultFields { "position",      "displacement",       "velocity",       "temperature",
+		                             "iceSaturation", "pressure",           "porosity",       "stress",
+		                             "strain",        "deviatoricStrain",   "bondsIntact",    "bondsBroken",
+		                             "bondsMelted",   "coordinationNumber", "samplePorosity", "fabric" };
+} // namespace
+
+void MpmEngine::watch(py::object ids, Real interval, py::object names)
+{
+	if (!(interval >= 0))
+		throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	followInputs();
+	watchesDefault = py::len(names) == 0;
+	shared_ptr<PointWatch> wanted(new PointWatch);
+	wanted->interval          = interval;
+	const np::ndarray numbers = talik::asArray("watch: ids", ids);
+	const Real*       data    = reinterpret_cast<const Real*>(numbers.get_data());
+	for (int k = 0; k < (numbers.get_nd() == 0 ? 1 : numbers.shape(0)); k++) {
+		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))
+			throw std::invalid_argument(
+			        "MpmEngine.watch: " + boost::lexical_cast<string>(data[k]) + " is no point: give ids from 0 to "
+			        + std::to_string(pointCount() - 1) + ".");
+		if (std::find(wanted->ids.begin(), wanted->ids.end(), int(data[k])) == wanted->ids.end()) wanted->ids.push_back(int(data[k]));
+	}
+	for (int k = 0; k < py::len(names); k++) {
+		const string name = py::extract<string>(names[k]);
+		if (ground && !py::list(fieldNames()).count(name))
+			throw std::invalid_argument("MpmEngine.watch: there is no field '" + name + "'; see fieldNames().");
+		wanted->fields.push_back(name);
+	}
+	watched = wanted->ids.empty() ? nullptr : wanted;
+	if (watched && ground) recordWatched();
+}
+
+/// Before the first step of a watch and after every one.
+void MpmEngine::recordWatched()
+{
+	if (!watched->isDue(ground->time())) return;
+	if (watched->times.empty()) {
+		const auto existing = existingFields();
+		if (watched->fields.empty()) watched->fields = defaultFields;
+		auto& names = watched->fields;
+		names.erase(
+		        std::remove_if(
+		                names.begin(), names.end(),
+		                [&](const string& name) { return std::find(existing.begin(), existing.end(), name) == existing.end(); }),
+		        names.end());
+	}
+	watched->record(ground->time(), [this](const string& name, int id) { return valueAt(name, id); });
+}
+
+py::dict MpmEngine::history(int id) const
+{
+	if (!watched) throw std::invalid_argument("MpmEngine.history: no point is watched; call watch([ids]) first.");
+	return watched->history(id);
+}
+
+py::dict MpmEngine::balance()
+{
+	runningGround();
+	return groundOfScene->balance();
+}
+
+py::dict MpmEngine::cost()
+{
+	const auto& g = runningGround();
+	py::dict    d;
+	for (const auto& [effect, seconds] : g.cost())
+		d[effect] = seconds;
+	d["steps"] = g.steps() - stepsAtStart;
+	return d;
+}
+
+py::object MpmEngine::estimatedError()
+{
+	auto& g = runningGround();
+	if (toleranceInForce == 0) return py::object();
+	talik::ErrorSquares sum;
+	const auto          laws = activeSkeletons();
+	for (std::size_t k = 0; k < laws.size(); k++) {
+		const auto squares = laws[k]->errorSquares(g.skeletonPoints(int(k)));
+		sum.add(1, squares.error, squares.stress);
+	}
+	return py::object(sum.stress > 0 ? std::sqrt(sum.error / sum.stress) : 0.);
+}
+
+double MpmEngine::groundTime() const { return ground ? ground->time() : 0; }
+
+py::dict MpmEngine::calendar()
+{
+	const auto& g       = runningGround();
+	const auto& c       = g.calendar();
+	const bool  follows = heat && heat->followsMotion;
+	py::dict    d;
+	d["day"]                 = c.time / secondsPerDay;
+	d["scale"]               = c.scale;
+	d["followsMotion"]       = follows;
+	d["speed"]               = follows ? py::object(c.speed) : py::object();
+	d["moving"]              = follows ? py::object(c.moving != 0) : py::object();
+	d["seepageScale"]        = g.seepageScale();
+	d["largestConductivity"] = water ? py::object(g.largestConductivity()) : py::object();
+	return d;
+}
+
+py::list MpmEngine::events()
+{
+	const auto& g = runningGround();
+	if (!heat || !heat->followsMotion)
+		throw std::runtime_error("MpmEngine.events: events are recorded only where the scale of the calendar follows the motion; set "
+		                         "HeatTransfer.followsMotion=True before the first step.");
+	py::list          list;
+	const auto        events = g.events();
+	const std::size_t ended  = g.endedEvents().size();
+	for (std::size_t i = 0; i < events.size(); i++) {
+		const auto& e = events[i];
+		py::dict    d;
+		d["day"]      = e.begin / secondsPerDay;
+		d["duration"] = e.duration;
+		d["days"]     = e.passed / secondsPerDay;
+		TALIK_PUT_MEMBERS(d, e, (volume)(largest))
+		d["goesOn"] = i >= ended;
+		list.append(d);
+	}
+	return list;
+}
+
+void MpmEngine::setDay(Real day)
+{
+	if (!std::isfinite(day))
+		throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
+	runningGround().setCalendar(day * secondsPerDay);
+	begun = true;
+}
+
+py::list MpmEngine::pointMaterials() const
+{
+	py::list numbers;
+	for (int id = 0; id < pointCount(); id++)
+		numbers.append(points.material(id));
+	return numbers;
+}
+
+double MpmEngine::skemptonB()
+{
+	auto& g = runningGround();
+	if (!water) throw std::runtime_error("MpmEngine.skemptonB: the scene has no water.");
+	const auto&  s       = g.commonSettings();
+	Real         modulus = std::numeric_limits<Real>::infinity();
+	int          softest = 0;
+	vector<Real> byPlace(pointCount());
+	for (int k = 0; k < int(activeSkeletons().size()); k++) {
+		const auto own = g.skeletonPoints(k);
+		g.tangentModulus(k, byPlace.data());
+		for (int i = 0; i < own.count; i++)
+			if (byPlace[own.place[i]] < modulus) {
+				modulus = byPlace[own.place[i]];
+				softest = own.id[own.place[i]];
+			}
+	}
+	const talik::PoreState thawed { points.porosity(softest), 1, 0, 0 };
+	return talik::skemptonB(s.water->state.coefficients(s.mixture, thawed), modulus);
+}
+
+void MpmEngine::setTemperature(py::object values)
+{
+	auto&             g     = runningGround();
+	const np::ndarray array = talik::asArray("setTemperature: temperature", values);
+	const int         n     = pointCount();
+	const bool        same  = array.get_nd() == 0;
+	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
+	const Real* data = reinterpret_cast<const Real*>(array.get_data());
+	for (int id = 0; id < (same ? 1 : n); id++)
+		if (!(data[id] > -100 && data[id] < 100))
+			throw std::invalid_argument(
+			        "MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
+	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
+	begun = true;
+	vector<Real> pressure(n, 0);
+	if (water) g.copyById("pressure", 0, pressure.data());
+	for (int id = 0; id < n; id++)
+		g.setThermalState(id, data[same ? 0 : id], pressure[id]);
+}
+
+void MpmEngine::resetDisplacement()
+{
+	auto&     g          = runningGround();
+	auto&     f          = g.pointFields();
+	const int n          = pointCount();
+	const int dimensions = g.dimension();
+	for (int axis = 0; axis < dimensions; axis++)
+		if (Real* displacement = f.find("displacement", axis)) {
+			// an event that goes on keeps what it moved so far
+			if (Real* before = f.find("displacementBefore", axis))
+				for (int p = 0; p < n; p++)
+					before[p] -= displacement[p];
+			std::fill(displacement, displacement + n, 0.);
+		}
+	for (int c = 0; c < dimensions * dimensions; c++)
+		if (Real* deformation = f.find("deformationGradient", c)) std::fill(deformation, deformation + n, c % (dimensions + 1) == 0 ? 1. : 0.);
+}
+
+} // namespace yade

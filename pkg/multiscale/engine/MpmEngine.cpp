@@ -1,0 +1,683 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/mpm/Errors.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/multiscale/engine/MpmEngine.hpp>
+#include <pkg/python/StepGate.hpp>
+#include <pkg/ranks/Digest.hpp>
+#include <pkg/ranks/RankTalk.hpp>
+
+#include <iostream>
+#include <set>
+#include <sstream>
+
+namespace py = boost::python;
+
+namespace yade {
+YADE_PLUGIN((MpmEngine));
+
+// ---- before the first step -------------------------------------------------------------------------------------------------
+
+bool MpmEngine::hasBegun() const
+{
+	if (!ground) return false;
+	const auto laws = activeSkeletons();
+	return begun || std::any_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->changedByHand(); });
+}
+
+/// Of a ground that has not begun: its inputs have all that it was made from.
+void MpmEngine::discardGround()
+{
+	dropGround();
+	if (!watched) return;
+	watched->times.clear();
+	watched->rows.clear();
+	watched->components.clear();
+	if (watchesDefault) watched->fields.clear();
+}
+
+bool MpmEngine::isAsSet() const
+{
+	try {
+		checkFixed();
+	} catch (const std::invalid_argument&) {
+		return false;
+	}
+	const auto laws = activeSkeletons();
+	return std::none_of(laws.begin(), laws.end(), [](const auto& law) { return law && law->sourcesChanged(); });
+}
+
+/// Looking at a ground does not fix it: until it has begun it is what its settings say now.
+void MpmEngine::followInputs()
+{
+	if (!ground || hasBegun() || isAsSet()) return;
+	discardGround();
+}
+
+// ---- points ----------------------------------------------------------------------------------------------------------------
+
+py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
+{
+	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure",
+		                             "skeleton", "stress", "velocity", "poreFill",    "material" };
+	MpmEngine&               self    = py::extract<MpmEngine&>(args[0]);
+	for (int i = 1; i < py::len(args) && i <= 10; i++)
+		keywords[names[i - 1]] = args[i];
+	self.addPoints(keywords);
+	return py::object();
+}
+
+void MpmEngine::addPoints(py::dict arrays)
+{
+	if (hasBegun()) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
+	talik::PointTable more = points;
+	if (arrays.has_key("material")) {
+		arrays             = arrays.copy();
+		arrays["material"] = materialNumbers(arrays["material"]);
+	}
+	more.add(arrays);
+	if (more.dimension() != 0) requireDimension(more.dimension());
+	points = more;
+	if (points.dimension() != 0) dimension = points.dimension();
+	if (ground) discardGround();
+}
+
+/// Of points that are added, against what the script says.
+void MpmEngine::requireDimension(int ofPoints) const
+{
+	if (dimension == 0 || dimension == ofPoints) return;
+	throw std::invalid_argument(
+	        "MpmEngine.addPoints: position is an array (n," + std::to_string(ofPoints) + "), but MpmEngine.dimension is " + std::to_string(dimension)
+	        + ": give as many coordinates, or leave dimension out.");
+}
+
+int MpmEngine::usedDimension() const
+{
+	if (dimension != 0 && dimension != 2 && dimension != 3)
+		throw std::invalid_argument(
+		        "MpmEngine.dimension is " + std::to_string(dimension) + ": give 2 (plane strain), 3 (space) or 0 (what the points say).");
+	if (points.dimension() != 0) {
+		if (dimension != 0 && dimension != points.dimension())
+			throw std::invalid_argument(
+			        "MpmEngine.dimension is " + std::to_string(dimension) + ", but its points have " + std::to_string(points.dimension())
+			        + " coordinates: set it back, or give the points to another engine.");
+		return points.dimension();
+	}
+	if (dimension != 0) return dimension;
+	const auto inSpace = [](const talik::GroundVector& v) { return v.components() == 3; };
+	return inSpace(lower) || inSpace(upper) || inSpace(gravity) ? 3 : 2;
+}
+
+/// Place of a material in the list.
+int MpmEngine::materialNumber(const string& name) const
+{
+	string known;
+	for (size_t k = 0; k < materials.size(); k++) {
+		if (!materials[k] || materials[k]->name.empty()) continue;
+		if (materials[k]->name == name) return k;
+		known += (known.empty() ? "" : ", ") + materials[k]->name;
+	}
+	throw std::invalid_argument(
+	        "MpmEngine.addPoints: material is '" + name + "', and MpmEngine.materials has "
+	        + (known.empty() ? "no material with a name: set materials=[GroundMaterial(name='" + name + "', …)] first." : "only " + known + "."));
+}
+
+/// Names of materials become their numbers; numbers stay.
+py::object MpmEngine::materialNumbers(const py::object& given) const
+{
+	const py::extract<string> name(given);
+	if (name.check()) return py::object(materialNumber(name()));
+	if (!PySequence_Check(given.ptr())) return given;
+	py::list  numbers;
+	const int count = PySequence_Size(given.ptr());
+	if (count < 0) { // an array without length is a number
+		PyErr_Clear();
+		return given;
+	}
+	for (int k = 0; k < count; k++) {
+		const py::object          value = given[k];
+		const py::extract<string> one(value);
+		numbers.append(one.check() ? py::object(materialNumber(one())) : value);
+	}
+	return std::move(numbers);
+}
+
+int MpmEngine::pointCount() const { return points.count(); }
+
+// ---- settings --------------------------------------------------------------------------------------------------------------
+
+vector<shared_ptr<SkeletonLaw>> MpmEngine::activeSkeletons() const
+{
+	if (!skeletons.empty()) return skeletons;
+	if (skeleton) return { skeleton };
+	return {};
+}
+
+vector<shared_ptr<GroundMaterial>> MpmEngine::activeMaterials() const
+{
+	if (!materials.empty()) return materials;
+	return { material };
+}
+
+vector<talik::SoilMaterial> MpmEngine::soils() const
+{
+	const auto given = activeMaterials();
+	if (given.size() == 1 && !given.front()->isOwnSoil()) return {};
+	vector<talik::SoilMaterial> list;
+	for (const auto& m : given)
+		list.push_back(m->soil(freezing.get(), water.get()));
+	return list;
+}
+
+void MpmEngine::checkMaterials() const
+{
+	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
+	for (const auto& m : materials)
+		if (!m) throw std::invalid_argument("MpmEngine.materials holds None: give materials only.");
+	if (!materials.empty() && (material->isOwnSoil() || !material->hasDefaultPhases()))
+		throw std::invalid_argument("MpmEngine.material and MpmEngine.materials are both set: put all of them into materials.");
+	std::set<string> names;
+	for (const auto& m : materials)
+		if (!m->name.empty() && !names.insert(m->name).second)
+			throw std::invalid_argument("MpmEngine.materials has two materials named '" + m->name + "': give each a name of its own.");
+	for (const auto& m : activeMaterials())
+		if (m->freezing && water && m->freezing->residualSaturation < 0.01)
+			throw std::invalid_argument(
+			        "FreezingCurve.residualSaturation of material '" + m->name + "' is " + std::to_string(m->freezing->residualSaturation)
+			        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+}
+
+void MpmEngine::checkPresence() const
+{
+	if (pointCount() == 0)
+		throw std::invalid_argument(
+		        "MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
+	if (!(gridSpacing > 0))
+		throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
+	checkMaterials();
+	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
+	if (freezing && water && freezing->residualSaturation < 0.01)
+		throw std::invalid_argument(
+		        "FreezingCurve.residualSaturation is " + std::to_string(freezing->residualSaturation)
+		        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+	if (bodies && !motion)
+		throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
+	if (water && !motion)
+		throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
+	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
+	if (otherTransfer && !motion)
+		throw std::invalid_argument(
+		        "MpmEngine.transfer is '" + transfer + "' but motion is False: rigid ground has no velocity to transfer; leave it out.");
+	if (motion && activeSkeletons().empty())
+		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
+	for (const auto& law : activeSkeletons())
+		if (!law) throw std::invalid_argument("MpmEngine.skeletons holds None: give skeleton laws only.");
+	for (const auto& boundary : boundaries)
+		if (!boundary) throw std::invalid_argument("MpmEngine.boundaries holds None: give boundaries only.");
+	checkChangeable();
+}
+
+/// What may be changed while the ground is running, before every step.
+void MpmEngine::checkChangeable() const
+{
+	const auto require = [](bool valid, const char* name, Real value, const char* remedy) {
+		if (!valid) throw std::invalid_argument("MpmEngine." + string(name) + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
+	};
+	for (int axis = 0; axis < gravity.components(); axis++)
+		require(std::isfinite(gravity[axis]), "gravity", gravity[axis], "finite components in m/s^2");
+	require(damping >= 0 && damping < 1, "damping", damping, "a number from 0 to below 1");
+	require(!(picTime < 0), "picTime", picTime, "a time in s, 0 or more; inf: none dies out, nan: chosen");
+	require(courantNumber > 0 && courantNumber <= 1, "courantNumber", courantNumber, "a number above 0 and up to 1");
+	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
+	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
+	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
+	require(limitInterval >= 1, "limitInterval", limitInterval, "1 or more steps");
+	require(!std::isnan(stopAtDay), "stopAtDay", stopAtDay, "a day of the calendar, or infinity");
+	if (bodies) bodies->build(usedDimension());
+}
+
+void MpmEngine::initialise()
+{
+	followInputs();
+	if (ground) return;
+	const bool goesOn = begun || !saved.empty();
+	begun             = false;
+	checkPresence();
+	shareAmongRanks();
+	boundaryCount     = boundaries.size();
+	materialCount     = materials.size();
+	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
+	ground            = &groundOfScene->ground();
+	stepsUntilLimit   = 0;
+	bodiesNamed       = false;
+	stableStep        = 0;
+	toleranceInForce  = tolerance;
+	distributeInForce = distribute;
+	try {
+		if (inBands()) ground->distribute(talik::jobTalk());
+		ground->initialise();
+		restoreSavedState();
+		stepsAtStart = ground->steps();
+		if (!goesOn) {
+			sayGraveDoubts();
+			warnOfCalendar();
+		}
+	} catch (...) {
+		dropGround();
+		throw;
+	}
+}
+
+void MpmEngine::dropGround()
+{
+	ground = nullptr;
+	groundOfScene.reset();
+}
+
+py::list MpmEngine::doubts() const
+{
+	py::list sentences;
+	for (const auto& doubt : talik::doubtsAbout(*this))
+		sentences.append(doubt.sentence);
+	return sentences;
+}
+
+/// Once, however often a ground that has not begun is made anew.
+void MpmEngine::say(const string& sentence)
+{
+	if (said.insert(sentence).second && talik::isFirstRank()) std::cerr << sentence << std::endl;
+}
+
+/// What the laws keep behind points is shared out among the ranks of the job, if there are several.
+void MpmEngine::shareAmongRanks()
+{
+	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
+		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
+	const auto& talk    = talik::jobTalk();
+	const bool  share   = talk && distribute != "none" && distribute != "ground";
+	bool        toShare = false;
+	if (motion)
+		for (const auto& law : activeSkeletons())
+			toShare = (law && law->shareAmongRanks(share)) || toShare;
+	if (!talk) return;
+	const string ranks = "Talik: " + std::to_string(talk->count()) + " ranks ";
+	if (inBands()) {
+		const string refused = toShare ? "samples behind its points" : bodies ? "bodies of YADE" : "";
+		if (!refused.empty())
+			throw std::invalid_argument(
+			        "MpmEngine.distribute is 'ground', and this ground has " + refused + ", which bands do not serve: choose samples or none.");
+		say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
+	} else if (share && toShare) say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
+	else say(ranks + "each compute all of this ground, which takes as long as on one" + (toShare ? "." : ": it has no samples to share out."));
+}
+
+/// Each rank computes a band of this ground.
+bool MpmEngine::inBands() const { return talik::jobTalk() && distribute == "ground"; }
+
+/// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of bands have no points in common: what they owe each other
+/// is compared by what follows from all of them, the times.
+void MpmEngine::compareRanks()
+{
+	constexpr long interval = 100; // steps
+	if (!talik::jobTalk() || ground->steps() < nextComparison) return;
+	nextComparison = ground->steps() + interval;
+	talik::Digest digest;
+	if (inBands()) {
+		const double times[] = { ground->time(), ground->calendar().time, stableStep };
+		digest.add(times, sizeof times);
+	} else {
+		for (const auto& array : ground->state())
+			digest.add(array.data, array.bytes);
+	}
+	talik::jobTalk()->meet("step " + std::to_string(ground->steps()) + " of the ground", digest.value());
+}
+
+void MpmEngine::sayGraveDoubts()
+{
+	for (const auto& doubt : talik::doubtsAbout(*this))
+		if (doubt.grave) say("Talik doubts: " + doubt.sentence);
+}
+
+talik::AnyGround& MpmEngine::runningGround()
+{
+	initialise();
+	return *ground;
+}
+
+/// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold.
+void MpmEngine::warnOfCalendar()
+{
+	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1)) {
+		std::ostringstream text;
+		text << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
+		     << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing.";
+		say(text.str());
+	}
+	const double step = ground->stableTimeStep().step;
+	const auto&  c    = ground->calendar();
+	const double slow = std::min(
+	        heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
+	for (std::size_t i = 0; i < boundaries.size(); i++) {
+		const auto& b = *boundaries[i];
+		if (b.times.size() < 2 || !(b.times.back() > 0) || !(b.times.back() < slow)) continue;
+		std::ostringstream text;
+		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back()
+		     << " s of calendar time, within the first step of " << slow << " s; days are given as days * talik.day";
+		if (heat && heat->thermalTimeScale != 1) text << ", and one second of motion is " << heat->thermalTimeScale << " s of the calendar";
+		text << ".";
+		say(text.str());
+	}
+}
+
+// ---- the step --------------------------------------------------------------------------------------------------------------
+
+/// What the ground was built with and cannot change any more: silence would leave a user with another ground than the one written.
+void MpmEngine::checkFixed() const
+{
+	const auto& s       = ground->commonSettings();
+	const auto  require = [](bool same, const char* name, const string& value) {
+                if (!same)
+                        throw std::invalid_argument(
+			         "MpmEngine." + string(name) + " is now " + value
+			         + ", which the running ground cannot follow: set it back, or give the points to another engine.");
+	};
+	const auto        effect = [&](bool had, bool has, const char* name) { require(had == has, name, has ? "there" : "None"); };
+	const auto* const built  = ground->motionSettings();
+	require(bool(built) == motion, "motion", motion ? "True" : "False");
+	require(dimension == 0 || dimension == ground->dimension(), "dimension", std::to_string(dimension));
+	effect(bool(s.heat), bool(heat), "heat");
+	effect(bool(s.freezing), bool(freezing), "freezing");
+	effect(bool(s.water), bool(water), "water");
+	effect(bool(s.bodies), bool(bodies), "bodies");
+	effect(bool(s.thawFront), bool(thawFront), "thawFront");
+	require(distribute == distributeInForce, "distribute", distribute);
+	require(s.gridSpacing == gridSpacing, "gridSpacing", boost::lexical_cast<string>(gridSpacing));
+	groundOfScene->checkBox(*this);
+	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
+	require(!built || built->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
+	require(materialCount == materials.size(), "materials", "a list of " + std::to_string(materials.size()));
+	require(boundaryCount == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
+}
+
+namespace {
+	[[noreturn]] void raiseAttributeError(const string& text)
+	{
+		PyErr_SetString(PyExc_AttributeError, text.c_str());
+		::boost::python::throw_error_already_set();
+		throw std::logic_error(text); // never reached
+	}
+
+	// a share per step is a viscosity that grows as the step shrinks: there is no time that stands for it
+	[[noreturn]] void refuseFlip(const string& className)
+	{
+		raiseAttributeError(
+		        className
+		        + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give "
+		        + className + ".picTime=inf in place of flip=1.");
+	}
+
+	const std::map<string, string>& renamedAttributes()
+	{
+		static const std::map<string, string> names { { "waveFraction", "courantNumber" },
+			                                      { "cellAveraging", "bBar" },
+			                                      { "believedError", "estimatedError" } };
+		return names;
+	}
+} // namespace
+
+void MpmEngine::refuseFormerName(const char* name)
+{
+	if (string(name) == "flip") refuseFlip("MpmEngine");
+	raiseAttributeError("MpmEngine." + string(name) + " is now MpmEngine." + renamedAttributes().at(name) + ": the same value under the new name.");
+}
+
+void MpmEngine::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
+{
+	if (keywords.has_key("flip")) refuseFlip("MpmEngine");
+	for (const auto& [former, present] : renamedAttributes())
+		if (keywords.has_key(former)) refuseFormerName(former.c_str());
+}
+
+Real PoreWater::refusedFlip() const { refuseFlip("PoreWater"); }
+void PoreWater::setFlip(Real) { refuseFlip("PoreWater"); }
+void PoreWater::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
+{
+	if (keywords.has_key("flip")) refuseFlip("PoreWater");
+}
+
+void MpmEngine::followAttributes()
+{
+	checkFixed();
+	checkChangeable();
+	auto& s = ground->commonSettings();
+	if (auto* const moving = ground->motionSettings()) {
+		moving->localDamping = damping;
+		moving->picTime      = picTime;
+	}
+	groundOfScene->followGravity(*this);
+	TALIK_TAKE_ATTRIBUTES(s, *this, (courantNumber)(heatFraction)(motionFraction)(resting))
+	if (tolerance != toleranceInForce) followTolerance();
+	if (heat) followHeat();
+	if (motion)
+		for (const auto& law : activeSkeletons())
+			law->followAttributes();
+}
+
+/// Scales of the calendar may change between two steps.
+void MpmEngine::followHeat()
+{
+	const auto& inForce = *ground->commonSettings().heat;
+	if (inForce.thermalTimeScale == heat->thermalTimeScale && inForce.movingTimeScale == heat->movingTimeScale
+	    && inForce.motionTolerance == heat->motionTolerance)
+		return;
+	talik::HeatSettings changed = heat->build();
+	changed.followsMotion       = inForce.followsMotion;
+	groundOfScene->followHeat(changed);
+	stepsUntilLimit = 0;
+}
+
+void MpmEngine::followTolerance()
+{
+	if ((tolerance == 0) != (toleranceInForce == 0))
+		throw std::invalid_argument(
+		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is "
+		        + boost::lexical_cast<string>(tolerance)
+		        + ": change it while running to other values above 0 only; to switch it on or off, begin anew.");
+	for (const auto& law : activeSkeletons())
+		law->setTolerance(tolerance);
+	toleranceInForce = tolerance;
+}
+
+/// Determines the stable step anew now and then; true if it did.
+bool MpmEngine::watchStableStep()
+{
+	if (stepsUntilLimit-- > 0) return false;
+	stepsUntilLimit = findStableStep() - 1;
+	return true;
+}
+
+/// Determines the stable step and returns how many steps it may be kept. Ice stiffens the ground: where that forms, the limit is asked
+/// again before heat has crossed half a cell.
+int MpmEngine::findStableStep()
+{
+	const auto stable = ground->stableTimeStep();
+	stableStep        = stable.step;
+	Real steps        = limitInterval;
+	if (freezing)
+		for (const auto& limit : stable.limits)
+			if (limit.name == "heat")
+				steps = std::min(
+				        steps, 0.5 * limit.step / stableStep * (heat->followsMotion ? heat->movingTimeScale / heat->thermalTimeScale : 1));
+	return std::max(1, int(steps));
+}
+
+int MpmEngine::subSteps(double dt) const
+{
+	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("O.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	const double steps = std::ceil(dt / stableStep * (1 - 1e-12));
+	if (!(steps < 1e6))
+		throw std::runtime_error(
+		        "MpmEngine: O.dt = " + boost::lexical_cast<string>(dt) + " s exceeds the stable time step " + boost::lexical_cast<string>(stableStep)
+		        + " s a million times: lower O.dt or set automaticTimeStep=True.");
+	return std::max(1, int(steps));
+}
+
+std::atomic<bool> MpmEngine::runWaitedFor { false };
+
+namespace {
+	/// The error comes up where the run is waited for: YADE's log does not say it as well.
+	void muteLog()
+	{
+		const talik::PythonLock held;
+		try {
+			py::import("talik.console").attr("muteLog")();
+		} catch (const py::error_already_set&) {
+			PyErr_Clear();
+		}
+	}
+} // namespace
+
+/// A step that fails leaves the scene between two steps: it can be looked at, saved and, with other settings, continued.
+void MpmEngine::action()
+{
+	const talik::StepGate gate;
+	if (inspected) throw std::runtime_error("MpmEngine: O shows one of the samples of this ground; mpm.back() returns to the ground, which steps then.");
+	failure.clear();
+	try {
+		stepGround();
+	} catch (const std::exception& problem) {
+		failure = problem.what();
+		failures++;
+		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
+		if (runWaitedFor) muteLog();
+		throw;
+	}
+}
+
+void MpmEngine::stepGround()
+{
+	initialise();
+	begun = true;
+	followAttributes();
+	const bool newLimit = watchStableStep();
+	if (watched) recordWatched();
+	const double before = ground->calendar().time;
+	if (bodies) advanceAmongBodies();
+	else advanceAlone(newLimit);
+	compareRanks();
+	if (watched) recordWatched();
+	picture.takeIfAsked(*ground, pointCount());
+	stopAtTheDay(before);
+}
+
+void MpmEngine::stopAtTheDay(double before)
+{
+	const double wanted = stopAtDay * secondsPerDay;
+	if (before < wanted && ground->calendar().time >= wanted) scene->stopAtIter = scene->iter + 1;
+}
+
+/// Of several grounds the first chooses the step: one that chose its own after it would run by another clock than the scene.
+bool MpmEngine::leadsTimeStep() const
+{
+	for (const auto& engine : scene->engines)
+		if (const auto* other = dynamic_cast<const MpmEngine*>(engine.get()))
+			if (!other->dead && other->automaticTimeStep) return other == this;
+	return true;
+}
+
+/// What the grounds behind this one want.
+Real MpmEngine::timeStepOfOthers()
+{
+	Real step = std::numeric_limits<Real>::infinity();
+	for (const auto& engine : scene->engines) {
+		auto* other = dynamic_cast<MpmEngine*>(engine.get());
+		if (!other || other == this || other->dead || !other->automaticTimeStep) continue;
+		other->scene = scene;
+		step         = std::min(step, other->wantedStep());
+	}
+	return step;
+}
+
+Real MpmEngine::wantedStep()
+{
+	initialise();
+	if (stableStep == 0) findStableStep();
+	if (!bodies) return stableStep;
+	collectBodies();
+	return bodies->timeStep(*scene, groundOfScene->bodies(), stableStep);
+}
+
+/// A step beyond the limit takes several of the ground's, in which the limit moves on.
+void MpmEngine::advanceAlone(bool newLimit)
+{
+	if (automaticTimeStep && leadsTimeStep()) {
+		const Real others = timeStepOfOthers();
+		if (newLimit || others < scene->dt) scene->dt = std::min(stableStep, others);
+	}
+	Real done = 0;
+	for (bool whole = false; !whole;) {
+		const Real left  = scene->dt - done;
+		const int  kept  = subSteps(left) > 1 ? findStableStep() : 1;
+		const int  count = subSteps(left), now = std::min(count, kept);
+		const Real dt = left / count;
+		for (int i = 0; i < now; i++) {
+			try {
+				advance(dt);
+			} catch (const talik::StopAfterStep&) { // the ground has done this step, the clock of the scene follows
+				scene->time += done + (i + 1) * dt;
+				scene->iter++;
+				throw;
+			}
+		}
+		done += now * dt;
+		whole = now == count;
+	}
+}
+
+void MpmEngine::collectBodies()
+{
+	SceneBodies& met = groundOfScene->bodies();
+	bodies->collect(*scene, *this, met);
+	if (bodiesNamed) return;
+	std::set<int> numbers; // of bodies, and of clumps that have one
+	for (size_t b = 0; b < met.count(); b++) {
+		const Body& body = *(*scene->bodies)[met.id(b)];
+		numbers.insert(body.id);
+		if (body.clumpId >= 0) numbers.insert(body.clumpId);
+	}
+	for (const auto& boundary : boundaries)
+		boundary->checkBodies(numbers);
+	bodiesNamed = true;
+}
+
+/// In the ground's step the bodies are where their velocities take them from their places in the scene.
+void MpmEngine::advanceAmongBodies()
+{
+	SceneBodies& met = groundOfScene->bodies();
+	collectBodies();
+	if (automaticTimeStep && leadsTimeStep()) scene->dt = std::min(bodies->timeStep(*scene, groundOfScene->bodies(), stableStep), timeStepOfOthers());
+	if (bodies->due(*scene) > 1e-9 * scene->dt) {
+		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);
+		const int    count = subSteps(interval);
+		for (int i = 0; i < count; i++) {
+			met.place(begin + i * (interval / count));
+			advance(interval / count);
+		}
+		bodies->take(met, interval);
+	}
+	bodies->deliver(*scene);
+}
+
+/// One cycle of Yu & Zhao, section 2.3. The paper's steps 2 and 3 close the cycle here, with the velocities just solved.
+void MpmEngine::advance(double dt)
+{
+	ground->beginStep(dt);
+	ground->p2g();                     // step 1: points to grid
+	ground->solveNodes();              // step 4: nodal forces and heat flows, implicit drag, boundaries
+	ground->g2p();                     // step 5: grid to points
+	ground->updateStrainAndPressure(); // step 2: strain, pore pressure, saturations
+	ground->updateEffectiveStress();   // step 3: displacement gradient and ice saturation down, effective stress back
+}
+
+} // namespace yade

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/engine/MpmEngine.hpp>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+using namespace yade;
+
+namespace talik {
+namespace {
+	template <int D> using Points = std::vector<PointInput<D>>;
+	template <int D> using Box    = std::array<long, D>;
+
+	class Doubts {
+	public:
+		template <class... Parts> void add(bool grave, const Parts&... parts)
+		{
+			std::ostringstream text;
+			text.precision(4);
+			(text << ... << parts);
+			list.push_back({ text.str(), grave });
+		}
+		std::vector<Doubt> list;
+	};
+
+	double median(std::vector<double> values)
+	{
+		const auto middle = values.begin() + long(values.size() / 2);
+		std::nth_element(values.begin(), middle, values.end());
+		return *middle;
+	}
+
+	/// Ids of points by boxes of a given side.
+	template <int D> std::map<Box<D>, std::vector<int>> boxesOf(const Points<D>& points, double side)
+	{
+		Vec<D> low = points[0].position;
+		for (const auto& point : points)
+			for (int a = 0; a < D; a++)
+				low[a] = std::min(low[a], point.position[a]);
+		std::map<Box<D>, std::vector<int>> boxes;
+		for (std::size_t i = 0; i < points.size(); i++) {
+			Box<D> place;
+			for (int a = 0; a < D; a++)
+				place[a] = long(std::floor((points[i].position[a] - low[a]) / side + 0.5));
+			boxes[place].push_back(int(i));
+		}
+		return boxes;
+	}
+
+	/// Calls work(box) for all boxes around one, up to two away in each direction.
+	template <int D, class Work> void overNeighbours(const Box<D>& middle, Work&& work)
+	{
+		Box<D> box;
+		for (int k = 0; k < (D == 2 ? 25 : 125); k++) {
+			box    = middle;
+			int in = k;
+			for (int a = 0; a < D; a++, in /= 5)
+				box[a] += in % 5 - 2;
+			work(box);
+		}
+	}
+
+	/// Distance to the nearest other point; infinite where none is within two sides of a box.
+	template <int D> std::vector<double> nearestDistances(const Points<D>& points, double side)
+	{
+		const auto          boxes = boxesOf<D>(points, side);
+		std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
+		for (const auto& [place, ids] : boxes) {
+			const auto& here = ids;
+			overNeighbours<D>(place, [&](const Box<D>& box) {
+				const auto others = boxes.find(box);
+				if (others == boxes.end()) return;
+				for (const int i : here)
+					for (const int j : others->second) {
+						if (i == j) continue;
+						Vec<D> apart;
+						for (int a = 0; a < D; a++)
+							apart[a] = points[i].position[a] - points[j].position[a];
+						nearest[i] = std::min(nearest[i], lengthOf<D>(apart));
+					}
+			});
+		}
+		return nearest;
+	}
+
+	template <int D> void doubtPlaces(Doubts& doubts, const Points<D>& points, double spacing)
+	{
+		const char* const   unit = D == 2 ? " m^2" : " m^3";
+		std::vector<double> volumes;
+		double              sum = 0;
+		for (const auto& point : points) {
+			if (!(point.volume > 0) || !std::isfinite(lengthOf<D>(point.position))) return; // refused anyway
+			volumes.push_back(point.volume);
+			sum += point.volume;
+		}
+		const double usual = median(volumes), side = D == 2 ? std::sqrt(usual) : std::cbrt(usual),
+		             room = usual * double(boxesOf<D>(points, side).size());
+		if (points.size() > 3 && sum > 1.8 * room)
+			doubts.add(
+			        true, "The volumes of the points add to ", sum, unit, " in a room of some ", room, unit,
+			        ": was an outline filled twice, or volume (median ", usual, unit, ") given for more than one point?");
+		if (points.size() < 4) return;
+		const auto   distances = nearestDistances<D>(points, 0.75 * spacing);
+		const double apart     = median(distances);
+		if (!(apart <= 1.2 * spacing))
+			doubts.add(
+			        true, "MpmEngine.gridSpacing is ", spacing, " m and most points have no other one within ", 1.2 * spacing,
+			        " m: the grid cannot carry ground whose points are farther apart than its nodes; give smaller points or a coarser grid.");
+		else if (usual < 0.1 * std::pow(apart, D))
+			doubts.add(
+			        true, "The volume of the points is ", usual, unit, " (median) where their distance of ", apart, " m makes ", std::pow(apart, D),
+			        unit, ": was volume meant to be that?");
+	}
+
+	template <int D> void doubtStates(Doubts& doubts, const MpmEngine& mpm, const Points<D>& points)
+	{
+		double stress = 0, tension = 0, pressure = 0;
+		int    tensile = 0;
+		for (const auto& point : points) {
+			if (std::isfinite(point.stress[0])) {
+				for (const int c : { 0, 1, 2 })
+					stress = std::max(stress, std::abs(point.stress[c]));
+				const double most = std::max({ point.stress[0], point.stress[1], point.stress[2] });
+				tensile += most > 0;
+				tension = std::max(tension, most);
+			}
+			pressure = std::max(pressure, std::abs(point.pressure));
+		}
+		if (tensile > 0)
+			doubts.add(
+			        true, "addPoints: stress of ", tensile, " points is tensile, up to ", tension,
+			        " Pa: was compression meant? Compression is negative.");
+		if (mpm.motion && stress > 0 && stress < 500)
+			doubts.add(false, "addPoints: stress is ", stress, " Pa at most: was ", stress * 1e3, " Pa (kPa) meant?");
+		if (mpm.water && pressure > 0 && pressure < 200)
+			doubts.add(false, "addPoints: pressure is ", pressure, " Pa at most: was ", pressure * 1e3, " Pa (kPa) meant?");
+	}
+
+	struct Range {
+		const char* name;
+		double      value, least, most;
+		const char* unit;
+	};
+
+	/// Where a thousand times more or less would do, that was meant.
+	void doubtRange(Doubts& doubts, bool grave, const Range& r)
+	{
+		if (r.value == 0 || !std::isfinite(r.value) || (r.value >= r.least && r.value <= r.most)) return;
+		const double meant = r.value < r.least ? r.value * 1e3 : r.value / 1e3;
+		if (meant >= r.least && meant <= r.most) doubts.add(grave, r.name, " is ", r.value, " ", r.unit, ": was ", meant, " meant?");
+		else doubts.add(grave, r.name, " is ", r.value, " ", r.unit, ": ", r.least, " to ", r.most, " would be usual.");
+	}
+
+	void doubtMaterial(Doubts& doubts, const MpmEngine& mpm, const yade::GroundMaterial& m)
+	{
+		for (const Range& r : { Range { "GroundMaterial.solidDensity", m.solidDensity, 300, 2e4, "kg/m^3" },
+		                        Range { "GroundMaterial.iceDensity", m.iceDensity, 300, 2e4, "kg/m^3" },
+		                        Range { "GroundMaterial.liquidDensity", m.liquidDensity, 300, 2e4, "kg/m^3" } })
+			doubtRange(doubts, true, r);
+		if (!mpm.heat) return;
+		for (const Range& r : { Range { "GroundMaterial.solidSpecificHeat", m.solidSpecificHeat, 50, 2e4, "J/(kg K)" },
+		                        Range { "GroundMaterial.iceSpecificHeat", m.iceSpecificHeat, 50, 2e4, "J/(kg K)" },
+		                        Range { "GroundMaterial.liquidSpecificHeat", m.liquidSpecificHeat, 50, 2e4, "J/(kg K)" },
+		                        Range { "GroundMaterial.latentHeat", m.latentHeat, 1e4, 1e7, "J/kg" },
+		                        Range { "GroundMaterial.solidConductivity", m.solidConductivity, 0.01, 500, "W/(m K)" },
+		                        Range { "GroundMaterial.iceConductivity", m.iceConductivity, 0.01, 500, "W/(m K)" },
+		                        Range { "GroundMaterial.liquidConductivity", m.liquidConductivity, 0.01, 500, "W/(m K)" } })
+			doubtRange(doubts, true, r);
+	}
+
+	void doubtAngle(Doubts& doubts, const char* name, double degrees)
+	{
+		if (degrees > 0 && degrees < 1.58)
+			doubts.add(true, name, " is ", degrees, " degrees: was ", degrees * 180 / M_PI, " (the same number in radians) meant?");
+	}
+
+	void doubtSkeletons(Doubts& doubts, const MpmEngine& mpm)
+	{
+		for (const auto& law : mpm.activeSkeletons()) {
+			if (const auto* elastic = dynamic_cast<const yade::ElasticSkeleton*>(law.get()))
+				doubtRange(doubts, false, Range { "ElasticSkeleton.young", elastic->young, 1e4, 1e12, "Pa" });
+			if (const auto* creeping = dynamic_cast<const yade::CreepingSkeleton*>(law.get()))
+				doubtRange(doubts, false, Range { "CreepingSkeleton.young", creeping->young, 1e4, 1e12, "Pa" });
+			if (const auto* mohrCoulomb = dynamic_cast<const yade::MohrCoulombSkeleton*>(law.get())) {
+				doubtAngle(doubts, "MohrCoulombSkeleton.frictionAngle", mohrCoulomb->frictionAngle);
+				doubtRange(doubts, false, Range { "MohrCoulombSkeleton.young", mohrCoulomb->young, 1e4, 1e12, "Pa" });
+				doubtRange(doubts, false, Range { "MohrCoulombSkeleton.cohesionFrozen", mohrCoulomb->cohesionFrozen, 10, 1e9, "Pa" });
+			}
+		}
+	}
+
+	double largest(double constant, const std::vector<double>& table)
+	{
+		double most = table.empty() ? std::abs(constant) : 0;
+		for (const double value : table)
+			most = std::max(most, std::abs(value));
+		return most;
+	}
+
+	void doubtBoundaries(Doubts& doubts, const MpmEngine& mpm)
+	{
+		for (const auto& boundary : mpm.boundaries) {
+			if (const auto* load = dynamic_cast<const yade::SurfaceLoad*>(boundary.get())) {
+				const double p = largest(load->pressure, load->values);
+				if (p > 0 && p < 500) doubts.add(false, "SurfaceLoad.pressure is ", p, " Pa at most: was ", p * 1e3, " Pa (kPa) meant?");
+			}
+			if (const auto* flux = dynamic_cast<const yade::WaterFlux*>(boundary.get())) {
+				const double q = largest(flux->flux, flux->values);
+				if (q > 0.1) doubts.add(false, "WaterFlux.flux is ", q, " m/s: was ", q / 1e3 / 3600, " m/s (", q, " mm per hour) meant?");
+			}
+		}
+	}
+	template <int D> void doubtGravity(Doubts& doubts, const MpmEngine& mpm)
+	{
+		if (mpm.gravity.isGiven() && mpm.gravity.components() != D) return; // refused anyway
+		Vec<D> gravity = mpm.gravity.in<D>("gravity");
+		double beside  = 0;
+		for (int a = 0; a < D - 1; a++)
+			beside = std::max(beside, std::abs(gravity[a]));
+		const string text = mpm.gravity.text();
+		if (gravity[D - 1] > 0) {
+			gravity[D - 1] *= -1;
+			std::ostringstream meant;
+			for (int a = 0; a < D; a++)
+				meant << (a ? ", " : "(") << gravity[a];
+			doubts.add(true, "MpmEngine.gravity is ", text, " m/s^2, upwards: was ", meant.str(), ") meant?");
+		} else if (D == 3 && gravity[D - 1] == 0 && beside > 0)
+			doubts.add(true, "MpmEngine.gravity is ", text, " m/s^2: z points upwards in space, was (0, 0, ", -lengthOf<D>(gravity), ") meant?");
+	}
+
+	template <int D> std::vector<Doubt> doubtsIn(const MpmEngine& mpm)
+	{
+		Points<D> points;
+		for (int id = 0; id < mpm.points.count(); id++)
+			points.push_back(mpm.points.point<D>(id));
+		Doubts doubts;
+		if (mpm.gridSpacing > 0 && !points.empty()) doubtPlaces<D>(doubts, points, mpm.gridSpacing);
+		if (mpm.motion) doubtGravity<D>(doubts, mpm);
+		for (const auto& m : mpm.activeMaterials())
+			if (m) doubtMaterial(doubts, mpm, *m);
+		doubtStates<D>(doubts, mpm, points);
+		if (mpm.motion) doubtSkeletons(doubts, mpm);
+		if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))
+			doubts.add(
+			        false, "PoreWater.conductivity is ", mpm.water->conductivity,
+			        " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
+		doubtBoundaries(doubts, mpm);
+		return doubts.list;
+	}
+} // namespace
+
+std::vector<Doubt> doubtsAbout(const MpmEngine& mpm) { return mpm.usedDimension() == 2 ? doubtsIn<2>(mpm) : doubtsIn<3>(mpm); }
+
+} // namespace talik

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <algorithm>
+#include <boost/lexical_cast.hpp>
+#include <boost/python/numpy.hpp>
+#include <cmath>
+#include <core/Scene.hpp>
+#include <limits>
+#include <numeric>
+#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/multiscale/engine/PointTable.hpp>
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+namespace talik {
+namespace {
+	constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+	struct Column {
+		const char* name;
+		int         components;
+		double      byDefault;
+	};
+
+	/// What follows the position, in its order.
+	std::vector<Column> optionalColumns(int dimension)
+	{
+		return { { "volume", 1, none },        { "porosity", 1, 0.4 }, { "temperature", 1, 0 },
+			 { "pressure", 1, 0 },         { "skeleton", 1, 0 },   { "stress", dimension == 2 ? stressSize<2> : stressSize<3>, none },
+			 { "velocity", dimension, 0 }, { "poreFill", 1, none } };
+	}
+
+	/// The numbers of one column for all points, from a scalar, a row of components, or an array with a row per point.
+	std::vector<double> columnFrom(const py::object& values, const Column& column, int points, int dimension)
+	{
+		const np::ndarray array = asArray(std::string("addPoints: ") + column.name, values);
+		const double*     data  = reinterpret_cast<const double*>(array.get_data());
+		long              size  = 1;
+		for (int d = 0; d < array.get_nd(); d++)
+			size *= array.shape(d);
+		const int  components = column.components;
+		const bool uniform    = size == components && (components > 1 || array.get_nd() == 0 || points == 1);
+		if (!uniform && size != long(points) * components)
+			throw std::invalid_argument(
+			        "MpmEngine.addPoints: " + std::string(column.name) + " has " + std::to_string(size) + " numbers for " + std::to_string(points)
+			        + " points: give " + std::to_string(components) + " or " + std::to_string(long(points) * components)
+			        + (std::string(column.name) != "stress" ? "."
+			                   : dimension == 2             ? ", in the order of field('stress'): xx, yy, zz, xy."
+			                                                : ", in the order of field('stress'): xx, yy, zz, yz, xz, xy."));
+		std::vector<double> numbers(std::size_t(points) * components);
+		for (std::size_t k = 0; k < numbers.size(); k++)
+			numbers[k] = data[uniform ? k % components : k];
+		return numbers;
+	}
+
+	/// skeleton is the number of a law, material that of a material: half a number is none.
+	void requireWholeNumbers(const std::vector<double>& column, const std::string& name, const std::string& list)
+	{
+		for (const double number : column)
+			if (number != std::floor(number) || std::abs(number) > 1e9)
+				throw std::invalid_argument(
+				        "MpmEngine.addPoints: " + name + " is " + boost::lexical_cast<std::string>(number) + ": give " + list
+				        + ", a whole number.");
+	}
+} // namespace
+
+np::ndarray asArray(const std::string& name, const py::object& values)
+{
+	try {
+		return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
+	} catch (const py::error_already_set&) {
+		PyErr_Clear();
+		throw std::invalid_argument(
+		        "MpmEngine." + name + " is " + std::string(py::extract<std::string>(py::str(values))) + ": give a number or an array of numbers.");
+	}
+}
+
+void PointTable::add(const py::dict& arrays)
+{
+	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) or (n,3) [m].");
+	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
+	if (position.get_nd() != 2 || (position.shape(1) != 2 && position.shape(1) != 3))
+		throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2) or, in space, (n,3).");
+	const int points = position.shape(0), dimension = position.shape(1);
+	if (dimension_ != 0 && dimension != dimension_)
+		throw std::invalid_argument(
+		        "MpmEngine.addPoints: position is an array (n," + std::to_string(dimension) + "), but points with " + std::to_string(dimension_)
+		        + " coordinates were added before: give all points the same number of them.");
+	py::list unknown = arrays.keys();
+	unknown.remove("position");
+	std::vector<std::vector<double>> columns { columnFrom(arrays["position"], { "position", dimension, 0 }, points, dimension) };
+	std::vector<int>                 widths { dimension };
+	for (const Column& column : optionalColumns(dimension)) {
+		widths.push_back(column.components);
+		if (!arrays.has_key(column.name)) {
+			columns.emplace_back(std::size_t(points) * column.components, column.byDefault);
+			continue;
+		}
+		columns.push_back(columnFrom(arrays[column.name], column, points, dimension));
+		unknown.remove(column.name);
+		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back(), "skeleton", "the number of a law in skeletons");
+	}
+	std::vector<double> materials(points, 0.0);
+	if (arrays.has_key("material")) {
+		materials = columnFrom(arrays["material"], { "material", 1, 0 }, points, dimension);
+		unknown.remove("material");
+		requireWholeNumbers(materials, "material", "the name or number of a material in materials");
+	}
+	if (py::len(unknown) > 0)
+		throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + std::string(py::extract<std::string>(unknown[0])) + "'.");
+	if (points == 0) return;
+	const bool several = !materials_.empty() || std::any_of(materials.begin(), materials.end(), [](double m) { return m != 0.0; });
+	if (several) {
+		materials_.resize(count(), 0);
+		materials_.insert(materials_.end(), materials.begin(), materials.end());
+	}
+	dimension_ = dimension;
+	for (int p = 0; p < points; p++)
+		for (std::size_t c = 0; c < columns.size(); c++) {
+			const auto first = columns[c].begin() + long(p) * widths[c];
+			numbers_.insert(numbers_.end(), first, first + widths[c]);
+		}
+}
+
+template <int D> PointInput<D> PointTable::point(int id) const
+{
+	const double* from = row(id);
+	const auto    next = [&] { return *from++; };
+	PointInput<D> p;
+	for (double& x : p.position)
+		x = next();
+	p.volume      = next();
+	p.porosity    = next();
+	p.temperature = next();
+	p.pressure    = next();
+	p.skeleton    = int(next());
+	for (double& s : p.stress)
+		s = next();
+	for (double& v : p.velocity)
+		v = next();
+	p.poreFill = next();
+	p.material = material(id);
+	return p;
+}
+
+template PointInput<2> PointTable::point<2>(int) const;
+template PointInput<3> PointTable::point<3>(int) const;
+
+std::uint64_t PointTable::digest() const
+{
+	Checksum checksum;
+	for (const double number : numbers_) {
+		const double plain = std::isnan(number) ? none : number;
+		checksum.process_bytes(&plain, sizeof plain);
+	}
+	if (!materials_.empty()) checksum.process_bytes(materials_.data(), materials_.size() * sizeof(int));
+	return checksum.checksum();
+}
+
+} // namespace talik
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+namespace yade {
+YADE_PLUGIN((PointWatch));
+
+namespace {
+	/// `count` rows of `width` numbers, `stride` apart, as an array (count,) or (count, width).
+	np::ndarray columns(const Real* first, std::size_t count, int width, std::size_t stride)
+	{
+		np::ndarray array = np::empty(width == 1 ? py::make_tuple(count) : py::make_tuple(count, width), np::dtype::get_builtin<double>());
+		Real*       data  = reinterpret_cast<Real*>(array.get_data());
+		for (std::size_t i = 0; i < count; i++)
+			std::copy(first + i * stride, first + i * stride + width, data + i * width);
+		return array;
+	}
+} // namespace
+
+void PointWatch::record(Real time, const Look& look)
+{
+	const bool first = times.empty();
+	if (first) next = time;
+	for (const int id : ids)
+		for (std::size_t f = 0; f < fields.size(); f++) {
+			auto numbers = look(fields[f], id);
+			if (first && id == ids.front()) components.push_back(int(numbers.size()));
+			numbers.resize(std::size_t(components[f]), NaN); // a point that has lost its sample has one NaN in place of a tensor
+			rows.insert(rows.end(), numbers.begin(), numbers.end());
+		}
+	times.push_back(time);
+	// whole intervals after the first record, also where a step is longer than one
+	if (interval > 0) next += interval * std::max(1., std::floor((time - next) / interval + 1));
+}
+
+py::dict PointWatch::history(int id) const
+{
+	const auto place = std::find(ids.begin(), ids.end(), id) - ids.begin();
+	if (place == long(ids.size()))
+		throw std::invalid_argument("MpmEngine.history: point " + std::to_string(id) + " is not watched; call watch() with its id.");
+	const std::size_t width = std::accumulate(components.begin(), components.end(), std::size_t(0)), stride = width * ids.size();
+	py::dict          result;
+	result["time"]  = columns(times.data(), times.size(), 1, 1);
+	const Real* row = rows.data() + std::size_t(place) * width;
+	for (std::size_t f = 0; f < components.size(); f++) {
+		result[fields[f]] = columns(row, times.size(), components[f], stride);
+		row += components[f];
+	}
+	return result;
+}
+
+} // namespace yade

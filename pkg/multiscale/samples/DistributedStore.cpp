@@ -1,0 +1,468 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/samples/DistributedStore.hpp>
+#include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/ranks/Digest.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+namespace talik {
+
+namespace {
+	constexpr std::uint64_t dealInterval = 32;  ///< updates from one deal to the next
+	constexpr double        keptCost     = 0.5; ///< part of the cost measured so far that counts in the next deal
+
+	/// An answer as it goes round; the tangent follows where one is asked for.
+	template <int Dim> struct Answer {
+		double       stress[Dim * Dim];
+		double       rateError, cost;
+		std::int64_t steps;
+		std::int32_t leader; ///< place of the first request with the same new state; none: the state stayed
+		std::int16_t flipped, blewUp;
+
+		static constexpr std::int32_t none = -1;
+	};
+
+	/// Before the answers of a rank.
+	struct Head {
+		std::uint64_t hasWords; ///< why a sample blew up, or why the update failed
+	};
+
+	template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
+	{
+		digest.add(request.displacementGradient.data(), sizeof(double) * Dim * Dim);
+		digest.add(&request.iceSaturation, sizeof(double));
+		digest.add(&request.inertialNumber, sizeof(double));
+		digest.add(std::uint64_t(request.compareRates));
+		digest.add(&request.strength, sizeof(request.strength));
+		digest.add(&request.iceStiffness, sizeof(double));
+		digest.add(&request.creep, sizeof(request.creep));
+	}
+
+	template <int Dim> std::uint64_t digestOf(const std::vector<PackedRequest<Dim>>& requests)
+	{
+		Digest digest;
+		for (const auto& request : requests) {
+			digest.add(std::uint64_t(request.sample));
+			addTo(digest, request);
+		}
+		return digest.value();
+	}
+
+	template <class T> T take(const char*& from)
+	{
+		T value;
+		std::memcpy(&value, from, sizeof value);
+		from += sizeof value;
+		return value;
+	}
+	template <class T> void put(std::string& to, const T& value) { to.append(reinterpret_cast<const char*>(&value), sizeof value); }
+} // namespace
+
+/// The requests of an update, who computes them, and what came of it.
+template <int Dim> struct DistributedStore<Dim>::Batch {
+	const std::vector<Request>& requests;
+	std::vector<int>            rankOf;
+	std::vector<Result>         results;
+	std::vector<std::int32_t>   leader;
+	std::vector<double>         cost;
+	std::string                 failure; ///< of this rank, or, after spread(), of any
+
+	Batch(const std::vector<Request>& asked, std::vector<int> ranks, int count)
+	        : requests(asked)
+	        , rankOf(std::move(ranks))
+	        , results(asked.size())
+	        , leader(asked.size(), Answer<Dim>::none)
+	        , cost(asked.size(), 0)
+	        , places_(std::size_t(count))
+	{
+		for (std::size_t k = 0; k < rankOf.size(); ++k)
+			places_[std::size_t(rankOf[k])].push_back(k);
+	}
+	/// Places of the requests of a rank, ascending.
+	const std::vector<std::size_t>& of(int rank) const { return places_[std::size_t(rank)]; }
+
+private:
+	std::vector<std::vector<std::size_t>> places_;
+};
+
+template <int Dim>
+DistributedStore<Dim>::DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
+        : held(std::move(here))
+        , talk(std::move(others))
+{
+	for (std::size_t s = 0; s < held->size(); ++s)
+		beginAnew(s);
+}
+
+template <int Dim> DistributedStore<Dim>::~DistributedStore()
+{
+	if (number >= 0) talk->dismiss(number);
+}
+
+// ---- states that every rank has -------------------------------------------------------------------------------------------
+
+/// The sample takes the state that it has on this rank, the same on all ranks.
+template <int Dim> void DistributedStore<Dim>::beginAnew(std::size_t sample)
+{
+	stateOf.resize(held->size());
+	stateOf[sample].reset();
+	auto& known = beginning[held->identity(sample)];
+	auto  state = known.lock(); // none, too, where the memory of a former state was used again
+	if (!state) known = state = std::make_shared<State>();
+	stateOf[sample] = state;
+	brought.erase(sample);
+}
+
+template <int Dim> const SampleStart<Dim>& DistributedStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
+{
+	const auto& start = held->add(prototype, iceSaturation, options);
+	beginAnew(held->size() - 1);
+	return start;
+}
+
+template <int Dim> void DistributedStore<Dim>::release(std::size_t sample)
+{
+	held->release(sample);
+	beginAnew(sample);
+}
+
+template <int Dim> void DistributedStore<Dim>::clear()
+{
+	held->clear();
+	stateOf.clear();
+	beginning.clear();
+	brought.clear();
+}
+
+template <int Dim> void DistributedStore<Dim>::resize(std::size_t samples)
+{
+	clear();
+	held->resize(samples);
+	stateOf.resize(samples);
+}
+
+template <int Dim> void DistributedStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& samples)
+{
+	held->restoreState(reader, samples);
+	for (const auto sample : samples)
+		beginAnew(sample);
+}
+
+// ---- update ---------------------------------------------------------------------------------------------------------------
+
+/// A rank for each request: the owner of the state. States that every rank has go to the rank with the fewest requests so far; those that
+/// agree bit for bit stay together, since they will share the next state.
+template <int Dim> std::vector<int> DistributedStore<Dim>::dealt(const std::vector<Request>& requests) const
+{
+	std::vector<int>         rankOf(requests.size(), everywhere);
+	std::vector<std::size_t> load(std::size_t(talk->count()), 0);
+	for (std::size_t k = 0; k < requests.size(); ++k) {
+		rankOf[k] = stateOf.at(requests[k].sample)->owner;
+		if (rankOf[k] != everywhere) load[std::size_t(rankOf[k])]++;
+	}
+	std::map<std::pair<const State*, std::uint64_t>, int> together;
+	for (std::size_t k = 0; k < requests.size(); ++k) {
+		if (rankOf[k] != everywhere) continue;
+		Digest work;
+		addTo(work, requests[k]);
+		const auto found = together.emplace(std::make_pair(stateOf[requests[k].sample].get(), work.value()), 0);
+		if (found.second) {
+			const auto least = std::min_element(load.begin(), load.end());
+			(*least)++;
+			found.first->second = int(least - load.begin());
+		}
+		rankOf[k] = found.first->second;
+	}
+	return rankOf;
+}
+
+template <int Dim>
+std::vector<PackedUpdateResult<Dim>> DistributedStore<Dim>::update(const std::vector<Request>& requests, const PackedUpdateOptions& options, int threads)
+{
+	if (number < 0) number = talk->enrol(this);
+	++updates;
+	talk->meet("update " + std::to_string(updates) + " of samples " + std::to_string(number), digestOf(requests));
+	Batch batch(requests, dealt(requests), talk->count());
+	compute(batch, options, threads);
+	spread(batch, options.tangent);
+	if (!batch.failure.empty()) throw std::runtime_error(batch.failure);
+	takeOver(batch);
+	if (updates % dealInterval == 0) dealAgain();
+	return std::move(batch.results);
+}
+
+template <int Dim> void DistributedStore<Dim>::compute(Batch& batch, const PackedUpdateOptions& options, int threads) const
+{
+	const auto&              places = batch.of(talk->rank());
+	std::vector<Request>     own;
+	std::vector<const void*> before;
+	for (const auto k : places) {
+		own.push_back(batch.requests[k]);
+		before.push_back(held->identity(own.back().sample));
+	}
+	if (own.empty()) return;
+	try {
+		auto                                results = held->update(own, options, threads);
+		std::map<const void*, std::int32_t> first;
+		for (std::size_t i = 0; i < own.size(); ++i) {
+			const auto  k   = places[i];
+			const auto* now = held->identity(own[i].sample);
+			if (now != before[i]) batch.leader[k] = first.emplace(now, std::int32_t(k)).first->second;
+			if (batch.leader[k] == Answer<Dim>::none || batch.leader[k] == std::int32_t(k))
+				batch.cost[k] = double(results[i].steps) * held->costOfStep(own[i].sample);
+			batch.results[k] = std::move(results[i]);
+		}
+	} catch (const std::exception& problem) {
+		batch.failure = problem.what();
+	}
+}
+
+/// The answers of all ranks go to all. Their lengths are known; only where a sample blew up or a rank failed words follow.
+template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent) const
+{
+	const std::size_t        answerBytes = sizeof(Answer<Dim>) + (tangent ? sizeof(PackedTangent<Dim>) : 0);
+	std::vector<std::size_t> lengths;
+	for (int rank = 0; rank < talk->count(); ++rank)
+		lengths.push_back(sizeof(Head) + batch.of(rank).size() * answerBytes);
+	const auto& mine = batch.of(talk->rank());
+	std::string going;
+	ByteWriter  words;
+	words.block(batch.failure);
+	bool hasWords = !batch.failure.empty();
+	for (const auto k : mine)
+		hasWords = hasWords || batch.results[k].blewUp;
+	put(going, Head { hasWords });
+	for (const auto k : mine) {
+		const auto& result = batch.results[k];
+		Answer<Dim> answer {};
+		std::memcpy(answer.stress, result.stress.data(), sizeof answer.stress);
+		answer.rateError = result.rateError;
+		answer.cost      = batch.cost[k];
+		answer.steps     = result.steps;
+		answer.leader    = batch.leader[k];
+		answer.flipped   = result.flipped;
+		answer.blewUp    = result.blewUp;
+		put(going, answer);
+		if (tangent) put(going, result.tangent);
+		if (result.blewUp) words.block(result.reason);
+	}
+	std::string all(std::accumulate(lengths.begin(), lengths.end(), std::size_t(0)), '\0');
+	talk->ranks().allGather(going.data(), lengths, &all[0]);
+	const char* from     = all.data();
+	bool        anyWords = false;
+	for (int rank = 0; rank < talk->count(); ++rank) {
+		anyWords = take<Head>(from).hasWords || anyWords;
+		for (const auto k : batch.of(rank)) {
+			auto&      result = batch.results[k];
+			const auto answer = take<Answer<Dim>>(from);
+			std::memcpy(result.stress.data(), answer.stress, sizeof answer.stress);
+			result.rateError = answer.rateError;
+			result.steps     = long(answer.steps);
+			result.flipped   = answer.flipped;
+			result.blewUp    = answer.blewUp;
+			if (tangent) result.tangent = take<PackedTangent<Dim>>(from);
+			batch.cost[k]   = answer.cost;
+			batch.leader[k] = answer.leader;
+		}
+	}
+	if (!anyWords) return;
+	const auto said = talk->ranks().exchange(std::vector<std::string>(std::size_t(talk->count()), words.bytes()));
+	batch.failure.clear();
+	for (int rank = 0; rank < talk->count(); ++rank) {
+		ByteReader reader(said[std::size_t(rank)]);
+		const auto failure = reader.block();
+		if (!failure.empty() && batch.failure.empty()) batch.failure = failure + " (on rank " + std::to_string(rank) + ")";
+		for (const auto k : batch.of(rank))
+			if (batch.results[k].blewUp) batch.results[k].reason = reader.block();
+	}
+}
+
+/// Samples take their new states, in all ranks alike; those of other ranks leave this one.
+template <int Dim> void DistributedStore<Dim>::takeOver(const Batch& batch)
+{
+	std::vector<double>                            load(std::size_t(talk->count()), 0.);
+	std::map<std::int32_t, std::shared_ptr<State>> made;
+	for (std::size_t k = 0; k < batch.requests.size(); ++k) {
+		const std::size_t sample = batch.requests[k].sample;
+		const int         rank   = batch.rankOf[k];
+		load[std::size_t(rank)] += batch.cost[k];
+		if (batch.leader[k] == Answer<Dim>::none) {
+			stateOf[sample]->cost += batch.cost[k];
+			continue;
+		}
+		auto& state = made[batch.leader[k]];
+		if (!state) state = std::make_shared<State>(State { rank, stateOf[sample]->owner == everywhere ? 0 : stateOf[sample]->cost });
+		state->cost += batch.cost[k];
+		stateOf[sample] = state;
+		brought.erase(sample);
+		if (rank != talk->rank()) held->release(sample);
+	}
+	meanCost += std::accumulate(load.begin(), load.end(), 0.) / talk->count();
+	largestCost += *std::max_element(load.begin(), load.end());
+}
+
+/// States go to other ranks, as the bytes that a checkpoint holds of them. Those that would not go on with the same bits stay.
+template <int Dim> void DistributedStore<Dim>::dealAgain()
+{
+	if (!held->restoresExactly()) return;
+	const auto               numbers = this->numbering();
+	std::vector<std::size_t> owned; // numbers of states
+	std::vector<double>      cost;
+	std::vector<int>         owner;
+	for (std::size_t n = 0; n < numbers.firstOf.size(); ++n) {
+		State& state = *stateOf[numbers.firstOf[n]];
+		if (state.owner == everywhere) continue;
+		owned.push_back(n);
+		cost.push_back(state.cost);
+		owner.push_back(state.owner);
+		state.cost *= keptCost;
+	}
+	const auto                            next = dealtAgain(cost, owner, talk->count());
+	std::vector<std::vector<std::size_t>> samplesOf(numbers.firstOf.size());
+	for (std::size_t s = 0; s < numbers.stateOf.size(); ++s)
+		samplesOf[numbers.stateOf[s]].push_back(s);
+	std::vector<ByteWriter> going(std::size_t(talk->count()));
+	for (std::size_t i = 0; i < owned.size(); ++i) {
+		if (owner[i] == next[i]) continue;
+		shared.moved++;
+		if (owner[i] != talk->rank()) continue;
+		ByteWriter state;
+		held->saveState(state, numbers.firstOf[owned[i]]);
+		going[std::size_t(next[i])].block(state.bytes());
+	}
+	if (owner == next) return;
+	std::vector<std::string> toEach;
+	for (const auto& writer : going)
+		toEach.push_back(writer.bytes());
+	const auto              coming = talk->ranks().exchange(toEach);
+	std::vector<ByteReader> readers(coming.begin(), coming.end());
+	for (std::size_t i = 0; i < owned.size(); ++i) {
+		if (owner[i] == next[i]) continue;
+		const auto& samples                       = samplesOf[owned[i]];
+		stateOf[numbers.firstOf[owned[i]]]->owner = next[i];
+		for (const auto sample : samples)
+			brought.erase(sample);
+		if (next[i] == talk->rank()) {
+			const std::string bytes = readers[std::size_t(owner[i])].block();
+			ByteReader        state(bytes);
+			held->restoreState(state, samples);
+		} else if (owner[i] == talk->rank())
+			for (const auto sample : samples)
+				held->release(sample);
+	}
+}
+
+// ---- looking at samples that other ranks own ------------------------------------------------------------------------------
+
+/// "measure <name>": that of each state of this rank, in order. "state <sample>": its state, if it is of this rank. "states": each of
+/// this rank.
+template <int Dim> std::string DistributedStore<Dim>::answerTo(const std::string& question) const
+{
+	ByteWriter        writer;
+	const std::size_t blank = question.find(' ');
+	const std::string what = question.substr(0, blank), which = blank == std::string::npos ? "" : question.substr(blank + 1);
+	if (what == "state") {
+		const std::size_t sample = std::stoul(which);
+		if (isMine(sample)) held->saveState(writer, sample);
+		return writer.bytes();
+	}
+	for (const auto sample : this->numbering().firstOf) {
+		if (!isMine(sample)) continue;
+		if (what == "measure") {
+			const auto values = held->measure(sample, which);
+			writer.block(values.data(), values.size() * sizeof(double));
+		} else {
+			ByteWriter state;
+			held->saveState(state, sample);
+			writer.block(state.bytes());
+		}
+	}
+	return writer.bytes();
+}
+
+/// For each state in order what its owner says of it; empty where every rank has the state.
+template <int Dim> std::vector<std::string> DistributedStore<Dim>::partsOfOwners(const std::string& question) const
+{
+	const auto               firstOf = this->numbering().firstOf;
+	std::vector<std::string> parts(firstOf.size());
+	if (number < 0) return parts;
+	const auto              answers = talk->ask(number, question);
+	std::vector<ByteReader> readers(answers.begin(), answers.end());
+	for (std::size_t n = 0; n < firstOf.size(); ++n)
+		if (const int owner = stateOf[firstOf[n]]->owner; owner != everywhere) parts[n] = readers.at(std::size_t(owner)).block();
+	return parts;
+}
+
+template <int Dim> void DistributedStore<Dim>::fetch(std::size_t sample) const
+{
+	const State& state = *stateOf.at(sample);
+	if (state.owner == everywhere || brought.count(sample)) return;
+	const auto answers = talk->ask(number, "state " + std::to_string(sample));
+	if (state.owner != talk->rank()) {
+		ByteReader reader(answers.at(std::size_t(state.owner)));
+		held->restoreState(reader, { sample });
+	}
+	brought.insert(sample);
+}
+
+template <int Dim> std::vector<double> DistributedStore<Dim>::measure(std::size_t sample, const std::string& name) const
+{
+	fetch(sample);
+	return held->measure(sample, name);
+}
+
+template <int Dim> std::vector<std::vector<double>> DistributedStore<Dim>::measureAll(const std::string& name) const
+{
+	const auto numbers = this->numbering();
+	if (!numbers.firstOf.empty()) held->measure(numbers.firstOf.front(), name); // an unknown name is refused before anybody is asked
+	const auto                       parts = partsOfOwners("measure " + name);
+	std::vector<std::vector<double>> ofStates, result;
+	for (std::size_t n = 0; n < parts.size(); ++n) {
+		if (stateOf[numbers.firstOf[n]]->owner == everywhere) {
+			ofStates.push_back(held->measure(numbers.firstOf[n], name));
+			continue;
+		}
+		ofStates.emplace_back(parts[n].size() / sizeof(double));
+		std::memcpy(ofStates.back().data(), parts[n].data(), parts[n].size());
+	}
+	for (const auto state : numbers.stateOf)
+		result.push_back(ofStates[state]);
+	return result;
+}
+
+template <int Dim> void DistributedStore<Dim>::saveState(ByteWriter& writer, std::size_t sample) const
+{
+	fetch(sample);
+	held->saveState(writer, sample);
+}
+
+/// The bytes that one rank with all samples would write.
+template <int Dim> void DistributedStore<Dim>::save(ByteWriter& writer) const
+{
+	const auto numbers = this->numbering();
+	const auto parts   = partsOfOwners("states");
+	writer.number(numbers.stateOf.size());
+	for (const auto state : numbers.stateOf)
+		writer.number(state);
+	writer.number(numbers.firstOf.size());
+	for (std::size_t n = 0; n < parts.size(); ++n) {
+		ByteWriter here;
+		if (parts[n].empty()) held->saveState(here, numbers.firstOf[n]);
+		writer.block(parts[n].empty() ? here.bytes() : parts[n]);
+	}
+}
+
+template <int Dim> const SampleStore::Sharing* DistributedStore<Dim>::sharing() const
+{
+	shared.samples = std::uint64_t(std::count_if(stateOf.begin(), stateOf.end(), [&](const auto& state) { return state->owner == talk->rank(); }));
+	shared.balance = largestCost > 0 ? meanCost / largestCost : 1;
+	return &shared;
+}
+
+template class DistributedStore<2>;
+template class DistributedStore<3>;
+
+} // namespace talik

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/icebond/IceLaws.hpp>
+#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/multiscale/samples/DistributedStore.hpp>
+#include <pkg/multiscale/samples/RveSkeleton.hpp>
+
+#include <boost/python/numpy.hpp>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <map>
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+namespace yade {
+YADE_PLUGIN((RveSkeleton));
+
+talik::SampleScheduling RveSkeleton::scheduling() const
+{
+	talik::SampleScheduling s;
+	TALIK_TAKE_ATTRIBUTES(s, *this, (strainTolerance)(saturationTolerance)(prediction)(stressTolerance)(threads))
+	s.stopOnBlowUp             = onBlowUp == "stop";
+	s.update.maxInertialNumber = maxInertialNumber;
+	s.update.maxStrainPerStep  = maxStrainPerStep;
+	s.update.minSteps          = minSteps;
+	s.update.maxRelaxSteps     = maxRelaxSteps;
+	if (iceStrength) s.iceStrength = iceStrength->law();
+	if (iceCreep) s.iceCreep = iceCreep->law();
+	s.creepInterval = creepInterval;
+	return s;
+}
+
+void RveSkeleton::checkScheduling() const
+{
+	const auto require = [](bool valid, const char* attribute, double value, const char* remedy) {
+		if (!valid)
+			throw std::invalid_argument(
+			        string("RveSkeleton.") + attribute + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
+	};
+	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
+	require(threads >= 0, "threads", threads, "0 or more");
+	require(strainTolerance >= 0, "strainTolerance", strainTolerance, "0 or more");
+	require(saturationTolerance >= 0, "saturationTolerance", saturationTolerance, "0 or more");
+	require(stressTolerance >= 0, "stressTolerance", stressTolerance, "0 or more");
+	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "a positive number, e.g. 5e-3");
+	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "a positive number, e.g. 1e-5");
+	require(creepInterval >= 0, "creepInterval", creepInterval, "a calendar time in s, 0 or more");
+	require(minSteps >= 1, "minSteps", minSteps, "1 or more");
+	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "0 or more");
+}
+
+void RveSkeleton::followAttributes()
+{
+	if (running().scheduling().threads == threads) return;
+	checkScheduling();
+	running().scheduling().threads = threads;
+}
+
+bool RveSkeleton::bondsCarryMoments() const
+{
+	const auto ofSample = [](const auto& sample) {
+		return sample->dimension() == 2 ? sample->template packed<2>().bondsCarryMoments() : sample->template packed<3>().bondsCarryMoments();
+	};
+	return std::any_of(samples.begin(), samples.end(), ofSample)
+	        || std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return talik::bondsCarryMoments(*scene); });
+}
+
+void RveSkeleton::checkSettings(int pointCount) const
+{
+	checkScheduling();
+	if (form != "packed" && form != "open") throw std::invalid_argument("RveSkeleton.form is '" + form + "': choose packed or open.");
+	for (const auto& sample : samples)
+		if (!sample) throw std::invalid_argument("RveSkeleton.samples holds None: give RveSamples only.");
+	for (const auto& scene : scenes) {
+		if (!scene) throw std::invalid_argument("RveSkeleton.scenes holds None: give Scenes only.");
+		if (scene == Omega::instance().getScene())
+			throw std::invalid_argument("RveSkeleton.scenes holds the current scene: load a sample in a scene of its own, see talik.scratchScene.");
+	}
+	if (iceCreep && bondsCarryMoments()) throw std::invalid_argument("RveSkeleton.iceCreep: " + string(talik::momentsDoNotCreep));
+	if (seed < 0) throw std::invalid_argument("RveSkeleton.seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
+	if (!sampleOf.empty() && int(sampleOf.size()) != pointCount)
+		throw std::invalid_argument(
+		        "RveSkeleton.sampleOf has " + std::to_string(sampleOf.size()) + " numbers for " + std::to_string(pointCount)
+		        + " points: give one per point, or none.");
+}
+
+namespace {
+	/// Mixes the bits of a number so that neighbours have nothing in common (splitmix64).
+	std::uint64_t mixed(std::uint64_t z)
+	{
+		z += 0x9e3779b97f4a7c15;
+		z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+		z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+		return z ^ (z >> 31);
+	}
+
+	std::size_t digestOf(const shared_ptr<Scene>& scene) { return std::hash<std::string>()(talik::sceneToBytes(scene)); }
+
+	constexpr double placeUnit = 1e-6; ///< places that differ by less are the same [m]: round-off must not decide
+
+	int dealtAt(const double* place, int dimension, int samples, int seed)
+	{
+		std::uint64_t chance = mixed(std::uint64_t(seed));
+		for (int d = 0; d < dimension; d++)
+			chance = mixed(chance ^ std::uint64_t(std::llround(place[d] / placeUnit)));
+		return int(chance % std::uint64_t(samples));
+	}
+} // namespace
+
+py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
+{
+	if (samples < 1) throw std::invalid_argument("RveSkeleton.deal: samples is " + std::to_string(samples) + ": give 1 or more.");
+	if (seed < 0) throw std::invalid_argument("RveSkeleton.deal: seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
+	const np::ndarray array = np::from_object(position, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
+	if (array.get_nd() != 2 || (array.shape(1) != 2 && array.shape(1) != 3))
+		throw std::invalid_argument("RveSkeleton.deal: position is not an array (n,2) or (n,3).");
+	const Real* data = reinterpret_cast<const Real*>(array.get_data());
+	py::list    numbers;
+	for (int p = 0; p < array.shape(0); p++)
+		numbers.append(dealtAt(data + array.shape(1) * p, int(array.shape(1)), samples, seed));
+	return numbers;
+}
+
+template <int Dim> vector<int> RveSkeleton::dealt(const Places<Dim>& places) const
+{
+	const int   count = std::max(1, int(samples.size() + scenes.size()));
+	vector<int> numbers;
+	for (const auto& place : places)
+		numbers.push_back(dealtAt(place.data(), Dim, count, seed));
+	return numbers;
+}
+
+/// Samples may have been strained or frozen since.
+bool RveSkeleton::sourcesChanged() const
+{
+	if (!model) return false;
+	if (takenStates.size() != samples.size() || takenScenes.size() != scenes.size()) return true;
+	for (std::size_t k = 0; k < scenes.size(); k++)
+		if (!scenes[k] || digestOf(scenes[k]) != takenScenes[k]) return true;
+	for (std::size_t k = 0; k < samples.size(); k++)
+		if (!samples[k] || samples[k]->stateNow() != takenStates[k]) return true;
+	return false;
+}
+
+string RveSkeleton::reasonAgainstPacking(int dimension) const
+{
+	for (std::size_t k = 0; k < scenes.size(); k++) {
+		string reason = talik::reasonAgainstPacking(*scenes[k]);
+		if (reason.empty() && talik::packedDimension(*scenes[k]) != dimension)
+			reason = dimension == 2 ? "its grains are free to move out of the plane of the ground"
+			                        : "its grains are discs and the ground is in space";
+		if (!reason.empty()) return "scenes[" + std::to_string(k) + "] cannot be packed: " + reason;
+	}
+	return "";
+}
+
+template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
+{
+	const string reason = form == "packed" ? reasonAgainstPacking(Dim) : "";
+	if (form == "packed" && reason.empty()) {
+		prototypes = samples;
+		for (const auto& scene : scenes)
+			prototypes.push_back(RveSample::fromScene(scene));
+		std::vector<typename talik::PackedStore<Dim>::StatePointer> states;
+		for (const auto& sample : prototypes)
+			states.push_back(std::make_shared<talik::PackedState<Dim>>(sample->template packed<Dim>()));
+		stores.packed = std::make_shared<talik::PackedStore<Dim>>(states);
+		return;
+	}
+	if (!reason.empty() && !told && talik::isFirstRank())
+		std::cerr << "RveSkeleton: the samples run open, with YADE's own engines, and a call takes about 20 times as long (examples/own_sample.py "
+		             "measures it): "
+		          << reason << "." << std::endl;
+	told = true;
+	std::vector<string> bytes;
+	for (const auto& sample : samples)
+		bytes.push_back(talik::sceneToBytes(sample->open()));
+	for (const auto& scene : scenes)
+		bytes.push_back(talik::sceneToBytes(scene));
+	stores.open = std::make_shared<talik::OpenStore<Dim>>(bytes);
+}
+
+SkeletonLaw::Model<3> RveSkeleton::build(const Places<3>& places)
+{
+	checkSettings(int(places.size()));
+	return makeModel<3>(sampleOf.empty() ? dealt<3>(places) : sampleOf);
+}
+
+SkeletonLaw::Model<2> RveSkeleton::build(const Places<2>& places)
+{
+	checkSettings(int(places.size()));
+	return makeModel<2>(sampleOf.empty() ? dealt<2>(places) : sampleOf);
+}
+
+template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::makeModel(const vector<int>& numbers)
+{
+	Stores<Dim> made;
+	makeStore(made);
+	byHand = false;
+	takenStates.clear();
+	for (const auto& sample : samples)
+		takenStates.push_back(sample->stateNow());
+	takenScenes.clear();
+	for (const auto& scene : scenes)
+		takenScenes.push_back(digestOf(scene));
+	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
+	if (made.packed) store = made.packed;
+	else store = made.open;
+	if (shared && talik::jobTalk()) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
+	made.model           = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
+	made.model->onBlowUp = [this](int id) {
+		keepBlownUp(id);
+		return onBlowUp == "stop";
+	};
+	model = made.model;
+	now   = made;
+	return made.model;
+}
+
+template std::shared_ptr<talik::SampleSkeleton<2>> RveSkeleton::makeModel<2>(const vector<int>&);
+template std::shared_ptr<talik::SampleSkeleton<3>> RveSkeleton::makeModel<3>(const vector<int>&);
+
+void RveSkeleton::keepBlownUp(int id) const
+{
+	if (blowUpFolder.empty() || !talik::isFirstRank()) return;
+	const auto file = std::filesystem::path(blowUpFolder) / ("point" + std::to_string(id) + ".yade");
+	try {
+		const string      bytes = talik::sceneToBytes(scene(id));
+		talik::AtomicFile beside("sample", file.string());
+		beside.sputn(bytes.data(), std::streamsize(bytes.size()));
+		beside.commit();
+		std::cerr << "The sample of point " << id << " blew up; its last good state is in " << file.string() << "." << std::endl;
+	} catch (const std::runtime_error& problem) {
+		std::cerr << "The sample of point " << id << " blew up and its last good state was not kept: " << problem.what() << "." << std::endl;
+	}
+}
+
+talik::PointSamples& RveSkeleton::running() const
+{
+	if (!model) throw std::runtime_error("RveSkeleton: the ground has not started; call mpm.initialise() or run a step first.");
+	return *model;
+}
+
+string RveSkeleton::savedState() const { return model ? model->save() : ""; }
+void   RveSkeleton::restoreState(const string& bytes) { running().restore(bytes); }
+
+shared_ptr<RveSample> RveSkeleton::sample(int id) const
+{
+	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
+	return withStores([&](const auto& stores) {
+		if (stores.open) return RveSample::fromScene(stores.open->scene(number));
+		auto copy = prototypes.at(running().prototype(id))->copy();
+		copy->setPacked(*stores.packed->state(number));
+		return copy;
+	});
+}
+
+shared_ptr<Scene> RveSkeleton::scene(int id) const
+{
+	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
+	return withStores([&](const auto& stores) { return stores.open ? stores.open->scene(number) : sample(id)->open(); });
+}
+
+void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
+{
+	if (!sample) throw std::invalid_argument("RveSkeleton.replaceSample: the sample is None.");
+	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
+	withStores([&](const auto& stores) {
+		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
+		if (stores.open) stores.open->setScene(number, sample->open());
+		else stores.packed->setState(number, std::make_shared<talik::PackedState<dim>>(sample->template packed<dim>()));
+	});
+	byHand = true;
+	running().askNext(id);
+}
+
+namespace {
+	/// Bonds lost or made by hand: one whose grains still touch counts as broken in shear, else in tension.
+	template <int Dim> void countByHand(const talik::PackedState<Dim>& former, talik::PackedState<Dim>& state)
+	{
+		using Pair = std::tuple<int, int, typename talik::PackedTypes<Dim>::CellDist>;
+		std::map<Pair, bool> before; // bonded pairs, and whether they touch now
+		const auto           pair = [](const talik::PackedContacts<Dim>& k, std::size_t c) { return Pair { k.first[c], k.second[c], k.cellDist[c] }; };
+		const auto           bonded = [](const talik::PackedContacts<Dim>& k, std::size_t c) {
+                        return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED;
+		};
+		for (std::size_t c = 0; c < former.contacts.size(); c++)
+			if (bonded(former.contacts, c)) before[pair(former.contacts, c)] = false;
+		for (std::size_t c = 0; c < state.contacts.size(); c++) {
+			const auto found = before.find(pair(state.contacts, c));
+			if (!bonded(state.contacts, c)) {
+				if (found != before.end()) found->second = true;
+			} else if (found != before.end()) before.erase(found);
+			else state.bondsFormed++;
+		}
+		for (const auto& [contact, touches] : before)
+			(state.iceSaturation == 0 ? state.bondsMelted : touches ? state.bondsBrokenInShear : state.bondsBrokenInTension)++;
+	}
+} // namespace
+
+void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
+{
+	if (!scene) throw std::invalid_argument("RveSkeleton.replaceScene: the scene is None.");
+	const std::size_t number = running().sampleNumber(id);
+	running().bring(id);
+	const bool differs = withStores([&](const auto& stores) {
+		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
+		if (stores.open) {
+			stores.open->setScene(number, scene);
+			return true;
+		}
+		const auto former = stores.packed->state(number);
+		auto       state  = std::make_shared<talik::PackedState<dim>>(talik::packScene<dim>(*scene, former.get()));
+		if (state->toBytes() == former->toBytes()) return false;
+		countByHand<dim>(*former, *state);
+		stores.packed->setState(number, state);
+		return true;
+	});
+	if (!differs) return;
+	byHand = true;
+	running().askNext(id);
+}
+
+vector<string> RveSkeleton::measures() const { return talik::sampleMeasures(); }
+
+py::list RveSkeleton::pyMeasures() const
+{
+	py::list names;
+	for (const auto& name : measures())
+		names.append(name);
+	return names;
+}
+
+vector<Real> RveSkeleton::valueAt(const string& name, int id) const
+{
+	if (!hasSample(id)) return { NaN };
+	return running().samples().measure(running().sampleNumber(id), name);
+}
+
+py::object RveSkeleton::values(const string& name) const
+{
+	const auto&                   s        = running();
+	const int                     points   = s.points();
+	const auto                    bySample = s.samples().measureAll(name);
+	vector<const vector<double>*> rows(points, nullptr);
+	const std::size_t             parts = bySample.empty() ? 1 : bySample.front().size();
+	for (int id = 0; id < points; id++)
+		if (s.has(id)) rows[id] = &bySample[s.sampleNumber(id)];
+	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(points) : py::make_tuple(points, parts), np::dtype::get_builtin<double>());
+	Real*       data   = reinterpret_cast<Real*>(result.get_data());
+	for (int id = 0; id < points; id++)
+		for (std::size_t c = 0; c < parts; c++)
+			data[id * parts + c] = rows[id] ? (*rows[id])[c] : NaN;
+	return result;
+}
+
+py::dict RveSkeleton::counters() const
+{
+	const auto& s = running();
+	py::dict    d;
+	d["form"]           = withStores([](const auto& stores) { return bool(stores.open); }) ? "open" : "packed";
+	d["points"]         = s.counters().points;
+	d["calls"]          = s.counters().calls;
+	d["steps"]          = s.counters().steps;
+	d["seconds"]        = s.counters().seconds;
+	d["distinctStates"] = s.samples().distinctStates();
+	d["bytes"]          = s.samples().bytes();
+	if (const auto* sharing = s.samples().sharing()) {
+		d["owned"]   = sharing->samples;
+		d["moved"]   = sharing->moved;
+		d["balance"] = sharing->balance;
+	}
+	return d;
+}
+
+py::dict RveSkeleton::blownUp() const
+{
+	py::dict d;
+	for (const auto& [id, reason] : running().blownUp())
+		d[id] = reason;
+	return d;
+}
+
+} // namespace yade

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <core/Scene.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
+#include <pkg/multiscale/samples/OpenStore.hpp>
+#include <pkg/multiscale/samples/PackedStore.hpp>
+#include <pkg/multiscale/samples/RveSample.hpp>
+#include <pkg/multiscale/samples/SampleSkeleton.hpp>
+#include <pkg/multiscale/settings/SkeletonLaws.hpp>
+#include <pkg/python/ScriptValues.hpp>
+#include <variant>
+
+namespace yade {
+
+/// Skeleton law of Yu & Zhao: one periodic sample of grains behind every material point.
+class RveSkeleton : public SkeletonLaw {
+public:
+	Model<2>            build(const Places<2>& places) override;
+	Model<3>            build(const Places<3>& places) override;
+	bool                sourcesChanged() const override;
+	bool                beginsWithOwnStress() const override { return true; }
+	bool                changedByHand() const override { return byHand; }
+	string              savedState() const override;
+	void                restoreState(const string&) override;
+	void                followAttributes() override;
+	bool                admitsPoints() const override { return !model; }
+	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
+	talik::ErrorSquares errorSquares(const talik::SkeletonPoints& points) const override { return running().errorSquares(points); }
+	void                keepOnly(const talik::SkeletonPoints& points) override { running().keepOnly(points); }
+	bool                shareAmongRanks(bool share) override
+	{
+		shared = share;
+		return true;
+	}
+
+	/// The model of a ground in the plane (Dim 2, samples of discs) or in space (Dim 3, spheres); sampleOf as below, by point id.
+	template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> makeModel(const vector<int>& numbers);
+
+	/// Numbers of the samples, 0 to samples-1, that points at these places [m] (n,2) or (n,3) take by chance.
+	static ::boost::python::list deal(const ::boost::python::object& position, int samples, int seed);
+	/// The sample of a point as it is now, a copy: packed, or as a scene.
+	shared_ptr<RveSample>   sample(int id) const;
+	shared_ptr<Scene>       scene(int id) const;
+	void                    replaceSample(int id, const shared_ptr<RveSample>&);
+	void                    replaceScene(int id, const shared_ptr<Scene>&);
+	bool                    hasSample(int id) const { return running().has(id); }
+	::boost::python::object values(const string& name) const override;
+	vector<Real>            valueAt(const string& name, int id) const override;
+	vector<string>          measures() const override;
+	::boost::python::list   pyMeasures() const;
+	::boost::python::dict   counters() const;
+	::boost::python::dict   blownUp() const;
+
+private:
+	/// The samples of a run.
+	template <int Dim> struct Stores {
+		static constexpr int                        dimension = Dim;
+		std::shared_ptr<talik::SampleSkeleton<Dim>> model;
+		std::shared_ptr<talik::PackedStore<Dim>>    packed; ///< one of the two
+		std::shared_ptr<talik::OpenStore<Dim>>      open;
+	};
+	talik::PointSamples&                  running() const;
+	template <int Dim> Stores<Dim>&       stores() { return std::get<Stores<Dim>>(now); }
+	template <int Dim> const Stores<Dim>& stores() const { return std::get<Stores<Dim>>(now); }
+	/// Calls it with the samples of the run.
+	template <class Visitor> decltype(auto) withStores(Visitor&& visitor) const { return std::visit(std::forward<Visitor>(visitor), now); }
+	talik::SampleScheduling                 scheduling() const;
+	void                                    checkScheduling() const;
+	void                                    checkSettings(int pointCount) const;
+	bool                                    bondsCarryMoments() const;
+	void                                    keepBlownUp(int id) const;
+	string                                  reasonAgainstPacking(int dimension) const;
+	template <int Dim> void                 makeStore(Stores<Dim>&);
+	template <int Dim> vector<int>          dealt(const Places<Dim>& places) const;
+
+	std::shared_ptr<talik::PointSamples>     model; ///< that of `now`
+	std::variant<Stores<2>, Stores<3>>       now;
+	vector<shared_ptr<RveSample>>            prototypes;  ///< of packed samples
+	std::vector<std::shared_ptr<const void>> takenStates; ///< of `samples` when they were built from
+	std::vector<std::size_t>                 takenScenes; ///< digests of `scenes` then
+	bool                                     byHand = false;
+	bool                                     told   = false;
+	bool                                     shared = false; ///< samples are shared out among the ranks of the job
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSkeleton,SkeletonLaw,"A periodic sample of grains with ice bonds behind every material point: the displacement gradient "
+			"and the ice saturation go down, effective stress comes back, history is kept. Samples that were never asked share one state. Example: "
+			"RveSkeleton(samples=[talik.rve.pack(talik.rve.prepare(grains=100))]).",
+		((vector<shared_ptr<RveSample>>,samples,,,"Prepared samples, ice-free; the first step freezes them to the ice saturation of their points, free of stress."))
+		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that "
+				"stock YADE runs."))
+		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot "
+				"be packed all run open, which is said once; a call then takes about 20 times as long."))
+		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: they are dealt to the points by chance, see seed. See "
+				"talik.slope.depthBands."))
+		((int,seed,1,,"Of the chance by which samples are dealt to points where sampleOf is empty, >= 0. A point takes the same one whatever the order of the "
+				"points and the number of threads: its place and the seed decide."))
+		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the "
+				"reference). Where MpmEngine.tolerance is set every point begins with it and is steered from there."))
+		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change. A third of MpmEngine.tolerance where that is "
+				"set."))
+		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
+		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]; 0: "
+				"fixed tolerance. Not asked where MpmEngine.tolerance is set."))
+		((Real,maxInertialNumber,5e-3,,"I_max of the samples: 1e-3 careful, 5e-3 production [-]. Steered for every point where MpmEngine.tolerance is set."))
+		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
+		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
+		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
+		((shared_ptr<IceStrength>,iceStrength,,,"How strength and stiffness of the ice bonds follow the temperature of the point, and strength its strain rate in "
+				"nature's time, that of the calendar: motion since the sample was last asked over the time of slow processes since then. None: it is that of the samples."))
+		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the sample was last asked. None: "
+				"they do not."))
+		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is asked at the latest [s], >= 0; 0: in every step. In between its stress "
+				"does not relax."))
+		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
+				"changed while running."))
+		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "
+				"stress from then on; see blownUp). May be changed while running."))
+		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for "
+				"O.load; empty: none is written. It can be seen by scene(id) in any case."))
+		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
+		/*py*/
+		.def("deal",&RveSkeleton::deal,(::boost::python::arg("position"),::boost::python::arg("samples"),::boost::python::arg("seed")=1),"List: the number, 0 to "
+				"samples-1, of the sample that a point at each position (n,2) or (n,3) [m] takes by chance.").staticmethod("deal")
+		.def("sample",&RveSkeleton::sample,(::boost::python::arg("id")),"A copy of the sample behind a point, as RveSample. ValueError if it cannot be packed: see "
+				"scene.")
+		.def("scene",&RveSkeleton::scene,(::boost::python::arg("id")),"A copy of the sample behind a point as a YADE scene, in either form. See talik.inspect.")
+		.def("replaceScene",&RveSkeleton::replaceScene,(::boost::python::arg("id"),::boost::python::arg("scene")),"Put a scene behind a point; the next step asks "
+				"it. Bonds lost or made by hand are counted. ValueError if it cannot be a sample: the point keeps the one it had.")
+		.def("replaceSample",&RveSkeleton::replaceSample,(::boost::python::arg("id"),::boost::python::arg("sample")),"Put another state behind a point; the next "
+				"step asks it.")
+		.def("hasSample",&RveSkeleton::hasSample,(::boost::python::arg("id")),"True if a sample of this skeleton is behind the point.")
+		.def("measures",&RveSkeleton::pyMeasures,"Names that values() and MpmEngine.field() take.")
+		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: "
+				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
+				"sampleIceSaturation, fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
+		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
+				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; moved, states that went to "
+				"another rank; balance, mean over largest cost of the ranks [-].")
+		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(RveSkeleton);
+
+} // namespace yade

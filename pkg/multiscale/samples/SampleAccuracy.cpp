@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/multiscale/samples/SampleAccuracy.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+namespace {
+	constexpr double stressFloor           = 1e3; ///< added to a point's stress before errors are related to it [Pa]
+	constexpr double comparisonInterval    = 16;  ///< calls of a point from one comparison of rates to the next
+	constexpr double firstInertialNumber   = 2e-3;
+	constexpr double largestInertialNumber = 2e-2;
+	/// Smallest inertial number over the tolerance: slower, quasi-static stress is off by less than the tolerance at 10 to 200 kPa (measured: by
+	/// 10 to 50 times the inertial number), and what is left between two rates is the scatter of grains that find other places.
+	constexpr double slowestPerTolerance     = 1. / 60;
+	constexpr double smallestStrainTolerance = 1e-6, largestStrainTolerance = 1e-3;
+	constexpr double strainShare = 0.3; ///< of the strain tolerance: calls below it were made for the ice and say little about strain
+
+	double steered(double value, double factor, double smallest, double largest)
+	{
+		return std::min(largest, std::max(smallest, value * std::min(2., std::max(0.3, factor))));
+	}
+
+	double square(double x) { return x * x; }
+} // namespace
+
+void SampleAccuracy::declareFields(PointFields& f, const std::string& prefix, const std::string& owner)
+{
+	fields               = &f;
+	inertialNumberField  = f.declare(prefix + "inertialNumber", owner, "-", 1);
+	predictionErrorField = f.declare(prefix + "predictionError", owner, "Pa", 1);
+	rateErrorField       = f.declare(prefix + "rateError", owner, "Pa", 1);
+	lastCallField        = f.declare(prefix + "stepOfLastCall", owner, "-", 1);
+	callsField           = f.declare(prefix + "callsOfSample", owner, "-", 1);
+}
+
+void SampleAccuracy::begin(int place)
+{
+	at(inertialNumberField)[place]  = firstInertialNumber;
+	at(predictionErrorField)[place] = at(rateErrorField)[place] = at(callsField)[place] = 0;
+	at(lastCallField)[place]                                                            = double(step);
+}
+
+bool SampleAccuracy::comparesRates(int place) const { return std::fmod(at(callsField)[place], comparisonInterval) == 0; }
+
+double SampleAccuracy::learn(const Answer& a, double strainTolerance)
+{
+	const double scale = a.stress + stressFloor, part = tolerance * std::sqrt(0.5) * scale;
+	if (comparesRates(a.place)) {
+		double& inertial            = at(inertialNumberField)[a.place];
+		at(rateErrorField)[a.place] = a.rateError;
+		inertial = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
+	}
+	at(predictionErrorField)[a.place] = a.predictionError;
+	addPending(a.place, a.volume, a.stress, sum);
+	at(lastCallField)[a.place] = double(step);
+	at(callsField)[a.place] += 1;
+	if (a.strain < strainShare * strainTolerance) return strainTolerance;
+	return steered(strainTolerance, a.predictionError > 0 ? std::sqrt(part / a.predictionError) : 2., smallestStrainTolerance, largestStrainTolerance);
+}
+
+void SampleAccuracy::addPending(int place, double volume, double stress, ErrorSquares& total) const
+{
+	const double error = square(at(predictionErrorField)[place]) + square(at(rateErrorField)[place]);
+	total.add(volume * pendingSteps(place), error, square(stress));
+}
+
+void SampleAccuracy::save(ByteWriter& writer) const
+{
+	writer.number(step);
+	writer.block(&sum, sizeof sum);
+}
+
+void SampleAccuracy::restore(ByteReader& reader)
+{
+	step = reader.number();
+	reader.block(&sum, sizeof sum);
+}
+
+} // namespace talik

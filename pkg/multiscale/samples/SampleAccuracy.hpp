@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <cstdint>
+#include <pkg/mpm/points/PointFields.hpp>
+#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+
+namespace talik {
+
+/// Sums of squares over points and steps, weighted by volume: of the error in effective stress and of the stress [Pa^2 m^2].
+struct ErrorSquares {
+	double error = 0, stress = 0;
+	void   add(double weight, double squaredError, double squaredStress)
+	{
+		error += weight * squaredError;
+		stress += weight * squaredStress;
+	}
+};
+
+/// Error control of the samples behind points: from one tolerance, the relative error of effective stress that is aimed at, it
+/// steers the strain tolerance and the inertial number of each point, eqs. (15.4) and (15.5), and sums up the estimated error, eq. (15.6).
+/// Two errors are measured, half of the tolerance's square for each:
+///  prediction  the stress predicted by the tangent less that of the sample, at every call. It counts for the whole interval before, although
+///              it grew from zero there, because the motion that it caused stays.
+///  rate        the stress less that of quasi-static motion. Every sixteenth call of a point is computed at two rates to find it.
+class SampleAccuracy {
+public:
+	/// One answer of a sample.
+	struct Answer {
+		int    place           = 0;
+		double volume          = 0; ///< of the point [m^2]
+		double stress          = 0; ///< Frobenius norm [Pa]
+		double predictionError = 0; ///< [Pa]
+		double rateError       = 0; ///< [Pa], if rates were compared
+		double strain          = 0; ///< largest component of the accumulated displacement gradient [-]
+	};
+
+	void setTolerance(double t) { tolerance = t; }
+	void declareFields(PointFields&, const std::string& prefix, const std::string& owner);
+	void begin(int place);
+
+	void   countStep() { step++; }
+	bool   comparesRates(int place) const;
+	double inertialNumber(int place) const { return at(inertialNumberField)[place]; }
+	/// Takes in an answer and steers the point: returns its new strain tolerance [-].
+	double learn(const Answer& answer, double strainTolerance);
+
+	/// Since the last call of a point, for sums up to now.
+	void         addPending(int place, double volume, double stress, ErrorSquares& sum) const;
+	ErrorSquares squares() const { return sum; }
+
+	void save(ByteWriter&) const;
+	void restore(ByteReader&);
+
+private:
+	double* at(PointFields::Handle field) const { return fields->component(field); }
+	double  pendingSteps(int place) const { return double(step) - at(lastCallField)[place]; }
+
+	double              tolerance           = 0;
+	PointFields*        fields              = nullptr;
+	PointFields::Handle inertialNumberField = -1, predictionErrorField = -1, rateErrorField = -1, lastCallField = -1, callsField = -1;
+	std::uint64_t       step = 0;
+	ErrorSquares        sum;
+};
+
+} // namespace talik

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// What a sample that was never asked begins with.
+template <int Dim> struct SampleStart {
+	typename PackedTypes<Dim>::Matrix stress = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	PackedTangent<Dim>                tangent {};
+};
+
+/// The samples behind the points of a skeleton, in one of their forms. Samples are made from prototypes; both are numbered from 0.
+class SampleStore {
+public:
+	virtual ~SampleStore() = default;
+
+	virtual int    prototypeCount() const                                       = 0;
+	virtual double prototypeIce(int prototype) const                            = 0; ///< ice saturation it was prepared with [-]
+	virtual double oedometricModulus(int prototype, double iceSaturation) const = 0; ///< upper bound [Pa]
+
+	/// The sample of a point that has left, or that another rank owns: its memory goes, its number stays.
+	virtual void        release(std::size_t sample) = 0;
+	virtual std::size_t size() const                = 0;
+	virtual void        clear()                     = 0;
+
+	/// Whether requests may compare rates.
+	virtual bool comparesRates() const = 0;
+
+	/// A named measure; several numbers for tensors. Throws std::invalid_argument on an unknown name.
+	virtual std::vector<double> measure(std::size_t sample, const std::string& name) const = 0;
+	/// That of all samples; those that share a state are measured once.
+	virtual std::vector<std::vector<double>> measureAll(const std::string& name) const;
+	/// The same for samples that share one state.
+	virtual const void* identity(std::size_t sample) const = 0;
+	virtual std::size_t distinctStates() const             = 0;
+	virtual std::size_t bytes() const                      = 0;
+	/// Of one DEM step of a sample, in a unit of the store's own: samples are shared out by it.
+	virtual double costOfStep(std::size_t sample) const = 0;
+
+	/// All samples, each state once.
+	virtual void save(ByteWriter&) const;
+	virtual void restore(ByteReader&);
+	/// The state of one sample, and back as that of several which share it.
+	virtual void saveState(ByteWriter&, std::size_t sample) const                   = 0;
+	virtual void restoreState(ByteReader&, const std::vector<std::size_t>& samples) = 0;
+	/// Whether a state that was saved and restored goes on with the same bits.
+	virtual bool restoresExactly() const = 0;
+	/// So many samples, whose states are restored next.
+	virtual void resize(std::size_t samples) = 0;
+
+	/// Where other ranks own samples: before the state of one is read, and after it was replaced, on all ranks by the same.
+	virtual void bring(std::size_t) {}
+	virtual void replaced(std::size_t) {}
+	/// How the samples are shared out among the ranks; nothing where they are not.
+	struct Sharing {
+		std::uint64_t samples = 0; ///< whose state this rank owns
+		std::uint64_t moved   = 0; ///< states that were given to another rank since the start
+		double        balance = 1; ///< mean over largest cost of the ranks, summed over updates [-]
+	};
+	virtual const Sharing* sharing() const { return nullptr; }
+
+protected:
+	/// For each sample the number of its state, in the order of the first sample that has it, and that sample.
+	struct Numbering {
+		std::vector<std::size_t> stateOf, firstOf;
+	};
+	Numbering numbering() const;
+};
+
+/// The same of discs (Dim 2) or spheres (Dim 3).
+template <int Dim> class SampleStoreOf : public SampleStore {
+public:
+	/// A new sample: a prototype frozen at rest, free of stress, to an ice saturation. Samples that begin alike share their beginning,
+	/// which stays valid until the next add(). Throws std::runtime_error if the prototype does not survive freezing.
+	virtual const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) = 0;
+	/// Each request's sample, at most once per call, over `threads` threads (0: OpenMP's default) with results that do not depend on
+	/// their number. A sample that blows up keeps a good state.
+	virtual std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) = 0;
+};
+
+/// Components of a fabric, stress or strain in the order in which samples give them: xx yy xy, in space xx yy zz yz xz xy.
+template <int Dim> std::vector<double> components(const typename PackedTypes<Dim>::Matrix& m)
+{
+	if constexpr (Dim == 2) return { m(0, 0), m(1, 1), 0.5 * (m(0, 1) + m(1, 0)) };
+	else return { m(0, 0), m(1, 1), m(2, 2), 0.5 * (m(1, 2) + m(2, 1)), 0.5 * (m(0, 2) + m(2, 0)), 0.5 * (m(0, 1) + m(1, 0)) };
+}
+
+/// Names of what every store measures.
+const std::vector<std::string>& sampleMeasures();
+/// "…; choose bondsIntact, …", for exceptions.
+[[noreturn]] void refuseMeasure(const std::string& name);
+
+/// Owners, 0 to ranks - 1, after a new deal: states go from the rank with most cost to that with least, one at a time and each the one that
+/// brings the two closest, until the largest cost is within 2 % of the mean or no state can be moved with a gain. Depends on nothing else,
+/// so that all ranks find the same.
+std::vector<int> dealtAgain(const std::vector<double>& cost, std::vector<int> owner, int ranks);
+
+} // namespace talik

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/mpm/Errors.hpp>
+#include <pkg/multiscale/settings/GroundEffects.hpp>
+#include <pkg/python/ScriptValues.hpp>
+
+#include <tuple>
+
+namespace yade {
+YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater));
+
+talik::MixtureProperties GroundMaterial::build() const
+{
+	talik::MixtureProperties m;
+	m.solid          = { solidDensity, solidSpecificHeat, solidConductivity, solidExpansivity };
+	m.ice            = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
+	m.liquid         = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
+	m.latentHeat     = latentHeat;
+	const auto check = [&] {
+		m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
+		m.validate();
+	};
+	talik::underScriptNames(
+	        { { "solid.density", "GroundMaterial.solidDensity" },
+	          { "solid.specificHeat", "GroundMaterial.solidSpecificHeat" },
+	          { "solid.conductivity", "GroundMaterial.solidConductivity" },
+	          { "solid.expansivity", "GroundMaterial.solidExpansivity" },
+	          { "ice.density", "GroundMaterial.iceDensity" },
+	          { "ice.specificHeat", "GroundMaterial.iceSpecificHeat" },
+	          { "ice.conductivity", "GroundMaterial.iceConductivity" },
+	          { "ice.expansivity", "GroundMaterial.iceExpansivity" },
+	          { "liquid.density", "GroundMaterial.liquidDensity" },
+	          { "liquid.specificHeat", "GroundMaterial.liquidSpecificHeat" },
+	          { "liquid.conductivity", "GroundMaterial.liquidConductivity" },
+	          { "liquid.expansivity", "GroundMaterial.liquidExpansivity" },
+	          { "latentHeat", "GroundMaterial.latentHeat" },
+	          { "conductivityMean", "GroundMaterial.conductivityMean" } },
+	        check);
+	return m;
+}
+
+bool GroundMaterial::isOwnSoil() const
+{
+	return freezing || thawStrain != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+}
+
+bool GroundMaterial::hasDefaultPhases() const
+{
+	const auto values = [](const GroundMaterial& m) {
+		return std::tie(
+		        m.solidDensity, m.iceDensity, m.liquidDensity, m.solidSpecificHeat, m.iceSpecificHeat, m.liquidSpecificHeat, m.solidConductivity,
+		        m.iceConductivity, m.liquidConductivity, m.solidExpansivity, m.iceExpansivity, m.liquidExpansivity, m.latentHeat, m.conductivityMean);
+	};
+	const GroundMaterial byDefault;
+	return values(*this) == values(byDefault);
+}
+
+talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const PoreWater* water) const
+{
+	const auto require = [](bool valid, const char* attribute, Real value, const char* remedy) {
+		talik::requireSetting(valid, string("GroundMaterial.") + attribute, value, remedy);
+	};
+	talik::SoilMaterial s;
+	s.mixture    = build();
+	s.thawStrain = thawStrain;
+	require(thawStrain >= 0 && thawStrain < 1, "thawStrain", thawStrain, "must lie between 0 and below 1");
+	if (freezing && !ofScene)
+		throw std::invalid_argument("GroundMaterial.freezing is set but MpmEngine.freezing is None: add freezing=FreezingCurve() or leave it out.");
+	if (freezing) s.freezing = freezing->build();
+	const bool ownSeepage = !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+	if (ownSeepage && !water)
+		throw std::invalid_argument("GroundMaterial.hydraulicConductivity, referencePorosity or impedance is set but MpmEngine.water is None: add "
+		                            "water=PoreWater() or leave it out.");
+	if (!water) return s;
+	const FreezingCurve* const curve = freezing ? freezing.get() : ofScene;
+	s.permeability                   = water->build(curve ? curve->residualSaturation : 0).permeability;
+	if (!std::isnan(hydraulicConductivity)) s.permeability->referenceConductivity = hydraulicConductivity;
+	if (!std::isnan(referencePorosity)) s.permeability->referencePorosity = referencePorosity;
+	if (!std::isnan(impedance)) s.permeability->impedance = impedance;
+	talik::underScriptNames(
+	        { { "referenceConductivity", "GroundMaterial.hydraulicConductivity" },
+	          { "referencePorosity", "GroundMaterial.referencePorosity" },
+	          { "impedance", "GroundMaterial.impedance" } },
+	        [&] { s.permeability->validate(); });
+	return s;
+}
+
+talik::ThawFrontSettings ThawFront::build() const
+{
+	talik::ThawFrontSettings f;
+	TALIK_TAKE_ATTRIBUTES(f, *this, (thawedBelow)(frozenAbove))
+	talik::underScriptNames(
+	        { { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
+	return f;
+}
+
+talik::HeatSettings HeatTransfer::build() const
+{
+	talik::HeatSettings heat;
+	TALIK_TAKE_ATTRIBUTES(
+	        heat, *this, (thermalTimeScale)(followsMotion)(movingTimeScale)(motionTolerance)(eventSpeed)(eventDisplacement)(source)(smoothingTime))
+	heat.enthalpyForm  = talik::enthalpyFormFromName(enthalpyForm);
+	heat.latentDensity = talik::latentDensityFromName(latentDensity);
+	return heat;
+}
+
+namespace {
+	/// What the attributes mean for each curve; an attribute that is missing here has the curve's own name.
+	struct CurveAttribute {
+		const char *curve, *attribute, *parameter;
+	};
+	constexpr CurveAttribute curveAttributes[] = {
+		{ "power", "width", "scale" },
+		{ "vanGenuchten", "exponent", "lambda" },
+		{ "vanGenuchten", "airEntryPressure", "entryPressure" },
+		{ "linear", "width", "frozenTemperature" },
+	};
+
+	string parameterName(const string& curve, const string& attribute)
+	{
+		for (const auto& known : curveAttributes)
+			if (curve == known.curve && attribute == known.attribute) return known.parameter;
+		return attribute;
+	}
+
+	bool hasParameter(const string& curve, const string& parameter)
+	{
+		for (const auto& known : talik::freezingCurveParameters(curve))
+			if (known.name == parameter) return true;
+		return false;
+	}
+} // namespace
+
+talik::FreezingCurvePtr FreezingCurve::build() const
+{
+	talik::CurveParameters given { { "freezingTemperature", freezingTemperature }, { "residualSaturation", residualSaturation } };
+	const auto             pass = [&](const string& attribute, Real value) {
+                if (std::isnan(value)) return;
+                const string parameter = parameterName(curve, attribute);
+                if (!hasParameter(curve, parameter))
+                        throw std::invalid_argument(
+			                    "FreezingCurve." + attribute + " = " + boost::lexical_cast<string>(value) + ": the curve " + curve + " has none; leave it out");
+                if (parameter != "frozenTemperature") given[parameter] = value;
+                else if (value > 0) given[parameter] = freezingTemperature - value;
+                else throw std::invalid_argument("FreezingCurve.width = " + boost::lexical_cast<string>(value) + ": must be positive, in K");
+	};
+	const string prefix = "freezingCurve." + curve + ".";
+	return talik::underScriptNames(
+	        { { (prefix + "scale").c_str(), "FreezingCurve.width" },
+	          { (prefix + "lambda").c_str(), "FreezingCurve.exponent" },
+	          { (prefix + "entryPressure").c_str(), "FreezingCurve.airEntryPressure" },
+	          { prefix.c_str(), "FreezingCurve." },
+	          { "freezingCurve.", "FreezingCurve." },
+	          { "freezingCurve =", "FreezingCurve.curve =" } },
+	        [&] {
+		        pass("width", width);
+		        pass("exponent", exponent);
+		        pass("airEntryPressure", airEntryPressure);
+		        return talik::makeFreezingCurve(curve, given);
+	        });
+}
+
+talik::WaterSettings PoreWater::build(Real residualSaturation) const
+{
+	talik::WaterSettings water;
+	water.state.liquidBulkModulus  = bulkModulus;
+	water.state.iceBulkModulus     = std::isnan(iceBulkModulus) ? 4 * bulkModulus : iceBulkModulus;
+	water.state.cavitationPressure = cavitationPressure;
+	water.state.densityChange      = zetaActive;
+	if (massCoefficient == "printed") water.state.massCoefficient = talik::MassCoefficient::printed;
+	else if (massCoefficient != "exact") throw std::invalid_argument("PoreWater.massCoefficient is '" + massCoefficient + "': choose exact or printed.");
+	water.permeability.referenceConductivity = conductivity;
+	water.permeability.referencePorosity     = referencePorosity;
+	water.permeability.impedance             = impedance;
+	water.permeability.residualSaturation    = residualSaturation;
+	water.permeability.floor                 = relativeConductivityFloor;
+	water.hydraulicTimeScale                 = hydraulicTimeScale;
+	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
+	water.picTime = picTime;
+	talik::requireSetting(!(picTime < 0), "PoreWater.picTime", picTime, "must not be negative, in s; inf: none dies out, nan: chosen");
+	talik::underScriptNames(
+	        { { "liquidBulkModulus", "PoreWater.bulkModulus" },
+	          { "iceBulkModulus", "PoreWater.iceBulkModulus" },
+	          { "cavitationPressure", "PoreWater.cavitationPressure" },
+	          { "referenceConductivity", "PoreWater.conductivity" },
+	          { "referencePorosity", "PoreWater.referencePorosity" },
+	          { "relativeConductivity", "PoreWater.relativeConductivity" },
+	          { "impedance", "PoreWater.impedance" },
+	          { "floor", "PoreWater.relativeConductivityFloor" },
+	          { "hydraulicTimeScale", "PoreWater.hydraulicTimeScale" } },
+	        [&] {
+		        water.permeability.law = talik::relativeConductivityFromName(relativeConductivity);
+		        water.state.validate();
+		        water.permeability.validate();
+	        });
+	water.permeability.hydraulicTimeScale = 1;
+	return water;
+}
+
+} // namespace yade

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/settings/SkeletonLaws.hpp>
+#include <pkg/python/ScriptValues.hpp>
+
+namespace yade {
+YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton)(CreepingSkeleton));
+
+SkeletonLaw::Model<2> SkeletonLaw::build(const Places<2>&)
+{
+	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton, CreepingSkeleton or RveSkeleton.");
+}
+
+SkeletonLaw::Model<3> SkeletonLaw::build(const Places<3>&)
+{
+	throw std::invalid_argument(
+	        "MpmEngine.skeleton: " + getClassName() + " knows no ground in space: use ElasticSkeleton, MohrCoulombSkeleton or CreepingSkeleton.");
+}
+
+::boost::python::object SkeletonLaw::values(const string& name) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
+
+vector<Real> SkeletonLaw::valueAt(const string& name, int) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
+
+template <int D> SkeletonLaw::Model<D> ElasticSkeleton::model() const
+{
+	auto model          = std::make_shared<talik::ElasticSkeleton<D>>();
+	model->youngModulus = young;
+	model->poissonRatio = poisson;
+	talik::underScriptNames(
+	        { { "ElasticSkeleton.youngModulus", "ElasticSkeleton.young" }, { "ElasticSkeleton.poissonRatio", "ElasticSkeleton.poisson" } },
+	        [&] { model->validate(); });
+	return model;
+}
+
+template <int D> SkeletonLaw::Model<D> MohrCoulombSkeleton::model() const
+{
+	auto model                   = std::make_shared<talik::MohrCoulombSkeleton<D>>();
+	model->youngModulus          = young;
+	model->youngModulusFrozen    = youngFrozen;
+	model->poissonRatio          = poisson;
+	model->cohesion              = cohesion;
+	model->cohesionFrozen        = cohesionFrozen;
+	model->frictionAngle         = frictionAngle;
+	model->dilationAngle         = dilationAngle;
+	model->tensileStrength       = tensileStrength;
+	model->tensileStrengthFrozen = tensileStrengthFrozen;
+	model->iceExponent           = exponent;
+	model->table                 = { iceSaturations, youngs, cohesions, tensileStrengths };
+	talik::underScriptNames(
+	        { { "MohrCoulombSkeleton.youngModulusFrozen", "MohrCoulombSkeleton.youngFrozen" },
+	          { "MohrCoulombSkeleton.youngModulus", "MohrCoulombSkeleton.young" },
+	          { "MohrCoulombSkeleton.poissonRatio", "MohrCoulombSkeleton.poisson" },
+	          { "MohrCoulombSkeleton.iceExponent", "MohrCoulombSkeleton.exponent" },
+	          { "MohrCoulombSkeleton.table.saturation", "MohrCoulombSkeleton.iceSaturations" },
+	          { "MohrCoulombSkeleton.table.youngModulus", "MohrCoulombSkeleton.youngs" },
+	          { "MohrCoulombSkeleton.table.cohesion", "MohrCoulombSkeleton.cohesions" },
+	          { "MohrCoulombSkeleton.table.tensileStrength", "MohrCoulombSkeleton.tensileStrengths" } },
+	        [&] { model->validate(); });
+	return model;
+}
+
+template <int D> SkeletonLaw::Model<D> CreepingSkeleton::model() const
+{
+	if (!iceCreep) throw std::invalid_argument("CreepingSkeleton.iceCreep is None; give an IceCreep(), or use ElasticSkeleton.");
+	const auto law                = iceCreep->law();
+	auto       model              = std::make_shared<talik::CreepingSkeleton<D>>();
+	model->youngModulus           = young;
+	model->poissonRatio           = poisson;
+	model->exponent               = law.exponent;
+	model->rateFactor             = [law](double temperature) { return law.rateFactorAt(temperature); };
+	model->temperatureWithoutHeat = law.referenceTemperature;
+	talik::underScriptNames(
+	        { { "CreepingSkeleton.youngModulus", "CreepingSkeleton.young" },
+	          { "CreepingSkeleton.poissonRatio", "CreepingSkeleton.poisson" },
+	          { "CreepingSkeleton.exponent", "CreepingSkeleton.iceCreep.exponent" } },
+	        [&] { model->validate(); });
+	return model;
+}
+
+template SkeletonLaw::Model<2> ElasticSkeleton::model<2>() const;
+template SkeletonLaw::Model<3> ElasticSkeleton::model<3>() const;
+template SkeletonLaw::Model<2> MohrCoulombSkeleton::model<2>() const;
+template SkeletonLaw::Model<3> MohrCoulombSkeleton::model<3>() const;
+template SkeletonLaw::Model<2> CreepingSkeleton::model<2>() const;
+template SkeletonLaw::Model<3> CreepingSkeleton::model<3>() const;
+
+} // namespace yade

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <lib/serialization/Serializable.hpp>
+#include <pkg/icebond/IceStrengthAndCreep.hpp>
+#include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
+#include <pkg/multiscale/samples/SampleAccuracy.hpp>
+#include <pkg/python/ScriptValues.hpp>
+
+namespace yade {
+
+/// What turns strain and ice saturation of a material point into effective stress.
+class SkeletonLaw : public Serializable {
+public:
+	template <int D> using Model  = std::shared_ptr<talik::SkeletonModel<D>>;
+	template <int D> using Places = std::vector<talik::Vec<D>>;
+	/// The model of one run, in the plane or in space; places: where all points of the ground were added, by id [m]. Throws
+	/// std::invalid_argument if the law has none there.
+	virtual Model<2> build(const Places<2>& places);
+	virtual Model<3> build(const Places<3>& places);
+	/// What build() took from other objects has changed since, so that it would build another model now.
+	virtual bool sourcesChanged() const { return false; }
+	/// The model was changed by hand since build().
+	virtual bool changedByHand() const { return false; }
+	/// Points begin with a stress of the law's own; one that the user gives is none of theirs.
+	virtual bool beginsWithOwnStress() const { return false; }
+	/// What the model keeps beside the fields of the points, as bytes, and back.
+	virtual string savedState() const { return ""; }
+	virtual void   restoreState(const string&) {}
+	/// Before every step: what may be changed while the ground runs comes into force.
+	virtual void followAttributes() {}
+	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.
+	virtual bool admitsPoints() const { return true; }
+	/// After an exchange: forget the points that are not in the batch.
+	virtual void keepOnly(const talik::SkeletonPoints&) {}
+	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
+	virtual void                setTolerance(Real) {}
+	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
+	/// Before build(): whether the ranks of the job share out what the law keeps behind the points. Says whether there is something to share.
+	virtual bool shareAmongRanks(bool) { return false; }
+	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
+	virtual vector<string> measures() const { return {}; }
+	/// One of them for all points of the ground, NaN where a point has another skeleton.
+	virtual ::boost::python::object values(const string& name) const;
+	/// One of them for one point; a single NaN for a point with another skeleton.
+	virtual vector<Real> valueAt(const string& name, int id) const;
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(SkeletonLaw, Serializable,
+	                               "Turns strain and ice saturation of a material point into effective stress; use one of the derived classes, in "
+	                               "MpmEngine.skeleton or MpmEngine.skeletons. Example: mpm.skeletons=[ElasticSkeleton(),MohrCoulombSkeleton()].",
+	                               , talik::SequenceConverter<SkeletonLaw>::registerOnce(););
+};
+REGISTER_SERIALIZABLE(SkeletonLaw);
+
+/// What laws of one point do alike: model<D>() of the law is asked in the dimension of the ground.
+template <class Law> class LawInAnyDimension : public SkeletonLaw {
+public:
+	Model<2> build(const Places<2>&) override { return static_cast<const Law&>(*this).template model<2>(); }
+	Model<3> build(const Places<3>&) override { return static_cast<const Law&>(*this).template model<3>(); }
+};
+
+class ElasticSkeleton : public LawInAnyDimension<ElasticSkeleton> {
+public:
+	template <int D> Model<D> model() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: "
+			"MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
+		((Real,young,10e6,,"Young's modulus E [Pa], > 0."))
+		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(ElasticSkeleton);
+
+class MohrCoulombSkeleton : public LawInAnyDimension<MohrCoulombSkeleton> {
+public:
+	template <int D> Model<D> model() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice "
+			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them "
+			"on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
+		((Real,young,10e6,,"Thawed Young's modulus [Pa], > 0."))
+		((Real,youngFrozen,100e6,,"Young's modulus at full ice saturation [Pa], >= young."))
+		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
+		((Real,cohesion,1e3,,"Thawed cohesion [Pa], >= 0."))
+		((Real,cohesionFrozen,500e3,,"Cohesion at full ice saturation [Pa], >= 0."))
+		((Real,frictionAngle,30,,"[deg], 0 to below 90 (FrictMat of YADE has radians)."))
+		((Real,dilationAngle,0,,"[deg], 0 to frictionAngle."))
+		((Real,tensileStrength,0,,"Thawed tensile strength [Pa], >= 0."))
+		((Real,tensileStrengthFrozen,200e3,,"Tensile strength at full ice saturation [Pa], >= 0."))
+		((Real,exponent,2,,"m of phi [-], >= 1."))
+		((vector<Real>,iceSaturations,,,"Ice saturations of the tables, ascending in 0..1 [-]; empty: values follow phi."))
+		((vector<Real>,youngs,,,"Young's modulus at each of iceSaturations [Pa], > 0."))
+		((vector<Real>,cohesions,,,"Cohesion at each of iceSaturations [Pa], >= 0."))
+		((vector<Real>,tensileStrengths,,,"Tensile strength at each of iceSaturations [Pa], >= 0."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(MohrCoulombSkeleton);
+
+class CreepingSkeleton : public LawInAnyDimension<CreepingSkeleton> {
+public:
+	template <int D> Model<D> model() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(CreepingSkeleton,SkeletonLaw,"Elastic skeleton that flows by Glen's law while it has ice: strain rate A(T) tau^(n-1) times the "
+			"stress deviator, tau the root of its second invariant (in simple shear the shear stress), in calendar time. A and n are those of iceCreep, by default "
+			"of glacier ice. Volume does not creep, ground without ice is elastic, there is no strength. Field creepStrain [-]: A tau^n over the time. Example: "
+			"CreepingSkeleton(young=500e6,iceCreep=IceCreep(rateFactor=7e-25)).",
+		((Real,young,1e9,,"Young's modulus E [Pa], > 0. Sets the time step: a softer one runs faster, and steady creep does not know it."))
+		((Real,poisson,0.3,,"Poisson's ratio of the elastic part [-], in (-1, 0.5)."))
+		((shared_ptr<IceCreep>,iceCreep,shared_ptr<IceCreep>(new IceCreep),,"Rate factor over temperature, and exponent. Ground without heat has its "
+				"referenceTemperature."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(CreepingSkeleton);
+
+} // namespace yade
