@@ -16,7 +16,7 @@
 
 /// Members of an object take the attributes of the same names: TALIK_TAKE_ATTRIBUTES(settings, *this, (picTime)(smoothingTime)).
 #define TALIK_TAKE_ATTRIBUTES(object, source, members) BOOST_PP_SEQ_FOR_EACH(TALIK_TAKE_ATTRIBUTE, (object, source), members)
-#define TALIK_TAKE_ATTRIBUTE(r, place, member) BOOST_PP_TUPLE_ELEM(2, 0, place).member = (BOOST_PP_TUPLE_ELEM(2, 1, place)).member;
+#define TALIK_TAKE_ATTRIBUTE(r, place, member) (BOOST_PP_TUPLE_ELEM(2, 0, place)).member = (BOOST_PP_TUPLE_ELEM(2, 1, place)).member;
 
 namespace talik {
 

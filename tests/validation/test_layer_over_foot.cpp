@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A thawed layer on a frozen face of 45 degrees that ends on level ground: it moves as fast as its foot lets it shear out, against rigid blocks.
+#include "References.hpp"
 #include "Report.hpp"
 #include "Scenes.hpp"
 
@@ -9,10 +10,11 @@
 
 using namespace talik;
 using namespace talik::validation;
+using talik::reference::pi;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846, gravity = 9.81;
+constexpr double gravity = 9.81;
 
 /// The origin is the toe, where face and bench meet; the face rises to the left.
 struct Face {
@@ -24,7 +26,7 @@ struct Face {
 	double density   = 1990.0; ///< [kg/m^3]
 
 	double length() const { return height * std::sqrt(2.0); }
-	/// tan of the angle at which simple shear goes on, and its share of the cohesion (Davis 1968).
+	/// tau over sigma_n, and the cohesion [Pa], with which simple shear goes on without dilation (Davis 1968).
 	double ratio() const { return std::sin(friction * pi / 180.0); }
 	double shearCohesion() const { return cohesion * std::cos(friction * pi / 180.0); }
 	/// Point at a distance from the crest along the face and a depth normal to it.

@@ -269,13 +269,8 @@ py::dict RveSample::arrays() const
 shared_ptr<RveSample> RveSample::copy() const
 {
 	shared_ptr<RveSample> other(new RveSample);
-	other->maxInertialNumber     = maxInertialNumber;
-	other->maxStrainPerStep      = maxStrainPerStep;
-	other->minSteps              = minSteps;
-	other->tensileStrengthFactor = tensileStrengthFactor;
-	other->shearStrengthFactor   = shearStrengthFactor;
-	other->iceStiffnessFactor    = iceStiffnessFactor;
-	other->sceneBytes            = sceneBytes;
+	TALIK_TAKE_ATTRIBUTES(
+	        *other, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(tensileStrengthFactor)(shearStrengthFactor)(iceStiffnessFactor)(sceneBytes))
 	dimension(); // none of an empty sample
 	other->state = state;
 	return other;

@@ -20,11 +20,8 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 {
 	talik::SampleScheduling s;
 	TALIK_TAKE_ATTRIBUTES(s, *this, (strainTolerance)(saturationTolerance)(prediction)(stressTolerance)(threads))
-	s.stopOnBlowUp             = onBlowUp == "stop";
-	s.update.maxInertialNumber = maxInertialNumber;
-	s.update.maxStrainPerStep  = maxStrainPerStep;
-	s.update.minSteps          = minSteps;
-	s.update.maxRelaxSteps     = maxRelaxSteps;
+	TALIK_TAKE_ATTRIBUTES(s.update, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(maxRelaxSteps))
+	s.stopOnBlowUp = onBlowUp == "stop";
 	if (iceStrength) s.iceStrength = iceStrength->law();
 	if (iceCreep) s.iceCreep = iceCreep->law();
 	s.creepInterval = creepInterval;

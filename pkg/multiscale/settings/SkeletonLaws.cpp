@@ -34,18 +34,13 @@ template <int D> SkeletonLaw::Model<D> ElasticSkeleton::model() const
 
 template <int D> SkeletonLaw::Model<D> MohrCoulombSkeleton::model() const
 {
-	auto model                   = std::make_shared<talik::MohrCoulombSkeleton<D>>();
-	model->youngModulus          = young;
-	model->youngModulusFrozen    = youngFrozen;
-	model->poissonRatio          = poisson;
-	model->cohesion              = cohesion;
-	model->cohesionFrozen        = cohesionFrozen;
-	model->frictionAngle         = frictionAngle;
-	model->dilationAngle         = dilationAngle;
-	model->tensileStrength       = tensileStrength;
-	model->tensileStrengthFrozen = tensileStrengthFrozen;
-	model->iceExponent           = exponent;
-	model->table                 = { iceSaturations, youngs, cohesions, tensileStrengths };
+	auto model                = std::make_shared<talik::MohrCoulombSkeleton<D>>();
+	model->youngModulus       = young;
+	model->youngModulusFrozen = youngFrozen;
+	model->poissonRatio       = poisson;
+	TALIK_TAKE_ATTRIBUTES(*model, *this, (cohesion)(cohesionFrozen)(frictionAngle)(dilationAngle)(tensileStrength)(tensileStrengthFrozen))
+	model->iceExponent = exponent;
+	model->table       = { iceSaturations, youngs, cohesions, tensileStrengths };
 	talik::underScriptNames(
 	        { { "MohrCoulombSkeleton.youngModulusFrozen", "MohrCoulombSkeleton.youngFrozen" },
 	          { "MohrCoulombSkeleton.youngModulus", "MohrCoulombSkeleton.young" },
