@@ -153,12 +153,12 @@ def describe(band, ground="frozen"):
 
 
 def watchedPoints(frame, outline, threshold=0.05):
-	"""{"A": id, "B": id}: A the frozen point, in the band where there is one, that lost most bonds mechanically, B the thawed point that
-	is strained most; each among those that still have contacts, if any have. A letter is left out where there is no such point."""
+	"""{"A": id, "B": id}: A the frozen point, in the band where there is one, that lost most bonds mechanically, of equals the one with least
+	ice, B the thawed point that is strained most; each among those that still have contacts, if any have. A letter is left out where there is no such point."""
 	solid, icy = frame["coordinationNumber"] > 2, frozen(frame)
 	band = measure(frame, outline, threshold)
 	inBand = np.isin(np.arange(len(solid)), band.points) if band else np.ones(len(solid), bool)
-	choices = {"A": (icy & inBand, frame["bondsBroken"]), "B": (~icy, frame["deviatoricStrain"])}
+	choices = {"A": (icy & inBand, frame["bondsBroken"] + 1 - frame["iceSaturation"]), "B": (~icy, frame["deviatoricStrain"])}
 	return {
 		letter: _highest(rank, possible & solid if (possible & solid).any() else possible) for letter, (possible, rank) in choices.items() if possible.any()
 	}

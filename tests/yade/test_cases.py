@@ -200,6 +200,9 @@ def test_without_a_jump_of_displacement_in_frozen_ground_there_is_no_band_and_A_
 	assert shearband.measure(frame, block) is None
 	watched = shearband.watchedPoints(frame, block)
 	assert watched["A"] == 4000 and frame["iceSaturation"][watched["B"]] == 0
+	frame["bondsBroken"][:], frame["iceSaturation"][4100] = 0, 0.3
+	assert shearband.watchedPoints(frame, block)["A"] == 4100  # where none broke: a point at the front, not the first of all
+	frame["bondsBroken"][4000] = 50
 	frame["coordinationNumber"][frame["iceSaturation"] == 0] = 1
 	assert shearband.watchedPoints(frame, block) == watched  # thawed ground that has lost its contacts is shown as well
 
