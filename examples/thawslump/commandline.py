@@ -11,7 +11,7 @@ import talik
 from talik import output, plots
 from thawslump import page
 from thawslump.page import framesName
-from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, presets, skeletons
+from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, oneGrainThick, presets, skeletons, softened
 from thawslump.slump import ThawSlump, bandStrain
 
 shownEvents = 12
@@ -43,7 +43,13 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument(
 		"--thawed-cohesion", type=_cohesion, help="cohesion that stays when the ice has gone [Pa]; default: 2000 with the law alone, 0 with samples"
 	)
-	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both"), help="also run the alternatives, side by side in one figure")
+	parser.add_argument(
+		"--thickness",
+		type=_thickness,
+		default=Ground.thickness,
+		help="of the slice of ground that carries the forces of the discs [m]; stiffness and strength of the samples go with its inverse",
+	)
+	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both", "thickness"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
 
 
@@ -62,6 +68,12 @@ def _count(text):
 def _cohesion(text):
 	if not 0 <= float(text) < math.inf:
 		raise argparse.ArgumentTypeError(f"{text} is no cohesion: give Pa, 0 or more")
+	return float(text)
+
+
+def _thickness(text):
+	if not 0 < float(text) <= 1:
+		raise argparse.ArgumentTypeError(f"{text} is no thickness: give m, above 0 and up to 1")
 	return float(text)
 
 
@@ -115,9 +127,11 @@ def groundOf(options, setting):
 	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if alone else 0.0
 	return Ground(
 		thawStrain=setting["thawStrain"],
+		thickness=setting.get("thickness", options.thickness),
 		thawedCohesion=cohesion,
 		followsMotion=calendar == "follows-motion",
 		picTimeFactor=flowingPicTimeFactor if alone else Ground.picTimeFactor,
+		**(softened if alone else {}),
 	)
 
 
@@ -139,9 +153,14 @@ def comparison(options):
 	strains = (0.0, options.thaw_strain if options.thaw_strain not in (0.0, fullThawStrain) else 0.03, fullThawStrain)
 	sideBySide = {f"thaw strain {value}": dict(thawStrain=value, skeleton="samples") for value in strains}
 	given = {"samples": dict(thawStrain=options.thaw_strain, skeleton="samples")}
-	return {None: law if options.skeleton == "MohrCoulomb" else given, "thaw-strain": sideBySide, "skeleton": {**given, **law}, "both": {**sideBySide, **law}}[
-		options.compare
-	]
+	thick = {f"thickness {value:g} m": dict(given["samples"], thickness=value) for value in (Ground.thickness, oneGrainThick)}
+	return {
+		None: law if options.skeleton == "MohrCoulomb" else given,
+		"thaw-strain": sideBySide,
+		"skeleton": {**given, **law},
+		"both": {**sideBySide, **law},
+		"thickness": thick,
+	}[options.compare]
 
 
 def bill(summary):

@@ -24,7 +24,9 @@ class Preset:
 
 skeletons = ("samples", "MohrCoulomb")
 calendars = ("follows-motion", "constant")
+softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)  # Ground with the law alone: five times as stiff as thawed ground is stiff enough, at half the steps
 flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to hang on no setting
+oneGrainThick = 0.01  # mean diameter of the discs [m]
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 
 presets = {
@@ -37,7 +39,7 @@ presets = {
 		restTime=0.2,
 		calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3)),
 	),
-	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0, lawGridSpacing=0.25),
+	"draft": Preset(gridSpacing=0.5, grains=100, days=150.0, lawGridSpacing=1 / 6),
 	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0, lawGridSpacing=0.125),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
 }
@@ -56,11 +58,13 @@ class Ground:
 	movingTimeScale: float = 1.0  # f_m, while it moves (O)
 	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
 	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
+	frozenModulus: float = math.inf  # Young's modulus of frozen ground is at most this, with the law alone [Pa] (O)
 	freezingWidth: float = 0.5  # W of the gauss freezing curve [K] (O)
 	residualSaturation: float = 0.05  # S_r (O)
 	zetaActive: bool = True  # melting contracts; the gap behind the front keeps thawed ground drained (O)
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
+	thickness: float = 0.1  # of the slice of ground that carries the forces of the discs [m]; stiffness and strength go with its inverse (O)
 	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
 	picTimeFactor: float = 1.0  # points keep what the grid does not see for so many times sqrt(h/g) during failure (O); 1: MpmEngine's default

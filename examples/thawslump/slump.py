@@ -113,7 +113,7 @@ class ThawSlump:
 		"""(skeleton, further columns of addPoints) at the geostatic stress of points at `position` [m]: samples keep their stress
 		themselves, a law takes that of the points."""
 		p, g = self.preset, self.ground
-		several = rve.pack(rve.prepare(grains=p.grains, ice=True, realisations=p.realisations, seed=p.seed))
+		several = rve.pack(rve.prepare(grains=p.grains, thickness=g.thickness, ice=True, realisations=p.realisations, seed=p.seed))
 		if self.skeletonName == "samples":
 			strength = self._strengthOfThawedBonds(several)
 			for sample in several:
@@ -124,6 +124,7 @@ class ThawSlump:
 		calibration = calibrate.calibrate(several, **p.calibration)
 		self.calibrationSeconds = calibration.seconds
 		law = calibration.parameters()
+		law["youngs"] = [min(modulus, g.frozenModulus) for modulus in law["youngs"]]
 		self._keepCohesion(law, several)
 		depths = [slope.surfaceHeight(self.outline, x) - y for x, y in position]
 		across, down = np.transpose([slope.geostaticStress(depth, frozenDensity, lateralRatio=g.lateralRatio) for depth in depths])

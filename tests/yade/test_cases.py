@@ -4,6 +4,7 @@
 import argparse
 import dataclasses
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -290,6 +291,7 @@ def asCommanded(folder, **options):
 				skeleton="samples",
 				compare=None,
 				grains=None,
+				thickness=0.1,
 				realisations=1,
 				seed=1,
 				thawed_cohesion=None,
@@ -312,19 +314,24 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	assert commandline.arguments("example", "output", thawStrain=0.03).thaw_strain == 0.03
 	runs = {
 		name: list(commandline.comparison(argparse.Namespace(compare=name, skeleton="samples", thaw_strain=0.05)).values())
-		for name in (None, "thaw-strain", "skeleton", "both")
+		for name in (None, "thaw-strain", "skeleton", "both", "thickness")
 	}
 	law = dict(thawStrain=0.0, skeleton="MohrCoulomb")
 	strains = [dict(thawStrain=value, skeleton="samples") for value in (0.0, 0.05, "full")]
-	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law]}
+	thick = [dict(strains[1], thickness=value) for value in (0.1, 0.01)]
+	assert runs == {None: strains[1:2], "thaw-strain": strains, "skeleton": [strains[1], law], "both": [*strains, law], "thickness": thick}
+	assert commandline.groundOf(asCommanded("", thickness=0.05), strains[1]).thickness == 0.05
+	assert commandline.groundOf(asCommanded("", thickness=0.05), thick[1]).thickness == 0.01
 	grounds = {
 		name: commandline.groundOf(asCommanded("", skeleton=name, **given), dict(skeleton=name, thawStrain=0.0))
 		for name, given in (("samples", {}), ("MohrCoulomb", {}))
 	}
 	assert not grounds["samples"].followsMotion and grounds["samples"].thawedCohesion == 0
 	assert grounds["MohrCoulomb"].followsMotion and grounds["MohrCoulomb"].thawedCohesion == 2000
+	assert {name: getattr(grounds["MohrCoulomb"], name) for name in thawslump.softened} == thawslump.softened
+	assert math.isinf(grounds["samples"].frozenModulus)
 	compared = commandline.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
-	assert compared.followsMotion and compared.thawedCohesion == 0
+	assert compared.followsMotion and compared.thawedCohesion == 0 and math.isinf(compared.frozenModulus)
 	for wrong in (
 		["--days", "-5"],
 		["--duration", "20"],
@@ -335,6 +342,8 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		["--realisations", "2.5"],
 		["--realisations", "-1"],
 		["--thawed-cohesion", "-5"],
+		["--thickness", "0"],
+		["--thickness", "2"],
 		["--seed", "x"],
 	):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
@@ -349,7 +358,10 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
 	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
 	preset = commandline.presetOf(options, None)
-	slump = {name: thawslump.ThawSlump(case, preset, tmp_path, thawslump.Ground(thawedCohesion=2000.0), skeleton=name) for name in thawslump.skeletons}
+	ground = thawslump.Ground(thawedCohesion=2000.0, frozenModulus=2e7, thickness=0.05)
+	slump = {name: thawslump.ThawSlump(case, preset, tmp_path, ground, skeleton=name) for name in thawslump.skeletons}
+	moduli = slump["MohrCoulomb"].skeleton.youngs
+	assert max(moduli) == 2e7 and min(moduli) < 1e7  # frozen ground only
 	samples, cohesions = slump["samples"].skeleton.samples, slump["MohrCoulomb"].skeleton.cohesions
 	strength, measured = slump["samples"].thawed["strength of bonds [Pa]"], slump["samples"].thawed["cohesion measured [Pa]"]
 	slump["samples"].mpm.initialise()
@@ -358,6 +370,7 @@ def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and
 		f"{len(samples)} samples of {len(samples[0].arrays()['radius'])} grains in {len(porosities)} packings; bonds of "
 		f"{strength:.0f} Pa, {measured:.0f} Pa measured; law {cohesions}"
 	)
+	assert all(sample.thickness == 0.05 for sample in samples)
 	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
 	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.2)
 	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5

@@ -83,7 +83,7 @@ def test_every_sweep_goes_from_coarse_to_fine_and_names_rows_of_the_plan():
 	planned = convergence.plan()
 	for sweep in convergence.sweeps():
 		if sweep.knob != "calendar":
-			towards = 1 if sweep.knob in ("grains", "realisations", "pic-time") else -1
+			towards = 1 if sweep.knob in ("grains", "realisations", "pic-time", "stiffness") else -1
 			assert list(sweep.values) == sorted(sweep.values, key=lambda value: towards * value)
 		assert all(convergence.rowKey(case, sweep, value) in planned for case in convergence.cases for value in sweep.values)
 	quick = convergence.plan(quick=True)

@@ -102,34 +102,28 @@ namespace {
 
 /// The model's own fields of the points, as arrays by place.
 template <int Dim> struct SampleSkeleton<Dim>::Arrays {
-	std::array<double*, Dim * Dim>        gradient, last;
+	using Components = std::array<double*, Dim * Dim>;
+
+	Components                            gradient, last;
 	std::array<double*, tangentSize<Dim>> tangent;
 	double *                              saturation, *ratio, *tolerance;
 
-	Matrix accumulated(int p) const
+	static Matrix matrixAt(const Components& components, int p)
 	{
-		Matrix h;
+		Matrix m;
 		for (int c = 0; c < Dim * Dim; c++)
-			h(c / Dim, c % Dim) = gradient[c][p];
-		return h;
+			m(c / Dim, c % Dim) = components[c][p];
+		return m;
 	}
-	void setAccumulated(int p, const Matrix& h) const
-	{
-		for (int c = 0; c < Dim * Dim; c++)
-			gradient[c][p] = h(c / Dim, c % Dim);
-	}
-	Matrix lastStress(int p) const
-	{
-		Matrix s;
-		for (int c = 0; c < Dim * Dim; c++)
-			s(c / Dim, c % Dim) = last[c][p];
-		return s;
-	}
-	void setLastStress(int p, const Matrix& s) const
+	static void setMatrixAt(const Components& components, int p, const Matrix& m)
 	{
 		for (int c = 0; c < Dim * Dim; c++)
-			last[c][p] = s(c / Dim, c % Dim);
+			components[c][p] = m(c / Dim, c % Dim);
 	}
+	Matrix              accumulated(int p) const { return matrixAt(gradient, p); }
+	void                setAccumulated(int p, const Matrix& h) const { setMatrixAt(gradient, p, h); }
+	Matrix              lastStress(int p) const { return matrixAt(last, p); }
+	void                setLastStress(int p, const Matrix& s) const { setMatrixAt(last, p, s); }
 	CompactTangent<Dim> tangentAt(int p) const
 	{
 		CompactTangent<Dim> c;

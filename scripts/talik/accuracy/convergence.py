@@ -53,6 +53,11 @@ def fraction(value):
 	return f"{Fraction(value)}"
 
 
+def softened(factor=1):
+	"""Settings with so many times the stiffness of frozen ground and water that the slumps have with the law alone."""
+	return {"bulk modulus of water": factor * thawslump.softened["bulkModulus"], "frozen modulus": factor * thawslump.softened["frozenModulus"]}
+
+
 @dataclass(frozen=True)
 class Knob:
 	label: str  # with its unit
@@ -62,12 +67,13 @@ class Knob:
 
 
 knobs = {
-	"grid-spacing": Knob("h [m]", lambda value: {"grid spacing": value}, phrase="h = {} m"),
+	"grid-spacing": Knob("h [m]", lambda value: {"grid spacing": value}, "{:.3g}".format, phrase="h = {} m"),
 	"f_max": Knob("f_max over 8.64e5", lambda value: {"thermal time scale": value * slump.standard["thermal time scale"]}, fraction, "f_max = {} × 8.64e5"),
 	"time-step": Knob("time step over draft's", lambda value: {"time-step fraction": value * slump.standard["time-step fraction"]}, fraction),
 	"calendar": Knob("scale of time", lambda value: {"follows motion": value == followsMotion}, str, "a scale that {}"),
 	"motion-tolerance": Knob("motion tolerance [m/s]", lambda value: {"motion tolerance": value}),
 	"pic-time": Knob("PIC time over sqrt(h/g)", lambda value: {"PIC time over sqrt(h/g)": value}, phrase="picTime = {} √(h/g)"),
+	"stiffness": Knob("stiffness of frozen ground and water over draft's", softened),
 	"inertial-number": Knob("inertial number", lambda value: {"inertial number": value}),
 	"grains": Knob("grains", lambda value: {"grains": value}),
 	"realisations": Knob("realisations", lambda value: {"realisations": value}, phrase="{} realisations"),
@@ -97,14 +103,15 @@ def sweeps():
 
 
 def _lawSweeps(cohesion):
-	law = {"skeleton": "MohrCoulomb", "thawed cohesion": cohesion}
+	law = {"skeleton": "MohrCoulomb", "thawed cohesion": cohesion, **softened()}
 	flowing = {"pic-time": thawslump.flowingPicTimeFactor}
 	draft = {"grid-spacing": thawslump.presets["draft"].lawGridSpacing, **flowing}
 	return (
-		Sweep("grid-spacing", (0.5, 0.25, 0.125, 0.0625), law, flowing, quick=2),
+		Sweep("grid-spacing", (0.5, 0.25, 1 / 6, 0.125, 0.0625), law, flowing, quick=2),
 		Sweep("f_max", (1, 1 / 4, 1 / 16), law, draft),
 		Sweep("f_max", (1, 1 / 4), law, flowing, quick=2),
 		Sweep("time-step", (1, 1 / 2), law, draft),
+		Sweep("stiffness", (1, 4), law, draft),
 		Sweep("motion-tolerance", (0.05, 0.0125), law, draft),
 		Sweep("pic-time", (1.0, 4.0, 16.0), law, {"grid-spacing": draft["grid-spacing"]}),
 		Sweep("calendar", (constantScale, followsMotion), law, draft),

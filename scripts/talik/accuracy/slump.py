@@ -32,6 +32,7 @@ scene = {
 	"skeleton": "samples",
 	"realisations": 1,
 	"thawed cohesion": 0.0,
+	"frozen modulus": thawslump.Ground.frozenModulus,
 	"thaw strain": 0.0,
 	"follows motion": False,
 	"motion tolerance": thawslump.Ground.motionTolerance,
@@ -46,6 +47,7 @@ def slump(settings, folder):
 	ground = thawslump.Ground(
 		thermalTimeScale=s["thermal time scale"],
 		bulkModulus=s["bulk modulus of water"],
+		frozenModulus=s["frozen modulus"],
 		thawedCohesion=s["thawed cohesion"],
 		thawStrain=s["thaw strain"],
 		followsMotion=s["follows motion"],
