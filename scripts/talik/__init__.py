@@ -119,6 +119,7 @@ _submodules = (
 	"bodies",
 	"calibrate",
 	"checkpoint",
+	"cold",
 	"creep",
 	"files",
 	"geometry",

@@ -7,6 +7,7 @@
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
+	scripts/calibrate --temperature           # frozen strength and stiffness along a freezing curve, see talik.cold
 	scripts/calibrate --growth                # what lets frozen strength grow with the rate, see talik.growth
 	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
 	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.moments
@@ -569,6 +570,9 @@ def main():
 	)
 	parser.add_argument("--rolling", action="store_true", help="friction angle over porosity and coefficient of rolling friction instead: table, picture")
 	parser.add_argument("--strength", action="store_true", help="frozen strength over strain rate and temperature instead: table, picture")
+	parser.add_argument(
+		"--temperature", action="store_true", help="frozen strength and stiffness over temperature along a freezing curve instead: table, picture"
+	)
 	parser.add_argument("--growth", action="store_true", help="growth of frozen strength with the rate by bonds and contacts instead: table, picture")
 	parser.add_argument("--creep", action="store_true", help="rate of creep of frozen samples over stress instead: table, picture")
 	parser.add_argument(
@@ -578,7 +582,10 @@ def main():
 	)
 	parser.add_argument("--refrozen", action="store_true", help="strength of samples that thawed and froze again beside others instead: table, picture")
 	parser.add_argument(
-		"--realisations", type=int, default=None, help="of each sample, with --scatter or --refrozen (8), --rolling, --growth, --creep or --moments (3)"
+		"--realisations",
+		type=int,
+		default=None,
+		help="of each sample, with --scatter or --refrozen (8), --rolling, --temperature, --growth, --creep or --moments (3)",
 	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument("--strain", type=float, default=0.04, help="with --target: axial strain of each test, within which strength is the largest stress")
@@ -611,7 +618,7 @@ def main():
 
 def _studies(options, told):
 	"""Option: what it runs. Each gives its lines to `told` and returns a figure, or None."""
-	from talik import growth, moments, refrozen
+	from talik import cold, growth, moments, refrozen
 
 	def grains(usual):
 		return (options.grains or (usual,))[0]
@@ -621,6 +628,7 @@ def _studies(options, told):
 		"scatter": lambda: scatter(options.grains or (60, 100, 200, 400), many or 8, told=told) and None,
 		"strength": lambda: drawStrength(*strengthTable(rve.pack(rve.prepare(grains=grains(400), ice=True)), told=told)),
 		"creep": lambda: creep.creepTable(creep.frozenSamples(grains(100), many or 3), told=told).draw(),
+		"temperature": lambda: cold.table(grains=grains(100), realisations=many or 3, told=told).draw(),
 		"growth": lambda: growth.draw(growth.table(grains(100), many or 3, told=told)),
 		"refrozen": lambda: refrozen.compare(grains(100), many or 8, told=told).draw(),
 		"moments": lambda: moments.compare(grains(100), many or 3, told=told).draw(),
