@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Silty slopes of 12, 18 and 24 degrees that thaw from their surface, beside the centrifuge tests of Harris, Rea & Davies (2001).
 
-	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …] [--cycles 4] [--assume cohesion=1200]
+	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …] [--cycles 4] [--assume cohesion=1200] [--skeleton samples]
 
 Measured at a tenth of the size and ten times gravity, here in nature's size (doi 10.1002/ppp.373): the surface moved by 187 mm in a cycle
 of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope failed as a mudflow. Each slope thaws once here, or --cycles times:
 excess ice that has melted does not form again by itself, so the next cycle begins with a frozen layer of the shape that the last one left, which has
 heaved normal to the slope to the volume of the first. What the paper's abstract, or another one of the same laboratory, says of the soil is marked as such in
-`Assumptions`; the rest is assumed, and --vary shows what each assumption does. Runs that the folder already holds are not repeated.
+`Assumptions`; the rest is assumed, and --vary shows what each assumption does. --skeleton samples puts a sample of discs behind every point in place of
+the law, with its cohesion and about its friction, and the law beside them. Runs that the folder already holds are not repeated.
 Change the conductivity, the thaw strain or the cohesion first.
 """
 
 import argparse
+import functools
 import hashlib
 import json
 import math
@@ -75,13 +77,36 @@ variations = {
 units = {"conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
 
 
-def thaw(slope, ground, days, profile=None):
+@dataclass(frozen=True)
+class Grains:
+	"""Samples of discs behind the points, with about the friction of the soil in simple shear."""
+
+	grains: int = 60
+	porosity: float = 0.16
+	etaRoll: float = 0.1
+	realisations: int = 4
+
+
+@functools.lru_cache(maxsize=1)
+def samplesOf(grains, cohesion):
+	"""(samples without ice whose bonds keep a cohesion [Pa] when their ice has gone, that cohesion as measured [Pa], their friction angle [deg] in
+	simple shear without it)."""
+	packed = talik.rve.pack(talik.rve.prepare(ice=True, **asdict(grains)))
+	pressure = 8e3  # [Pa]
+	shear = np.mean([talik.calibrate.thawedShearStrength(sample, pressure) for sample in packed])
+	strength, measured = talik.calibrate.thawedStrength(packed, cohesion)
+	for sample in packed:
+		sample.thawedStrength = strength
+	return packed, measured, math.degrees(math.atan(shear / pressure))
+
+
+def thaw(slope, ground, days, profile=None, grains=None):
 	"""One slope [deg] that thaws for some days, in a box that is tilted with it: days, path of the surface down the slope and settlement at
 	mid-length [m], heights and paths of the points there at the end [m], depth thawed [m], and the profile of the surface at the end, its
-	places and heights [m]. profile: the one that it has at the start; default: even."""
+	places and heights [m]. profile: the one that it has at the start; default: even. grains: of the samples; None: the law."""
 	O.reset()
 	profile = profile or even(ground)
-	mpm = scene(math.radians(slope), ground, profile)
+	mpm = scene(math.radians(slope), ground, profile, grains)
 	O.engines = [mpm]
 	O.step()
 	mpm.resetDisplacement()
@@ -115,10 +140,11 @@ def heaved(surface, ground):
 	return places.tolist(), heights.tolist()
 
 
-def scene(b, ground, profile):
-	h, height = ground.gridSpacing, ground.thickness
+def skeletonOf(ground, grains):
+	if grains:
+		return RveSkeleton(samples=samplesOf(grains, ground.cohesion)[0], strainTolerance=5e-5)
 	# the law does not dilate: in simple shear it has the strength sin(phi), which is to be the soil's tan(phi)
-	law = MohrCoulombSkeleton(
+	return MohrCoulombSkeleton(
 		young=ground.young,
 		youngFrozen=2e7,
 		frictionAngle=math.degrees(math.asin(ground.friction)),
@@ -127,6 +153,10 @@ def scene(b, ground, profile):
 		cohesionFrozen=5e5,
 		tensileStrengthFrozen=3e5,
 	)
+
+
+def scene(b, ground, profile, grains=None):
+	h, height = ground.gridSpacing, ground.thickness
 	mpm = MpmEngine(
 		gridSpacing=h,
 		lower=(0, 0),
@@ -137,7 +167,7 @@ def scene(b, ground, profile):
 		heat=HeatTransfer(thermalTimeScale=ground.timeScale, followsMotion=True, motionTolerance=0.1),
 		freezing=FreezingCurve(width=0.3),
 		water=PoreWater(conductivity=ground.conductivity, referencePorosity=ground.porosity, bulkModulus=5e6),
-		skeleton=law,
+		skeleton=skeletonOf(ground, grains),
 		thawFront=None,
 		boundaries=[
 			RollerBoundary(region="left"),
@@ -153,28 +183,30 @@ def scene(b, ground, profile):
 		temperature=-2,
 		pressure=lambda x, y: water * gravity * math.cos(b) * np.maximum(np.interp(x, *profile) - y, 0),
 	)
-	talik.layers.fill(mpm, {"silt": layer}, lateralRatio=0.5)
+	talik.layers.fill(mpm, {"silt": layer}, lateralRatio=None if grains else 0.5)
+	if grains:
+		talik.slope.settle(mpm, layer["polygon"], lateralRatio=0.5)
 	return mpm
 
 
 class Runs:
 	"""Runs of a folder, each kept in a file as soon as it is done."""
 
-	def __init__(self, folder, days):
-		self.folder, self.days = writableFolder(folder), days
+	def __init__(self, folder, days, grains=None):
+		self.folder, self.days, self.grains = writableFolder(folder), days, grains
 
 	def of(self, slope, ground, cycle=1):
 		"""The thaw of a cycle; None after a mudflow."""
 		former = self.of(slope, ground, cycle - 1) if cycle > 1 else None
 		if cycle > 1 and (not former or flows(former)):
 			return None
-		settings = dict(slope=slope, days=self.days, **asdict(ground)) | ({"cycle": cycle} if former else {})
+		settings = dict(slope=slope, days=self.days, **asdict(ground)) | ({"cycle": cycle} if former else {}) | (asdict(self.grains) if self.grains else {})
 		file = self.folder / f"{hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]}.json"
 		if file.exists():
 			kept = json.loads(file.read_text())
 			if "profile" in kept:
 				return kept
-		run = thaw(slope, ground, self.days, former and former["profile"]) | dict(settings=settings)
+		run = thaw(slope, ground, self.days, former and former["profile"], self.grains) | dict(settings=settings)
 		writeWhole(file, json.dumps(run))
 		return run
 
@@ -193,13 +225,16 @@ def named(attribute, value):
 	return f"{attribute} {value:g} {units.get(attribute, '')}".strip()
 
 
-def tableOf(runs, base, attributes):
-	"""Lines of the table: path of the surface [mm] at each slope, for the assumptions and with one of them changed."""
+def tableOf(runs, base, attributes, law=None):
+	"""Lines of the table: path of the surface [mm] at each slope, for the assumptions and with one of them changed; law: runs with it, beside samples."""
 	lines = ["| assumption | 12° | 18° | 24° |", "|---|---|---|---|", "| **measured** | 187 | 651 | mudflow |"]
+	if law:
+		lines.append(f"| the law | {' | '.join(said(law.of(slope, base)) for slope in measured)} |")
+		print(lines[-1], flush=True)
 	for attribute, value in [(None, None)] + [(attribute, value) for attribute in attributes for value in variations[attribute]]:
 		ground = base if attribute is None else replace(base, **{attribute: value})
 		cells = [said(runs.of(slope, ground)) for slope in measured]
-		lines.append(f"| {'as assumed' if attribute is None else named(attribute, value)} | {' | '.join(cells)} |")
+		lines.append(f"| {('samples' if law else 'as assumed') if attribute is None else named(attribute, value)} | {' | '.join(cells)} |")
 		print(lines[-1], flush=True)
 	return lines
 
@@ -229,14 +264,20 @@ def drawCycles(runs, base, cycles):
 	return figure
 
 
-def draw(runs, base):
-	"""Path of the surface over the days, and over the height at the end."""
+def draw(runs, base, law=None):
+	"""Path of the surface over the days, and over the height at the end; dotted: the law beside samples."""
 	figure = plots.figure(11, 4.5)
 	history, profile = figure.subplots(1, 2)
 	for slope, colour in zip(measured, colours):
 		run = runs.of(slope, base)
 		history.plot(run["days"], 1e3 * np.array(run["path"]), color=colour, label=f"{slope}°" + (", flows" if flows(run) else ""))
 		profile.plot(1e3 * np.array(run["paths"]), run["heights"], "o-", markersize=3, color=colour, label=f"{slope}°")
+		if law:
+			beside = law.of(slope, base)
+			history.plot(
+				beside["days"], 1e3 * np.array(beside["path"]), color=colour, linestyle=":", label=f"{slope}°, law" + (", flows" if flows(beside) else "")
+			)
+			profile.plot(1e3 * np.array(beside["paths"]), beside["heights"], color=colour, linestyle=":")
 		if measured[slope] < math.inf:
 			history.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured, end of a cycle")
 	history.set(xlabel="time [days]", ylabel="path of the surface [mm]", yscale="log", ylim=(1, 2e3), title="24° measured: a mudflow")
@@ -288,6 +329,9 @@ parser.add_argument(
 parser.add_argument("--cycles", type=int, default=1, help="cycles of frost and thaw")
 parser.add_argument("--assume", nargs="*", default=(), metavar="ASSUMPTION=NUMBER", help="in place of that of Assumptions, e.g. cohesion=1200")
 parser.add_argument("--output", default="output/centrifuge_slopes", help="folder for the results")
+parser.add_argument(
+	"--skeleton", default="MohrCoulomb", choices=("MohrCoulomb", "samples"), help="samples: of discs behind every point, and the law beside them"
+)
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
@@ -297,15 +341,20 @@ if not 0 < base.friction < 1:
 	raise SystemExit(
 		f"cohesion, safetyAt18, thickness and porosity give tan(phi) = {base.friction:.2f}, which must lie between 0 and 1; change one by --assume"
 	)
-runs = Runs(folder / "runs", days)
+grains = Grains() if options.skeleton == "samples" else None
+law = Runs(folder / "runs", days) if grains else None
+runs = Runs(folder / "runs", days, grains)
+if grains:
+	_, cohesion, friction = samplesOf(grains, base.cohesion)
+	print(f"samples in simple shear: friction angle {friction:.1f} deg, cohesion {cohesion:.0f} Pa")
 print(f"friction angle {math.degrees(math.atan(base.friction)):.1f} deg; path of the surface [mm]:")
-lines = tableOf(runs, base, options.vary)
+lines = tableOf(runs, base, options.vary, law)
 found = {slope: runs.of(slope, base) for slope in measured}
 gentlest = found[12]
 settled, byHand = gentlest["settlement"][-1], base.thawStrain * gentlest["thawed"]
 print(f"at 12 deg {gentlest['thawed']:.2f} m have thawed and settled by {1e3 * settled:.0f} mm, thaw strain times depth {1e3 * byHand:.0f} mm")
 writeWhole(folder / "table.md", "\n".join(lines) + "\n")
-plots.save(draw(runs, base), folder / "centrifuge_slopes.png", dpi=100)
+plots.save(draw(runs, base, law), folder / "centrifuge_slopes.png", dpi=100)
 if options.cycles > 1:
 	writeWhole(folder / "cycles.md", "\n".join(cyclesOf(runs, base, options.cycles)) + "\n")
 	plots.save(drawCycles(runs, base, options.cycles), folder / "centrifuge_slopes_cycles.png", dpi=100)

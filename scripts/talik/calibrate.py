@@ -640,7 +640,10 @@ def _toTarget(path, grains, folder, told, moments, strain):
 	"""Fits a sample to a target and tests it once more; picture, sample file, parameters for further realisations."""
 	from talik import target
 
-	rows = target.read(path)
+	try:
+		rows = target.read(path)
+	except ValueError as fault:
+		raise SystemExit(f"calibrate: {fault}") from None
 	found = target.fit(rows, grains, moments=moments, strain=strain)
 	told(found.report())
 	sample = found.sample()

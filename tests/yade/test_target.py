@@ -75,6 +75,15 @@ def test_a_wrong_target_is_refused_by_row_and_column(tmp_path, lines, heading, f
 	print(str(refused.value).replace(str(tmp_path), ""))
 
 
+def test_the_command_refuses_a_wrong_target_in_one_sentence_without_a_fit(tmp_path, monkeypatch):
+	soil = written(tmp_path, "1,-10,1e-4,0,1500,-10,2,")
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--target", str(soil), "--output", str(tmp_path / "results")])
+	with pytest.raises(SystemExit, match="line 2, column strength: '-10' must be the largest axial less lateral stress") as refused:
+		calibrate.main()
+	print(str(refused.value).replace(str(tmp_path), ""))
+	assert "\n" not in str(refused.value) and not list((tmp_path / "results").glob("*"))
+
+
 def test_a_file_that_is_not_there_or_empty_is_refused(tmp_path):
 	with pytest.raises(ValueError, match="cannot be read"):
 		target.read(tmp_path / "none.csv")
