@@ -65,18 +65,32 @@ def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(pa
 	assert frozen[0].statistics()["bondsIntact"] > 0
 
 
-def test_packed_and_open_samples_are_weakened_alike(packed):
-	law, gradient = wrapper.IceStrength(), Matrix3(2e-4, 0, 0, 0, -2e-4, 0, 0, 0, 0)
-	packed.freeze(1)
-	weak = under(packed, law, 0, 1e-7)
-	strong = packed.copy()
-	for _ in range(30):
-		for sample in (weak, strong):
-			sample.apply(gradient, 1)
+@pytest.mark.parametrize("kind", ["discs", "rolling discs", "discs with moments", "spheres"])
+def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_steps_and_break_as_many_bonds(kind, sampleCache):
+	settings = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}[kind]
+	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **settings))
+	sample.freeze(1)
+	strong, opened, law = sample.copy(), wrapper.OpenRveSample(source=sample.open()), wrapper.IceStrength(tensileCold=0.4, shearCold=0.4)
+	gradient, steps, error = Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0
+	for each in (sample, strong, opened):
+		each.minSteps = 25
+	for temperature, rate in ((-10, 1e-4), (-2, 1e-6), (-1, 1e-7), (-5, 1e-5), (0, 1e-7)) * 4:
+		for each in (sample, opened):
+			each.tensileStrengthFactor, each.shearStrengthFactor = law.factors(temperature, rate)
+		one, other = sample.apply(gradient, 1), opened.apply(gradient, 1)
+		strong.apply(gradient, 1)
+		assert one["steps"] == other["steps"]
+		steps += one["steps"]
+		stress = other["stress"]
+		places = ((0, 0), (1, 1), (0, 1)) if sample.dimension == 2 else ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+		error = max(error, np.abs(np.subtract(one["stress"], [0.5 * (stress[i, j] + stress[j, i]) for i, j in places])).max())
+	scale = np.abs(sample.stress).max()
+	bonds = [each.statistics()["bondsIntact"] for each in (sample, opened, strong)]
 	print(
-		f"\nbonds intact after 0.6 %: {weak.statistics()['bondsIntact']} at 0 degC and 1e-7 1/s, {strong.statistics()['bondsIntact']} at -10 degC and 1e-4 1/s"
+		f"\n{kind}: {steps} steps, stress differs by {error / scale:.1e}; bonds intact {bonds[0]} packed, {bonds[1]} open, {bonds[2]} at -10 degC and 1e-4 1/s"
 	)
-	assert weak.statistics()["bondsIntact"] < strong.statistics()["bondsIntact"]
+	assert steps >= 500 and error < 1e-9 * scale
+	assert bonds[0] == bonds[1] < bonds[2]
 
 
 # ---- stiffness ------------------------------------------------------------------------------------------------------------
