@@ -54,10 +54,10 @@ public:
 			"IceCreep(exponent=3).rateFactorAt(-5).",
 		((Real,rateFactor,3.5e-25,Attr::triggerPostLoad,"A at T_0 [Pa^-n/s in nature's time], >= 0. Stress in a bond is that of a sample times some 40 t/(0.1 m), t "
 				"its thickness."))
-		((Real,exponent,3,Attr::triggerPostLoad,"n [-], 1 to 10."))
+		((Real,exponent,3,Attr::triggerPostLoad,"n [-], 1 to 10; 3 by Glen 1955."))
 		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], > -273.15 and <= 0; Q changes there. Ground above 0 counts as 0."))
-		((Real,coldActivationEnergy,60e3,Attr::triggerPostLoad,"Q below T_0 [J/mol], >= 0."))
-		((Real,warmActivationEnergy,115e3,Attr::triggerPostLoad,"Q above T_0 [J/mol], >= 0."))
+		((Real,coldActivationEnergy,60e3,Attr::triggerPostLoad,"Q below T_0 [J/mol], >= 0 (Cuffey & Paterson 2010)."))
+		((Real,warmActivationEnergy,115e3,Attr::triggerPostLoad,"Q above T_0 [J/mol], >= 0 (Cuffey & Paterson 2010)."))
 		,/*ctor*/ ,
 		/*py*/
 		.def("rateFactorAt",&IceCreep::rateFactorAt,(::boost::python::arg("temperature")),"A [Pa^-n/s] at a temperature [degC].")
@@ -98,7 +98,7 @@ public:
 			"form of Glen's law over timeScale*O.dt. Put it behind the InteractionLoop. Samples need none: see RveSkeleton.iceCreep. Example: "
 			"O.engines=O.engines+[CreepingBonds(iceCreep=IceCreep(),temperature=-5,timeScale=1e6)].",
 		((shared_ptr<IceCreep>,iceCreep,,,"The law. None: bonds do not creep."))
-		((Real,temperature,-10,Attr::triggerPostLoad,"Of the ice [degC]."))
+		((Real,temperature,-10,Attr::triggerPostLoad,"Of the ice [degC], above -273.15; above 0 counts as 0."))
 		((Real,timeScale,1,Attr::triggerPostLoad,"Time of nature that passes per time of the scene [-], >= 0."))
 	);
 	// clang-format on
