@@ -21,8 +21,10 @@ public:
 	virtual int dimension() const = 0; ///< 2 or 3
 
 	/// Before initialise(): the ranks, which run the same scene, share out its strips in bands. Every rank has arrays for all points, and looking
-	/// at them brings those of the others.
-	virtual void distribute(std::shared_ptr<RankTalk> talk) = 0;
+	/// at them brings those of the others. What bands do not serve is refused by initialise() where they are `required`; else each rank
+	/// computes the whole ground then.
+	virtual void distribute(std::shared_ptr<RankTalk> talk, bool required = true) = 0;
+	virtual bool inBands() const                                                  = 0; ///< after initialise()
 	/// Checks everything, allocates all fields and sets the initial state. Throws std::invalid_argument naming attribute, value
 	/// and remedy.
 	virtual void initialise()        = 0;

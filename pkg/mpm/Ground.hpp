@@ -38,7 +38,8 @@ public:
 	/// Adds a point and returns its id, which counts from 0 and never changes.
 	int addPoint(const PointInput<D>& point);
 
-	void distribute(std::shared_ptr<RankTalk> talk) override;
+	void distribute(std::shared_ptr<RankTalk> talk, bool required = true) override;
+	bool inBands() const override;
 	void initialise() override;
 	bool initialised() const override;
 

@@ -12,17 +12,32 @@ namespace {
 	const std::string askPoints = "points of the bands", askLimits = "time step limits";
 } // namespace
 
-template <int D> void Ground<D>::distribute(std::shared_ptr<RankTalk> talk) { parts_->talk = std::move(talk); }
+template <int D> void Ground<D>::distribute(std::shared_ptr<RankTalk> talk, bool required)
+{
+	parts_->talk          = std::move(talk);
+	parts_->bandsRequired = required;
+}
+
+template <int D> bool Ground<D>::inBands() const { return parts_->bands != nullptr; }
+
+/// Why this ground is not computed in bands; empty where it is.
+template <int D> std::string Ground<D>::Parts::refusalOfBands() const
+{
+	const int strips = points->strips().count();
+	if (thawStrain) return "materials have a thawStrain, which is not computed in bands: choose 'samples'.";
+	if (strips < talk->count())
+		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells for "
+		        + std::to_string(talk->count()) + " ranks: choose 'samples', or run it on fewer ranks.";
+	return "";
+}
 
 template <int D> void Ground<D>::Parts::startBands()
 {
-	const int strips = points->strips().count();
-	if (thawStrain)
-		throw std::invalid_argument("distribute is 'ground', and materials have a thawStrain, which is not computed in bands: choose 'samples'.");
-	if (strips < talk->count())
-		throw std::invalid_argument(
-		        "distribute is 'ground': the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells for "
-		        + std::to_string(talk->count()) + " ranks: choose 'samples', or run it on fewer ranks.");
+	const std::string refusal = refusalOfBands();
+	if (!refusal.empty()) {
+		if (bandsRequired) throw std::invalid_argument("distribute is 'ground': " + refusal);
+		return;
+	}
 	bands                  = std::make_unique<Bands>(talk, [this](const std::string& question) { return answer(question); });
 	points->strips().bands = bands.get();
 	afterReordering();
@@ -159,7 +174,8 @@ template <int D> typename Ground<D>::Parts::Concerned Ground<D>::Parts::concerne
 	return all;
 }
 
-template void                                 Ground<2>::distribute(std::shared_ptr<RankTalk>);
+template void                                 Ground<2>::distribute(std::shared_ptr<RankTalk>, bool);
+template bool                                 Ground<2>::inBands() const;
 template void                                 Ground<2>::Parts::startBands();
 template void                                 Ground<2>::Parts::cutBands();
 template void                                 Ground<2>::Parts::gatherPoints();
@@ -167,7 +183,8 @@ template void                                 Ground<2>::Parts::bringPoints() co
 template std::string                          Ground<2>::Parts::firstWords(const std::string&);
 template StableTimeStep                       Ground<2>::Parts::limitsOfRanks() const;
 template typename Ground<2>::Parts::Concerned Ground<2>::Parts::concerned(const std::vector<int>&);
-template void                                 Ground<3>::distribute(std::shared_ptr<RankTalk>);
+template void                                 Ground<3>::distribute(std::shared_ptr<RankTalk>, bool);
+template bool                                 Ground<3>::inBands() const;
 template void                                 Ground<3>::Parts::startBands();
 template void                                 Ground<3>::Parts::cutBands();
 template void                                 Ground<3>::Parts::gatherPoints();

@@ -83,11 +83,12 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<ThawStrain<D>>          thawStrain;
 	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
-	std::vector<std::vector<int>> skeletonPlaces;      ///< of this rank's points
-	std::shared_ptr<RankTalk>     talk;                ///< of the ranks that share out this ground; null: there is one
-	std::unique_ptr<Bands>        bands;               ///< the same, from initialise() on
-	std::vector<std::vector<int>> skeletonPlacesOfAll; ///< of the points of all ranks
-	std::vector<double>           pointFill;           ///< pore fill by id; empty if it is that of the settings everywhere
+	std::vector<std::vector<int>> skeletonPlaces;       ///< of this rank's points
+	std::shared_ptr<RankTalk>     talk;                 ///< of the ranks that share out this ground; null: there is one
+	bool                          bandsRequired = true; ///< what bands do not serve is an error
+	std::unique_ptr<Bands>        bands;                ///< the same, from initialise() on
+	std::vector<std::vector<int>> skeletonPlacesOfAll;  ///< of the points of all ranks
+	std::vector<double>           pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
 	Clock<D>                      clock {};
 	std::vector<double>           partial;
 	/// What a step adds to before points move, as it was at its beginning.
@@ -183,8 +184,9 @@ template <int D> struct Ground<D>::Parts {
 	}
 
 	// ---- ranks ----------------------------------------------------------------------------------------------------------
-	void startBands();
-	void cutBands();
+	void        startBands();
+	std::string refusalOfBands() const;
+	void        cutBands();
 	/// All numbers of the points, array by array.
 	template <class Work> void overArrays(Work&& work) const
 	{

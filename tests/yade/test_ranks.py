@@ -192,6 +192,32 @@ def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
 	assert "choose automatic, samples, ground or none" in said
 
 
+def test_ranks_take_bands_of_a_large_ground_of_a_law_by_themselves_and_of_no_other(tmp_path):
+	(tmp_path / "scene.py").write_text(large)
+	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
+	told = [line for line in complained.splitlines() if line.startswith("Talik:")]
+	print(told, said)
+	strips, whole = "Talik: 2 ranks share out the strips of this ground", "Talik: 2 ranks each compute all of this ground"
+	assert [line.split(" (")[0].split(",")[0] for line in told] == [strips, whole, whole, whole]
+
+
+large = """
+import numpy as np
+import talik
+from yade import O, wrapper
+def run(size, distribute="automatic", **attributes):
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(160, 160), skeleton=wrapper.ElasticSkeleton(), distribute=distribute, **attributes)
+	position = np.stack(np.meshgrid(*[np.arange(0.125, size, 0.25)] * 2), axis=-1).reshape(-1, 2)
+	mpm.addPoints(position=position + 1, volume=0.0625, porosity=0.4, temperature=-1.0)
+	O.engines = [wrapper.ForceResetter(), mpm]
+	O.run(1, True)
+run(80)
+run(20)
+run(80, bodies=wrapper.BodyContact())
+run(80, gravity=(0, -1), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), materials=[wrapper.GroundMaterial(thawStrain=0.1)])
+"""
+
+
 refusing = """
 import talik
 from yade import O, wrapper

@@ -255,8 +255,9 @@ void MpmEngine::initialise()
 	toleranceInForce  = tolerance;
 	distributeInForce = distribute;
 	try {
-		if (inBands()) ground->distribute(talik::jobTalk());
+		if (mayBeInBands()) ground->distribute(talik::jobTalk(), distribute == "ground");
 		ground->initialise();
+		sayHowRanksShare();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
 		if (!goesOn) {
@@ -294,26 +295,35 @@ void MpmEngine::shareAmongRanks()
 {
 	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
 		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
-	const auto& talk    = talik::jobTalk();
-	const bool  share   = talk && distribute != "none" && distribute != "ground";
-	bool        toShare = false;
+	const auto& talk  = talik::jobTalk();
+	const bool  share = talk && distribute != "none" && distribute != "ground";
+	samplesToShare    = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())
-			toShare = (law && law->shareAmongRanks(share)) || toShare;
-	if (!talk) return;
-	const string ranks = "Talik: " + std::to_string(talk->count()) + " ranks ";
-	if (inBands()) {
-		const string refused = toShare ? "samples behind its points" : bodies ? "bodies of YADE" : "";
-		if (!refused.empty())
-			throw std::invalid_argument(
-			        "MpmEngine.distribute is 'ground', and this ground has " + refused + ", which bands do not serve: choose samples or none.");
-		say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
-	} else if (share && toShare) say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
-	else say(ranks + "each compute all of this ground, which takes as long as on one" + (toShare ? "." : ": it has no samples to share out."));
+			samplesToShare = (law && law->shareAmongRanks(share)) || samplesToShare;
+	const string refused = samplesToShare ? "samples behind its points" : bodies ? "bodies of YADE" : "";
+	if (talk && distribute == "ground" && !refused.empty())
+		throw std::invalid_argument(
+		        "MpmEngine.distribute is 'ground', and this ground has " + refused + ", which bands do not serve: choose samples or none.");
 }
 
-/// Each rank computes a band of this ground.
-bool MpmEngine::inBands() const { return talik::jobTalk() && distribute == "ground"; }
+/// Each rank computes a band of this ground, if nothing in it forbids that.
+bool MpmEngine::mayBeInBands() const
+{
+	constexpr int worthwhile = 100000; // points
+	if (!talik::jobTalk()) return false;
+	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && !bodies && pointCount() >= worthwhile);
+}
+
+void MpmEngine::sayHowRanksShare()
+{
+	const auto& talk = talik::jobTalk();
+	if (!talk) return;
+	const string ranks = "Talik: " + std::to_string(talk->count()) + " ranks ";
+	if (ground->inBands()) say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
+	else if (samplesToShare && distribute != "none") say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
+	else say(ranks + "each compute all of this ground, which takes as long as on one" + (samplesToShare ? "." : ": it has no samples to share out."));
+}
 
 /// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of bands have no points in common: what they owe each other
 /// is compared by what follows from all of them, the times.
@@ -323,7 +333,7 @@ void MpmEngine::compareRanks()
 	if (!talik::jobTalk() || ground->steps() < nextComparison) return;
 	nextComparison = ground->steps() + interval;
 	talik::Digest digest;
-	if (inBands()) {
+	if (ground->inBands()) {
 		const double times[] = { ground->time(), ground->calendar().time, stableStep };
 		digest.add(times, sizeof times);
 	} else {

@@ -117,7 +117,8 @@ private:
 	void                            sayGraveDoubts();
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
-	bool                            inBands() const;
+	bool                            mayBeInBands() const;
+	void                            sayHowRanksShare();
 	void                            compareRanks();
 	bool                            leadsTimeStep() const;
 	Real                            timeStepOfOthers();
@@ -150,6 +151,7 @@ private:
 	double                         stableStep       = 0;
 	double                         toleranceInForce = 0;
 	string                         distributeInForce;
+	bool                           samplesToShare = false; ///< between the ranks of the job
 
 public:
 	// clang-format off
@@ -208,7 +210,8 @@ public:
 		((string,distribute,"automatic",,"What the ranks of mpirun share out. samples: each sample of RveSkeleton has one rank as its owner, and every rank computes "
 				"the whole ground; results are those of one rank, bit for bit. ground: each rank has a band of strips of four rows of cells and computes the points in it, "
 				"bit for bit as one rank; for laws, without samples, bodies and thawStrain. none: every rank computes everything. automatic: samples where there are "
-				"some, which is said once. Without mpirun it has no effect."))
+				"some, ground from 100 000 points on where there are none, no bodies and no thawStrain, else none, which is said once. Without mpirun it "
+				"has no effect."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, "
 				"seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
