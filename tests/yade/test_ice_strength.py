@@ -65,6 +65,15 @@ def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(pa
 	assert frozen[0].statistics()["bondsIntact"] > 0
 
 
+def besideOpen(sample, opened, gradient):
+	"""(DEM steps of a call that both take, largest difference of a component of stress [Pa])."""
+	one, other = sample.apply(gradient, 1), opened.apply(gradient, 1)
+	assert one["steps"] == other["steps"]
+	stress = other["stress"]
+	places = ((0, 0), (1, 1), (0, 1)) if sample.dimension == 2 else ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+	return one["steps"], np.abs(np.subtract(one["stress"], [0.5 * (stress[i, j] + stress[j, i]) for i, j in places])).max()
+
+
 @pytest.mark.parametrize("kind", ["discs", "rolling discs", "discs with moments", "spheres"])
 def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_steps_and_break_as_many_bonds(kind, sampleCache):
 	settings = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}[kind]
@@ -77,13 +86,9 @@ def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_st
 	for temperature, rate in ((-10, 1e-4), (-2, 1e-6), (-1, 1e-7), (-5, 1e-5), (0, 1e-7)) * 4:
 		for each in (sample, opened):
 			each.tensileStrengthFactor, each.shearStrengthFactor = law.factors(temperature, rate)
-		one, other = sample.apply(gradient, 1), opened.apply(gradient, 1)
+		taken, apart = besideOpen(sample, opened, gradient)
 		strong.apply(gradient, 1)
-		assert one["steps"] == other["steps"]
-		steps += one["steps"]
-		stress = other["stress"]
-		places = ((0, 0), (1, 1), (0, 1)) if sample.dimension == 2 else ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-		error = max(error, np.abs(np.subtract(one["stress"], [0.5 * (stress[i, j] + stress[j, i]) for i, j in places])).max())
+		steps, error = steps + taken, max(error, apart)
 	scale = np.abs(sample.stress).max()
 	bonds = [each.statistics()["bondsIntact"] for each in (sample, opened, strong)]
 	print(
@@ -151,13 +156,9 @@ def test_packed_samples_of_changing_stiffness_follow_open_ones_to_1e9_over_500_s
 		each.minSteps = 25
 	for temperature in (-10, -2, -20, -5, -30) * 4:
 		sample.iceStiffnessFactor = opened.iceStiffnessFactor = law.stiffnessFactor(temperature)
-		one, other = sample.apply(shear, 1), opened.apply(shear, 1)
+		taken, apart = besideOpen(sample, opened, shear)
 		fixed.apply(shear, 1)
-		assert one["steps"] == other["steps"]
-		steps += one["steps"]
-		stress = other["stress"]
-		places = ((0, 0), (1, 1), (0, 1)) if sample.dimension == 2 else ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-		error = max(error, np.abs(np.subtract(one["stress"], [0.5 * (stress[i, j] + stress[j, i]) for i, j in places])).max())
+		steps, error = steps + taken, max(error, apart)
 	scale = np.abs(sample.stress).max()
 	print(f"\n{kind}: {steps} steps, stress differs by {error / scale:.1e}; {scale / np.abs(fixed.stress).max():.2f} of that of constant stiffness")
 	assert steps >= 500 and error < 1e-9 * scale
