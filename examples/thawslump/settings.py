@@ -23,6 +23,7 @@ class Preset:
 
 
 skeletons = ("samples", "MohrCoulomb")
+slips = ("stress", "strength")
 calendars = ("follows-motion", "constant")
 softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)  # Ground with the law alone: five times as stiff as thawed ground is stiff enough, at half the steps
 flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to hang on no setting
@@ -65,6 +66,7 @@ class Ground:
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
 	thickness: float = 0.1  # of the slice of ground that carries the forces of the discs [m]; stiffness and strength go with its inverse (O)
+	slip: str = "stress"  # what carries slip of samples at the thaw front: their stress, or their strength in simple shear (O)
 	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
 	picTimeFactor: float = 1.0  # points keep what the grid does not see for so many times sqrt(h/g) during failure (O); 1: MpmEngine's default

@@ -120,7 +120,7 @@ class ThawSlump:
 				sample.thawedStrength = strength
 				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
 			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
-			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance), {}
+			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance, **self._slipOf(several)), {}
 		calibration = calibrate.calibrate(several, **p.calibration)
 		self.calibrationSeconds = calibration.seconds
 		law = calibration.parameters()
@@ -129,6 +129,13 @@ class ThawSlump:
 		depths = [slope.surfaceHeight(self.outline, x) - y for x, y in position]
 		across, down = np.transpose([slope.geostaticStress(depth, frozenDensity, lateralRatio=g.lateralRatio) for depth in depths])
 		return wrapper.MohrCoulombSkeleton(**law), {"stress": np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1)}
+
+	def _slipOf(self, samples):
+		"""Attributes of RveSkeleton for the slip at the thaw front. Call after _strengthOfThawedBonds."""
+		if self.ground.slip == "stress":
+			return {}
+		self.thawed["friction measured [-]"] = calibrate.thawedFriction(samples)
+		return {"slipFriction": self.thawed["friction measured [-]"], "slipCohesion": self.thawed["cohesion measured [Pa]"]}
 
 	def _strengthOfThawedBonds(self, samples):
 		"""Strength [Pa] of bonds that outlast their ice, such that they give the samples the thawed cohesion."""

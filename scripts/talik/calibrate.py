@@ -189,6 +189,14 @@ def thawedCohesion(sample, strength, pressures=(2e3, 4e3, 8e3, 16e3)):
 	return float(np.mean(_thawedShearStrengths(sample, strength, pressures) - _thawedShearStrengths(sample, 0.0, pressures)))
 
 
+def thawedFriction(samples, pressures=(2e3, 4e3, 8e3, 16e3)):
+	"""Shear over normal stress [-] with which ice-free RveSamples fail in simple shear without bonds, mean over realisations and `pressures` [Pa]:
+	RveSkeleton.slipFriction.
+
+	>>> friction = talik.calibrate.thawedFriction(packed, pressures=(8e3,))"""
+	return float(np.mean([_thawedShearStrengths(sample, 0.0, pressures) / pressures for sample in rve.listOf(samples)]))
+
+
 def _thawedShearStrengths(sample, strength, pressures):
 	tested = _withThawedStrength(sample, strength)
 	return np.array([thawedShearStrength(tested, pressure) for pressure in pressures])

@@ -292,6 +292,7 @@ def asCommanded(folder, **options):
 				compare=None,
 				grains=None,
 				thickness=0.1,
+				slip="stress",
 				realisations=1,
 				seed=1,
 				thawed_cohesion=None,
@@ -344,6 +345,7 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		["--thawed-cohesion", "-5"],
 		["--thickness", "0"],
 		["--thickness", "2"],
+		["--slip", "grease"],
 		["--seed", "x"],
 	):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
@@ -358,7 +360,7 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
 	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
 	preset = commandline.presetOf(options, None)
-	ground = thawslump.Ground(thawedCohesion=2000.0, frozenModulus=2e7, thickness=0.05)
+	ground = thawslump.Ground(thawedCohesion=2000.0, frozenModulus=2e7, thickness=0.05, slip="strength")
 	slump = {name: thawslump.ThawSlump(case, preset, tmp_path, ground, skeleton=name) for name in thawslump.skeletons}
 	moduli = slump["MohrCoulomb"].skeleton.youngs
 	assert max(moduli) == 2e7 and min(moduli) < 1e7  # frozen ground only
@@ -371,6 +373,11 @@ def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and
 		f"{strength:.0f} Pa, {measured:.0f} Pa measured; law {cohesions}"
 	)
 	assert all(sample.thickness == 0.05 for sample in samples)
+	slipping, law = slump["samples"].skeleton, slump["MohrCoulomb"].skeleton
+	print(
+		f"slip of samples: friction {slipping.slipFriction:.3f}, cohesion {slipping.slipCohesion:.0f} Pa; law sin phi {math.sin(math.radians(law.frictionAngle)):.3f}"
+	)
+	assert slipping.slipCohesion == measured and slipping.slipFriction == pytest.approx(math.sin(math.radians(law.frictionAngle)), rel=0.4)
 	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
 	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.2)
 	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5

@@ -322,7 +322,7 @@ def test_dry_column_of_samples_collapses_to_the_run_out_of_discs_of_their_fricti
 # ---- a thawed layer on a frozen base ----------------------------------------------------------------------------------------
 
 
-def slideOfLayer(samples, thickness, h, density, beta, duration):
+def slideOfLayer(samples, thickness, h, density, beta, duration, **slip):
 	"""Mean displacement down the slope, at mid-length, of a thawed layer on a frozen base; thickness over h."""
 	length, base = (8 + 8 * thickness) * h, 2 * h
 	top, width = base + thickness * h, length + 6 * h
@@ -339,7 +339,7 @@ def slideOfLayer(samples, thickness, h, density, beta, duration):
 		gravity=(9.81 * np.sin(beta), -9.81 * np.cos(beta)),
 		heat=wrapper.HeatTransfer(),
 		freezing=wrapper.FreezingCurve(),
-		skeleton=wrapper.RveSkeleton(samples=banded, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0),
+		skeleton=wrapper.RveSkeleton(samples=banded, sampleOf=sampleOf, strainTolerance=1e-4, stressTolerance=0, **slip),
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom")],
 	)
 	mpm.addPoints(position=position, volume=volume, porosity=0.4, temperature=np.where(thawed, 5.0, -10.0))
@@ -368,3 +368,13 @@ def test_thawed_layer_of_samples_slides_on_its_frozen_base_with_their_friction_s
 	free = 0.5 * 9.81 * (np.sin(beta) - friction * np.cos(beta)) * duration**2
 	slide = slideOfLayer(realisations, thickness, h, density, beta, duration)
 	report.expectRelative(f"slab of samples on a frozen base: X/h = {thickness}, u over a t^2/2", slide / free, 1, 0.15)
+
+
+@pytest.mark.parametrize("thickness", [1, 2])
+def test_layer_of_samples_slides_with_the_strength_that_is_stated_for_its_slip(realisations, thickness):
+	"""The same slope; friction and cohesion below those of the samples decide, so that the layer slides as a block."""
+	report = Report(f"Samples.StatedSlip.{thickness}", "a t^2/2")
+	h, density, beta, duration, friction, cohesion = 2.0, 0.6 * 2650 + 0.4 * 1000, np.radians(45), 0.5, 0.2, 1e3
+	free = 0.5 * (9.81 * (np.sin(beta) - friction * np.cos(beta)) - cohesion / (density * thickness * h)) * duration**2
+	slide = slideOfLayer(realisations, thickness, h, density, beta, duration, slipFriction=friction, slipCohesion=cohesion)
+	report.expectRelative(f"slab of samples that states its strength: X/h = {thickness}, u over a t^2/2", slide / free, 1, 0.05)

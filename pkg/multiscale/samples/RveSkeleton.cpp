@@ -25,6 +25,7 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	if (iceStrength) s.iceStrength = iceStrength->law();
 	if (iceCreep) s.iceCreep = iceCreep->law();
 	s.creepInterval = creepInterval;
+	if (!std::isnan(slipFriction)) s.slipStrength = talik::ShearStrength { slipFriction, slipCohesion };
 	return s;
 }
 
@@ -43,6 +44,11 @@ void RveSkeleton::checkScheduling() const
 	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "a positive number, e.g. 5e-3");
 	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "a positive number, e.g. 1e-5");
 	require(creepInterval >= 0, "creepInterval", creepInterval, "a calendar time in s, 0 or more");
+	require(!(slipFriction < 0) && !std::isinf(slipFriction), "slipFriction", slipFriction,
+	        "0 or more, or nan: the stress of the samples carries the slip");
+	require(slipCohesion >= 0 && !std::isinf(slipCohesion), "slipCohesion", slipCohesion, "a stress in Pa, 0 or more");
+	require(slipCohesion == 0 || !std::isnan(slipFriction), "slipCohesion", slipCohesion,
+	        "it with slipFriction: without that the stress of the samples carries the slip");
 	require(minSteps >= 1, "minSteps", minSteps, "1 or more");
 	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "0 or more");
 }

@@ -26,6 +26,8 @@ struct SampleScheduling {
 	std::optional<IceCreepLaw> iceCreep;
 	double                     creepInterval = 0;
 	bool                       followsTime() const { return iceStrength || iceCreep; }
+	/// Strength with which points slip at the thaw front; absent: their stress carries the slip, eq. (20.2a) of pkg/mpm.
+	std::optional<ShearStrength> slipStrength;
 };
 
 /// Sums over all samples since the start.
@@ -96,10 +98,13 @@ public:
 	SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> store, std::vector<int> prototypeOf, const SampleScheduling& scheduling);
 
 	std::string name() const override { return "RveSkeleton"; }
-	void        declareFields(PointFields&, const std::string& prefix) override;
-	void        initialise(const SkeletonBatch<Dim>&) override;
-	void        updateStress(const SkeletonBatch<Dim>&) override;
-	void        tangentModulus(const SkeletonBatch<Dim>&, double* modulus) const override;
+
+	std::optional<ShearStrength> shearStrength(double) const override { return schedule.slipStrength; }
+
+	void declareFields(PointFields&, const std::string& prefix) override;
+	void initialise(const SkeletonBatch<Dim>&) override;
+	void updateStress(const SkeletonBatch<Dim>&) override;
+	void tangentModulus(const SkeletonBatch<Dim>&, double* modulus) const override;
 
 	ErrorSquares errorSquares(const SkeletonPoints&) const override;
 
