@@ -92,12 +92,11 @@ def samplesOf(grains, cohesion):
 	"""(samples without ice whose bonds keep a cohesion [Pa] when their ice has gone, that cohesion as measured [Pa], their friction angle [deg] in
 	simple shear without it)."""
 	packed = talik.rve.pack(talik.rve.prepare(ice=True, **asdict(grains)))
-	pressure = 8e3  # [Pa]
-	shear = np.mean([talik.calibrate.thawedShearStrength(sample, pressure) for sample in packed])
+	friction = talik.calibrate.thawedFriction(packed, pressures=(8e3,))
 	strength, measured = talik.calibrate.thawedStrength(packed, cohesion)
 	for sample in packed:
 		sample.thawedStrength = strength
-	return packed, measured, math.degrees(math.atan(shear / pressure))
+	return packed, measured, math.degrees(math.atan(friction))
 
 
 def thaw(slope, ground, days, profile=None, grains=None):

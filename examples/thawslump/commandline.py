@@ -129,17 +129,17 @@ def lawAlone(options):
 def groundOf(options, setting):
 	"""Ground of a run. What slides converges with the calendar, a cohesion and little viscosity; samples are too slow for that as a
 	default, and runs that are compared share one ground."""
-	alone = lawAlone(options)
+	alone, thickness = lawAlone(options), setting.get("thickness", options.thickness)
 	calendar = options.calendar or ("follows-motion" if alone else "constant")
 	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if alone else 0.0
 	return Ground(
 		thawStrain=setting["thawStrain"],
-		thickness=setting.get("thickness", options.thickness),
+		thickness=thickness,
 		slip=options.slip,
 		thawedCohesion=cohesion,
 		followsMotion=calendar == "follows-motion",
 		picTimeFactor=flowingPicTimeFactor if alone else Ground.picTimeFactor,
-		**(softened if alone else {}),
+		**({name: modulus * (Ground.thickness / thickness) for name, modulus in softened.items()} if alone else {}),  # stiffness goes with 1/thickness
 	)
 
 

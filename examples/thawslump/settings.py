@@ -25,7 +25,8 @@ class Preset:
 skeletons = ("samples", "MohrCoulomb")
 slips = ("stress", "strength")
 calendars = ("follows-motion", "constant")
-softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)  # Ground with the law alone: five times as stiff as thawed ground is stiff enough, at half the steps
+# of Ground with the law alone, of samples 0.1 m thick: five times as stiff as thawed ground is enough, at half the steps
+softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)
 flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to hang on no setting
 oneGrainThick = 0.01  # mean diameter of the discs [m]
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample

@@ -331,6 +331,8 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	assert grounds["MohrCoulomb"].followsMotion and grounds["MohrCoulomb"].thawedCohesion == 2000
 	assert {name: getattr(grounds["MohrCoulomb"], name) for name in thawslump.softened} == thawslump.softened
 	assert math.isinf(grounds["samples"].frozenModulus)
+	thin = commandline.groundOf(asCommanded("", skeleton="MohrCoulomb", thickness=0.01), law)
+	assert thin.frozenModulus == pytest.approx(10 * thawslump.softened["frozenModulus"])  # five times thawed ground of such samples, too
 	compared = commandline.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
 	assert compared.followsMotion and compared.thawedCohesion == 0 and math.isinf(compared.frozenModulus)
 	for wrong in (

@@ -65,6 +65,9 @@ def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(pa
 	assert frozen[0].statistics()["bondsIntact"] > 0
 
 
+kinds = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}
+
+
 def besideOpen(sample, opened, gradient):
 	"""(DEM steps of a call that both take, largest difference of a component of stress [Pa])."""
 	one, other = sample.apply(gradient, 1), opened.apply(gradient, 1)
@@ -74,10 +77,9 @@ def besideOpen(sample, opened, gradient):
 	return one["steps"], np.abs(np.subtract(one["stress"], [0.5 * (stress[i, j] + stress[j, i]) for i, j in places])).max()
 
 
-@pytest.mark.parametrize("kind", ["discs", "rolling discs", "discs with moments", "spheres"])
+@pytest.mark.parametrize("kind", kinds)
 def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_steps_and_break_as_many_bonds(kind, sampleCache):
-	settings = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}[kind]
-	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **settings))
+	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **kinds[kind]))
 	sample.freeze(1)
 	strong, opened, law = sample.copy(), wrapper.OpenRveSample(source=sample.open()), wrapper.IceStrength(tensileCold=0.4, shearCold=0.4)
 	gradient, steps, error = Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0
@@ -145,10 +147,9 @@ def test_one_bond_is_as_stiff_as_its_temperature_says_and_keeps_its_force_when_t
 	assert sample.statistics()["bondsIntact"] == 2
 
 
-@pytest.mark.parametrize("kind", ["discs", "rolling discs", "discs with moments", "spheres"])
+@pytest.mark.parametrize("kind", kinds)
 def test_packed_samples_of_changing_stiffness_follow_open_ones_to_1e9_over_500_steps(kind, sampleCache):
-	settings = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}[kind]
-	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **settings))
+	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **kinds[kind]))
 	sample.freeze(1)
 	fixed, opened = sample.copy(), wrapper.OpenRveSample(source=sample.open())
 	law, shear, steps, error = wrapper.IceStrength(stiffnessCold=0.05), Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0

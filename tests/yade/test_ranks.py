@@ -205,8 +205,8 @@ large = """
 import numpy as np
 import talik
 from yade import O, wrapper
-def run(size, distribute="automatic", **attributes):
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(160, 160), skeleton=wrapper.ElasticSkeleton(), distribute=distribute, **attributes)
+def run(size, **attributes):
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(160, 160), skeleton=wrapper.ElasticSkeleton(), **attributes)
 	position = np.stack(np.meshgrid(*[np.arange(0.125, size, 0.25)] * 2), axis=-1).reshape(-1, 2)
 	mpm.addPoints(position=position + 1, volume=0.0625, porosity=0.4, temperature=-1.0)
 	O.engines = [wrapper.ForceResetter(), mpm]

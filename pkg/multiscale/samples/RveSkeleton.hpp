@@ -114,7 +114,7 @@ public:
 		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is asked at the latest [s], >= 0; 0: in every step. In between its stress "
 				"does not relax."))
 		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Shear over normal stress with which thawed points slip at the thaw front by Coulomb "
-				"friction, as those of a law do, eq. (20.2) [-], >= 0: that of the samples in simple shear, see talik.calibrate.thawedShearStrength. nan: the stress of "
+				"friction, as those of a law do, eq. (20.2) [-], >= 0: that of the samples in simple shear, see talik.calibrate.thawedFriction. nan: the stress of "
 				"the samples carries the slip, eq. (20.2a); it is rough where the front is inclined to the grid, and slopes fail too early on fine cells."))
 		((Real,slipCohesion,0,,"The same without normal stress [Pa], >= 0, with slipFriction only. It stays where bonds of the samples break."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
