@@ -53,8 +53,8 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 		"--slip",
 		choices=slips,
 		default=Ground.slip,
-		help="what carries the slip of samples at the thaw front: their stress, which is rough and lets slopes on fine cells fail too early, or the "
-		"strength that is measured on them in simple shear",
+		help="what carries the slip of samples at the thaw front: the strength that is measured on them in simple shear, or their stress, which is "
+		"rough and lets slopes on fine cells fail too early",
 	)
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both", "thickness"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()

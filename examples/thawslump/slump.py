@@ -18,7 +18,7 @@ from talik.files import writableFolder
 from talik.progress import Progress
 from thawslump import page, shearband
 from thawslump.page import framesName, samplesName, summaryName
-from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons
+from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons, slips
 from yade import O, wrapper
 
 seriesLength = 40  # states in the ParaView series
@@ -62,13 +62,15 @@ class ThawSlump:
 	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.calibrate"""
 
 	def __init__(self, case, preset="draft", folder="output", ground=None, thaw=True, frameDays=None, skeleton="samples"):
-		if skeleton not in skeletons:
-			raise ValueError(f"skeleton is {skeleton!r}; choose one of {', '.join(skeletons)}")
+		ground = ground or Ground()
+		for name, given, known in (("skeleton", skeleton, skeletons), ("slip", ground.slip, slips)):
+			if given not in known:
+				raise ValueError(f"{name} is {given!r}; choose one of {', '.join(known)}")
 		self.skeletonName = skeleton
 		self.name, self.outline, self.thaws = case.name, case.outline, thaw
 		self.presetName = preset if isinstance(preset, str) else "own"
 		self.preset = presets[preset] if isinstance(preset, str) else preset
-		self.ground = ground or Ground()
+		self.ground = ground
 		self.frameDays = [part * self.preset.days for part in frameParts] if frameDays is None else sorted(frameDays)
 		self.folder = writableFolder(folder)
 		self.wallStart, self.cpuStart = time.monotonic(), time.process_time()
@@ -115,12 +117,12 @@ class ThawSlump:
 		p, g = self.preset, self.ground
 		several = rve.pack(rve.prepare(grains=p.grains, thickness=g.thickness, ice=True, realisations=p.realisations, seed=p.seed))
 		if self.skeletonName == "samples":
-			strength = self._strengthOfThawedBonds(several)
+			strength, cohesion = self._strengthOfThawedBonds(several)
 			for sample in several:
 				sample.thawedStrength = strength
 				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
 			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
-			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance, **self._slipOf(several)), {}
+			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance, **self._slipOf(several, cohesion)), {}
 		calibration = calibrate.calibrate(several, **p.calibration)
 		self.calibrationSeconds = calibration.seconds
 		law = calibration.parameters()
@@ -130,18 +132,18 @@ class ThawSlump:
 		across, down = np.transpose([slope.geostaticStress(depth, frozenDensity, lateralRatio=g.lateralRatio) for depth in depths])
 		return wrapper.MohrCoulombSkeleton(**law), {"stress": np.stack([across, down, 0.5 * (across + down), 0 * down], axis=-1)}
 
-	def _slipOf(self, samples):
-		"""Attributes of RveSkeleton for the slip at the thaw front. Call after _strengthOfThawedBonds."""
+	def _slipOf(self, samples, cohesion):
+		"""Attributes of RveSkeleton for the slip at the thaw front of samples with a thawed cohesion [Pa]."""
 		if self.ground.slip == "stress":
 			return {}
 		self.thawed["friction measured [-]"] = calibrate.thawedFriction(samples)
-		return {"slipFriction": self.thawed["friction measured [-]"], "slipCohesion": self.thawed["cohesion measured [Pa]"]}
+		return {"slipFriction": self.thawed["friction measured [-]"], "slipCohesion": cohesion}
 
 	def _strengthOfThawedBonds(self, samples):
-		"""Strength [Pa] of bonds that outlast their ice, such that they give the samples the thawed cohesion."""
-		strength, self.thawed["cohesion measured [Pa]"] = calibrate.thawedStrength(samples, self.ground.thawedCohesion)
-		self.thawed["strength of bonds [Pa]"] = strength
-		return strength
+		"""Strength [Pa] of bonds that outlast their ice, such that they give the samples the thawed cohesion, and the cohesion measured with it [Pa]."""
+		strength, cohesion = calibrate.thawedStrength(samples, self.ground.thawedCohesion)
+		self.thawed.update({"strength of bonds [Pa]": strength, "cohesion measured [Pa]": cohesion})
+		return strength, cohesion
 
 	def _keepCohesion(self, law, samples):
 		"""Gives a law the thawed cohesion and the tensile strength that samples have with it: by its cohesion alone a face of 45 degrees is on the
@@ -149,7 +151,8 @@ class ThawSlump:
 		cohesion = self.ground.thawedCohesion
 		if cohesion == 0:
 			return
-		tension = calibrate.thawedTension(samples, self._strengthOfThawedBonds(samples))
+		strength, _ = self._strengthOfThawedBonds(samples)
+		tension = calibrate.thawedTension(samples, strength)
 		self.thawed["tension measured [Pa]"] = tension
 		law["cohesions"] = [max(c, cohesion) for c in law["cohesions"]]
 		law["tensileStrengths"] = [max(t, tension) for t in law["tensileStrengths"]]

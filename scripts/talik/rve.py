@@ -110,8 +110,9 @@ def prepare(
 	pressure        [Pa], > 0, compression positive
 	porosity        of discs two-dimensional, met to 0.005 by the friction used during compaction; default 0.18 for discs (friction about
 					0.2), 0.39 for spheres
-	thickness       of the slice of ground that carries the forces of the discs [m], from the smallest radius to 1 m, default 0.1; stress is
-					divided by it, so stiffness and strength go with its inverse. One mean diameter is that of a single layer of
+	thickness       of the slice of ground that carries the forces of the discs [m], from the smallest radius to 1 m, default 0.1, that of
+					the discs of YADE's examples/FEMxDEM/prepareRVE.py (Guo and Zhao), which has the radii, E_c0 and number of
+					grains of Yu & Zhao; stress is divided by it, so stiffness and strength go with its inverse. One mean diameter is that of a single layer of
 					grains. Kept in the file, as O.tags["thickness"] where the cell is deeper: YADE's collider wants a cell of more than
 					2.1 times two largest radii and a smallest one. Spheres have none
 	seed            of the random positions; the next seeds are tried where fabric or porosity miss their tolerance

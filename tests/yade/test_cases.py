@@ -292,7 +292,7 @@ def asCommanded(folder, **options):
 				compare=None,
 				grains=None,
 				thickness=0.1,
-				slip="stress",
+				slip="strength",
 				realisations=1,
 				seed=1,
 				thawed_cohesion=None,
@@ -357,12 +357,14 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		commandline.runCase(case, asCommanded(tmp_path, redraw=True))
 	with pytest.raises(ValueError, match="skeleton is 'Cam-Clay'; choose one of samples, MohrCoulomb"):
 		thawslump.ThawSlump(case, "test", skeleton="Cam-Clay")
+	with pytest.raises(ValueError, match="slip is 'grease'; choose one of strength, stress"):
+		thawslump.ThawSlump(case, "test", ground=thawslump.Ground(slip="grease"))
 
 
 def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):
 	options = asCommanded(tmp_path, grains=40, realisations=2, seed=3, thawed_cohesion=2000.0)
 	preset = commandline.presetOf(options, None)
-	ground = thawslump.Ground(thawedCohesion=2000.0, frozenModulus=2e7, thickness=0.05, slip="strength")
+	ground = thawslump.Ground(thawedCohesion=2000.0, frozenModulus=2e7, thickness=0.05)
 	slump = {name: thawslump.ThawSlump(case, preset, tmp_path, ground, skeleton=name) for name in thawslump.skeletons}
 	moduli = slump["MohrCoulomb"].skeleton.youngs
 	assert max(moduli) == 2e7 and min(moduli) < 1e7  # frozen ground only
