@@ -123,7 +123,8 @@ class ThawSlump:
 				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
 			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
 			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance, **self._slipOf(several, cohesion)), {}
-		calibration = calibrate.calibrate(several, **p.calibration)
+		self.thawed["friction measured [-]"] = calibrate.thawedFriction(several)
+		calibration = calibrate.calibrate(several, friction=self.thawed["friction measured [-]"], **p.calibration)
 		self.calibrationSeconds = calibration.seconds
 		law = calibration.parameters()
 		law["youngs"] = [min(modulus, g.frozenModulus) for modulus in law["youngs"]]

@@ -515,12 +515,15 @@ class Calibration:
 		return fig
 
 
-def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain=0.02):
+def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain=0.02, friction=None):
 	"""Calibration of a packed, ice-free sample (RveSample), or of a list of realisations, to all of whose tests one law is fitted.
 
 	iceSaturations  in 0..1, both of them included; the law is linear between them
 	pressures       [Pa], > 0, two or more
 	strain          axial strain of each test [-]
+	friction        shear over normal stress with which the law is to fail in simple shear, sin(phi) [-], as measured by thawedFriction; cohesions are
+					fitted to the peaks with it. Default: fitted to the peaks, too. A slide of metres has the friction of a sample that
+					has been sheared, not that of its peak: 0.31 and 0.44 for the sample of the slumps
 
 	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
@@ -532,11 +535,13 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	saturations = np.array(sorted(iceSaturations), dtype=float)
 	if saturations[0] != 0 or saturations[-1] != 1:
 		raise ValueError(f"iceSaturations is {iceSaturations!r}; the law needs 0 and 1 among them, and nothing outside")
+	if friction is not None and not 0 < friction < 1:
+		raise ValueError(f"friction is {friction!r}; give shear over normal stress in simple shear, above 0 and below 1")
 	start = time.process_time()
 	tests = [biaxialTest(sample, s, p, strain) for s in saturations for p in pressures for sample in samples]
 	tension = np.array([np.mean([tensileTest(sample, s, min(pressures)) for sample in samples]) for s in saturations])
 	seconds = time.process_time() - start
-	cohesion, sine, residuals = _fitStrength(tests, saturations)
+	cohesion, sine, residuals = _fitStrength(tests, saturations, friction)
 	elastic = np.array([test.elasticity() for test in tests]).reshape(len(saturations), len(pressures) * len(samples), 2)
 	young = elastic[:, :, 0].mean(axis=1)
 	return Calibration(
@@ -553,8 +558,9 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 	)
 
 
-def _fitStrength(tests, saturations):
-	"""Cohesions, sin(phi) and relative residuals: t = a(S_i) + s' sin(phi), a = c cos(phi) >= 0, without bonds 0, each equation over its t."""
+def _fitStrength(tests, saturations, sine=None):
+	"""Cohesions, sin(phi) and relative residuals: t = a(S_i) + s' sin(phi), a = c cos(phi) >= 0, without bonds 0, each equation over its t. A
+	sine that is given is kept."""
 	from scipy.optimize import lsq_linear
 
 	mean, shear = np.array([test.peak for test in tests]).T
@@ -563,8 +569,9 @@ def _fitStrength(tests, saturations):
 	matrix[np.arange(len(tests)), np.searchsorted(saturations, [test.iceSaturation for test in tests])] = bonded / shear
 	matrix[:, -1] = mean / shear
 	scale = np.append(np.full(len(saturations), 1e5), 1.0)
-	upper = np.append(np.full(len(saturations), np.inf), 0.95)
-	fitted = lsq_linear(matrix * scale, np.ones(len(tests)), bounds=(np.zeros(len(saturations) + 1), upper / scale)).x * scale
+	lowest, highest = (0.0, 0.95) if sine is None else (sine - 1e-12, sine + 1e-12)
+	bounds = (np.append(np.zeros(len(saturations)), lowest) / scale, np.append(np.full(len(saturations), np.inf), highest) / scale)
+	fitted = lsq_linear(matrix * scale, np.ones(len(tests)), bounds=bounds).x * scale
 	cohesive = np.abs(matrix[:, :-1]).sum(axis=0) > 0
 	sine = fitted[-1]
 	return np.where(cohesive, fitted[:-1], 0.0) / math.sqrt(1 - sine**2), float(sine), matrix @ fitted - 1

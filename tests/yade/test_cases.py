@@ -233,6 +233,16 @@ def test_cohesion_and_friction_of_made_up_tests_are_recovered():
 	assert young == pytest.approx(slopeOfTest * (1 - 0.2**2), rel=1e-6)
 
 
+def test_friction_that_is_given_is_kept_and_cohesions_follow_the_peaks():
+	given, measured, pressure = 0.31, math.sin(math.radians(23.0)), 50e3
+	tests = [dataclasses.replace(madeUp(s, pressure, c, 23.0), bonds=100 if s else 0) for s, c in ((0.0, 0.0), (1.0, 300e3))]
+	found, sine, _ = calibrate._fitStrength(tests, np.array([0.0, 1.0]), given)
+	mean, shear = tests[1].peak
+	wanted = (shear - mean * given) / math.sqrt(1 - given**2)
+	print(f"sin phi {sine:.6f}, given {given} (peaks {measured:.2f}); frozen cohesion {found[1] / 1e3:.2f} kPa, by hand {wanted / 1e3:.2f} kPa")
+	assert sine == pytest.approx(given, abs=1e-9) and found[0] == 0 and found[1] == pytest.approx(wanted, rel=1e-6)
+
+
 def test_ground_without_bonds_is_given_no_cohesion():
 	tests = [dataclasses.replace(madeUp(s, p, c, 23.0), bonds=100 if s else 0) for s, c in ((0.0, 1e3), (1.0, 300e3)) for p in (10e3, 100e3)]
 	found, sine, residuals = calibrate._fitStrength(tests, np.array([0.0, 1.0]))
@@ -266,6 +276,8 @@ def test_calibration_of_a_frozen_sample_or_at_one_pressure_is_refused(sample):
 		calibrate.calibrate(sample, pressures=(1e4,))
 	with pytest.raises(ValueError, match="0 and 1 among them"):
 		calibrate.calibrate(sample, iceSaturations=(0.0, 0.5))
+	with pytest.raises(ValueError, match="friction is 31; give shear over normal stress"):
+		calibrate.calibrate(sample, friction=31)
 
 
 # ---- the cases ------------------------------------------------------------------------------------------------------------
@@ -381,7 +393,7 @@ def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and
 	print(
 		f"slip of samples: friction {slipping.slipFriction:.3f}, cohesion {slipping.slipCohesion:.0f} Pa; law sin phi {math.sin(math.radians(law.frictionAngle)):.3f}"
 	)
-	assert slipping.slipCohesion == measured and slipping.slipFriction == pytest.approx(math.sin(math.radians(law.frictionAngle)), rel=0.4)
+	assert slipping.slipCohesion == measured and slipping.slipFriction == pytest.approx(math.sin(math.radians(law.frictionAngle)), rel=1e-9)
 	assert len(samples[0].arrays()["radius"]) == 40 and len(porosities) == len(samples) > 4
 	assert all(sample.thawedStrength == strength > 0 for sample in samples) and measured == pytest.approx(2000, rel=0.2)
 	assert min(cohesions) == cohesions[0] == 2000 and cohesions[-1] > 1e5
