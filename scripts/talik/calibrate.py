@@ -159,8 +159,9 @@ def _thawedUnder(sample, pressure):
 
 
 def _withThawedStrength(sample, strength):
+	"""A copy without thaw strain: a sample that has lost its contacts to it must settle by it before it shows its strength."""
 	other = sample.copy()
-	other.thawedStrength = strength
+	other.thawedStrength, other.thawStrain = strength, 0.0
 	return other
 
 
@@ -191,7 +192,7 @@ def thawedCohesion(sample, strength, pressures=(2e3, 4e3, 8e3, 16e3)):
 
 def thawedFriction(samples, pressures=(2e3, 4e3, 8e3, 16e3)):
 	"""Shear over normal stress [-] with which ice-free RveSamples fail in simple shear without bonds, mean over realisations and `pressures` [Pa]:
-	RveSkeleton.slipFriction.
+	RveSkeleton.slipFriction. Measured without thaw strain: ground that loses its contacts to it settles until it has them again.
 
 	>>> friction = talik.calibrate.thawedFriction(packed, pressures=(8e3,))"""
 	return float(np.mean([_thawedShearStrengths(sample, 0.0, pressures) / pressures for sample in rve.listOf(samples)]))
@@ -604,6 +605,12 @@ def main():
 	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument("--strain", type=float, default=0.04, help="with --target: axial strain of each test, within which strength is the largest stress")
+	parser.add_argument(
+		"--friction",
+		choices=("peak", "simple-shear"),
+		default="peak",
+		help="friction angle of the law: fitted to the peaks, or that of the thawed sample in simple shear, for slides of metres",
+	)
 	parser.add_argument("--output", default="output/calibrate", help="folder for the results")
 	options = parser.parse_args()
 	folder = writableFolder(options.output)
@@ -625,7 +632,8 @@ def main():
 		if figure:
 			print(plots.save(figure, folder / f"{name}.png"))
 		return
-	result = calibrate(rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True)))
+	sample = rve.pack(rve.prepare(grains=(options.grains or (400,))[0], ice=True))
+	result = calibrate(sample, friction=thawedFriction(sample) if options.friction == "simple-shear" else None)
 	print(result.report())
 	writeWhole(folder / "calibration.json", json.dumps(result.parameters(), indent="\t") + "\n")
 	print(f"{plots.save(result.draw(), folder / 'calibration.png')}, {folder / 'calibration.json'}: MohrCoulombSkeleton(**json.load(...))")

@@ -267,6 +267,23 @@ def test_calibrated_law_yields_where_the_sample_does_within_fifteen_per_cent(sam
 	assert Path(picture).stat().st_size > 5000
 
 
+def test_friction_of_thawed_samples_is_that_of_samples_without_thaw_strain(sample):
+	icy = sample.copy()
+	icy.thawStrain = 0.1
+	plain, ofIcy = (calibrate.thawedFriction(each, pressures=(8e3,)) for each in (sample, icy))
+	print(f"friction in simple shear {plain:.4f}, of a sample with a thaw strain of 10 % {ofIcy:.4f}")
+	assert 0.2 < plain < 0.5 and ofIcy == plain and icy.thawStrain == 0.1
+
+
+def test_the_command_gives_the_law_the_friction_of_its_sample_in_simple_shear_where_asked(sample, tmp_path, monkeypatch):
+	monkeypatch.setattr(sys, "argv", ["calibrate", "--grains", "100", "--friction", "simple-shear", "--output", str(tmp_path)])
+	calibrate.main()
+	law = json.loads((tmp_path / "calibration.json").read_text())
+	sheared = calibrate.thawedFriction(sample)
+	print(f"sin phi of the law {math.sin(math.radians(law['frictionAngle'])):.4f}, of the same sample in simple shear {sheared:.4f}")
+	assert math.sin(math.radians(law["frictionAngle"])) == pytest.approx(sheared, rel=1e-6)
+
+
 def test_calibration_of_a_frozen_sample_or_at_one_pressure_is_refused(sample):
 	frozen = sample.copy()
 	frozen.freeze(0.9)
