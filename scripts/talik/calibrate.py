@@ -271,15 +271,16 @@ class Scatter:
 	young: np.ndarray  # without ice [Pa]
 	frozenStrength: np.ndarray  # largest deviator at full ice saturation and 100 kPa [Pa]
 	frozenYoung: np.ndarray  # [Pa]
+	shearFriction: np.ndarray  # without ice, see thawedFriction [-]
 
 	def row(self):
 		"""Mean and standard deviation of one realisation, as text."""
-		columns = [(self.frictionAngle, 1, 1), (self.young, 1e-6, 1), (self.frozenStrength, 1e-3, 0), (self.frozenYoung, 1e-6, 0)]
+		columns = [(self.frictionAngle, 1, 1), (self.young, 1e-6, 1), (self.frozenStrength, 1e-3, 0), (self.frozenYoung, 1e-6, 0), (self.shearFriction, 1, 2)]
 		cells = [f"{scale * values.mean():.{digits}f} ± {scale * _deviation(values):.{digits}f}" for values, scale, digits in columns]
 		return f"| {self.grains} | {len(self.young)} | {' | '.join(cells)} |"
 
 
-scatterHead = "| grains | realisations | φ [°] | E [MPa] | frozen strength [kPa] | frozen E [MPa] |\n|---|---|---|---|---|---|"
+scatterHead = "| grains | realisations | φ [°] | E [MPa] | frozen strength [kPa] | frozen E [MPa] | in simple shear [-] |\n|---|---|---|---|---|---|---|"
 
 
 def _deviation(values):
@@ -287,7 +288,8 @@ def _deviation(values):
 
 
 def scatterOf(samples, pressures=(30e3, 100e3), strain=0.02):
-	"""Friction angle, stiffness and frozen strength of packed, ice-free realisations (RveSample), each by biaxial tests of its own.
+	"""Friction angle, stiffness and frozen strength of packed, ice-free realisations (RveSample), each by biaxial tests of its own, and their friction in
+	simple shear.
 
 	The friction angle is that of a line through the origin, sin(phi) = t/s' at the peak, mean over `pressures` [Pa].
 
@@ -298,7 +300,8 @@ def scatterOf(samples, pressures=(30e3, 100e3), strain=0.02):
 		thawed = [biaxialTest(sample, 0.0, pressure, strain) for pressure in pressures]
 		frozen = biaxialTest(sample, 1.0, max(pressures), strain)
 		sine = np.mean([test.peak[1] / test.peak[0] for test in thawed])
-		rows.append((math.degrees(math.asin(sine)), np.mean([test.elasticity()[0] for test in thawed]), frozen.deviator.max(), frozen.elasticity()[0]))
+		young = np.mean([test.elasticity()[0] for test in thawed])
+		rows.append((math.degrees(math.asin(sine)), young, frozen.deviator.max(), frozen.elasticity()[0], thawedFriction(sample)))
 	return Scatter(len(samples[0].arrays()["radius"]), *np.array(rows).T)
 
 
