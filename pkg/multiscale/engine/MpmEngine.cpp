@@ -301,10 +301,16 @@ void MpmEngine::shareAmongRanks()
 	if (motion)
 		for (const auto& law : activeSkeletons())
 			samplesToShare = (law && law->shareAmongRanks(share)) || samplesToShare;
-	const string refused = samplesToShare ? "samples behind its points" : bodies ? "bodies of YADE" : "";
+	const string refused = samplesToShare ? "samples behind its points" : bodies ? "bodies of YADE" : lawsServeBands() ? "" : "a law in Python";
 	if (talk && distribute == "ground" && !refused.empty())
 		throw std::invalid_argument(
 		        "MpmEngine.distribute is 'ground', and this ground has " + refused + ", which bands do not serve: choose samples or none.");
+}
+
+bool MpmEngine::lawsServeBands() const
+{
+	const auto laws = activeSkeletons();
+	return !motion || std::all_of(laws.begin(), laws.end(), [](const auto& law) { return !law || law->servesBands(); });
 }
 
 /// Each rank computes a band of this ground, if nothing in it forbids that.
@@ -312,7 +318,7 @@ bool MpmEngine::mayBeInBands() const
 {
 	constexpr int worthwhile = 100000; // points
 	if (!talik::jobTalk()) return false;
-	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && !bodies && pointCount() >= worthwhile);
+	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && !bodies && lawsServeBands() && pointCount() >= worthwhile);
 }
 
 void MpmEngine::sayHowRanksShare()
@@ -553,11 +559,15 @@ void MpmEngine::action()
 {
 	const talik::StepGate gate;
 	if (inspected) throw std::runtime_error("MpmEngine: O shows one of the samples of this ground; mpm.back() returns to the ground, which steps then.");
+	if (stepping) throw std::runtime_error("MpmEngine: a function that a step of this ground calls cannot step it again: use the engines of O.");
 	failure.clear();
+	stepping = true;
 	try {
 		stepGround();
+		stepping = false;
 	} catch (const std::exception& problem) {
-		failure = problem.what();
+		stepping = false;
+		failure  = problem.what();
 		failures++;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
 		if (runWaitedFor) muteLog();

@@ -56,6 +56,7 @@ public:
 	::boost::python::dict   history(int id) const;
 	/// O shows one of the samples: the ground does not step.
 	bool                    inspected = false;
+	bool                    stepping  = false; ///< a step is under way, which a function of Python may have been called by
 	::boost::python::dict   balance();
 	::boost::python::dict   cost();
 	::boost::python::object grid();
@@ -118,6 +119,7 @@ private:
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
 	bool                            mayBeInBands() const;
+	bool                            lawsServeBands() const;
 	void                            sayHowRanksShare();
 	void                            compareRanks();
 	bool                            leadsTimeStep() const;

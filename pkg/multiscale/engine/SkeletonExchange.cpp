@@ -85,6 +85,8 @@ void MpmEngine::checkExchange(const Laws& laws, const vector<int>& skeletonOf) c
 
 void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf)
 {
+	if (stepping)
+		throw std::runtime_error("MpmEngine.exchangeSkeletons: a law cannot be exchanged while it works: do it between two steps, by a PyRunner.");
 	auto& running = runningGround();
 	if (!motion) throw std::invalid_argument("MpmEngine.exchangeSkeletons: the ground does not move (motion=False) and has no skeletons.");
 	if (laws.empty()) throw std::invalid_argument("MpmEngine.exchangeSkeletons: skeletons is empty: give at least one skeleton law.");

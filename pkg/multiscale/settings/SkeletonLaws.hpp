@@ -37,6 +37,8 @@ public:
 	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
 	virtual void                setTolerance(Real) {}
 	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
+	/// Whether ranks may share out the ground itself among them.
+	virtual bool servesBands() const { return true; }
 	/// Before build(): whether the ranks of the job share out what the law keeps behind the points. Says whether there is something to share.
 	virtual bool shareAmongRanks(bool) { return false; }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().

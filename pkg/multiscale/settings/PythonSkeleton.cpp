@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <boost/python/numpy.hpp>
+#include <core/Scene.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
+#include <pkg/multiscale/settings/SkeletonLaws.hpp>
+#include <pkg/python/PythonFunction.hpp>
+
+#include <algorithm>
+#include <iostream>
+#include <set>
+
+namespace py = boost::python;
+namespace np = boost::python::numpy;
+
+namespace talik {
+namespace {
+	np::ndarray zeros(const py::tuple& shape) { return np::zeros(shape, np::dtype::get_builtin<double>()); }
+	double*     numbersOf(np::ndarray& array) { return reinterpret_cast<double*>(array.get_data()); }
+
+	std::string shapeOf(const np::ndarray& array)
+	{
+		std::string text = "(";
+		for (int axis = 0; axis < array.get_nd(); axis++)
+			text += (axis ? ", " : "") + std::to_string(array.shape(axis));
+		return text + (array.get_nd() == 1 ? ",)" : ")");
+	}
+
+	/// Arrays that a law sees, for as many points as it has; reused from step to step.
+	template <int D> struct LawArrays {
+		explicit LawArrays(int count, int states)
+		        : gradient(zeros(py::make_tuple(count, D, D)))
+		        , strain(zeros(py::make_tuple(count, stressSize<D>)))
+		        , stress(zeros(py::make_tuple(count, stressSize<D>)))
+		        , state(zeros(py::make_tuple(count, states)))
+		        , iceSaturation(zeros(py::make_tuple(count)))
+		        , temperature(zeros(py::make_tuple(count)))
+		        , volume(zeros(py::make_tuple(count)))
+		        , id(np::zeros(py::make_tuple(count), np::dtype::get_builtin<int>()))
+		{}
+		np::ndarray gradient, strain, stress, state, iceSaturation, temperature, volume, id;
+	};
+
+	/// Place of a component of MidpointIncrement::strain in a stress; the plane has no strain zz.
+	template <int D> constexpr int stressOfStrain(int c) { return D == 2 && c == 2 ? 3 : c; }
+} // namespace
+
+/// What a script says of its law.
+struct LawOfScript {
+	std::string                 name;
+	std::shared_ptr<py::object> law;
+	double                      modulus; ///< [Pa]
+	bool                        canFail;
+	std::vector<std::string>    states;
+	std::vector<double>         statesAtStart;
+};
+
+/// Asks a function of Python for the stress of all points at once.
+template <int D> class PythonSkeleton final : public SkeletonModel<D> {
+public:
+	explicit PythonSkeleton(LawOfScript script)
+	        : script_(std::move(script))
+	{}
+
+	std::string name() const override { return "PythonSkeleton"; }
+	bool        canFail() const override { return script_.canFail; }
+
+	void declareFields(PointFields& fields, const std::string& prefix) override
+	{
+		fields_ = &fields;
+		for (const auto& state : script_.states)
+			states_.push_back(fields.declare(prefix + state, name(), "of the law", 1));
+	}
+
+	void initialise(const SkeletonBatch<D>& b) override
+	{
+		for (std::size_t s = 0; s < script_.statesAtStart.size(); s++)
+			for (int k = 0; k < b.count; k++)
+				fields_->component(states_[s])[b.place[k]] = script_.statesAtStart[s];
+	}
+
+	void tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override
+	{
+		for (int k = 0; k < b.count; ++k)
+			modulus[b.place[k]] = script_.modulus;
+	}
+
+	void updateStress(const SkeletonBatch<D>& b) override
+	{
+		const PythonLock held;
+		try {
+			show(b);
+			ask(b);
+		} catch (const py::error_already_set&) {
+			refuse("raised " + takePythonError());
+		}
+	}
+
+private:
+	int states() const { return int(states_.size()); }
+
+	[[noreturn]] void refuse(const std::string& what) const
+	{
+		throw std::runtime_error(
+		        "PythonSkeleton.law " + script_.name + " " + what
+		        + "; the step has ended half way: go on from a checkpoint, or begin anew, with another law.");
+	}
+
+	void show(const SkeletonBatch<D>& b)
+	{
+		if (!arrays_ || arrays_->id.shape(0) != b.count) {
+			arrays_.reset();
+			arrays_ = endingUnderLock(new LawArrays<D>(b.count, states()));
+		}
+		LawArrays<D>& a        = *arrays_;
+		double *const gradient = numbersOf(a.gradient), *const strain = numbersOf(a.strain), *const stress = numbersOf(a.stress);
+		double *const state = numbersOf(a.state), *const ice = numbersOf(a.iceSaturation);
+		double *const temperature = numbersOf(a.temperature), *const volume = numbersOf(a.volume);
+		int* const    id   = reinterpret_cast<int*>(a.id.get_data());
+		constexpr int size = stressSize<D>;
+		for (int k = 0; k < b.count; k++) {
+			const int place = b.place[k];
+			for (int c = 0; c < D * D; c++)
+				gradient[k * D * D + c] = b.gradient[c][place];
+			for (int c = 0; c < size; c++)
+				stress[k * size + c] = b.stress[c][place];
+			const MidpointIncrement<D> increment(gradient + k * D * D);
+			increment.rotate(stress + k * size);
+			if (D == 2) strain[k * size + 2] = 0;
+			for (int c = 0; c < D * (D + 1) / 2; c++)
+				strain[k * size + stressOfStrain<D>(c)] = increment.strain[c];
+			for (int s = 0; s < states(); s++)
+				state[k * states() + s] = fields_->component(states_[s])[place];
+			ice[k]         = b.iceSaturation ? b.iceSaturation[place] : 0;
+			temperature[k] = b.temperature ? b.temperature[place] : 0;
+			volume[k]      = b.volume[place];
+			id[k]          = b.id[place];
+		}
+	}
+
+	void ask(const SkeletonBatch<D>& b)
+	{
+		LawArrays<D>& a = *arrays_;
+		py::dict      named;
+		TALIK_PUT_MEMBERS(named, a, (gradient)(strain)(stress)(state)(iceSaturation)(volume)(id))
+		named["temperature"]      = b.temperature ? py::object(a.temperature) : py::object();
+		named["duration"]         = b.naturalTime;
+		const py::object step     = py::import("types").attr("SimpleNamespace")(*py::tuple(), **named);
+		const py::object returned = (*script_.law)(step);
+		const auto       stress   = numbers(returned.is_none() ? step.attr("stress") : returned, b, "stress", stressSize<D>);
+		const auto       state    = numbers(step.attr("state"), b, "state", states());
+		for (int c = 0; c < stressSize<D>; c++)
+			scatter(stress, c, b, b.stress[c]);
+		for (int s = 0; s < states(); s++)
+			scatter(state, s, b, fields_->component(states_[s]));
+	}
+
+	/// What the law gave, as contiguous numbers, all of them finite.
+	np::ndarray numbers(const py::object& given, const SkeletonBatch<D>& b, const std::string& what, int width) const
+	{
+		const py::object  numpy = py::import("numpy");
+		const py::object  array = numpy.attr("asarray")(given);
+		const std::string kind  = py::extract<std::string>(array.attr("dtype").attr("kind"));
+		if (kind.find_first_of("fiub") == std::string::npos)
+			refuse("gave a " + what + " of type " + std::string(py::extract<std::string>(given.attr("__class__").attr("__name__")))
+			       + ", not an array of numbers");
+		np::ndarray result = py::extract<np::ndarray>(numpy.attr("ascontiguousarray")(array, "float64"))();
+		if (py::extract<np::ndarray>(array)().get_nd() != 2 || result.shape(0) != b.count || result.shape(1) != width)
+			refuse("gave a " + what + " of shape " + shapeOf(py::extract<np::ndarray>(array)()) + ", not (" + std::to_string(b.count) + ", "
+			       + std::to_string(width) + ")");
+		const double* const first = numbersOf(result);
+		const double* const bad   = std::find_if(first, first + std::ptrdiff_t(b.count) * width, [](double x) { return !std::isfinite(x); });
+		if (bad != first + std::ptrdiff_t(b.count) * width)
+			refuse("gave point " + std::to_string(b.id[b.place[(bad - first) / width]]) + " a " + what + " of "
+			       + (std::isnan(*bad) ? "nan" : "inf"));
+		return result;
+	}
+
+	void scatter(np::ndarray from, int component, const SkeletonBatch<D>& b, double* to) const
+	{
+		const double* const first = numbersOf(from);
+		const int           width = from.shape(1);
+		for (int k = 0; k < b.count; k++)
+			to[b.place[k]] = first[k * width + component];
+	}
+
+	const LawOfScript                script_;
+	std::shared_ptr<LawArrays<D>>    arrays_;
+	PointFields*                     fields_ = nullptr;
+	std::vector<PointFields::Handle> states_;
+};
+
+} // namespace talik
+
+namespace yade {
+
+class PythonSkeleton : public LawInAnyDimension<PythonSkeleton> {
+public:
+	template <int D> Model<D> model() const
+	{
+		constexpr AttributeRefusal require { "PythonSkeleton" };
+		require(modulus > 0, "modulus", modulus, "give the largest modulus that the law may have in confined compression, in Pa, above 0.");
+		checkStates();
+		const talik::PythonLock held;
+		const auto              found = law.find("PythonSkeleton.law");
+		if (!law.isImportable() && !warned) {
+			warned = true;
+			std::cerr << "Talik warns: PythonSkeleton.law " << law.name()
+			          << " cannot be imported again: a checkpoint of this run goes on only where the law is set anew, a function of a module it "
+			             "finds itself."
+			          << std::endl;
+		}
+		return std::make_shared<talik::PythonSkeleton<D>>(
+		        talik::LawOfScript { law.name(), talik::endingUnderLock(new ::boost::python::object(found)), modulus, canFail, states, statesAtStart });
+	}
+	bool servesBands() const override { return false; }
+
+private:
+	mutable bool warned = false;
+
+	void checkStates() const
+	{
+		std::set<string> names;
+		for (const auto& name : states)
+			if (name.empty() || !names.insert(name).second)
+				throw std::invalid_argument(
+				        "PythonSkeleton.states has '" + name + "' " + (name.empty() ? "as a name" : "twice")
+				        + ": give each state a name of its own.");
+		if (!statesAtStart.empty() && statesAtStart.size() != states.size())
+			throw std::invalid_argument(
+			        "PythonSkeleton.statesAtStart has " + std::to_string(statesAtStart.size()) + " values for " + std::to_string(states.size())
+			        + " states: give one each, or none for zeros.");
+		for (const Real value : statesAtStart)
+			AttributeRefusal { "PythonSkeleton" }(true, "statesAtStart", value, "give finite numbers.");
+	}
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonSkeleton,SkeletonLaw,"A skeleton law written in Python: a function of all points of the law, called once in each "
+			"step. Example: PythonSkeleton(law=clay,modulus=13.5e6) with def clay(step): step.stress+=7.7e6*step.strain. "
+			"The argument has NumPy arrays of n points, in the plane (in space) with components xx, yy, zz, xy (xx, yy, zz, yz, xz, xy): stress (n,4) or (n,6), "
+			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the same shape [-]; gradient "
+			"(n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; iceSaturation (n,) [-], 0 where nothing freezes; "
+			"temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the plane m^2]; id (n,), numbers of the points, whose order changes in a run; "
+			"and duration, calendar time of the step [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
+			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles the time of a dry "
+			"step; a step costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints have the states and the name of the "
+			"function, from which it is imported again. Not shared out in bands of mpirun.",
+		((talik::PythonFunction,law,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
+		((Real,modulus,NaN,,"Largest modulus of the law in confined compression, lambda+2G of an elastic one [Pa], > 0. It sets the time step: a law that is "
+				"stiffer makes the run unstable."))
+		((bool,canFail,true,,"Stress is limited by a strength, so that thawed ground may slip under frozen ground. False for elastic laws."))
+		((vector<string>,states,,,"Names of the states that the law keeps at each point, columns of step.state; field('skeleton0.name') shows that of "
+				"the first law."))
+		((vector<Real>,statesAtStart,,,"Their values at the start [of the law], one each; empty: zeros."))
+		,talik::PythonFunction::registerOnce();
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(PythonSkeleton);
+YADE_PLUGIN((PythonSkeleton));
+
+} // namespace yade
