@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <boost/python/numpy.hpp>
 #include <core/Scene.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/multiscale/settings/SkeletonLaws.hpp>
+#include <pkg/python/PythonArrays.hpp>
 #include <pkg/python/PythonFunction.hpp>
 
 #include <algorithm>
@@ -14,17 +14,6 @@ namespace np = boost::python::numpy;
 
 namespace talik {
 namespace {
-	np::ndarray zeros(const py::tuple& shape) { return np::zeros(shape, np::dtype::get_builtin<double>()); }
-	double*     numbersOf(np::ndarray& array) { return reinterpret_cast<double*>(array.get_data()); }
-
-	std::string shapeOf(const np::ndarray& array)
-	{
-		std::string text = "(";
-		for (int axis = 0; axis < array.get_nd(); axis++)
-			text += (axis ? ", " : "") + std::to_string(array.shape(axis));
-		return text + (array.get_nd() == 1 ? ",)" : ")");
-	}
-
 	/// Arrays that a law sees, for as many points as it has; reused from step to step.
 	template <int D> struct LawArrays {
 		explicit LawArrays(int count, int states)
@@ -92,6 +81,8 @@ public:
 			ask(b);
 		} catch (const py::error_already_set&) {
 			refuse("raised " + takePythonError());
+		} catch (const std::domain_error& wrong) {
+			refuse(wrong.what());
 		}
 	}
 
@@ -154,28 +145,15 @@ private:
 			scatter(state, s, b, fields_->component(states_[s]));
 	}
 
-	/// What the law gave, as contiguous numbers, all of them finite.
 	np::ndarray numbers(const py::object& given, const SkeletonBatch<D>& b, const std::string& what, int width) const
 	{
-		const py::object  numpy = py::import("numpy");
-		const py::object  array = numpy.attr("asarray")(given);
-		const std::string kind  = py::extract<std::string>(array.attr("dtype").attr("kind"));
-		if (kind.find_first_of("fiub") == std::string::npos)
-			refuse("gave a " + what + " of type " + std::string(py::extract<std::string>(given.attr("__class__").attr("__name__")))
-			       + ", not an array of numbers");
-		np::ndarray result = py::extract<np::ndarray>(numpy.attr("ascontiguousarray")(array, "float64"))();
-		if (py::extract<np::ndarray>(array)().get_nd() != 2 || result.shape(0) != b.count || result.shape(1) != width)
-			refuse("gave a " + what + " of shape " + shapeOf(py::extract<np::ndarray>(array)()) + ", not (" + std::to_string(b.count) + ", "
-			       + std::to_string(width) + ")");
-		const double* const first = numbersOf(result);
-		const double* const bad   = std::find_if(first, first + std::ptrdiff_t(b.count) * width, [](double x) { return !std::isfinite(x); });
-		if (bad != first + std::ptrdiff_t(b.count) * width)
-			refuse("gave point " + std::to_string(b.id[b.place[(bad - first) / width]]) + " a " + what + " of "
-			       + (std::isnan(*bad) ? "nan" : "inf"));
+		const np::ndarray result = numbersOfShape(given, what, py::make_tuple(b.count, width));
+		const long        bad    = rowNotFinite(result);
+		if (bad >= 0) throw std::domain_error("gave point " + std::to_string(b.id[b.place[bad]]) + " a " + what + " that is not finite");
 		return result;
 	}
 
-	void scatter(np::ndarray from, int component, const SkeletonBatch<D>& b, double* to) const
+	void scatter(const np::ndarray& from, int component, const SkeletonBatch<D>& b, double* to) const
 	{
 		const double* const first = numbersOf(from);
 		const int           width = from.shape(1);
@@ -236,15 +214,16 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonSkeleton,SkeletonLaw,"A skeleton law written in Python: a function of all points of the law, called once in each "
-			"step. Example: PythonSkeleton(law=clay,modulus=13.5e6) with def clay(step): step.stress+=7.7e6*step.strain. "
-			"The argument has NumPy arrays of n points, in the plane (in space) with components xx, yy, zz, xy (xx, yy, zz, yz, xz, xy): stress (n,4) or (n,6), "
-			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the same shape [-]; gradient "
-			"(n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; iceSaturation (n,) [-], 0 where nothing freezes; "
-			"temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the plane m^2]; id (n,), numbers of the points, whose order changes in a run; "
-			"and duration, calendar time of the step [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
-			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles the time of a dry "
-			"step; a step costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints have the states and the name of the "
-			"function, from which it is imported again. Not shared out in bands of mpirun.",
+			"step. Example: PythonSkeleton(law=clay,modulus=13.5e6) with def clay(step): step.stress+=7.7e6*step.strain. The argument has "
+			"NumPy arrays of n points, in the plane (in space) with components xx, yy, zz, xy (xx, yy, zz, yz, xz, xy): stress (n,4) or (n,6), "
+			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the "
+			"same shape [-]; gradient (n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; "
+			"iceSaturation (n,) [-], 0 where nothing freezes; temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the "
+			"plane m^2]; id (n,), numbers of the points, whose order changes in a run; and duration, calendar time of the step [s]. The law "
+			"writes the new stress and state into the arrays or returns the new stress. The arrays are used again in the next step: copy what "
+			"is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles the time of a step; a step "
+			"costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints have the states and the name "
+			"of the function, from which it is imported again. Not shared out in bands of mpirun.",
 		((talik::PythonFunction,law,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
 		((Real,modulus,NaN,,"Largest modulus of the law in confined compression, lambda+2G of an elastic one [Pa], > 0. It sets the time step: a law that is "
 				"stiffer makes the run unstable."))
