@@ -477,9 +477,14 @@ def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
 	with talik.scratchScene():
 		slump = thawslump.ThawSlump(case, preset, tmp_path)
 		summary = slump.run()
-	print(f"largest displacement {1e3 * summary['largest displacement [m]']:.2f} mm, thawed part {summary['thawed part [-]']:.2f}")
-	# ground at the side walls of the pocket is not held by friction there (24 mm); a roof that breaks moves by half a metre
-	assert summary["thawed part [-]"] > 0.1 and summary["largest displacement [m]"] < 0.03
+	last = slump.frames.frames[-1]
+	roof = np.linalg.norm(last["displacement"][shearband.frozen(last)], axis=1).max()
+	print(
+		f"frozen ground moved by {1e3 * roof:.2f} mm, thawed ground by {1e3 * summary['largest displacement [m]']:.2f} mm, thawed part "
+		f"{summary['thawed part [-]']:.2f}"
+	)
+	# thawed ground at the side walls of the pocket is not held by friction there (31 mm); a roof that breaks moves by half a metre
+	assert summary["thawed part [-]"] > 0.1 and roof < 0.01 and summary["largest displacement [m]"] < 0.05
 	assert slump.band() is None and slump.slipSurface() is None
 
 
