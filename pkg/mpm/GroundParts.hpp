@@ -83,6 +83,14 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<ThawStrain<D>>          thawStrain;
 	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
+	/// A boundary that gives by the state of its nodes, and those of its volume.
+	struct LookingBoundary {
+		int                    index;
+		std::vector<NodeShare> shares;
+	};
+	std::vector<LookingBoundary> lookingBoundaries;
+	BoundaryNodes<D>             boundaryNodes; ///< what they see
+
 	std::vector<std::vector<int>> skeletonPlaces;       ///< of this rank's points
 	std::shared_ptr<RankTalk>     talk;                 ///< of the ranks that share out this ground; null: there is one
 	bool                          bandsRequired = true; ///< what bands do not serve is an error
@@ -239,6 +247,7 @@ template <int D> struct Ground<D>::Parts {
 	void   collectSurfaces();
 	void   findFlows();
 	void   updateTemperature();
+	void   showNodes();
 	void   solveMomentum();
 	void   seep();
 	double signalSpeed(int place, double modulus) const;

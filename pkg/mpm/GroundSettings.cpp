@@ -169,6 +169,10 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
 			        + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
+		if (b->accelerates() && settings.water)
+			throw std::invalid_argument(
+			        "boundaries[" + std::to_string(i) + "] = " + b->name()
+			        + " accelerates grains and ice, and this ground has pore water, which would stay behind; leave water out, or change gravity");
 		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
 			throw std::invalid_argument(
 			        "boundaries[" + std::to_string(i) + "] = " + b->name()

@@ -96,6 +96,9 @@ template <int D> void Ground<D>::Parts::placePoints()
 		surface->setBoundaries(settings.boundaries, grid, bool(settings.motion));
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+		if (settings.boundaries[b]->usesNodes())
+			lookingBoundaries.push_back({ static_cast<int>(b), nodeShares(grid, settings.boundaries[b]->region()) });
 	if (cells) cells->allocate(grid, n);
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());

@@ -54,7 +54,7 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (!boundary.heats()) continue;
-		heat->exchange(boundary.heat(time), surface->patch(b), *surface, grid.spacing(), clock.dt);
+		heat->exchange(boundary, time, surface->patch(b), *surface, grid.spacing(), clock.dt);
 		cost.lap(CostMeter::boundaries);
 	}
 	heat->produce(settings.boundaries, time, clock.dt);
@@ -71,6 +71,47 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 	heat->heatIn += settings.heat->source * heat->scale * ground * clock.dt;
 }
 
+/// Boundaries whose gifts follow the state of their nodes see it, before anything of the step is booked.
+template <int D> void Ground<D>::Parts::showNodes()
+{
+	BoundaryNodes<D>& shown = boundaryNodes;
+	shown.time              = calendarEnd();
+	for (const LookingBoundary& looking : lookingBoundaries) {
+		Boundary<D>& boundary = *settings.boundaries[looking.index];
+		const bool   volume   = boundary.takesVolumes();
+		shown.slots           = volume ? looking.shares.size() : surface->patch(looking.index).nodes.size();
+		shown.slot.clear();
+		for (auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
+			vectors->clear();
+		for (auto* numbers : { &shown.temperature, &shown.pressure })
+			numbers->clear();
+		for (std::size_t k = 0; k < shown.slots; ++k) {
+			const int     node   = volume ? looking.shares[k].node : surface->patch(looking.index).nodes[k].node;
+			const double* moving = motion ? motion->nodes[node] : nullptr;
+			if (!((moving ? moving[motion->massAt] : heat->nodes[node][0]) > 0.0)) continue;
+			Vec<D>     x, v;
+			const auto at = grid.nodeOf(node);
+			for (int a = 0; a < D; ++a) {
+				x[a] = grid.nodePosition(a, at[a]);
+				v[a] = moving ? moving[motion->momentumAt + a] / moving[motion->massAt] : 0.0;
+			}
+			shown.slot.push_back(static_cast<int>(k));
+			shown.position.push_back(x);
+			if (moving) shown.velocity.push_back(v);
+			if (heat) shown.temperature.push_back(heatRests ? heat->reference : heat->mapped[node][0]);
+			if (water) shown.pressure.push_back(water->pressureAtNode(node));
+			if (volume) continue;
+			Vec<D>       normal = surface->patch(looking.index).nodes[k].area;
+			const double area   = lengthOf<D>(normal);
+			for (int a = 0; a < D && area > 0.0; ++a)
+				normal[a] /= area;
+			shown.normal.push_back(normal);
+		}
+		boundary.lookAt(shown);
+		cost.lap(CostMeter::boundaries);
+	}
+}
+
 template <int D> void Ground<D>::Parts::solveMomentum()
 {
 	const double time = calendarEnd();
@@ -80,6 +121,10 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	}
 	momentum->addGravity(clock.range, *motion, water.get());
 	cost.lap(CostMeter::motion);
+	for (const LookingBoundary& looking : lookingBoundaries) {
+		const Boundary<D>& boundary = *settings.boundaries[looking.index];
+		if (boundary.accelerates()) momentum->accelerate(boundary, looking.shares, *motion);
+	}
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.loads()) momentum->addLoad(boundary, surface->patch(b), time, *motion);
@@ -425,6 +470,7 @@ template <int D> void Ground<D>::solveNodes()
 	Parts& g = *parts_;
 	if (g.allRests()) return;
 	if (g.heat || g.water) g.findFlows();
+	if (!g.lookingBoundaries.empty()) g.showNodes();
 	if (g.heat && !g.heatRests) g.updateTemperature();
 	if (g.motion) g.solveMomentum();
 }
@@ -617,8 +663,8 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 		case CostMeter::freezing: return content && content->iceMass;
 		case CostMeter::water: return bool(water);
 		case CostMeter::flows: return heat && water;
-		case CostMeter::surface:
-		case CostMeter::boundaries: return bool(surface);
+		case CostMeter::surface: return bool(surface);
+		case CostMeter::boundaries: return surface || !lookingBoundaries.empty();
 		case CostMeter::record: return bool(record);
 		case CostMeter::thawStrain: return bool(thawStrain);
 		case CostMeter::calendar: return bool(calendar);

@@ -12,6 +12,16 @@ import talik
 
 nan, inf = float("nan"), float("inf")
 senseless = [nan, inf, -inf, -1, 1e300, -1e300, 1e-300, 2.5, 10**30, "text", None, [], [nan], (nan, nan), object()]
+
+
+def soft(step):
+	step.stress += 1e6 * step.strain
+
+
+def calm(nodes):
+	return 0 * nodes.velocity
+
+
 boundaries = {
 	"FixedBoundary": dict(region="bottom"),
 	"RollerBoundary": dict(region="left"),
@@ -23,12 +33,9 @@ boundaries = {
 	"HeatFlux": dict(region="left", flux=1),
 	"HeatSource": dict(region="box", power=5),
 	"WaterFlux": dict(region="left"),
+	"PythonBoundary": dict(region="surface", gives="traction", function=calm),
 	"BodyTemperature": dict(bodies=[0], temperature=3),
 }
-
-
-def soft(step):
-	step.stress += 1e6 * step.strain
 
 
 def everything(sample):

@@ -159,6 +159,18 @@ struct TemperatureNode {
 	int boundary; ///< index of the boundary that prescribes
 };
 
+/// State of the nodes of a boundary that asks for it, in this step; only those that have ground.
+template <int D> struct BoundaryNodes {
+	std::size_t         slots = 0;   ///< nodes of the surface or volume of the boundary, those without ground included
+	std::vector<int>    slot;        ///< which of them a node is
+	std::vector<Vec<D>> position;    ///< [m]
+	std::vector<Vec<D>> normal;      ///< outward, of unit length; empty in a volume
+	std::vector<Vec<D>> velocity;    ///< of the grains, at the beginning of the step [m/s]; empty in ground at rest
+	std::vector<double> temperature; ///< [degC]; empty in ground without heat
+	std::vector<double> pressure;    ///< of pore water [Pa]; empty in ground without
+	double              time = 0.0;  ///< of the calendar at the end of the step [s]
+};
+
 /// A condition on part of the surface of the ground. A new one is a class in the files of its kind that overrides what it needs;
 /// see "How to add a boundary" in pkg/mpm/README.md.
 template <int D> class Boundary {
@@ -211,6 +223,17 @@ public:
 	virtual bool   feeds() const { return false; }
 	virtual double inflow(double) const { return 0.0; }
 	virtual double inflowTemperature() const { return std::numeric_limits<double>::quiet_NaN(); }
+
+	/// True if what it gives follows the state of each node: lookAt() comes before heat and loads in each step.
+	virtual bool usesNodes() const { return false; }
+	virtual void lookAt(const BoundaryNodes<D>&) {}
+	/// What it gives to node k of its surface or volume.
+	virtual SurfaceHeat heatAt(double time, std::size_t) const { return heat(time); }
+	virtual double      powerAt(double time, std::size_t) const { return power(time); }
+	virtual Vec<D>      tractionAt(double time, const Vec<D>& normal, std::size_t) const { return traction(time, normal); }
+	/// True if it accelerates the mass of nodes in a box or disc, by accelerationAt(k) [m/s^2].
+	virtual bool   accelerates() const { return false; }
+	virtual Vec<D> accelerationAt(std::size_t) const { return Vec<D> {}; }
 
 protected:
 	Boundary(const Region<D>& region, const char* name, const char* effect)

@@ -70,9 +70,11 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	isPrescribed_.assign(grid.nodeCount(), 0);
 	std::vector<char> touched(grid.nodeCount(), 0);
 	for (std::size_t b = 0; b < boundaries.size(); ++b) {
-		if (boundaries[b]->producesHeat())
+		if (boundaries[b]->producesHeat()) {
+			int number = 0;
 			for (const NodeShare& s : nodeShares(grid, boundaries[b]->region()))
-				produced_.push_back({ s.node, s.share, static_cast<int>(b) });
+				produced_.push_back({ s.node, s.share, static_cast<int>(b), number++ });
+		}
 		if (!boundaries[b]->prescribesTemperature()) continue;
 		const Region<D>&             region = boundaries[b]->region();
 		const bool                   wall   = region.kind == Region<D>::Kind::side;
@@ -111,6 +113,7 @@ template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::sha
 	if (settings->source != 0.0) return false;
 	for (const auto& b : boundaries) {
 		if (b->prescribesTemperature() && b->temperature(time) != reference) return false;
+		if (b->usesNodes() && (b->heats() || b->producesHeat())) return false;
 		if (b->producesHeat() && b->power(time) != 0.0) return false;
 		if (!b->heats()) continue;
 		const SurfaceHeat heat = b->heat(time);
@@ -243,18 +246,21 @@ template <int D> void HeatTransfer<D>::conduct(const WeightBlock<D>& w, double d
 template <int D> void HeatTransfer<D>::produce(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
 {
 	for (const ProducingNode& n : produced_) {
-		const double gained = dt * scale * boundaries[n.boundary]->power(time) * n.share * volumes[n.node][0];
+		const double gained = dt * scale * boundaries[n.boundary]->powerAt(time, n.number) * n.share * volumes[n.node][0];
 		energy[n.node][0] += gained;
 		heatIn += gained;
 	}
 }
 
-template <int D> void HeatTransfer<D>::exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
+template <int D>
+void HeatTransfer<D>::exchange(const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
 {
-	for (const SurfaceNode<D>& n : patch.nodes) {
-		const double capacity = nodes[n.node][0];
+	for (std::size_t k = 0; k < patch.nodes.size(); ++k) {
+		const SurfaceNode<D>& n        = patch.nodes[k];
+		const double          capacity = nodes[n.node][0];
 		if (capacity <= 0.0) continue;
-		const double area = lengthOf<D>(n.area);
+		const SurfaceHeat heat = boundary.heatAt(time, k);
+		const double      area = lengthOf<D>(n.area);
 		// resistance of a quarter of a cell between the surface and the node that stands for it, that of the air in series
 		const double ground      = 4.0 * surface.conductivity(n.node) / spacing;
 		const double coefficient = scale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));

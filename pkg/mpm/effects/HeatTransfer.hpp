@@ -76,7 +76,7 @@ public:
 	/// Heat of the regions that produce it, eq. (9.7).
 	void produce(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	/// Heat of a surface patch, implicit in the temperature of each node.
-	void exchange(const SurfaceHeat& heat, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
+	void exchange(const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
 	void finishNodes(const ActiveRange& range, double dt);
@@ -126,6 +126,7 @@ private:
 		int    node;
 		double share;
 		int    boundary;
+		int    number; ///< among the nodes of the boundary
 	};
 	std::vector<ProducingNode> produced_;
 	std::vector<HeldNode>      held_;

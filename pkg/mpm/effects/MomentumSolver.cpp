@@ -32,7 +32,7 @@ MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::sh
 			wallPaths_.push_back(b->pathBefore());
 		}
 		b->constrainMotion(grid, constraints_);
-		if (b->loads()) loaded += grid.nodeCount();
+		if (b->loads() || b->accelerates()) loaded += grid.nodeCount();
 	}
 	loads_.reserve(loaded);
 	constraints_.close();
@@ -86,16 +86,32 @@ template <int D> void MomentumSolver<D>::addGravity(const ActiveRange& range, So
 
 template <int D> void MomentumSolver<D>::addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion)
 {
-	for (const SurfaceNode<D>& n : patch.nodes) {
-		const double area = lengthOf<D>(n.area);
+	for (std::size_t k = 0; k < patch.nodes.size(); ++k) {
+		const SurfaceNode<D>& n    = patch.nodes[k];
+		const double          area = lengthOf<D>(n.area);
 		if (area == 0.0 || motion.nodes[n.node][motion.massAt] <= 0.0) continue;
 		Vec<D> normal;
 		for (int a = 0; a < D; ++a)
 			normal[a] = n.area[a] / area;
-		Load load { n.node, boundary.traction(time, normal) };
+		Load load { n.node, boundary.tractionAt(time, normal, k) };
 		for (int a = 0; a < D; ++a) {
 			load.force[a] *= area;
 			motion.nodes[n.node][motion.forceAt + a] += load.force[a];
+		}
+		loads_.push_back(load);
+	}
+}
+
+template <int D> void MomentumSolver<D>::accelerate(const Boundary<D>& boundary, const std::vector<NodeShare>& shares, SolidMotion<D>& motion)
+{
+	for (std::size_t k = 0; k < shares.size(); ++k) {
+		double* const r    = motion.nodes[shares[k].node];
+		const double  mass = shares[k].share * r[motion.massAt];
+		if (mass <= 0.0) continue;
+		Load load { shares[k].node, boundary.accelerationAt(k) };
+		for (int a = 0; a < D; ++a) {
+			load.force[a] *= mass;
+			r[motion.forceAt + a] += load.force[a];
 		}
 		loads_.push_back(load);
 	}

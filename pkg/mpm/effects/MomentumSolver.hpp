@@ -59,6 +59,8 @@ public:
 	void addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const;
 	/// traction of a boundary on its nodes; remembered for the account of work.
 	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
+	/// Forces on the masses that lie in the volume of a boundary, given by their acceleration.
+	void accelerate(const Boundary<D>& boundary, const std::vector<NodeShare>& shares, SolidMotion<D>& motion);
 	/// Velocities of moving walls in a step from one calendar time to another [s] and of length dt. Throws std::runtime_error if a wall would
 	/// leave its nodes by more than half a cell.
 	void beginStep(const Grid<D>& grid, const ShapeFunction<D>& shape, double from, double to, double dt);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <boost/python/numpy.hpp>
 #include <core/Scene.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/multiscale/settings/SkeletonLaws.hpp>
+#include <pkg/python/PythonArrays.hpp>
 #include <pkg/python/PythonFunction.hpp>
 
 #include <algorithm>
@@ -14,17 +14,6 @@ namespace np = boost::python::numpy;
 
 namespace talik {
 namespace {
-	np::ndarray zeros(const py::tuple& shape) { return np::zeros(shape, np::dtype::get_builtin<double>()); }
-	double*     numbersOf(np::ndarray& array) { return reinterpret_cast<double*>(array.get_data()); }
-
-	std::string shapeOf(const np::ndarray& array)
-	{
-		std::string text = "(";
-		for (int axis = 0; axis < array.get_nd(); axis++)
-			text += (axis ? ", " : "") + std::to_string(array.shape(axis));
-		return text + (array.get_nd() == 1 ? ",)" : ")");
-	}
-
 	/// Place of a component of MidpointIncrement::strain in a stress; the plane has no strain zz.
 	template <int D> constexpr int stressOfStrain(int c) { return D == 2 && c == 2 ? 3 : c; }
 } // namespace
@@ -92,6 +81,8 @@ public:
 			ask(b);
 		} catch (const py::error_already_set&) {
 			refuse("raised " + takePythonError());
+		} catch (const std::domain_error& wrong) {
+			refuse(wrong.what());
 		}
 	}
 
@@ -154,28 +145,15 @@ private:
 			scatter(state, s, b, fields_->component(states_[s]));
 	}
 
-	/// What the law gave, as contiguous numbers, all of them finite.
 	np::ndarray numbers(const py::object& given, const SkeletonBatch<D>& b, const std::string& what, int width) const
 	{
-		const py::object  numpy = py::import("numpy");
-		const py::object  array = numpy.attr("asarray")(given);
-		const std::string kind  = py::extract<std::string>(array.attr("dtype").attr("kind"));
-		if (kind.find_first_of("fiub") == std::string::npos)
-			refuse("gave a " + what + " of type " + std::string(py::extract<std::string>(given.attr("__class__").attr("__name__")))
-			       + ", not an array of numbers");
-		np::ndarray result = py::extract<np::ndarray>(numpy.attr("ascontiguousarray")(array, "float64"))();
-		if (py::extract<np::ndarray>(array)().get_nd() != 2 || result.shape(0) != b.count || result.shape(1) != width)
-			refuse("gave a " + what + " of shape " + shapeOf(py::extract<np::ndarray>(array)()) + ", not (" + std::to_string(b.count) + ", "
-			       + std::to_string(width) + ")");
-		const double* const first = numbersOf(result);
-		const double* const bad   = std::find_if(first, first + std::ptrdiff_t(b.count) * width, [](double x) { return !std::isfinite(x); });
-		if (bad != first + std::ptrdiff_t(b.count) * width)
-			refuse("gave point " + std::to_string(b.id[b.place[(bad - first) / width]]) + " a " + what + " of "
-			       + (std::isnan(*bad) ? "nan" : "inf"));
+		const np::ndarray result = numbersOfShape(given, what, py::make_tuple(b.count, width));
+		const long        bad    = rowNotFinite(result);
+		if (bad >= 0) throw std::domain_error("gave point " + std::to_string(b.id[b.place[bad]]) + " a " + what + " that is not finite");
 		return result;
 	}
 
-	void scatter(np::ndarray from, int component, const SkeletonBatch<D>& b, double* to) const
+	void scatter(const np::ndarray& from, int component, const SkeletonBatch<D>& b, double* to) const
 	{
 		const double* const first = numbersOf(from);
 		const int           width = from.shape(1);

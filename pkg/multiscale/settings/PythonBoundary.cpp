@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <core/Scene.hpp>
+#include <pkg/multiscale/settings/GroundBoundaries.hpp>
+#include <pkg/python/PythonArrays.hpp>
+#include <pkg/python/PythonFunction.hpp>
+
+#include <iostream>
+
+namespace py = boost::python;
+
+namespace talik {
+namespace {
+	template <int D> py::object arrayOf(const std::vector<Vec<D>>& vectors)
+	{
+		if (vectors.empty()) return py::object();
+		const auto array = zeros(py::make_tuple(vectors.size(), D));
+		for (std::size_t k = 0; k < vectors.size(); k++)
+			std::copy(vectors[k].begin(), vectors[k].end(), numbersOf(array) + k * D);
+		return array;
+	}
+
+	py::object arrayOf(const std::vector<double>& numbers)
+	{
+		if (numbers.empty()) return py::object();
+		const auto array = zeros(py::make_tuple(numbers.size()));
+		std::copy(numbers.begin(), numbers.end(), numbersOf(array));
+		return array;
+	}
+} // namespace
+
+/// What a function of a script may give.
+enum class Gift { heat, traction, acceleration };
+
+/// Gives the nodes of its region what a function of Python says, by their state.
+template <int D> class PythonBoundary final : public Boundary<D> {
+public:
+	PythonBoundary(const Region<D>& region, Gift gift, std::string function, std::shared_ptr<py::object> call)
+	        : Boundary<D>(region, "PythonBoundary", gift == Gift::heat ? "heat" : "motion")
+	        , gift_(gift)
+	        , function_(std::move(function))
+	        , call_(std::move(call))
+	{}
+
+	void validate(const Grid<D>& grid) const override
+	{
+		Boundary<D>::validate(grid);
+		if (gift_ == Gift::traction) this->requireRegion(!takesVolumes(), "must be surface, cavities or a side: traction acts on a surface");
+		if (gift_ == Gift::acceleration) this->requireRegion(takesVolumes(), "must be a box or disc: acceleration acts in a volume");
+	}
+	bool takesVolumes() const override { return this->region_.kind == Region<D>::Kind::nodeBox; }
+	bool usesSurface() const override { return !takesVolumes(); }
+	bool usesNodes() const override { return true; }
+	bool heats() const override { return gift_ == Gift::heat && !takesVolumes(); }
+	bool producesHeat() const override { return gift_ == Gift::heat && takesVolumes(); }
+	bool loads() const override { return gift_ == Gift::traction; }
+	bool accelerates() const override { return gift_ == Gift::acceleration; }
+
+	SurfaceHeat heatAt(double, std::size_t k) const override { return { given_[k][0] }; }
+	double      powerAt(double, std::size_t k) const override { return given_[k][0]; }
+	Vec<D>      tractionAt(double, const Vec<D>&, std::size_t k) const override { return given_[k]; }
+	Vec<D>      accelerationAt(std::size_t k) const override { return given_[k]; }
+
+	void lookAt(const BoundaryNodes<D>& nodes) override
+	{
+		given_.assign(nodes.slots, Vec<D> {});
+		if (nodes.slot.empty()) return;
+		const PythonLock held;
+		try {
+			ask(nodes);
+		} catch (const py::error_already_set&) {
+			refuse("raised " + takePythonError());
+		} catch (const std::domain_error& wrong) {
+			refuse(wrong.what());
+		}
+	}
+
+private:
+	[[noreturn]] void refuse(const std::string& what) const
+	{
+		throw std::runtime_error("PythonBoundary.function " + function_ + " " + what + "; this step was not made.");
+	}
+
+	void ask(const BoundaryNodes<D>& nodes)
+	{
+		const int width = gift_ == Gift::heat ? 1 : D;
+		py::dict  named;
+		named["position"]          = arrayOf<D>(nodes.position);
+		named["normal"]            = arrayOf<D>(nodes.normal);
+		named["velocity"]          = arrayOf<D>(nodes.velocity);
+		named["temperature"]       = arrayOf(nodes.temperature);
+		named["pressure"]          = arrayOf(nodes.pressure);
+		named["time"]              = nodes.time;
+		const py::object  returned = (*call_)(py::import("types").attr("SimpleNamespace")(*py::tuple(), **named));
+		const char* const what     = gift_ == Gift::heat ? "heat" : gift_ == Gift::traction ? "traction" : "acceleration";
+		const auto numbers = numbersOfShape(returned, what, width == 1 ? py::make_tuple(nodes.slot.size()) : py::make_tuple(nodes.slot.size(), D));
+		if (rowNotFinite(numbers) >= 0) throw std::domain_error(std::string("gave a ") + what + " that is not finite");
+		for (std::size_t k = 0; k < nodes.slot.size(); k++)
+			std::copy_n(numbersOf(numbers) + k * width, width, given_[nodes.slot[k]].begin());
+	}
+
+	const Gift                        gift_;
+	const std::string                 function_;
+	const std::shared_ptr<py::object> call_;
+	std::vector<Vec<D>>               given_; ///< to each node of the surface or volume, in this step
+};
+
+} // namespace talik
+
+namespace yade {
+
+class PythonBoundary : public BoundaryInAnyDimension<PythonBoundary> {
+public:
+	template <int D> Pointer<D> make() const
+	{
+		const talik::PythonLock held;
+		const auto              found = function.find("PythonBoundary.function");
+		if (!function.isImportable() && !warned) {
+			warned = true;
+			std::cerr << "Talik warns: PythonBoundary.function " << function.name()
+			          << " cannot be imported again: a checkpoint of this run goes on only where it is set anew, a function of a module it finds "
+			             "itself."
+			          << std::endl;
+		}
+		return std::make_shared<talik::PythonBoundary<D>>(
+		        always<D>(), gift(), function.name(), talik::endingUnderLock(new ::boost::python::object(found)));
+	}
+
+private:
+	mutable bool warned = false;
+
+	talik::Gift gift() const
+	{
+		if (gives == "heat") return talik::Gift::heat;
+		if (gives == "traction") return talik::Gift::traction;
+		if (gives == "acceleration") return talik::Gift::acceleration;
+		throw std::invalid_argument("PythonBoundary.gives is '" + gives + "': choose heat, traction or acceleration.");
+	}
+
+public:
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonBoundary,GroundBoundary,"A boundary or an effect written in Python: a function of the nodes of its region, called once "
+			"in each step, that gives heat, traction or acceleration. Example: "
+			"PythonBoundary(region='surface',function=lambda nodes: 200-5.67e-8*((nodes.temperature+273.15)**4-260**4)).\n\n"
+			"The argument has NumPy arrays of the n nodes "
+			"of the grid that have ground: position (n,2) or (n,3) [m], velocity of the grains at the beginning of the step [m/s], normal, "
+			"outward, on surfaces [-], temperature (n,) [degC], at a node the mean of the ground around it, pressure of pore water (n,) [Pa], "
+			"None each where the ground has none, and time, of the calendar [s]. The function returns heat into the ground (n,), in W/m^2 on "
+			"surfaces and sides and W/m^3 of ground in a box or disc; or traction (n,2) or (n,3) on surfaces and sides [Pa]; or acceleration "
+			"(n,2) or (n,3) in a box or disc [m/s^2], beside gravity and in ground without water. balance() has it in heatIn, loadWork and "
+			"impulse. What it gives acts for a step: heat swings where that of one step reverses the temperature. Errors and "
+			"values that are not finite end the run with a sentence. Checkpoints have the name of the function, from which it is imported "
+			"again.",
+		((talik::PythonFunction,function,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
+		((string,gives,"heat",,"heat, traction or acceleration."))
+		,talik::PythonFunction::registerOnce();
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(PythonBoundary);
+YADE_PLUGIN((PythonBoundary));
+
+} // namespace yade
