@@ -214,7 +214,7 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonSkeleton,SkeletonLaw,"A skeleton law written in Python: a function of all points of the law, called once in each "
-			"step. Example: PythonSkeleton(law=clay,modulus=13.5e6) with def clay(step): step.stress+=7.7e6*step.strain. The argument has "
+			"step. The argument has "
 			"NumPy arrays of n points, in the plane (in space) with components xx, yy, zz, xy (xx, yy, zz, yz, xz, xy): stress (n,4) or (n,6), "
 			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the "
 			"same shape [-]; gradient (n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; "
@@ -223,7 +223,8 @@ public:
 			"writes the new stress and state into the arrays or returns the new stress. The arrays are used again in the next step: copy what "
 			"is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles the time of a step; a step "
 			"costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints have the states and the name "
-			"of the function, from which it is imported again. Not shared out in bands of mpirun.",
+			"of the function, from which it is imported again. Not shared out in bands of mpirun. "
+			"Example: PythonSkeleton(modulus=8e6,law=lambda step: step.stress+8e6*step.strain).",
 		((talik::PythonFunction,law,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
 		((Real,modulus,NaN,,"Largest modulus of the law in confined compression, lambda+2G of an elastic one [Pa], > 0. It sets the time step: a law that is "
 				"stiffer makes the run unstable."))
