@@ -139,7 +139,8 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonBoundary,GroundBoundary,"A boundary or an effect written in Python: a function of the nodes of its region, called once "
-			"in each step, that gives heat, traction or acceleration. "
+			"in each step, that gives heat, traction or acceleration. Example, a surface that radiates: "
+			"PythonBoundary(region='surface',function=lambda nodes: 200-5.67e-8*((nodes.temperature+273.15)**4-260**4)).\n\n"
 			"The argument has NumPy arrays of the n nodes "
 			"of the grid that have ground: position (n,2) or (n,3) [m], velocity of the grains at the beginning of the step [m/s], normal, "
 			"outward, on surfaces [-], temperature (n,) [degC], at a node the mean of the ground around it, pressure of pore water (n,) [Pa], "
@@ -148,8 +149,7 @@ public:
 			"(n,2) or (n,3) in a box or disc [m/s^2], beside gravity and in ground without water. balance() has it in heatIn, loadWork and "
 			"impulse. What it gives acts for a step: heat swings where that of one step reverses the temperature. Errors and "
 			"values that are not finite end the run with a sentence. Checkpoints have the name of the function, from which it is imported "
-			"again. Example, a surface that radiates: "
-			"PythonBoundary(region='surface',function=lambda nodes: 200-5.67e-8*((nodes.temperature+273.15)**4-260**4)).",
+			"again.",
 		((talik::PythonFunction,function,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
 		((string,gives,"heat",,"heat, traction or acceleration."))
 		,talik::PythonFunction::registerOnce();

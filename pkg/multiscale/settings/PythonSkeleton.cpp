@@ -14,24 +14,24 @@ namespace np = boost::python::numpy;
 
 namespace talik {
 namespace {
-	/// Arrays that a law sees, for as many points as it has; reused from step to step.
-	template <int D> struct LawArrays {
-		explicit LawArrays(int count, int states)
-		        : gradient(zeros(py::make_tuple(count, D, D)))
-		        , strain(zeros(py::make_tuple(count, stressSize<D>)))
-		        , stress(zeros(py::make_tuple(count, stressSize<D>)))
-		        , state(zeros(py::make_tuple(count, states)))
-		        , iceSaturation(zeros(py::make_tuple(count)))
-		        , temperature(zeros(py::make_tuple(count)))
-		        , volume(zeros(py::make_tuple(count)))
-		        , id(np::zeros(py::make_tuple(count), np::dtype::get_builtin<int>()))
-		{}
-		np::ndarray gradient, strain, stress, state, iceSaturation, temperature, volume, id;
-	};
-
 	/// Place of a component of MidpointIncrement::strain in a stress; the plane has no strain zz.
 	template <int D> constexpr int stressOfStrain(int c) { return D == 2 && c == 2 ? 3 : c; }
 } // namespace
+
+/// Arrays that a law sees, for as many points as it has; reused from step to step.
+template <int D> struct LawArrays {
+	explicit LawArrays(int count, int states)
+	        : gradient(zeros(py::make_tuple(count, D, D)))
+	        , strain(zeros(py::make_tuple(count, stressSize<D>)))
+	        , stress(zeros(py::make_tuple(count, stressSize<D>)))
+	        , state(zeros(py::make_tuple(count, states)))
+	        , iceSaturation(zeros(py::make_tuple(count)))
+	        , temperature(zeros(py::make_tuple(count)))
+	        , volume(zeros(py::make_tuple(count)))
+	        , id(np::zeros(py::make_tuple(count), np::dtype::get_builtin<int>()))
+	{}
+	np::ndarray gradient, strain, stress, state, iceSaturation, temperature, volume, id;
+};
 
 /// What a script says of its law.
 struct LawOfScript {
@@ -214,17 +214,15 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonSkeleton,SkeletonLaw,"A skeleton law written in Python: a function of all points of the law, called once in each "
-			"step. The argument has "
-			"NumPy arrays of n points, in the plane (in space) with components xx, yy, zz, xy (xx, yy, zz, yz, xz, xy): stress (n,4) or (n,6), "
-			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the "
-			"same shape [-]; gradient (n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; "
-			"iceSaturation (n,) [-], 0 where nothing freezes; temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the "
-			"plane m^2]; id (n,), numbers of the points, whose order changes in a run; and duration, calendar time of the step [s]. The law "
-			"writes the new stress and state into the arrays or returns the new stress. The arrays are used again in the next step: copy what "
-			"is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles the time of a step; a step "
-			"costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints have the states and the name "
-			"of the function, from which it is imported again. Not shared out in bands of mpirun. "
-			"Example: PythonSkeleton(modulus=8e6,law=lambda step: step.stress+8e6*step.strain).",
+			"step. Example: PythonSkeleton(law=lambda step: step.stress+7.7e6*step.strain,modulus=13.5e6).\n\n"
+			"The argument has NumPy arrays of n points, in the plane (in space) with components xx, yy, zz, xy (xx, yy, zz, yz, xz, xy): stress (n,4) or (n,6), "
+			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the same shape [-]; gradient "
+			"(n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; iceSaturation (n,) [-], 0 where nothing freezes; "
+			"temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the plane m^2]; id (n,), numbers of the points, whose order changes in a run; "
+			"and duration, calendar time of the step [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
+			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles "
+			"the time of a dry step; a step costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints "
+			"have the states and the name of the function, from which it is imported again. Not shared out in bands of mpirun.",
 		((talik::PythonFunction,law,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
 		((Real,modulus,NaN,,"Largest modulus of the law in confined compression, lambda+2G of an elastic one [Pa], > 0. It sets the time step: a law that is "
 				"stiffer makes the run unstable."))
