@@ -24,6 +24,8 @@ template <int D> bool Ground<D>::inBands() const { return parts_->bands != nullp
 template <int D> std::string Ground<D>::Parts::refusalOfBands() const
 {
 	const int strips = points->strips().count();
+	for (const auto& boundary : settings.boundaries)
+		if (boundary->usesNodes()) return boundary->name() + " sees the nodes of its region, which is not done in bands: choose 'samples'.";
 	if (thawStrain) return "materials have a thawStrain, which is not computed in bands: choose 'samples'.";
 	if (strips < talk->count())
 		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells for "

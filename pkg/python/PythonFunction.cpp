@@ -95,7 +95,7 @@ py::object PythonFunction::find(const std::string& attribute) const
 		} catch (const py::error_already_set&) {
 			throw std::invalid_argument(
 			        attribute + " is '" + name_ + "', which cannot be imported (" + takePythonError()
-			        + "): put the folder of the module into PYTHONPATH, or set " + attribute + " to the function.");
+			        + "): put the folder of its module into PYTHONPATH, in a script define it first, or set " + attribute + " to the function.");
 		}
 	if (!PyCallable_Check(found.ptr()))
 		throw std::invalid_argument(attribute + " is " + name_ + ", which cannot be called: give a function, or its name as 'module:name'.");

@@ -139,7 +139,7 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(PythonBoundary,GroundBoundary,"A boundary or an effect written in Python: a function of the nodes of its region, called once "
-			"in each step, that gives heat, traction or acceleration. Example: "
+			"in each step, that gives heat, traction or acceleration. Example, a surface that radiates: "
 			"PythonBoundary(region='surface',function=lambda nodes: 200-5.67e-8*((nodes.temperature+273.15)**4-260**4)).\n\n"
 			"The argument has NumPy arrays of the n nodes "
 			"of the grid that have ground: position (n,2) or (n,3) [m], velocity of the grains at the beginning of the step [m/s], normal, "
