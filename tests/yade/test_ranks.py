@@ -188,7 +188,8 @@ def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
 	(tmp_path / "scene.py").write_text(refusing)
 	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
 	print(said, complained)
-	assert "this ground has bodies of YADE, which bands do not serve: choose samples or none" in said
+	for what in ("bodies of YADE", "a law in Python"):
+		assert f"this ground has {what}, which bands do not serve: choose samples or none" in said
 	assert "choose automatic, samples, ground or none" in said
 
 
@@ -221,8 +222,9 @@ run(80, gravity=(0, -1), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingC
 refusing = """
 import talik
 from yade import O, wrapper
-for attributes in ({"distribute": "ground", "bodies": wrapper.BodyContact()}, {"distribute": "halves"}):
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(8, 16), skeleton=wrapper.ElasticSkeleton(), **attributes)
+ofPython = wrapper.PythonSkeleton(law=lambda step: None, modulus=1e7)
+for attributes in ({"distribute": "ground", "bodies": wrapper.BodyContact()}, {"distribute": "halves"}, {"distribute": "ground", "skeleton": ofPython}):
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(8, 16), **{"skeleton": wrapper.ElasticSkeleton(), **attributes})
 	mpm.addPoints(position=[[1.1, 1.1]], volume=0.1, porosity=0.4)
 	O.engines = [mpm]
 	try:

@@ -220,7 +220,7 @@ public:
 			"(n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; iceSaturation (n,) [-], 0 where nothing freezes; "
 			"temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the plane m^2]; id (n,), numbers of the points, whose order changes in a run; "
 			"and duration, calendar time of the step [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
-			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 70 ns per point and step, of which NumPy takes half, and doubles "
+			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 80 ns per point and step, of which NumPy takes half, and doubles "
 			"the time of a dry step; a step costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints "
 			"have the states and the name of the function, from which it is imported again. Not shared out in bands of mpirun.",
 		((talik::PythonFunction,law,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
