@@ -2,6 +2,7 @@
 #include <pkg/python/PythonFunction.hpp>
 
 #include <algorithm>
+#include <iostream>
 #include <sstream>
 #include <stdexcept>
 
@@ -99,6 +100,18 @@ py::object PythonFunction::find(const std::string& attribute) const
 		}
 	if (!PyCallable_Check(found.ptr()))
 		throw std::invalid_argument(attribute + " is " + name_ + ", which cannot be called: give a function, or its name as 'module:name'.");
+	return found;
+}
+
+std::shared_ptr<py::object> PythonFunction::forRun(const std::string& attribute) const
+{
+	const PythonLock held;
+	const auto       found = endingUnderLock(new py::object(find(attribute)));
+	if (!warned_ && archivedName().front() == notImportable) {
+		warned_ = true;
+		std::cerr << "Talik warns: " << attribute << " " << name() << " cannot be imported again: a checkpoint of this run goes on only after "
+		          << attribute << " is set anew. A function of a module is found by its name." << std::endl;
+	}
 	return found;
 }
 

@@ -31,11 +31,10 @@ public:
 	::boost::python::object forScript() const;
 	/// The function; a name is imported. Call under Python's lock. Throws std::invalid_argument, naming the attribute.
 	::boost::python::object find(const std::string& attribute) const;
+	/// The same for a run, to be let go of by any thread. Says once if no checkpoint will give it back.
+	std::shared_ptr<::boost::python::object> forRun(const std::string& attribute) const;
 	/// "module:name", as sentences name it.
 	std::string name() const;
-
-	/// An archive gives it back: its name finds it.
-	bool isImportable() const { return archivedName().front() != notImportable; }
 
 	/// Conversion from and to Python.
 	static void registerOnce();
@@ -57,6 +56,7 @@ private:
 
 	std::string                              name_;
 	std::shared_ptr<::boost::python::object> object_;
+	mutable bool                             warned_ = false;
 };
 
 /// The error that Python has raised, in words on one line, "ValueError in soils.py, line 12: no cohesion"; it is cleared.

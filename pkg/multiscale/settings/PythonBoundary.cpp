@@ -4,8 +4,6 @@
 #include <pkg/python/PythonArrays.hpp>
 #include <pkg/python/PythonFunction.hpp>
 
-#include <iostream>
-
 namespace py = boost::python;
 
 namespace talik {
@@ -112,22 +110,11 @@ class PythonBoundary : public BoundaryInAnyDimension<PythonBoundary> {
 public:
 	template <int D> Pointer<D> make() const
 	{
-		const talik::PythonLock held;
-		const auto              found = function.find("PythonBoundary.function");
-		if (!function.isImportable() && !warned) {
-			warned = true;
-			std::cerr << "Talik warns: PythonBoundary.function " << function.name()
-			          << " cannot be imported again: a checkpoint of this run goes on only where it is set anew, a function of a module it finds "
-			             "itself."
-			          << std::endl;
-		}
-		return std::make_shared<talik::PythonBoundary<D>>(
-		        always<D>(), gift(), function.name(), talik::endingUnderLock(new ::boost::python::object(found)));
+		const auto call = function.forRun("PythonBoundary.function");
+		return std::make_shared<talik::PythonBoundary<D>>(always<D>(), gift(), function.name(), call);
 	}
 
 private:
-	mutable bool warned = false;
-
 	talik::Gift gift() const
 	{
 		if (gives == "heat") return talik::Gift::heat;

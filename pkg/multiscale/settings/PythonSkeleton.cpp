@@ -6,7 +6,6 @@
 #include <pkg/python/PythonFunction.hpp>
 
 #include <algorithm>
-#include <iostream>
 #include <set>
 
 namespace py = boost::python;
@@ -178,23 +177,12 @@ public:
 		constexpr AttributeRefusal require { "PythonSkeleton" };
 		require(modulus > 0, "modulus", modulus, "give the largest modulus that the law may have in confined compression, in Pa, above 0.");
 		checkStates();
-		const talik::PythonLock held;
-		const auto              found = law.find("PythonSkeleton.law");
-		if (!law.isImportable() && !warned) {
-			warned = true;
-			std::cerr << "Talik warns: PythonSkeleton.law " << law.name()
-			          << " cannot be imported again: a checkpoint of this run goes on only where the law is set anew, a function of a module it "
-			             "finds itself."
-			          << std::endl;
-		}
-		return std::make_shared<talik::PythonSkeleton<D>>(
-		        talik::LawOfScript { law.name(), talik::endingUnderLock(new ::boost::python::object(found)), modulus, canFail, states, statesAtStart });
+		const auto function = law.forRun("PythonSkeleton.law");
+		return std::make_shared<talik::PythonSkeleton<D>>(talik::LawOfScript { law.name(), function, modulus, canFail, states, statesAtStart });
 	}
 	bool servesBands() const override { return false; }
 
 private:
-	mutable bool warned = false;
-
 	void checkStates() const
 	{
 		std::set<string> names;
