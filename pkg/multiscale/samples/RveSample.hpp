@@ -8,6 +8,13 @@
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <variant>
 
+/// Attributes of a class that moves samples: options of PackedUpdateOptions by the same names.
+#define TALIK_ATTRIBUTES_OF_DEM_STEPS                                                                                     \
+	((Real, maxInertialNumber, 5e-3, ,                                                                                \
+	  "I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]. Behind points it is steered where " \
+	  "MpmEngine.tolerance is set."))((Real, maxStrainPerStep, 1e-5, , "Largest strain of a DEM step [-]."))(         \
+	        (int, minSteps, 10, , "Fewest DEM steps of an update with motion, >= 1."))
+
 namespace yade {
 
 /// The packed form of a sample: all of its grains, contacts and bonds in contiguous arrays inside one YADE engine, advanced by
@@ -69,9 +76,7 @@ public:
 			"behind the material points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE "
 			"scene back. Stress in Pa, tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); "
 			"s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
-		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
-		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
-		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
+		TALIK_ATTRIBUTES_OF_DEM_STEPS
 		((Real,tensileStrengthFactor,1,,"Tensile strength of ice bonds in apply() and freeze() over that of the material [-], > 0: the first number of "
 				"IceStrength.factors(temperature,strainRate). Of this sample alone; behind points RveSkeleton.iceStrength does that."))
 		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0: the second number."))
@@ -149,9 +154,7 @@ public:
 			"for those of discs RveSample does the same, faster. Works on a copy of the scene given. Example: "
 			"s=OpenRveSample(source=talik.rve.openScene(talik.rve.prepare(grains=40))); s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1)['stress'].",
 		((shared_ptr<Scene>,source,,,"Scene that the sample is a copy of, taken when it is first used."))
-		((Real,maxInertialNumber,5e-3,,"I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]."))
-		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
-		((int,minSteps,10,,"Fewest DEM steps of one apply() with motion."))
+		TALIK_ATTRIBUTES_OF_DEM_STEPS
 		((Real,tensileStrengthFactor,1,,"Tensile strength of ice bonds in apply() and freeze() over that of IceBondMat [-], > 0; see IceStrength."))
 		((Real,shearStrengthFactor,1,,"The same of the shear strength [-], > 0."))
 		((Real,iceStiffnessFactor,1,,"Stiffness of the ice in apply() and freeze() over that of IceBondMat [-], > 0 to 2; see IceStrength. Forces stay when it "

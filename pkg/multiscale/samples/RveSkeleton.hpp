@@ -103,9 +103,7 @@ public:
 		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
 		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]; 0: "
 				"fixed tolerance. Not asked where MpmEngine.tolerance is set."))
-		((Real,maxInertialNumber,5e-3,,"I_max of the samples: 1e-3 careful, 5e-3 production [-]. Steered for every point where MpmEngine.tolerance is set."))
-		((Real,maxStrainPerStep,1e-5,,"Largest strain of a DEM step [-]."))
-		((int,minSteps,10,,"Fewest DEM steps of a call, >= 1."))
+		TALIK_ATTRIBUTES_OF_DEM_STEPS
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((shared_ptr<IceStrength>,iceStrength,,,"How strength and stiffness of the ice bonds follow the temperature of the point, and strength its strain rate in "
 				"nature's time, that of the calendar: motion since the sample was last asked over the time of slow processes since then. None: it is that of the samples."))
