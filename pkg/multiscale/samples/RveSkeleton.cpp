@@ -31,26 +31,22 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 
 void RveSkeleton::checkScheduling() const
 {
-	const auto require = [](bool valid, const char* attribute, double value, const char* remedy) {
-		if (!valid)
-			throw std::invalid_argument(
-			        string("RveSkeleton.") + attribute + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
-	};
+	constexpr AttributeRefusal require { "RveSkeleton" };
 	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
-	require(threads >= 0, "threads", threads, "0 or more");
-	require(strainTolerance >= 0, "strainTolerance", strainTolerance, "0 or more");
-	require(saturationTolerance >= 0, "saturationTolerance", saturationTolerance, "0 or more");
-	require(stressTolerance >= 0, "stressTolerance", stressTolerance, "0 or more");
-	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "a positive number, e.g. 5e-3");
-	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "a positive number, e.g. 1e-5");
-	require(creepInterval >= 0, "creepInterval", creepInterval, "a calendar time in s, 0 or more");
-	require(!(slipFriction < 0) && !std::isinf(slipFriction), "slipFriction", slipFriction,
-	        "0 or more, or nan: the stress of the samples carries the slip");
-	require(slipCohesion >= 0 && !std::isinf(slipCohesion), "slipCohesion", slipCohesion, "a stress in Pa, 0 or more");
-	require(slipCohesion == 0 || !std::isnan(slipFriction), "slipCohesion", slipCohesion,
-	        "it with slipFriction: without that the stress of the samples carries the slip");
-	require(minSteps >= 1, "minSteps", minSteps, "1 or more");
-	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "0 or more");
+	require(threads >= 0, "threads", threads, "give 0 or more.");
+	require(strainTolerance >= 0, "strainTolerance", strainTolerance, "give a finite strain, 0 or more.");
+	require(saturationTolerance >= 0, "saturationTolerance", saturationTolerance, "give a finite saturation, 0 or more.");
+	require(stressTolerance >= 0, "stressTolerance", stressTolerance, "give a finite relative error, 0 or more.");
+	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "give a positive number, e.g. 5e-3.");
+	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "give a positive number, e.g. 1e-5.");
+	require(creepInterval >= 0, "creepInterval", creepInterval, "give a calendar time in s, 0 or more.");
+	const bool slipsByStrength = !std::isnan(slipFriction);
+	if (slipsByStrength) require(slipFriction >= 0, "slipFriction", slipFriction, "give 0 or more, or nan: the stress of the samples carries the slip.");
+	require(slipCohesion >= 0, "slipCohesion", slipCohesion, "give a stress in Pa, 0 or more.");
+	require(slipCohesion == 0 || slipsByStrength, "slipCohesion", slipCohesion,
+	        "give it with slipFriction: without that the stress of the samples carries the slip.");
+	require(minSteps >= 1, "minSteps", minSteps, "give 1 or more.");
+	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "give 0 or more.");
 }
 
 void RveSkeleton::followAttributes()
