@@ -120,9 +120,12 @@ def _lawSweeps(cohesion):
 
 def _sampleSweeps(cohesion):
 	samples = {"skeleton": "samples", "thawed cohesion": cohesion}
+	flowing = {"pic-time": thawslump.flowingPicTimeFactor}
 	several = {"realisations": 8}
 	return (
 		Sweep("grid-spacing", (0.5, 0.25), samples),
+		Sweep("grid-spacing", (0.5, 0.25), samples, flowing),
+		Sweep("pic-time", (1.0, 4.0), samples),
 		Sweep("inertial-number", (5e-3, 1e-3), samples, quick=2 if cohesion else 0),
 		Sweep("sample-tolerance", (2e-5, 5e-6, 1.25e-6), samples),
 		Sweep("realisations", (1, 8), samples),
