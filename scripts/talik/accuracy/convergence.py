@@ -47,6 +47,7 @@ cases = {
 
 constantScale, followsMotion = "is constant", "follows motion"  # values of the knob calendar
 draft = {**slump.standard, **slump.scene, "follows motion": True}  # what the rows differ from
+flowing = {"pic-time": thawslump.flowingPicTimeFactor}  # of sweeps of a slide
 
 
 def fraction(value):
@@ -104,7 +105,6 @@ def sweeps():
 
 def _lawSweeps(cohesion):
 	law = {"skeleton": "MohrCoulomb", "thawed cohesion": cohesion, **softened()}
-	flowing = {"pic-time": thawslump.flowingPicTimeFactor}
 	draft = {"grid-spacing": thawslump.presets["draft"].lawGridSpacing, **flowing}
 	return (
 		Sweep("grid-spacing", (0.5, 0.25, 1 / 6, 0.125, 0.0625), law, flowing, quick=2),
@@ -120,7 +120,6 @@ def _lawSweeps(cohesion):
 
 def _sampleSweeps(cohesion):
 	samples = {"skeleton": "samples", "thawed cohesion": cohesion}
-	flowing = {"pic-time": thawslump.flowingPicTimeFactor}
 	several = {"realisations": 8}
 	return (
 		Sweep("grid-spacing", (0.5, 0.25), samples),
