@@ -87,7 +87,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		content->bind(*points);
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
-	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass);
+	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass, content->porosity);
 	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
 	if (calendar) calendar->bind(*points, *motion, *heat);
 	shareRecords();

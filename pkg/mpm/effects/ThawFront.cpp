@@ -44,6 +44,11 @@ namespace {
 	constexpr double leastSlip = 1e-2;
 	/// Part of a node's volume that frozen ground fills from which on the node lies inside it.
 	constexpr double insideShare = 0.25;
+	/// Water over what the pores hold, from which on they begin to be full, and from which on they are.
+	constexpr double nearlyFull = 0.97, full = 0.99;
+	/// Part of the thawed volume at the front that nodes of thawed ground alone hold, from which on its own stress is that of a layer. A single row of
+	/// points is held by front nodes alone, and nothing keeps its stress.
+	constexpr double heldShare = 0.04;
 } // namespace
 
 void ThawFrontSettings::validate() const
@@ -64,7 +69,7 @@ ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
 template <int D>
 void ThawFront<D>::bind(
         MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation, const double* waterMass,
-        const double* iceMass)
+        const double* iceMass, const double* porosity)
 {
 	points_        = &points;
 	motion_        = &motion;
@@ -72,6 +77,7 @@ void ThawFront<D>::bind(
 	iceSaturation_ = iceSaturation;
 	waterMass_     = waterMass;
 	iceMass_       = iceMass;
+	porosity_      = porosity;
 	spacing_       = grid.spacing();
 	side_          = points.fields().component(sideField_);
 	slip_          = points.fields().component(slipField_);
@@ -302,6 +308,38 @@ template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
 		for (int c = 0; c < stressSize<D>; ++c)
 			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
 	});
+	if (water_) addPoreForce(w, k);
+}
+
+/// Mass of water that fills the volume of a thawed point where its pores are full [kg]: what it would bear of its weight if it were still.
+template <int D> double ThawFront<D>::fullMass(int p) const
+{
+	const double liquid = liquidMass(p), fraction = water_->liquidFraction[p];
+	if (!(liquid > 0.0) || !(fraction > 0.0)) return 0.0;
+	const double fill = fraction * waterMass_[p] / (liquid * porosity_[p]);
+	return liquid / fraction * std::clamp((fill - nearlyFull) / (full - nearlyFull), 0.0, 1.0);
+}
+
+/// Part of a point that front nodes hold.
+template <int D> double ThawFront<D>::frontShare(const WeightBlock<D>& w, int k) const
+{
+	double share = 0.0;
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { share += slot_[node] < 0 ? 0.0 : s; });
+	return share;
+}
+
+template <int D> void ThawFront<D>::addPoreForce(const WeightBlock<D>& w, int k)
+{
+	const int    p    = w.first + k;
+	const double mass = fullMass(p), content = motion_->volume[p] * water_->pressure[p], held = motion_->volume[p] * (1.0 - frontShare(w, k));
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
+		if (slot_[node] < 0) return;
+		double* r = record(slot_[node]);
+		r[fullMassAt] += s * mass;
+		r[heldVolumeAt] += s * held;
+		for (int i = 0; i < D; ++i)
+			r[poreForceAt + i] += content * g[i];
+	});
 }
 
 template <int D> void ThawFront<D>::push(const WeightBlock<D>& w, int k, const Vec<D>& force)
@@ -344,11 +382,11 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors, double dt)
 		double* ghost = record(slot_[m.ghost]);
 		double* inner = record(slot_[m.inner]);
 		folded_[k]    = { ghost[massAt], ghost[thawedMassAt], ghost[liquidMassAt], ghost[thawedLiquidMassAt] };
-		for (const int at :
-		     { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, frictionAt, cohesionAt, pressureAt, modulusAt })
+		for (const int at : { massAt, liquidMassAt, volumeAt, thawedVolumeAt, thawedMassAt, thawedLiquidMassAt, frictionAt, cohesionAt, pressureAt,
+		                      modulusAt, fullMassAt, heldVolumeAt })
 			inner[at] += ghost[at];
 		for (int a = 0; a < D; ++a) {
-			for (const int at : { momentumAt, liquidMomentumAt, thawedMomentumAt, forceAt, areaAt })
+			for (const int at : { momentumAt, liquidMomentumAt, thawedMomentumAt, forceAt, areaAt, poreForceAt })
 				inner[at + a] += m.sign[a] * ghost[at + a];
 			inner[momentumAt + a] += m.added(a, ghost[massAt] * m.velocity[a]);
 			inner[thawedMomentumAt + a] += m.added(a, ghost[thawedMassAt] * m.velocity[a]);
@@ -490,9 +528,13 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		m.jump[a] = r[thawedMomentumAt + a] / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
 		m.pressing -= m.reducedMass * parting * m.normal[a];
 	}
-	m.resting   = settles_ && rests(m, dt);
-	m.cohesion  = r[cohesionAt] / r[thawedVolumeAt];
-	m.pressure  = r[pressureAt] / r[thawedVolumeAt];
+	m.resting  = settles_ && rests(m, dt);
+	m.cohesion = r[cohesionAt] / r[thawedVolumeAt];
+	m.pressure = r[pressureAt] / r[thawedVolumeAt];
+	if (water_) {
+		m.held     = r[heldVolumeAt] / r[thawedVolumeAt];
+		m.buoyancy = buoyancyOf(slot);
+	}
 	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
 	for (int i = 0; i < D; ++i) {
 		if (constraints.solidFixed(node, i)) continue; // a wall takes it
@@ -553,19 +595,55 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 /// Whether the law of the thawed points states its strength.
 template <int D> bool ThawFront<D>::statesStrength(const Meeting& m) { return m.friction < largestFriction; }
 
-/// Normal force between the sides that grains carry [N]. The points lie away from the front; pore pressure and normal stress rise with depth in
-/// one ratio.
-template <int D> double ThawFront<D>::effectiveReaction(const Meeting& m)
+/// Part of the reaction that pore water of the thawed side bears if it does not flow along the normal [N]: what keeps it from moving through the
+/// frozen side, by the balance of its own forces, as R is by those of all.
+template <int D> double ThawFront<D>::buoyancyOf(int slot) const
 {
-	const double normal = -dot<D>(m.traction, m.normal);
-	if (!(m.pressure > 0.0) || !(normal > 0.0)) return m.reaction - m.pressure * m.area;
-	return m.reaction * std::max(0.0, 1.0 - m.pressure / normal);
+	const Meeting& m     = meetings_[slot];
+	const double*  r     = record(slot);
+	const double*  all   = motion_->nodes[nodes_[slot]];
+	const double   sum   = m.solid[0] + m.solid[1] + m.liquid[0] + m.liquid[1];
+	double         force = 0.0;
+	for (int a = 0; a < D; ++a)
+		force -= m.normal[a] * (r[fullMassAt] * (motion_->settings->gravity[a] - all[SolidMotion<D>::forceAt + a] / sum) + r[poreForceAt + a]);
+	return force;
+}
+
+/// Pore pressure over the normal stress between the sides, eq. (20.2). That of the points, which lie away from the front: both rise with depth in
+/// one ratio. Points that front nodes alone hold have no stress to tell it; their water bears what it would at rest.
+template <int D> double ThawFront<D>::poreShare(int slot) const
+{
+	double buoyancy = 0.0, reaction = 0.0, held = 0.0;
+	for (const int step : beside_) {
+		const int other = nodes_[slot] + step;
+		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
+		const Meeting& beside = meetings_[slot_[other]];
+		if (!beside.meets) continue;
+		held = std::max(held, beside.held);
+		if (!beside.inside) continue;
+		buoyancy += beside.buoyancy;
+		reaction += beside.reaction;
+	}
+	const Meeting& m      = meetings_[slot];
+	const double   normal = -dot<D>(m.traction, m.normal), told = std::min(1.0, held / heldShare);
+	const double   bearing = normal > 0.0 ? normal : m.reaction / m.area;
+	const double   points  = m.pressure > 0.0 ? std::min(1.0, m.pressure / bearing) : 0.0;
+	const double   still   = reaction > 0.0 ? std::clamp(buoyancy / reaction, 0.0, 1.0) : 0.0;
+	return told * points + (1.0 - told) * still;
+}
+
+/// Normal force between the sides that grains carry [N].
+template <int D> double ThawFront<D>::effectiveReaction(int slot) const
+{
+	const Meeting& m = meetings_[slot];
+	return water_ ? m.reaction * (1.0 - poreShare(slot)) : m.reaction;
 }
 
 /// Impulse against the slip that friction and cohesion can give: the strength of the thawed ground, eq. (20.2).
-template <int D> double ThawFront<D>::strengthOf(const Meeting& m, double dt)
+template <int D> double ThawFront<D>::strengthOf(int slot, double dt) const
 {
-	return m.bound ? std::max(0.0, m.cohesion * m.area + m.friction * effectiveReaction(m)) * dt : 0.0;
+	const Meeting& m = meetings_[slot];
+	return m.bound ? std::max(0.0, m.cohesion * m.area + m.friction * effectiveReaction(slot)) * dt : 0.0;
 }
 
 /// The same where frozen ground lies on thawed ground whose law states no strength. A row of points between that and its own base shears one way
@@ -611,7 +689,7 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 	Vec<D>       slip;
 	for (int i = 0; i < D; ++i)
 		slip[i] = m.jump[i] - opening * m.normal[i];
-	const double speed = lengthOf<D>(slip), strength = statesStrength(m) ? strengthOf(m, dt) : strengthUnderRoof(m);
+	const double speed = lengthOf<D>(slip), strength = statesStrength(m) ? strengthOf(slot, dt) : strengthUnderRoof(m);
 	const double held = speed > 0.0 ? std::min(1.0, strength / (m.reducedMass * speed)) : 0.0;
 	Vec<D>       shear {};
 	if (held > 0.0 || statesStrength(m))

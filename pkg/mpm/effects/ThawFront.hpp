@@ -26,22 +26,22 @@ namespace talik {
 ///               each other faster than the unloading of R/A moves their surfaces, R/(A Z) with Z the impedance of the thawed points,
 ///               and are then held back by no more than the tension that the thawed points carry there. Thawed ground that rests on
 ///               frozen ground and loses volume shares its normal velocity both ways;
-///   tangential: what the thawed points carry there, t = (sum_T S V sigma) n / V_I with sigma total stress, at the reaction in place of
-///               their own normal stress: |t_t| + min(s, |t_t|/|t_n|) (R/A - |t_n|), s the slope of their strength; and no more than what
-///               makes the tangential velocities equal.
-/// The jump [v] of the tangential velocity goes back to the thawed points as strain, sum_I S_I [v]_I (x) n_I A_I/V_I with
-/// V_I = sum_T S_I V: the law, or the sample, of the thawed points decides the slip, and feels it. Both phases of a side jump
-/// together; temperature, pressure and the velocity of the water through the grains have one value on a node.
+///   tangential: Coulomb friction and cohesion of the thawed ground in simple shear at the effective part of R, eq. (20.2), and no more than
+///               what makes the tangential velocities equal; where the law of the thawed points states no strength, their shear stress at
+///               the reaction in place of their own normal stress, eq. (20.2a).
+/// To points whose law states no strength the jump [v] of the tangential velocity goes back as strain, eq. (20.3): the sample of the thawed
+/// points decides the slip, and feels it. Both phases of a side jump together; temperature, pressure and the velocity of the water through
+/// the grains have one value on a node.
 /// Multi-field contact after Bardenhagen et al. (2000), with the friction taken from the points in place of a coefficient.
 template <int D> class ThawFront {
 public:
 	using Mirrors = std::vector<typename MotionConstraints<D>::Mirror>;
 
 	ThawFront(PointFields& fields, const ThawFrontSettings& settings);
-	/// iceSaturation, waterMass and iceMass are whole arrays of the pore content; water may be null.
+	/// iceSaturation, waterMass, iceMass and porosity are whole arrays of the pore content; water may be null.
 	void bind(
 	        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
-	        const double* waterMass, const double* iceMass);
+	        const double* waterMass, const double* iceMass, const double* porosity);
 	/// In ground that loses volume as it thaws: thawed ground that rests on frozen ground moves with it along the normal.
 	void settleTogether() { settles_ = true; }
 	/// Sides of all points at the start of the scene.
@@ -95,12 +95,14 @@ public:
 
 private:
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, momentum, liquid
-	/// mass, and volume times friction, cohesion, pore pressure, tangent modulus and total stress. Momenta contain those of affine velocities: the
+	/// mass, and volume times friction, cohesion, pore pressure, tangent modulus and total stress; in ground with water also the mass of water that
+	/// fills it where its pores are full, the force of pore pressure, and the volume that nodes of thawed ground alone hold. Momenta contain those of affine velocities: the
 	/// sides would otherwise hand them to each other in every step, and slide faster than friction lets them.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
 	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedMomentumAt = 5 + 4 * D,
 	                     thawedLiquidMassAt = 5 + 5 * D, frictionAt = 6 + 5 * D, cohesionAt = 7 + 5 * D, pressureAt = 8 + 5 * D, modulusAt = 9 + 5 * D,
-	                     stressAt = 10 + 5 * D, recordSize = stressAt + stressSize<D>;
+	                     stressAt = 10 + 5 * D, fullMassAt = stressAt + stressSize<D>, poreForceAt = fullMassAt + 1, heldVolumeAt = poreForceAt + D,
+	                     recordSize = heldVolumeAt + 1;
 	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
 	/// slip strain [1/s], pressure that is lacking [Pa], how far it may be led back [Pa], both along the normal, and the normal.
 	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D,
@@ -125,6 +127,8 @@ private:
 		double                impedance = 0.0;     ///< of the thawed points [Pa s/m]
 		double                pressing  = 0.0;     ///< force along the normal that would give both the same acceleration [N]
 		double                reaction  = 0.0;     ///< normal force between the sides [N]
+		double                buoyancy  = 0.0;     ///< the part of it that still pore water of the thawed side would bear [N]
+		double                held      = 0.0;     ///< part of the thawed volume that nodes of thawed ground alone hold [-]
 		double                impulse   = 0.0;     ///< along the normal, on the thawed side [N s]
 	};
 
@@ -141,6 +145,7 @@ private:
 	void          markNear();
 	void          addFrozen(const WeightBlock<D>& w, int k);
 	void          addThawed(const WeightBlock<D>& w, int k);
+	void          addPoreForce(const WeightBlock<D>& w, int k);
 	void          fold(const Mirrors& mirrors, double dt);
 	void          unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
 	bool          leads(const typename Mirrors::value_type& mirror) const;
@@ -152,8 +157,12 @@ private:
 	void          pressAsBeside(int slot, double dt);
 	Vec<D>        areaAround(int node, const Vec<D>& own, const MotionConstraints<D>& constraints) const;
 	static bool   statesStrength(const Meeting& meeting);
-	static double effectiveReaction(const Meeting& meeting);
-	static double strengthOf(const Meeting& meeting, double dt);
+	double        fullMass(int place) const;
+	double        frontShare(const WeightBlock<D>& w, int k) const;
+	double        buoyancyOf(int slot) const;
+	double        poreShare(int slot) const;
+	double        effectiveReaction(int slot) const;
+	double        strengthOf(int slot, double dt) const;
 	double        strengthUnderRoof(const Meeting& meeting) const;
 	Vec<D>        carriedShear(int slot, const Vec<D>& slip, double dt) const;
 	double        slide(int slot, double dt);
@@ -168,7 +177,7 @@ private:
 	SolidMotion<D>*            motion_        = nullptr;
 	PoreWater<D>*              water_         = nullptr;
 	MaterialPoints<D>*         points_        = nullptr;
-	const double *             iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr;
+	const double *             iceSaturation_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *porosity_ = nullptr;
 	double*                    side_ = nullptr; ///< 1: held by ice, 0: thawed
 	double*                    slip_ = nullptr; ///< path of the thawed ground along the front [m]
 	double*                    led_  = nullptr; ///< sum of the strains that led the pressure of the point back [-]
