@@ -5,10 +5,14 @@
 import argparse
 import csv
 import math
+import re
 import sys
 from pathlib import Path
 
 begin, end = "<!-- validation table: written by scripts/test -L validation --markdown -->", "<!-- end of the validation table -->"
+slabBegin, slabEnd = "<!-- slab table: written by scripts/test -L validation --all --markdown -->", "<!-- end of the slab table -->"
+slabRow = re.compile(r"slab on a frozen base, (?P<what>.*): X/h = (?P<thickness>[\d.]+), front (?P<above>[\d.]+) h above a node, u over a t\^2/2")
+slabTests = ("LayerOfAnyThickness", "LayerOnAFrontInclined", "MeanOfALayer")  # that the table of the slab is made of
 
 
 # ---- rows -----------------------------------------------------------------------------------------------------------------
@@ -19,7 +23,7 @@ def readRows(folder):
 	rows = []
 	for file in sorted(Path(folder, "rows").glob("*.csv")):
 		with file.open(newline="") as lines:
-			rows += list(csv.DictReader(lines))
+			rows += [{**row, "test": file.stem} for row in csv.DictReader(lines)]
 	for row in rows:
 		row["case"], _, row["figure"] = (part.strip().replace("|", "to") for part in row["name"].partition(":"))  # a bar ends a cell of the table
 		row["error"], row["tolerance"] = float(row["error"]), float(row["tolerance"])
@@ -52,13 +56,40 @@ def markdown(rows):
 	return "\n".join(lines)
 
 
-def writeInto(page, rows):
-	"""Puts the table between the two markers of a Markdown page."""
+def slabTable(rows):
+	"""u over a t^2/2 of every slab of the slow tests, a column per thickness; empty where they were not run."""
+	found, thicknesses = {}, set()
+	for row in rows:
+		match = slabRow.fullmatch(row["name"]) if any(name in row["test"] for name in slabTests) else None
+		if not match:
+			continue
+		thickness = float(match["thickness"])
+		thicknesses.add(thickness)
+		line = found.setdefault((match["what"], match["above"] if match["what"].startswith("along") else "steps"), {})
+		line[thickness] = (float(row["measured"]), row["tolerance"])
+	columns = sorted(thicknesses)
+	lines = ["| slab | front above a node [h] | " + " | ".join(f"X/h = {x:g}" for x in columns) + " | allowed |", "|---" * (len(columns) + 3) + "|"]
+	for (what, above), line in sorted(found.items()):
+		allowed = sorted({f"{100 * tolerance:.0f} %" for _, tolerance in line.values()}, key=lambda text: int(text.split()[0]))
+		cells = [f"{line[x][0]:.3f}" if x in line else "–" for x in columns]
+		lines.append(f"| {what} | {above} | " + " | ".join(cells) + f" | {', '.join(allowed)} |")
+	return "\n".join(lines) if found else ""
+
+
+def writeBetween(page, first, last, table):
+	"""Puts a table between two markers of a Markdown page."""
 	text = page.read_text()
-	if begin not in text or end not in text:
-		sys.exit(f"{page}: the markers of the validation table are missing")
-	before, rest = text.split(begin, 1)
-	page.write_text(f"{before}{begin}\n{markdown(rows)}\n{end}{rest.split(end, 1)[1]}")
+	if first not in text or last not in text:
+		sys.exit(f"{page}: the markers {first} and {last} are missing")
+	before, rest = text.split(first, 1)
+	page.write_text(f"{before}{first}\n{table}\n{last}{rest.split(last, 1)[1]}")
+
+
+def writeInto(page, rows):
+	"""Writes the tables of a page anew; that of the slab only where the slow tests have left its rows."""
+	writeBetween(page, begin, end, markdown(rows))
+	if slab := slabTable(rows):
+		writeBetween(page, slabBegin, slabEnd, slab)
 
 
 def tableOf(page):
