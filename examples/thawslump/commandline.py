@@ -131,6 +131,7 @@ def groundOf(options, setting):
 	default, and runs that are compared share one ground."""
 	alone, thickness = lawAlone(options), setting.get("thickness", options.thickness)
 	calendar = options.calendar or ("follows-motion" if alone else "constant")
+	flowing = alone or calendar == "follows-motion"
 	cohesion = options.thawed_cohesion if options.thawed_cohesion is not None else 2e3 if alone else 0.0
 	return Ground(
 		thawStrain=setting["thawStrain"],
@@ -138,7 +139,7 @@ def groundOf(options, setting):
 		slip=options.slip,
 		thawedCohesion=cohesion,
 		followsMotion=calendar == "follows-motion",
-		picTimeFactor=flowingPicTimeFactor if alone else Ground.picTimeFactor,
+		picTimeFactor=flowingPicTimeFactor if flowing else Ground.picTimeFactor,
 		**({name: modulus * (Ground.thickness / thickness) for name, modulus in softened.items()} if alone else {}),  # stiffness goes with 1/thickness
 	)
 

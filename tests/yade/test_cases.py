@@ -364,6 +364,7 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	assert thin.frozenModulus == pytest.approx(10 * thawslump.softened["frozenModulus"])  # five times thawed ground of such samples, too
 	compared = commandline.groundOf(asCommanded("", compare="skeleton", calendar="follows-motion"), law)
 	assert compared.followsMotion and compared.thawedCohesion == 0 and math.isinf(compared.frozenModulus)
+	assert compared.picTimeFactor == grounds["MohrCoulomb"].picTimeFactor == 4 and grounds["samples"].picTimeFactor == 1
 	for wrong in (
 		["--days", "-5"],
 		["--duration", "20"],
