@@ -96,8 +96,8 @@ public:
 private:
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, momentum, liquid
 	/// mass, and volume times friction, cohesion, pore pressure, tangent modulus and total stress; in ground with water also the mass of water that
-	/// fills it where its pores are full, the force of pore pressure, and the volume that nodes of thawed ground alone hold. Momenta contain those of affine velocities: the
-	/// sides would otherwise hand them to each other in every step, and slide faster than friction lets them.
+	/// fills it where its pores are full, the force of pore pressure, and the volume that nodes of thawed ground alone hold. Momenta contain those of
+	/// affine velocities: the sides would otherwise hand them to each other in every step, and slide faster than friction lets them.
 	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
 	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedMomentumAt = 5 + 4 * D,
 	                     thawedLiquidMassAt = 5 + 5 * D, frictionAt = 6 + 5 * D, cohesionAt = 7 + 5 * D, pressureAt = 8 + 5 * D, modulusAt = 9 + 5 * D,
