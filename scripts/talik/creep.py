@@ -17,6 +17,7 @@ from yade import Matrix3, wrapper
 from talik import plots, rve
 
 loads = {"tension": (0.0, 1.0, 0.0), "shear": (0.0, 0.0, 1.0), "compression": (0.0, -1.0, 0.0)}  # xx, yy, xy over the stress; None: the strain is held at zero
+components = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}  # of the stress of a sample in the plane and in space
 steady = ("tension", "shear")  # loads with a secondary creep
 stresses = (25e3, 50e3, 100e3, 200e3)  # [Pa]
 secondary = (0.02, 0.04)  # strain between which the rate is that of the secondary creep [-]
@@ -51,10 +52,10 @@ class CreepTest:
 
 
 def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxed=0.01, calls=20000):
-	"""Creep of a frozen RveSample of discs under a constant stress, the other components of stress zero.
+	"""Creep of a frozen RveSample, of discs or of spheres, under a constant stress, the other components of stress zero.
 
 	law          IceCreep
-	load         "tension" or "compression" along y, "shear", or (xx, yy, xy) as in `loads`
+	load         "tension" or "compression" along y, "shear" in the plane xy, or (xx, yy, xy) as in `loads`; of spheres (xx, yy, zz, yz, xz, xy)
 	stress       [Pa], > 0; what the sample carried before is taken off
 	temperature  [degC]
 	strain       at which the test ends [-]
@@ -62,10 +63,10 @@ def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxe
 	calls        after which it ends in any case
 
 	>>> test = talik.creep.creepTest(frozen, IceCreep(), "shear", stress=50e3, strain=1e-3)"""
-	sample, direction = frozen.copy(), loads.get(load, load)
+	sample, direction = frozen.copy(), _direction(load, frozen.dimension)
 	held = np.array([part is None for part in direction])
 	direction = np.array([part or 0.0 for part in direction])
-	component = 2 if direction[2] else int(np.argmax(np.abs(direction)))
+	component = len(direction) - 1 if direction[-1] else int(np.argmax(np.abs(direction)))
 	compliance = _compliance(sample, held)
 
 	def lacking(part=1.0):
@@ -76,7 +77,7 @@ def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxe
 	ofCall = law.over(temperature, 1.0)[0]
 	duration = relaxed / (bondModulus * ofCall * (_concentration(sample) * stress) ** (law.exponent - 1))
 	creep = law.over(temperature, duration)
-	expected, reached, rows, errors = np.zeros(3), 0.0, [], []
+	expected, reached, rows, errors = np.zeros(len(direction)), 0.0, [], []
 	while reached < strain and len(rows) < calls:
 		step = expected + 0.5 * compliance @ lacking()
 		_apply(sample, step, creep)
@@ -87,29 +88,40 @@ def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxe
 	return CreepTest(load, stress, duration * np.arange(1, len(rows) + 1), np.array(rows), float(max(errors[len(errors) // 2 :])))
 
 
+def _direction(load, dimension):
+	"""Components of a load over the stress."""
+	if not isinstance(load, str):
+		return load
+	xx, yy, xy = loads[load]
+	return (xx, yy, xy) if dimension == 2 else (xx, yy, 0.0, 0.0, 0.0, xy)
+
+
 def _apply(sample, strain, creep=None):
-	result = sample.apply(Matrix3(strain[0], strain[2], 0, strain[2], strain[1], 0, 0, 0, 0), 1.0, creep)
+	gradient = np.zeros((3, 3))
+	for part, (i, j) in zip(strain, components[sample.dimension]):
+		gradient[i, j] = gradient[j, i] = part
+	result = sample.apply(Matrix3(*gradient.ravel()), 1.0, creep)
 	if result["blewUp"]:
 		raise RuntimeError(f"creep: the sample blew up: {result['reason']}")
 
 
 def _compliance(sample, held, size=2e-6):
-	"""Strain over stress, columns xx, yy, xy (3, 3) [1/Pa]; rows and columns of components whose strain is held are zero."""
+	"""Strain over stress, a column for each component of the stress [1/Pa]; rows and columns of components whose strain is held are zero."""
 	columns = []
-	for strain in size * np.eye(3):
+	for strain in size * np.eye(len(held)):
 		ends = [sample.copy() for _ in range(2)]
 		for end, sign in zip(ends, (1, -1)):
 			_apply(end, sign * strain)
 		columns.append(np.subtract(ends[0].stress, ends[1].stress) / (2 * size))
 	free = np.ix_(~held, ~held)
-	compliance = np.zeros((3, 3))
+	compliance = np.zeros((len(held), len(held)))
 	compliance[free] = np.linalg.inv(np.array(columns).T[free])
 	return compliance
 
 
 def _concentration(sample):
-	"""Stress of a bond over that of the sample: the force on a width of two radii of a slice, over the area R^2 [-]."""
-	return 2 * sample.thickness / float(np.mean(sample.arrays()["radius"]))
+	"""Stress of a bond over that of the sample: the force on a width of two radii of a slice, or on a square of two radii, over the area R^2 [-]."""
+	return 4.0 if sample.dimension == 3 else 2 * sample.thickness / float(np.mean(sample.arrays()["radius"]))
 
 
 # ---- table and picture ----------------------------------------------------------------------------------------------------
@@ -192,12 +204,12 @@ def creepTable(frozen, law=None, temperature=-10.0, stresses=stresses, relaxed=0
 
 
 def frozenSamples(grains=100, realisations=3, pressure=10e3, **prepared):
-	"""Realisations of a packed sample of discs that was frozen to full ice saturation at a pressure [Pa].
+	"""Realisations of a packed sample, of discs unless dimension=3 is given, that was frozen to full ice saturation at a pressure [Pa].
 
 	>>> samples = talik.creep.frozenSamples(grains=30, realisations=1, porosity=0.19)"""
 	samples = rve.listOf(rve.pack(rve.prepare(grains=grains, realisations=realisations, ice=True, **prepared)))
 	for sample in samples:
-		if not sample.servo(-pressure, -pressure):
+		if not sample.servo(*[-pressure] * sample.dimension):
 			raise RuntimeError(f"creep: the sample does not reach an isotropic pressure of {pressure:g} Pa")
 		sample.freeze(1)
 	return samples

@@ -1,20 +1,28 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Two versions of the packed samples in turn: processor time of this thread, ratio of neighbours in time.
-// usage  compare <packed_reference.txt> [rounds]
+// Two versions of the packed samples in turn: processor time of this thread, ratio of neighbours in time, as JSON.
+// usage  compare <discs.txt> <spheres.txt> <rounds> [kind]
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <string>
 #include <vector>
 
 extern "C" {
-void   former_prepare(const char* file, bool frozen);
-void   present_prepare(const char* file, bool frozen);
+void   former_prepare(const char* file, bool spheres, bool frozen);
+void   present_prepare(const char* file, bool spheres, bool frozen);
 double former_run(long steps);
 double present_run(long steps);
 }
 
 namespace {
+
+struct Kind {
+	const char* name;
+	bool        spheres, frozen;
+	long        steps;
+};
+constexpr Kind kinds[] = { { "discs", false, false, 2000 }, { "frozen discs", false, true, 2000 }, { "spheres", true, false, 400 }, { "frozen spheres", true, true, 400 } };
 
 double processorTime()
 {
@@ -23,10 +31,10 @@ double processorTime()
 	return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-double timeOf(double (*run)(long), double& pressure)
+double timeOf(double (*run)(long), long steps, double& pressure)
 {
 	const double start = processorTime();
-	pressure           = run(2000);
+	pressure           = run(steps);
 	return processorTime() - start;
 }
 
@@ -34,28 +42,29 @@ double timeOf(double (*run)(long), double& pressure)
 
 int main(int argc, char** argv)
 {
-	if (argc < 2) return std::fprintf(stderr, "usage: compare <packed_reference.txt> [rounds]\n"), 2;
-	const int rounds = argc > 2 ? std::atoi(argv[2]) : 60;
-	bool      alike  = true;
-	for (const bool frozen : { false, true }) {
-		former_prepare(argv[1], frozen);
-		present_prepare(argv[1], frozen);
+	if (argc < 4) return std::fprintf(stderr, "usage: compare <discs.txt> <spheres.txt> <rounds> [kind]\n"), 2;
+	const int         rounds = std::atoi(argv[3]);
+	const std::string wanted = argc > 4 ? argv[4] : "";
+	std::puts("[");
+	for (const Kind& kind : kinds) {
+		if (!wanted.empty() && wanted != kind.name) continue;
+		const char* file = argv[kind.spheres ? 2 : 1];
+		former_prepare(file, kind.spheres, kind.frozen);
+		present_prepare(file, kind.spheres, kind.frozen);
 		std::vector<double> ratios;
 		double              before = 0, now = 0;
 		for (int round = 0; round < rounds; ++round) {
 			double former = 0, present = 0;
-			if (round % 2) former = timeOf(former_run, before);
-			present = timeOf(present_run, now);
-			if (round % 2 == 0) former = timeOf(former_run, before);
+			if (round % 2) former = timeOf(former_run, kind.steps, before);
+			present = timeOf(present_run, kind.steps, now);
+			if (round % 2 == 0) former = timeOf(former_run, kind.steps, before);
 			ratios.push_back(present / former);
 		}
 		std::sort(ratios.begin(), ratios.end());
 		const auto part = [&](double share) { return ratios[std::size_t(share * double(ratios.size() - 1))]; };
 		std::printf(
-		        "%s: time now over before %.3f (quartiles %.3f and %.3f); pressure %.17g and %.17g Pa\n", frozen ? "frozen" : "frictional", part(0.5),
-		        part(0.25), part(0.75), now, before);
-		alike = alike && now == before;
+		        "\t{\"kind\": \"%s\", \"ratio\": %.6f, \"quartiles\": [%.6f, %.6f], \"pressure\": [%.17g, %.17g]}%s\n", kind.name, part(0.5), part(0.25),
+		        part(0.75), before, now, wanted.empty() && &kind != &kinds[3] ? "," : "");
 	}
-	if (!alike) std::puts("the two versions do not give the same bits: they do not do the same work");
-	return alike ? 0 : 1;
+	std::puts("]");
 }
