@@ -30,20 +30,29 @@ measured = {12: 0.187, 18: 0.651, 24: math.inf}  # of the surface in a cycle [m]
 flowing = 1.5  # [m]: what has moved so far in one thaw flows; the slope of 18 degrees stopped at half of it
 longest = 60.0  # [s of motion]
 gravity, solid, water = 9.81, 2650.0, 1000.0
+solidConductivity, waterConductivity = 2.0, 0.6  # thermal [W/(m K)]
+iceDensity, latentHeat = 910.0, 334e3  # [kg/m^3], [J/kg]
 colours = ("C0", "C1", "C3")  # of the slopes
+
+
+def kozenyCarman(porosity):
+	return porosity**3 / (1 - porosity) ** 2
 
 
 @dataclass(frozen=True)
 class Assumptions:
 	thickness: float = 0.8  # of the layer that thaws [m]; 0.8 to 0.9 in the same laboratory (Kern-Luetschg & Harris 2008)
 	cohesion: float = 800.0  # [Pa]; least undrained strength of a thawing slope of 12 degrees, 0.8 to 9 kPa (Harris 1995)
-	safetyAt18: float = 1.0  # of the infinite slope of 18 degrees, water flowing along it; 1 or slightly less (the paper): gives the friction angle
-	conductivity: float = 1e-7  # [m/s], assumed
+	safetyAt18: float = 1.0  # of the infinite slope of 18 degrees in its thaw; close to 1 or slightly less (the paper): gives the friction angle
+	conductivity: float = 2e-7  # [m/s], assumed; with less the upper part of the slope of 18 degrees is less safe than the paper says, see `excess`
 	thawStrain: float = 0.1  # excess ice [-], assumed
 	porosity: float = 0.45  # assumed
 	young: float = 2e6  # of thawed ground [Pa], assumed
 	surfaceTemperature: float = 10.0  # during the thaw [degC], assumed
 	length: float = 8.0  # between the walls of the box [m], assumed
+	impedance: float = 0.0  # of ice to water [-]: none, so that the water of a row of cells that thaws can leave it before its last ice has melted
+	pointsPerCell: float = 1  # rows of points that share a cell but thaw one after the other have rough stress
+	motionTolerance: float = 0.1  # of the calendar [m/s]: faster ground has no calendar of its own
 	gridSpacing: float = 0.1  # [m]
 
 	@property
@@ -51,12 +60,27 @@ class Assumptions:
 		return (1 - self.porosity) * solid + self.porosity * water
 
 	@property
+	def excess(self):
+		"""Pressure above that of water at rest at the thaw front [Pa], from the flow of what melts to the surface: the speed of the front falls as its depth
+		grows (Stefan), so that their product and this pressure stay."""
+		settled = (self.porosity - self.thawStrain) / (1 - self.thawStrain)
+		heat = ((1 - settled) * solidConductivity + settled * waterConductivity) * self.surfaceTemperature
+		melting = self.porosity * iceDensity * latentHeat
+		return water * gravity * self.thawStrain * heat / (melting * self.conductivity * kozenyCarman(settled) / kozenyCarman(self.porosity))
+
+	def safety(self, slope, depth, friction):
+		"""Factor of safety of the infinite slope [deg] in its thaw at a depth z [m, vertical] of the front,
+		F = (c + max(0, (gamma - gamma_w) z cos^2(b) - p_e) tan(phi))/(gamma z sin(b) cos(b))."""
+		b, weight = math.radians(slope), self.density * gravity
+		normal = (weight - water * gravity) * depth * math.cos(b) ** 2 - self.excess
+		return (self.cohesion + max(0.0, normal) * friction) / (weight * depth * math.sin(b) * math.cos(b))
+
+	@property
 	def friction(self):
-		"""tan(phi) by the factor of safety of the infinite slope, F = (c + (gamma - gamma_w) z cos^2(b) tan(phi))/(gamma z sin(b) cos(b))."""
-		b, z = math.radians(18), self.thickness / math.cos(math.radians(18))
-		weight = self.density * gravity
-		shear = weight * z * math.sin(b) * math.cos(b)
-		return (self.safetyAt18 * shear - self.cohesion) / ((weight - water * gravity) * z * math.cos(b) ** 2)
+		"""tan(phi) by the factor of safety at the base of the slope of 18 degrees."""
+		base = self.thickness / math.cos(math.radians(18))
+		held, frictional = self.safety(18, base, 0), self.safety(18, base, 1) - self.safety(18, base, 0)
+		return (self.safetyAt18 - held) / frictional if frictional > 0 else math.inf
 
 	@property
 	def timeScale(self):
@@ -111,7 +135,7 @@ def thaw(slope, ground, days, profile=None, grains=None):
 	mpm.resetDisplacement()
 	start = mpm.field("position")
 	middle = np.abs(start[:, 0] - 0.5 * ground.length) < 0.25 * ground.length
-	top = start[:, 1] > np.interp(start[:, 0], *profile) - 0.5 * ground.gridSpacing
+	top = start[:, 1] > np.interp(start[:, 0], *profile) - 0.75 * ground.gridSpacing
 	surface = middle & top
 	rows = []
 	while not rows or (rows[-1][0] < days and rows[-1][1] < flowing and O.time < longest):
@@ -162,10 +186,10 @@ def scene(b, ground, profile, grains=None):
 		upper=(ground.length, height + 1.6),
 		gravity=(gravity * math.sin(b), -gravity * math.cos(b)),
 		damping=0.1,
-		material=GroundMaterial(name="silt", solidConductivity=2.0, thawStrain=ground.thawStrain),
-		heat=HeatTransfer(thermalTimeScale=ground.timeScale, followsMotion=True, motionTolerance=0.1),
+		material=GroundMaterial(name="silt", solidConductivity=solidConductivity, thawStrain=ground.thawStrain),
+		heat=HeatTransfer(thermalTimeScale=ground.timeScale, followsMotion=True, motionTolerance=ground.motionTolerance),
 		freezing=FreezingCurve(width=0.3),
-		water=PoreWater(conductivity=ground.conductivity, referencePorosity=ground.porosity, bulkModulus=5e6),
+		water=PoreWater(conductivity=ground.conductivity, referencePorosity=ground.porosity, bulkModulus=5e6, impedance=ground.impedance),
 		skeleton=skeletonOf(ground, grains),
 		thawFront=None,
 		boundaries=[
@@ -182,7 +206,7 @@ def scene(b, ground, profile, grains=None):
 		temperature=-2,
 		pressure=lambda x, y: water * gravity * math.cos(b) * np.maximum(np.interp(x, *profile) - y, 0),
 	)
-	talik.layers.fill(mpm, {"silt": layer}, lateralRatio=None if grains else 0.5)
+	talik.layers.fill(mpm, {"silt": layer}, pointsPerCell=round(ground.pointsPerCell), lateralRatio=None if grains else 0.5)
 	if grains:
 		talik.slope.settle(mpm, layer["polygon"], lateralRatio=0.5)
 	return mpm

@@ -5,8 +5,9 @@ import math
 
 import numpy as np
 import pytest
-from yade import Matrix3, O, wrapper
+from yade import Matrix3, O, utils, wrapper
 
+import talik
 from frozen_pair import block, frozenPair
 from talik import calibrate, rve
 
@@ -98,6 +99,65 @@ def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_st
 	)
 	assert steps >= 500 and error < 1e-9 * scale
 	assert bonds[0] == bonds[1] < bonds[2]
+
+
+def withAGrainBeside(sample):
+	"""The sample, packed, with one grain moved by a unit in the last place."""
+	scene = sample.open()
+	with talik.inspect(scene):
+		state = O.bodies[3].state
+		state.pos = (np.nextafter(state.pos[0], 1), state.pos[1], state.pos[2])
+		return wrapper.RveSample.fromScene(scene)
+
+
+@pytest.mark.parametrize("kind", ["discs", "spheres"])
+def test_what_packed_and_open_samples_differ_by_is_of_second_order_in_the_strain_of_a_step_and_no_round_off(kind, sampleCache):
+	"""Stock YADE turns shear forces by a cross product, which makes them grow by half the square of the turn (next test), where packed discs keep their
+	number: over one path that is in proportion to the strain of a step. Round-off would grow with the number of steps."""
+	errors, twins = [], []
+	for steps in (10, 50):
+		sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **kinds[kind]))
+		sample.freeze(1)
+		twin, opened = withAGrainBeside(sample), wrapper.OpenRveSample(source=sample.open())
+		for each in (sample, twin, opened):
+			each.minSteps, each.maxStrainPerStep, each.maxInertialNumber = steps, 1.0, 1e9
+		for _ in range(8):
+			_, apart = besideOpen(sample, opened, (gradient := Matrix3(0, 1e-4, 0, 0, -1e-4, 0, 0, 0, 0)))
+			twin.apply(gradient, 1)
+		scale = np.abs(sample.stress).max()
+		errors.append(apart / scale)
+		twins.append(np.abs(np.subtract(sample.stress, twin.stress)).max() / scale)
+		assert sample.statistics()["bondsBroken"] == 0
+	print(
+		f"\n{kind}, 8e-4 of strain in calls of 10 and of 50 steps: packed differs from open by {errors[0]:.1e} and {errors[1]:.1e}, ratio "
+		f"{errors[0] / errors[1]:.1f}; from a twin one unit in the last place beside by {twins[0]:.1e} and {twins[1]:.1e}"
+	)
+	assert 2.5 < errors[0] / errors[1] < 10
+	assert max(twins) < 0.1 * min(errors)
+
+
+def test_stock_yade_lets_a_shear_force_grow_by_half_the_square_of_the_turn_of_each_step():
+	"""Two bonded spheres that turn about each other as one body, 1e-2 in a step, carry a shear force that should only turn."""
+	radius, turn, steps = 1e-2, 1e-2, 100
+	O.materials.append(wrapper.FrictMat(young=1e9, poisson=0.5, frictionAngle=1.5, density=2650))
+	O.bodies.append([utils.sphere((x, 0, 0), radius, fixed=True) for x in (0, 1.99 * radius)])
+	O.engines = [
+		wrapper.ForceResetter(),
+		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(aabbEnlargeFactor=1.2)], verletDist=0),
+		wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+	]
+	O.dt = 1e-6
+	O.step()
+	phys = O.interactions[0, 1].phys
+	phys.shearForce = (0, 1.0, 0)
+	for k in range(1, steps + 1):
+		angle = k * turn
+		second = O.bodies[1].state
+		second.pos = (1.99 * radius * math.cos(angle), 1.99 * radius * math.sin(angle), 0)
+		O.step()
+	growth = phys.shearForce.norm() - 1
+	print(f"\n{steps} steps of {turn:g}: the force has grown by {growth:.6f}, by hand {(math.cos(turn) + math.sin(turn) ** 2) ** steps - 1:.6f}")
+	assert growth == pytest.approx((math.cos(turn) + math.sin(turn) ** 2) ** steps - 1, rel=1e-3)
 
 
 # ---- stiffness ------------------------------------------------------------------------------------------------------------
