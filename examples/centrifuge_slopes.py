@@ -10,6 +10,7 @@ heaved normal to the slope to the volume of the first. What the paper's abstract
 `Assumptions`; the rest is assumed, and --vary shows what each assumption does. --skeleton samples puts a sample of discs behind every point in place of
 the law, with its cohesion and about its friction, and the law beside them. Runs that the folder already holds are not repeated.
 Change the conductivity, the thaw strain or the cohesion first.
+Friction and conductivity are such that the slope of 18 degrees is about as safe in its thaw as the paper says.
 """
 
 import argparse
@@ -89,16 +90,19 @@ class Assumptions:
 
 
 variations = {
-	"conductivity": (3e-8, 2e-7),
-	"thawStrain": (0.05, 0.2),
+	"conductivity": (1.4e-7, 3e-7),
+	"thawStrain": (0.05, 0.15),
 	"cohesion": (400.0, 1200.0, 2000.0),
 	"safetyAt18": (0.9, 1.2),
 	"young": (1e6, 5e6),
-	"surfaceTemperature": (5.0, 20.0),
+	"surfaceTemperature": (5.0, 15.0),
 	"length": (4.0, 16.0),
-	"gridSpacing": (0.2,),
+	"impedance": (6.0,),
+	"pointsPerCell": (4.0,),
+	"motionTolerance": (0.05, 0.2),
+	"gridSpacing": (0.2, 0.2 / 3),
 }
-units = {"conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
+units = {"motionTolerance": "m/s", "conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
 
 
 @dataclass(frozen=True)
@@ -339,7 +343,7 @@ def assumed(words):
 		number = float(value)
 	except ValueError:
 		number = math.nan
-	if not (0 < number < math.inf or (number == 0 and name in ("cohesion", "thawStrain"))):
+	if not (0 < number < math.inf or (number == 0 and name in ("cohesion", "thawStrain", "impedance"))):
 		raise SystemExit(f"--assume {words}: '{value}' is not a positive number; write {name}=NUMBER, e.g. {name}={getattr(Assumptions, name):g}")
 	return name, number
 
@@ -358,11 +362,12 @@ parser.add_argument(
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
-base, days = {"test": (Assumptions(gridSpacing=0.2, length=4.0), 12), "draft": (Assumptions(), 45)}[options.preset]
+base, days = {"test": (Assumptions(length=4.0), 8), "draft": (Assumptions(), 45)}[options.preset]
 base = replace(base, **dict(map(assumed, options.assume)))
 if not 0 < base.friction < 1:
 	raise SystemExit(
-		f"cohesion, safetyAt18, thickness and porosity give tan(phi) = {base.friction:.2f}, which must lie between 0 and 1; change one by --assume"
+		f"cohesion, safetyAt18, thickness, porosity and the excess pressure of {base.excess:.0f} Pa (thawStrain, surfaceTemperature, conductivity) give "
+		f"tan(phi) = {base.friction:.2f}, which must lie between 0 and 1; change one by --assume"
 	)
 grains = Grains() if options.skeleton == "samples" else None
 law = Runs(folder / "runs", days) if grains else None
@@ -370,6 +375,10 @@ runs = Runs(folder / "runs", days, grains)
 if grains:
 	_, cohesion, friction = samplesOf(grains, base.cohesion)
 	print(f"samples in simple shear: friction angle {friction:.1f} deg, cohesion {cohesion:.0f} Pa")
+safety = ", ".join(f"{base.safety(slope, base.thickness / math.cos(math.radians(slope)), base.friction):.2f}" for slope in measured)
+print(
+	f"pressure at the thaw front {base.excess:.0f} Pa above that at rest; factor of safety at the base {safety} at 12, 18 and 24 deg; measured > 1, about 1, < 1"
+)
 print(f"friction angle {math.degrees(math.atan(base.friction)):.1f} deg; path of the surface [mm]:")
 lines = tableOf(runs, base, options.vary, law)
 found = {slope: runs.of(slope, base) for slope in measured}

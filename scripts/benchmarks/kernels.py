@@ -40,7 +40,9 @@ def measured(compare, data, counted):
 		yield Figure(f"{kind}: time over that of the revision", row["ratio"], "x", ceiling=most, terms=terms)
 		if counted:
 			present, former = instructions(compare, data, kind)
-			yield Figure(f"{kind}: instructions over those of the revision", present / former, "x", ceiling=most, terms={"instructions": present, "former": former})
+			yield Figure(
+				f"{kind}: instructions over those of the revision", present / former, "x", ceiling=most, terms={"instructions": present, "former": former}
+			)
 
 
 def main(compare, data, revision, target):

@@ -2,6 +2,7 @@
 """The slopes of the centrifuge tests at reduced size: Harris, Rea & Davies 2001, doi 10.1002/ppp.373."""
 
 import json
+import math
 import re
 import subprocess
 from pathlib import Path
@@ -33,7 +34,7 @@ def test_an_assumption_that_is_none_is_refused_by_what_was_given_and_the_remedy(
 def test_slopes_that_freeze_and_thaw_twice_settle_by_their_excess_ice_in_the_order_measured_in_the_centrifuge(tmp_path):
 	"""Measured: 187 mm a cycle at 12 degrees, 651 mm at 18, a mudflow at 24."""
 	command = ["yade", "-n", "-x", str(example), "--preset", "test", "--cycles", "2", "--output", str(tmp_path)]
-	run = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+	run = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
 	assert (tmp_path / "summary.json").exists() and (tmp_path / "centrifuge_slopes_cycles.png").stat().st_size > 10_000, run.stdout + run.stderr
 	paths = {}
 	for file in (tmp_path / "runs").glob("*.json"):
@@ -42,7 +43,7 @@ def test_slopes_that_freeze_and_thaw_twice_settle_by_their_excess_ice_in_the_ord
 	summary = json.loads((tmp_path / "summary.json").read_text())
 	settled, byHand = summary["settlement [m]"], summary["settlement by hand [m]"]
 	for cycle in (1, 2):
-		found = [paths[cycle, slope] for slope in (12, 18, 24)]
+		found = [paths.get((cycle, slope), math.inf) for slope in (12, 18, 24)]  # a slope that flows has no further cycle
 		print(f"cycle {cycle}: {', '.join(f'{1e3 * path:.0f} mm' for path in found)} at 12, 18 and 24 degrees; measured 187, 651, mudflow")
 		assert found == sorted(found) and found[0] > 0
 	print(f"settled by {1e3 * settled:.1f} mm, thaw strain times thawed depth {1e3 * byHand:.1f} mm, tolerance 20 %")

@@ -144,7 +144,9 @@ def test_stock_yade_lets_a_shear_force_grow_by_half_the_square_of_the_turn_of_ea
 	O.engines = [
 		wrapper.ForceResetter(),
 		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(aabbEnlargeFactor=1.2)], verletDist=0),
-		wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]),
+		wrapper.InteractionLoop(
+			[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_FrictPhys()], [wrapper.Law2_ScGeom_FrictPhys_CundallStrack()]
+		),
 	]
 	O.dt = 1e-6
 	O.step()

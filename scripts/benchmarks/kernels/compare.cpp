@@ -22,7 +22,9 @@ struct Kind {
 	bool        spheres, frozen;
 	long        steps;
 };
-constexpr Kind kinds[] = { { "discs", false, false, 2000 }, { "frozen discs", false, true, 2000 }, { "spheres", true, false, 400 }, { "frozen spheres", true, true, 400 } };
+constexpr Kind kinds[] = {
+	{ "discs", false, false, 2000 }, { "frozen discs", false, true, 2000 }, { "spheres", true, false, 400 }, { "frozen spheres", true, true, 400 }
+};
 
 double processorTime()
 {
@@ -63,8 +65,8 @@ int main(int argc, char** argv)
 		std::sort(ratios.begin(), ratios.end());
 		const auto part = [&](double share) { return ratios[std::size_t(share * double(ratios.size() - 1))]; };
 		std::printf(
-		        "\t{\"kind\": \"%s\", \"ratio\": %.6f, \"quartiles\": [%.6f, %.6f], \"pressure\": [%.17g, %.17g]}%s\n", kind.name, part(0.5), part(0.25),
-		        part(0.75), before, now, wanted.empty() && &kind != &kinds[3] ? "," : "");
+		        "\t{\"kind\": \"%s\", \"ratio\": %.6f, \"quartiles\": [%.6f, %.6f], \"pressure\": [%.17g, %.17g]}%s\n", kind.name, part(0.5),
+		        part(0.25), part(0.75), before, now, wanted.empty() && &kind != &kinds[3] ? "," : "");
 	}
 	std::puts("]");
 }
