@@ -102,6 +102,10 @@ def read(path):
 	if not lines:
 		raise ValueError(f"{path} holds no data; its first line names the columns: {', '.join(columns)}, each with its unit")
 	places = _placesOf(path, *lines[0])
+	width = len(lines[0][1])
+	for line, cells in lines[1:]:
+		if any(cell.strip() for cell in cells[width:]):
+			raise ValueError(f"{path}, line {line}, column {width + 1}: '{cells[width].strip()}' has no heading; numbers have a decimal point, not a comma")
 	rows = [_rowOf(path, line, cells, places) for line, cells in lines[1:]]
 	if not rows:
 		raise ValueError(f"{path} has no row below its headings; give a test in each line")

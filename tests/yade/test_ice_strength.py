@@ -276,8 +276,13 @@ def test_confinement_strengthens_frozen_samples_and_cohesion_follows_the_ice_whi
 		sine, intercept = np.polyfit(mean, shear, 1)
 		lines[ice] = math.degrees(math.asin(sine)), intercept / math.cos(math.asin(sine))
 		print(f"\nS_i {ice:g}: friction angle {lines[ice][0]:.1f} deg, cohesion {1e-3 * lines[ice][1]:.0f} kPa", end="")
+		if ice == 0:
+			# contacts are soft, so that the envelope of thawed samples is curved: their friction is that at the least pressure
+			thawed = math.degrees(math.asin(shear[0] / mean[0]))
+	print(f"\nfriction angle of thawed samples at {1e-3 * pressures[0]:g} kPa {thawed:.1f} deg")
 	assert lines[0.97][1] > 1.5 * lines[0.55][1] > 3 * lines[0.0][1]
-	assert abs(lines[0.97][0] - lines[0.55][0]) < 8
+	assert abs(lines[0.97][0] - lines[0.55][0]) < 5
+	assert max(abs(lines[ice][0] - thawed) for ice in (0.55, 0.97)) < 5
 
 
 @pytest.mark.parametrize("form", ("packed", "open"))

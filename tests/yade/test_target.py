@@ -59,6 +59,7 @@ def test_a_target_is_read_in_any_unit_and_order_and_both_soils_of_the_examples_a
 		(["0,,,0,50,,,36"], head, "line 2, column confinement: 0 Pa; grains without ice need"),
 		(["1,-10,1e-4,,1500,10,2,"], head, "line 2, column confinement: the cell is empty"),
 		(["1,-10,1e-4,0,,,,"], head, "line 2, column E: nothing was measured"),
+		(["1,-10,1e-4,0,1500,8,7,2,30"], head, "line 2, column 9: '30' has no heading; numbers have a decimal point"),
 		([], head, "has no row below its headings"),
 		(
 			["1,-10,1e-4,0,1500,10,2,"],
