@@ -5,7 +5,6 @@
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBond.hpp>
-#include <pkg/icebond/IceBondModel.hpp>
 
 namespace yade {
 class IceBondPhys;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/Errors.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>

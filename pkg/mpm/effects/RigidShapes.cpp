@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/effects/RigidBody.hpp>
+#include <pkg/mpm/effects/RigidContact.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/ThawFront.hpp>
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>

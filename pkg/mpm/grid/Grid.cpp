@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <numeric>

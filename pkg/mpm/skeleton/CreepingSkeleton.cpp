@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <cmath>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 

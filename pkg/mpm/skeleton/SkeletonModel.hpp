@@ -9,6 +9,13 @@
 
 namespace talik {
 
+/// Thrown by a skeleton model that has given every point a stress and wants the run to stop: Ground ends the step first and passes
+/// it on from updateEffectiveStress().
+class StopAfterStep : public std::runtime_error {
+public:
+	using std::runtime_error::runtime_error;
+};
+
 /// The material points that share one skeleton model. All arrays are indexed by the place of a point, i.e. volume[place[k]] for
 /// k < count; places change when points are sorted, id[place] never does.
 struct SkeletonPoints {

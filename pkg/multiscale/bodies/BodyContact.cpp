@@ -3,9 +3,9 @@
 #include <core/TimeStepper.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Sphere.hpp>
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/multiscale/bodies/BodyContact.hpp>
 #include <pkg/python/ScriptValues.hpp>
+#include <pkg/thm/Errors.hpp>
 
 namespace yade {
 YADE_PLUGIN((BodyContact));

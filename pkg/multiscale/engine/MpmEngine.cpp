@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 #include <pkg/python/StepGate.hpp>
-#include <pkg/ranks/Digest.hpp>
 #include <pkg/ranks/RankTalk.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <iostream>
 #include <set>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/SampleStore.hpp>
-#include <pkg/ranks/Digest.hpp>
+#include <pkg/ranks/RankTalk.hpp>
 
 #include <algorithm>
 #include <cstring>

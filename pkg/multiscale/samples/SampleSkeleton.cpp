@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/Errors.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/samples/SampleSkeleton.hpp>
+#include <pkg/thm/Errors.hpp>
 
 #include <chrono>
 #include <cmath>

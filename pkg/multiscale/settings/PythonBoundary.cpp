@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <pkg/multiscale/settings/GroundBoundaries.hpp>
-#include <pkg/python/PythonArrays.hpp>
 #include <pkg/python/PythonFunction.hpp>
 
 namespace py = boost::python;

@@ -2,7 +2,6 @@
 #include <core/Scene.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/multiscale/settings/SkeletonLaws.hpp>
-#include <pkg/python/PythonArrays.hpp>
 #include <pkg/python/PythonFunction.hpp>
 
 #include <algorithm>
