@@ -94,12 +94,12 @@ public:
 				"be packed all run open, which is said once; a call then takes about 20 times as long."))
 		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: they are dealt to the points by chance, see seed. See "
 				"talik.slope.depthBands."))
-		((int,seed,1,,"Of the chance by which samples are dealt to points where sampleOf is empty, >= 0. A point takes the same one whatever the order of the "
-				"points and the number of threads: its place and the seed decide."))
+		((int,seed,1,,"Seed of the random numbers by which samples are dealt to points where sampleOf is empty, >= 0. The place of a point and the seed decide, "
+				"not the order of the points or the number of threads."))
 		((Real,strainTolerance,2e-5,,"A sample is asked when a component of its accumulated displacement gradient passes this [-]; 0: in every step (the "
 				"reference). Where MpmEngine.tolerance is set every point begins with it and is steered from there."))
-		((Real,saturationTolerance,0.01,,"... or when the ice saturation has changed by this [-]; 0: every change. A third of MpmEngine.tolerance where that is "
-				"set."))
+		((Real,saturationTolerance,0.01,,"A sample is also asked when its ice saturation has changed by this [-]; 0: at every change. Where MpmEngine.tolerance is "
+				"set it is a third of that."))
 		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
 		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]; 0: "
 				"fixed tolerance. Not asked where MpmEngine.tolerance is set."))
@@ -111,10 +111,10 @@ public:
 				"they do not."))
 		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is asked at the latest [s], >= 0; 0: in every step. In between its stress "
 				"does not relax."))
-		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Shear over normal stress with which thawed points slip at the thaw front by Coulomb "
-				"friction, as those of a law do, eq. (20.2) [-], >= 0: that of the samples in simple shear, see talik.calibrate.thawedFriction. nan: the stress of "
-				"the samples carries the slip, eq. (20.2a); it is rough where the front is inclined to the grid, and slopes fail too early on fine cells."))
-		((Real,slipCohesion,0,,"The same without normal stress [Pa], >= 0, with slipFriction only. It stays where bonds of the samples break."))
+		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Coulomb friction at the thaw front, shear over normal stress, eq. (20.2) [-], >= 0. "
+				"Give that of the samples in simple shear, talik.calibrate.thawedFriction. nan: the stress of the samples carries the slip, eq. (20.2a); it is rough "
+				"where the front is inclined to the grid, and slopes fail too early on fine cells."))
+		((Real,slipCohesion,0,,"Cohesion that goes with slipFriction [Pa], >= 0. It stays where bonds of the samples break."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
 				"changed while running."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "

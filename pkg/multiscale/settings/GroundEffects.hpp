@@ -15,16 +15,17 @@ public:
 		((Real,thermalTimeScale,1,,"f_T [-], > 0: calendar time that passes in each second of motion. Conduction, surface coefficients, heat fluxes and sources are "
 				"multiplied by it, and seepage and rain unless PoreWater.hydraulicTimeScale says otherwise; tables of boundaries are read at calendar time. With "
 				"followsMotion its largest value, at rest. May be changed while running."))
-		((bool,followsMotion,false,,"The scale of the calendar follows the motion: thermalTimeScale while the ground rests, movingTimeScale while it moves, in "
-				"between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2) with the speed v of the fastest ground, the largest mean velocity of the points of a cell; where "
-				"heat needs it the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. Needs motion."))
+		((bool,followsMotion,false,,"The scale of the calendar follows the motion: thermalTimeScale f_T while the ground rests, movingTimeScale f_m while it "
+				"moves, in between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2). v is the speed of the fastest ground, the largest mean velocity of the points of a cell. "
+				"Where heat needs shorter steps the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. "
+				"Needs motion."))
 		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: nature's. May be "
 				"changed while running."))
-		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way. Until ground of "
-				"acceleration a has left it, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
-		((Real,eventSpeed,1e-5,,"Speed of the fastest ground in calendar time, its speed over the scale of the calendar, from which on motion is an event [m/s], >= "
-				"0; it is also faster than motionTolerance then. Ground that follows its thaw creeps more slowly, at whatever scale it is computed; 1e-5 m/s is a metre a "
-				"day, a moderate landslide (Cruden and Varnes 1996)."))
+		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way between its two values. "
+				"While ground of acceleration a gains speed, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
+		((Real,eventSpeed,1e-5,,"Motion is an event from this speed in calendar time on, the speed of the fastest ground over the scale of the calendar [m/s], >= 0, "
+				"if it also passes motionTolerance. Ground that follows its thaw creeps more slowly, at whatever scale it is computed. 1e-5 m/s is a metre a day, a "
+				"moderate landslide (Cruden and Varnes 1996)."))
 		((Real,eventDisplacement,0.02,,"What a point must be displaced by to count as moved in an event [m], > 0; events that move none so far are left out."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
 		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s of calendar time]; "
@@ -86,14 +87,14 @@ public:
 			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
 			"PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
 		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 1e-2 it is lowered, with a warning, "
-				"to what lets pressure rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
+				"so that pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
 		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
 		((Real,impedance,6,,"Omega of impedance [-], >= 0."))
 		((Real,relativeConductivityFloor,1e-6,,"Smallest relative conductivity [-], in (0,1]."))
 		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and what WaterFlux feeds in [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
-				"thaw and consolidation keep their ratio; a number overrides it, 1 leaves seepage in seconds of motion. Water is not hastened beyond the conductivity at "
-				"which pressure rests within a fraction of a second anyway, see MpmEngine.calendar['largestConductivity']."))
+				"thaw and consolidation keep their ratio; a number overrides it, 1 leaves seepage in seconds of motion. Water is hastened up to a conductivity at "
+				"which pressure comes to rest within a fraction of a second, and no further, see MpmEngine.calendar['largestConductivity']."))
 		((Real,bulkModulus,2.2e7,,"Numerical bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; less lets larger steps and lowers Skempton's B, see "
 				"MpmEngine.skemptonB."))
 		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times bulkModulus."))
