@@ -27,7 +27,7 @@ slips = ("strength", "stress")
 calendars = ("follows-motion", "constant")
 # of Ground with the law alone, of samples 0.1 m thick: five times as stiff as thawed ground is enough, at half the steps
 softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)
-flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to hang on no setting
+flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to depend on no setting
 oneGrainThick = 0.01  # mean diameter of the discs [m]
 fullThawStrain = "full"  # all of eq. (8): the porosity of the sample
 

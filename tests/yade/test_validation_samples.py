@@ -107,7 +107,7 @@ def test_ground_loaded_frozen_unloaded_and_thawed_is_left_without_stress_of_its_
 	locked = back[1] - start[1]
 	assert locked > 2 * rise
 	thawed = advancedBy(column, 0, 0)
-	# contacts that slid in the cycle keep a part of the load that hangs on the packing: 5 and 11 % in two of 100 grains
+	# contacts that slid in the cycle keep a part of the load that depends on the packing: 5 and 11 % in two of 100 grains
 	report.expectScaled("load-freeze-unload-thaw, sample: residual stress after thaw over load", thawed[1], start[1], rise, 0.15)
 	report.expectScaled("load-freeze-unload-thaw, sample: residual stress after thaw over that of the ice", thawed[1] - start[1], 0.0, locked, 0.02)
 	report.draw(

@@ -13,7 +13,7 @@ from talik import plots
 from talik.files import writableFolder, writeWhole
 
 levels = (0.01, 0.03, 0.1)
-cost = "CPU time [s]"  # what settings are compared by: wall time hangs on what else a machine is doing
+cost = "CPU time [s]"  # what settings are compared by: wall time depends on what else a machine is doing
 shown = ("varied", "error [-]", "wall time [s]", "CPU time [s]", "memory [MB]", "points", "steps", "runs", "on the front", "presets")
 
 
