@@ -139,13 +139,11 @@ template <int D> void RigidContact<D>::findNear(int first, int count, double rea
 
 template <int D> bool RigidContact<D>::meets(int p, int b, const Memories& before, Candidate& c) const
 {
-	const RigidBody<D>& body = bodies[b];
-	Vec<D>              x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points_->position(a)[p];
-	const Vec<D> local = body.toFrame(x);
-	c.body             = b;
-	c.memory           = {};
+	const RigidBody<D>& body  = bodies[b];
+	const Vec<D>        x     = points_->at(p);
+	const Vec<D>        local = body.toFrame(x);
+	c.body                    = b;
+	c.memory                  = {};
 	for (const Memory& m : before)
 		if (std::abs(m.key) == body.id + 1) c.memory = m;
 	const bool thin = body.shape->thin(), known = c.memory.key != 0;
@@ -316,9 +314,7 @@ void RigidContact<D>::push(
 	const Strips& strips = points_->strips();
 	touches_.resize(strips.count());
 	near_.resize(strips.count());
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points_->position(a);
+	const std::array<const double*, D> x = points_->positions();
 	strips.scatter(
 	        [&](int strip, int first, int last) {
 		        std::vector<Touch>& touches = touches_[strip];
@@ -350,9 +346,7 @@ void RigidContact<D>::push(
 
 template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const
 {
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points_->position(a);
+	const std::array<const double*, D> x = points_->positions();
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
 		        WeightBlock<D> w;
@@ -388,9 +382,7 @@ template <int D> typename RigidContact<D>::Facing RigidContact<D>::faced(int p, 
 	const double size    = 2.0 * halfSize(p);
 	double       nearest = size;
 	Facing       found;
-	Vec<D>       x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points_->position(a)[p];
+	const Vec<D> x = points_->at(p);
 	for (int b : near) {
 		const RigidBody<D>& body = bodies[b];
 		if (std::none_of(ids.begin(), ids.end(), [&](int id) { return id == body.id || id == body.group; })) continue;
@@ -412,9 +404,7 @@ void RigidContact<D>::collectFaces(
 	range.overNodes([&](int, int first, int last) { faces_.clear(first, last); });
 	const Strips& strips = points_->strips();
 	near_.resize(strips.count());
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points_->position(a);
+	const std::array<const double*, D> x = points_->positions();
 	strips.scatter(
 	        [&](int strip, int first, int last) {
 		        WeightBlock<D> w;
@@ -446,9 +436,7 @@ template <int D> typename RigidContact<D>::Overlap RigidContact<D>::deepestOverl
 	for (std::size_t b = 0; b < bodies.size(); ++b) {
 		if (bodies[b].shape->thin()) continue;
 		for (int p = 0; p < points_->count(); ++p) {
-			Vec<D> x;
-			for (int a = 0; a < D; ++a)
-				x[a] = points_->position(a)[p];
+			const Vec<D> x     = points_->at(p);
 			const double depth = -bodies[b].shape->nearest(bodies[b].toFrame(x), bodies[b].size, 1).distance;
 			if (depth > deepest.depth) deepest = { static_cast<int>(b), p, depth };
 		}

@@ -40,10 +40,8 @@ public:
 	/// Finds the cells of points first .. last and adds up their volumes; call within MaterialPoints::strips().scatter.
 	void locate(const Grid<D>& grid, const MaterialPoints<D>& points, int first, int last)
 	{
-		std::array<const double*, D> x;
-		for (int a = 0; a < D; ++a)
-			x[a] = points.position(a);
-		const double* volume = points.volume();
+		const std::array<const double*, D> x      = points.positions();
+		const double*                      volume = points.volume();
 		for (int p = first; p < last; ++p) {
 			int c = 0;
 			for (int a = 0; a < D; ++a)

@@ -70,11 +70,9 @@ namespace {
 
 template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 {
-	const int                    n = count();
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = position(a);
-	const Order<D> order(grid, x);
+	const int                          n = count();
+	const std::array<const double*, D> x = positions();
+	const Order<D>                     order(grid, x);
 	strips_.axis     = grid.slowAxis();
 	const int strips = (grid.cells(strips_.axis) + Strips::rows - 1) / Strips::rows;
 	for (int p = 0; p < n; ++p)

@@ -84,6 +84,22 @@ public:
 
 	double*       position(int axis) { return fields_.component(position_, axis); }
 	const double* position(int axis) const { return fields_.component(position_, axis); }
+	/// position() of all axes.
+	std::array<const double*, D> positions() const
+	{
+		std::array<const double*, D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = position(a);
+		return x;
+	}
+	/// Where the point at a place is [m].
+	Vec<D> at(int place) const
+	{
+		Vec<D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = position(a)[place];
+		return x;
+	}
 	double*       volume() { return fields_.component(volume_); }
 	const double* volume() const { return fields_.component(volume_); }
 
