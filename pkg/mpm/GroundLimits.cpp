@@ -183,7 +183,9 @@ template <int D> bool Ground<D>::Parts::mayLeaveGrid(int p, double reach) const
 
 template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) const
 {
-	const std::array<const double*, D> x = points->positions();
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = points->position(a);
 	shape->evaluate(grid, x, p, 1, w);
 	Vec<D> next;
 	for (int a = 0; a < D; ++a)
@@ -237,7 +239,9 @@ template <int D> void Ground<D>::Parts::checkPositions()
 template <int D> void Ground<D>::Parts::findOutside(int strip)
 {
 	for (int p = points->strips().first[strip + 1] - 1; p >= points->strips().first[strip]; --p) {
-		const Vec<D> x = points->at(p);
+		Vec<D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = points->position(a)[p];
 		if (!grid.contains(x)) bad[strip] = p;
 	}
 }

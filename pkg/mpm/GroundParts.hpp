@@ -170,8 +170,10 @@ template <int D> struct Ground<D>::Parts {
 	}
 	template <class Work> void overBlocks(int first, int last, Work&& work)
 	{
-		WeightBlock<D>                     w;
-		const std::array<const double*, D> x = points->positions();
+		WeightBlock<D>               w;
+		std::array<const double*, D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = points->position(a);
 		for (int p = first; p < last; p += blockSize) {
 			shape->evaluate(grid, x, p, std::min(blockSize, last - p), w);
 			work(w);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/kernels/NodeLoops.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>

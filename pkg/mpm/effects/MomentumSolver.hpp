@@ -5,7 +5,7 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/grid/ActiveRange.hpp>
 
 #include <vector>
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <pkg/mpm/effects/NodeColumns.hpp>
+#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>

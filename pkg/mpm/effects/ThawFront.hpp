@@ -4,6 +4,7 @@
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>

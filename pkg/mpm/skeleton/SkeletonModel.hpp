@@ -5,6 +5,7 @@
 #include <pkg/mpm/points/PointFields.hpp>
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 namespace talik {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/ThreadTeam.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace talik {
+
+/// The slabs of the grid that points can reach until they are sorted again; loops over nodes and cells keep to it.
+struct ActiveRange {
+	int firstNode = 0, lastNode = 0; ///< node indices [first, last)
+	int firstCell = 0, lastCell = 0; ///< cell indices [first, last)
+	int parallel = 1;                ///< 0: one thread does all
+	int chunk    = 1;                ///< nodes of one piece of work; fixed, so that sums have one order for any number of threads
+
+	template <int D> static ActiveRange of(const Grid<D>& grid, const MaterialPoints<D>& points)
+	{
+		const int     axis = grid.slowAxis();
+		const double* x    = points.position(axis);
+		double        low = x[0], high = x[0];
+		for (int p = 1; p < points.count(); ++p) {
+			low  = std::min(low, x[p]);
+			high = std::max(high, x[p]);
+		}
+		// one row more on both sides for points that stray until the next sorting
+		const int   firstRow = std::max(0, static_cast<int>((low - grid.lower()[axis]) * grid.inverseSpacing()) - 1);
+		const int   lastRow  = std::min(grid.cells(axis) - 1, static_cast<int>((high - grid.lower()[axis]) * grid.inverseSpacing()) + 1);
+		ActiveRange r;
+		r.firstCell = firstRow * grid.cellStride(axis);
+		r.lastCell  = (lastRow + 1) * grid.cellStride(axis);
+		r.firstNode = firstRow * grid.nodeStride(axis);
+		r.lastNode  = (lastRow + 4) * grid.nodeStride(axis);
+		r.chunk     = 2 * grid.nodeStride(axis);
+		r.parallel  = points.strips().parallel;
+		return r;
+	}
+
+	int chunks() const { return (lastNode - firstNode + chunk - 1) / chunk; }
+
+	/// work(firstCell, lastCell) over all cells of the range, in pieces.
+	template <class Work> void overCells(Work&& work) const
+	{
+		constexpr int piece = 512;
+		const int     n     = (lastCell - firstCell + piece - 1) / piece;
+		ThreadTeam::run(n, threads(), [&](int c, int) { work(firstCell + c * piece, std::min(lastCell, firstCell + (c + 1) * piece)); });
+	}
+
+	/// work(piece, firstNode, lastNode) over all nodes of the range.
+	template <class Work> void overNodes(Work&& work) const
+	{
+		const int n = chunks();
+		ThreadTeam::run(n, threads(), [&](int c, int) { work(c, firstNode + c * chunk, std::min(lastNode, firstNode + (c + 1) * chunk)); });
+	}
+
+private:
+	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
+};
+
+} // namespace talik
