@@ -86,7 +86,7 @@ namespace {
 		if (!create) return "cannot be found";
 		// the objects are given up: their type is what is being questioned, so they must not be destroyed
 		std::size_t usable = malloc_usable_size(create());
-		for (int again = 0; again < 3; again++)
+		for (int again = 0; again < 3; ++again)
 			usable = std::min(usable, malloc_usable_size(create()));
 		// the allocator rounds up to 16 bytes and may leave a remainder of 16 that it cannot use otherwise
 		if (expected <= usable && usable < expected + 32) return "";

@@ -19,12 +19,12 @@ namespace {
 	public:
 		GroupOf(const yade::RveSample& sample, std::size_t copies)
 		{
-			for (std::size_t k = 0; k < copies; k++)
+			for (std::size_t k = 0; k < copies; ++k)
 				pool.add(sample.packed<Dim>());
 			options.maxInertialNumber = sample.maxInertialNumber;
 			options.maxStrainPerStep  = sample.maxStrainPerStep;
 			options.minSteps          = sample.minSteps;
-			for (std::size_t k = 0; k < copies; k++)
+			for (std::size_t k = 0; k < copies; ++k)
 				requests.push_back({ k, PackedTypes<Dim>::Matrix::Zero(), sample.iceSaturation() });
 			stresses.resize(copies, PackedTypes<Dim>::Matrix::Zero());
 		}

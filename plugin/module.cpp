@@ -74,7 +74,7 @@ namespace {
 	/// Steps in Python's own thread, of which O.running says nothing.
 	int stepsUnderWay = 0;
 	struct StepUnderWay {
-		StepUnderWay() { stepsUnderWay++; }
+		StepUnderWay() { ++stepsUnderWay; }
 		~StepUnderWay() { stepsUnderWay--; }
 	};
 
@@ -239,7 +239,7 @@ namespace {
 		const StepUnderWay underWay;
 		if (steps > 0) scene->moveToNextTimeStep(); // lets go of former engines, which Python may own
 		const WithoutInterpreterLock unlocked;
-		for (long step = 1; step < steps; step++)
+		for (long step = 1; step < steps; ++step)
 			scene->moveToNextTimeStep();
 	}
 

@@ -22,7 +22,7 @@ namespace {
 		const Vector3r axis = (end - start).normalized();
 		const Vector3r u = axis.unitOrthogonal(), v = axis.cross(u);
 		glBegin(GL_QUAD_STRIP);
-		for (int side = 0; side <= sides; side++) {
+		for (int side = 0; side <= sides; ++side) {
 			const Real     angle  = 2 * M_PI * side / sides;
 			const Vector3r offset = radius * (std::cos(angle) * u + std::sin(angle) * v);
 			const Vector3r a = start + offset, b = end + offset;
@@ -54,7 +54,7 @@ Vector3r Gl1_IceBondPhys::wrapped(const Vector3r& position) const
 {
 	if (!scene->isPeriodic) return position;
 	Vector3r cells = scene->cell->hSize.inverse() * position;
-	for (int axis = 0; axis < 3; axis++)
+	for (int axis = 0; axis < 3; ++axis)
 		cells[axis] -= std::floor(cells[axis]);
 	return scene->cell->hSize * cells;
 }

@@ -117,7 +117,7 @@ void GrainSwelling::registerBodies()
 	const auto& bodies = *scene->bodies;
 	preparedRadius.resize(bodies.size(), 0);
 	equivalentRadius.resize(bodies.size(), 0);
-	for (std::size_t id = 0; id < bodies.size(); id++) {
+	for (std::size_t id = 0; id < bodies.size(); ++id) {
 		const Body*   body   = bodies[id].get();
 		const Sphere* sphere = sphereWithIce(body);
 		// grains that join later come as they are: with the radius of their material now
@@ -128,7 +128,7 @@ void GrainSwelling::registerBodies()
 /// Gives every grain the radius of its ice; true if one changed.
 bool GrainSwelling::followIce()
 {
-	for (std::size_t id = 0; id < preparedRadius.size(); id++) {
+	for (std::size_t id = 0; id < preparedRadius.size(); ++id) {
 		const Body* body = (*scene->bodies)[id].get();
 		if (!sphereWithIce(body)) continue;
 		auto& material             = static_cast<IceBondMat&>(*body->material);
@@ -136,7 +136,7 @@ bool GrainSwelling::followIce()
 	}
 	bool changed = false;
 	radiusBefore.resize(preparedRadius.size());
-	for (std::size_t id = 0; id < preparedRadius.size(); id++) {
+	for (std::size_t id = 0; id < preparedRadius.size(); ++id) {
 		Body*   body   = (*scene->bodies)[id].get();
 		Sphere* sphere = sphereWithIce(body);
 		if (!sphere) continue;
@@ -180,7 +180,7 @@ void GrainSwelling::report()
 	const bool preparedFrozen = rule() == Rule::mechanical;
 	const Real preparedRatio  = preparedFrozen ? equivalentRatio(1) : 1;
 	Real       prepared = 0, present = 0;
-	for (std::size_t id = 0; id < preparedRadius.size(); id++) {
+	for (std::size_t id = 0; id < preparedRadius.size(); ++id) {
 		const Body*   body   = (*scene->bodies)[id].get();
 		const Sphere* sphere = sphereWithIce(body);
 		equivalentRadius[id] = 0;

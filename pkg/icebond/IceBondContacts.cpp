@@ -179,7 +179,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::takeUpIceSaturation(Contact& c, double ice
 void Law2_ScGeom_IceBondPhys_IceBond::countBroken()
 {
 #pragma omp atomic
-	brokenBonds++;
+	++brokenBonds;
 }
 
 void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness& k)

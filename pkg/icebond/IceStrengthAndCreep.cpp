@@ -135,7 +135,7 @@ void CreepingBonds::requireParallelSprings() const
 	for (const auto& engine : scene->engines) {
 		if (engine->getClassName() != "InteractionLoop") continue;
 		const py::object functors = py::object(engine).attr("lawDispatcher").attr("functors");
-		for (long k = 0; k < py::len(functors); k++) {
+		for (long k = 0; k < py::len(functors); ++k) {
 			const py::object law = functors[k];
 			if (!PyObject_HasAttrString(law.ptr(), "stiffnessRule")) continue;
 			const string rule = py::extract<string>(law.attr("stiffnessRule"));

@@ -37,7 +37,7 @@ template <class T> struct SequenceConverter {
 	{
 		if (!PyList_Check(object) && !PyTuple_Check(object)) return nullptr;
 		boost::python::object items { boost::python::handle<>(boost::python::borrowed(object)) };
-		for (int i = 0; i < boost::python::len(items); i++)
+		for (int i = 0; i < boost::python::len(items); ++i)
 			if (!boost::python::extract<Element>(items[i]).check() || boost::python::object(items[i]).is_none()) return nullptr;
 		return object;
 	}
@@ -47,7 +47,7 @@ template <class T> struct SequenceConverter {
 		void*                 memory   = reinterpret_cast<boost::python::converter::rvalue_from_python_storage<Sequence>*>(data)->storage.bytes;
 		auto*                 sequence = new (memory) Sequence;
 		boost::python::object items { boost::python::handle<>(boost::python::borrowed(object)) };
-		for (int i = 0; i < boost::python::len(items); i++)
+		for (int i = 0; i < boost::python::len(items); ++i)
 			sequence->push_back(boost::python::extract<Element>(items[i])());
 		data->convertible = memory;
 	}

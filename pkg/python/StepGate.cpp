@@ -18,11 +18,11 @@ namespace {
 		{
 			std::lock_guard<std::mutex> lock(mutex);
 			if (depth > 0 && inside == std::this_thread::get_id()) {
-				depth++;
+				++depth;
 				return true;
 			}
 			if (next != served) return false;
-			next++;
+			++next;
 			takePlace();
 			return true;
 		}
@@ -38,7 +38,7 @@ namespace {
 			std::lock_guard<std::mutex> lock(mutex);
 			if (--depth > 0) return;
 			inside = {};
-			served++;
+			++served;
 			if (next != served) turn.notify_all();
 		}
 

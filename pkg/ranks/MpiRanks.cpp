@@ -146,7 +146,7 @@ namespace {
 
 		void note(std::size_t bytes, const Watch& watch)
 		{
-			sent.messages++;
+			++sent.messages;
 			sent.bytes += bytes;
 			sent.waited += std::chrono::duration<double>(Clock::now() - watch.begin).count();
 			sent.polling += processorTime() - watch.processor;

@@ -69,7 +69,7 @@ void BodyContact::collect(const Scene& scene, const Engine& mpm, SceneBodies& me
 	checkEngines(scene, mpm);
 	met.clear();
 	const BodyContainer& all = *scene.bodies;
-	for (size_t id = 0; id < all.size(); id++) {
+	for (size_t id = 0; id < all.size(); ++id) {
 		const Body* body = all[id].get();
 		if (!body || !body->shape || isClump(*body) || (mask != 0 && (body->groupMask & mask) == 0)) continue;
 		const string reason = met.add(*body, [this](const Body& of) { return frictionOf(of); });
@@ -110,7 +110,7 @@ void BodyContact::refuseOverlap(const Scene& scene, const SceneBodies& met) cons
 void BodyContact::limitByContact(const Scene& scene, const SceneBodies& met)
 {
 	grips.assign(scene.bodies->size(), {});
-	for (size_t b = 0; b < met.count(); b++) {
+	for (size_t b = 0; b < met.count(); ++b) {
 		const auto grip = met.gripOn(b);
 		if (!std::isfinite(grip.spring)) continue;
 		auto& whole = grips[mover(scene, *(*scene.bodies)[met.id(b)]).id];
@@ -118,7 +118,7 @@ void BodyContact::limitByContact(const Scene& scene, const SceneBodies& met)
 		whole.dashpot += thickness * grip.dashpot;
 	}
 	contactLimit = std::numeric_limits<Real>::infinity();
-	for (size_t id = 0; id < grips.size(); id++) {
+	for (size_t id = 0; id < grips.size(); ++id) {
 		if (grips[id].spring == 0) continue;
 		const State& state = *(*scene.bodies)[id]->state;
 		if (met.movesFreely(state)) contactLimit = std::min(contactLimit, met.timeStep(state.mass, grips[id]));
@@ -132,16 +132,16 @@ void BodyContact::take(SceneBodies& met, Real interval)
 	// what is still to be delivered of bodies that are there no more is nobody's
 	vector<Real> former;
 	former.swap(pending);
-	for (size_t b = 0; b < met.count(); b++) {
+	for (size_t b = 0; b < met.count(); ++b) {
 		const auto received = met.take(b);
 		const Real id       = met.id(b);
 		pending.push_back(id);
 		for (const Vector3r& vector : { received.impulse, received.angularImpulse })
-			for (int a = 0; a < 3; a++)
+			for (int a = 0; a < 3; ++a)
 				pending.push_back(thickness * vector[a]);
 		for (size_t k = 0; k < former.size(); k += numbersPerImpulse)
 			if (former[k] == id)
-				for (int i = 1; i < numbersPerImpulse; i++)
+				for (int i = 1; i < numbersPerImpulse; ++i)
 					pending[pending.size() - numbersPerImpulse + i] += former[k + i];
 	}
 	ahead += interval;
@@ -156,7 +156,7 @@ void BodyContact::deliver(Scene& scene)
 		Real* impulse = &pending[k + 1];
 		scene.forces.addForce(id, Vector3r(impulse[0], impulse[1], impulse[2]) * (share / scene.dt));
 		scene.forces.addTorque(id, Vector3r(impulse[3], impulse[4], impulse[5]) * (share / scene.dt));
-		for (int i = 0; i < numbersPerImpulse - 1; i++)
+		for (int i = 0; i < numbersPerImpulse - 1; ++i)
 			impulse[i] -= share * impulse[i];
 	}
 	ahead = share < 1 ? ahead - scene.dt : 0;
@@ -174,7 +174,7 @@ Real BodyContact::timeStep(const Scene& scene, const SceneBodies& met, Real stab
 	for (const auto& engine : scene.engines)
 		meetEachOther = meetEachOther || engine->getClassName() == "InteractionLoop";
 	if (!meetEachOther || met.count() < 2) return limit;
-	for (size_t b = 0; b < met.count(); b++) {
+	for (size_t b = 0; b < met.count(); ++b) {
 		const Body& body     = *(*scene.bodies)[met.id(b)];
 		const auto* material = dynamic_cast<const ElastMat*>(body.material.get());
 		const auto* sphere   = dynamic_cast<const Sphere*>(body.shape.get());

@@ -19,7 +19,7 @@ namespace {
 	template <int D> talik::Vec<D> componentsOf(const Vector3r& v)
 	{
 		talik::Vec<D> c;
-		for (int a = 0; a < D; a++)
+		for (int a = 0; a < D; ++a)
 			c[a] = v[a];
 		return c;
 	}
@@ -35,7 +35,7 @@ namespace {
 	}
 	void pose(const State& state, InSpace& shown)
 	{
-		for (int a = 0; a < 3; a++)
+		for (int a = 0; a < 3; ++a)
 			shown.axes[a] = componentsOf<3>(state.se3.orientation * Vector3r::Unit(a));
 		shown.spin = componentsOf<3>(state.angVel);
 	}
@@ -43,7 +43,7 @@ namespace {
 	void turn(const InPlane& from, Real time, InPlane& to)
 	{
 		const Real angle = from.spin[0] * time, c = std::cos(angle), s = std::sin(angle);
-		for (int a = 0; a < 2; a++)
+		for (int a = 0; a < 2; ++a)
 			to.axes[a] = { c * from.axes[a][0] - s * from.axes[a][1], s * from.axes[a][0] + c * from.axes[a][1] };
 	}
 	void turn(const InSpace& from, Real time, InSpace& to)
@@ -52,7 +52,7 @@ namespace {
 		const Real     speed = spin.norm();
 		if (speed == 0) return;
 		const Eigen::AngleAxis<Real> turned(speed * time, spin / speed);
-		for (int a = 0; a < 3; a++)
+		for (int a = 0; a < 3; ++a)
 			to.axes[a] = componentsOf<3>(turned * Vector3r(from.axes[a][0], from.axes[a][1], from.axes[a][2]));
 	}
 
@@ -87,7 +87,7 @@ namespace {
 	{
 		shown.shape = &talik::rigidPlane<3>();
 		shown.side  = wall.sense;
-		for (int a = 0; a < 3; a++)
+		for (int a = 0; a < 3; ++a)
 			shown.axes[a] = componentsOf<3>(Vector3r::Unit((wall.axis + a) % 3));
 		return "";
 	}
@@ -112,7 +112,7 @@ namespace {
 		const Vector2r foot   = Vector2r(corner[0], corner[1]) - (corner[0] * along[0] + corner[1] * along[1]) * along;
 		shown.shape           = &talik::rigidPlate<2>();
 		shown.size            = { 0, (high - low) / 2 };
-		for (int a = 0; a < 2; a++)
+		for (int a = 0; a < 2; ++a)
 			shown.position[a] += foot[a] + (low + high) / 2 * along[a];
 		shown.axes = { { { along[1], -along[0] }, { along[0], along[1] } } };
 		return "";
@@ -127,7 +127,7 @@ namespace {
 		shown.shape           = &talik::rigidTriangle();
 		shown.size            = { first.norm(), second.dot(along), second.dot(third) };
 		const Vector3r corner = turned * facet.vertices[0];
-		for (int a = 0; a < 3; a++)
+		for (int a = 0; a < 3; ++a)
 			shown.position[a] += corner[a];
 		shown.axes = { componentsOf<3>(normal), componentsOf<3>(along), componentsOf<3>(third) };
 		return "";
@@ -182,10 +182,10 @@ namespace {
 			shown.friction = friction(body);
 			// the shown surface turns with the body about the body's position
 			talik::Vec<D> arm;
-			for (int a = 0; a < D; a++)
+			for (int a = 0; a < D; ++a)
 				arm[a] = shown.position[a] - state.se3.position[a];
 			const talik::Vec<D> turning = talik::cross(shown.spin, arm);
-			for (int a = 0; a < D; a++)
+			for (int a = 0; a < D; ++a)
 				shown.velocity[a] += turning[a];
 			leverArms.push_back(arm);
 			collected.push_back(shown);
@@ -217,9 +217,9 @@ namespace {
 
 		void place(Real time) override
 		{
-			for (size_t b = 0; b < collected.size(); b++) {
+			for (size_t b = 0; b < collected.size(); ++b) {
 				talik::RigidBody<D>& to = contact.bodies[b];
-				for (int a = 0; a < D; a++)
+				for (int a = 0; a < D; ++a)
 					to.position[a] = collected[b].position[a] + time * collected[b].velocity[a];
 				turn(collected[b], time, to);
 			}
@@ -230,9 +230,9 @@ namespace {
 			talik::RigidBody<D>& body = contact.bodies[met];
 			const auto &         arm = leverArms[met], &p = body.impulse;
 			Received             all;
-			for (int a = 0; a < D; a++)
+			for (int a = 0; a < D; ++a)
 				all.impulse[a] = p[a];
-			for (int axis = D == 2 ? 2 : 0; axis < 3; axis++) {
+			for (int axis = D == 2 ? 2 : 0; axis < 3; ++axis) {
 				const int i = (axis + 1) % 3, j = (axis + 2) % 3;
 				all.angularImpulse[axis] = body.angularImpulse[D == 2 ? 0 : axis] + arm[i] * p[j] - arm[j] * p[i];
 			}

@@ -340,9 +340,9 @@ void Checkpoint::tryToWrite()
 	try {
 		talik::writeCheckpoint(file, Omega::instance().getScene());
 		problem.clear();
-		done++;
+		++done;
 	} catch (const std::runtime_error& failure) {
-		failures++;
+		++failures;
 		problem = failure.what();
 		if (!saidBefore) std::cerr << problem << "; the run goes on and tries again." << std::endl;
 	}

@@ -60,8 +60,8 @@ std::string fromBase64(const std::string& text)
 	std::string bytes;
 	bytes.reserve(length);
 	Decoder next(body.begin());
-	for (std::size_t i = 0; i < length; i++)
-		bytes.push_back(*next++);
+	for (std::size_t i = 0; i < length; ++i)
+		bytes.push_back(*++next);
 	return bytes;
 }
 
@@ -78,7 +78,7 @@ namespace {
 		static const char  letters[] = "abcdefghijklmnopqrstuvwxyz012345";
 		std::random_device chance;
 		std::string        name;
-		for (int i = 0; i < 16; i++)
+		for (int i = 0; i < 16; ++i)
 			name += letters[chance() % 32];
 		return name;
 	}
@@ -126,7 +126,7 @@ void AtomicFile::open()
 
 void AtomicFile::openNamed()
 {
-	for (int attempt = 0; descriptor_ < 0; attempt++) {
+	for (int attempt = 0; descriptor_ < 0; ++attempt) {
 		const std::string name = nameBeside(file_);
 		descriptor_            = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
 		if (descriptor_ >= 0) beside_ = name;
@@ -138,7 +138,7 @@ void AtomicFile::openNamed()
 void AtomicFile::giveName()
 {
 	const std::string present = "/proc/self/fd/" + std::to_string(descriptor_);
-	for (int attempt = 0; beside_.empty(); attempt++) {
+	for (int attempt = 0; beside_.empty(); ++attempt) {
 		const std::string name = nameBeside(file_);
 		if (::linkat(AT_FDCWD, present.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) beside_ = name;
 		else if (errno != EEXIST || attempt == attempts) fail(std::strerror(errno));

@@ -15,9 +15,9 @@ namespace {
 	{
 		const talik::Vec<D> lower = engine.lower.in<D>("MpmEngine.lower"), upper = engine.upper.in<D>("MpmEngine.upper");
 		const auto&         points = engine.points;
-		for (int axis = 0; axis < D; axis++) {
+		for (int axis = 0; axis < D; ++axis) {
 			Real low = std::numeric_limits<Real>::infinity(), high = -low;
-			for (int id = 0; id < points.count(); id++) {
+			for (int id = 0; id < points.count(); ++id) {
 				const Real x = points.position(id, axis), half = 0.5 * (D == 2 ? std::sqrt(points.volume(id)) : std::cbrt(points.volume(id)));
 				low  = std::min(low, x - half);
 				high = std::max(high, x + half);
@@ -42,7 +42,7 @@ namespace {
 	template <int D> vector<talik::Vec<D>> placesOf(const talik::PointTable& points)
 	{
 		vector<talik::Vec<D>> places;
-		for (int id = 0; id < points.count(); id++)
+		for (int id = 0; id < points.count(); ++id)
 			places.push_back(points.point<D>(id).position);
 		return places;
 	}
@@ -80,7 +80,7 @@ namespace {
 		        : inside(settingsOf<D>(engine))
 		{
 			const auto laws = engine.activeSkeletons();
-			for (int id = 0; id < engine.points.count(); id++) {
+			for (int id = 0; id < engine.points.count(); ++id) {
 				talik::PointInput<D> point = engine.points.point<D>(id);
 				const bool           given = !std::isnan(point.stress[0]), hasLaw = point.skeleton >= 0 && point.skeleton < int(laws.size());
 				if (given && !goesOn && engine.motion && hasLaw && laws[point.skeleton]->beginsWithOwnStress())
@@ -102,7 +102,7 @@ namespace {
 			const auto& s       = inside.settings();
 			const auto  require = [](const talik::GroundVector& now, const talik::Vec<D>& built, const char* name) {
                                 const talik::Vec<D> corner = now.in<D>(string("MpmEngine.") + name);
-                                for (int axis = 0; axis < D; axis++)
+                                for (int axis = 0; axis < D; ++axis)
                                         if (!std::isnan(corner[axis]) && corner[axis] != built[axis])
                                                 throw std::invalid_argument(
 						         "MpmEngine." + string(name) + " is now " + now.text()

@@ -144,7 +144,7 @@ py::object MpmEngine::strains(const string& name)
 	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: " + name + " needs motion and deformationRecord=True.");
 	np::ndarray          f = py::extract<np::ndarray>(field("deformationGradient"))();
 	vector<vector<Real>> rows(f.shape(0));
-	for (std::size_t i = 0; i < rows.size(); i++)
+	for (std::size_t i = 0; i < rows.size(); ++i)
 		rows[i] = strainOf(name, reinterpret_cast<const Real*>(f.get_data()) + f.shape(1) * i, ground->dimension());
 	return arrayOf(rows);
 }
@@ -167,7 +167,7 @@ py::object MpmEngine::measured(const vector<shared_ptr<SkeletonLaw>>& laws, cons
 	vector<np::ndarray>  tables;
 	for (const auto& law : laws)
 		tables.push_back(py::extract<np::ndarray>(law->values(name))());
-	for (int id = 0; id < pointCount(); id++)
+	for (int id = 0; id < pointCount(); ++id)
 		for (const auto& table : tables) {
 			const int   parts = table.get_nd() == 1 ? 1 : table.shape(1);
 			const Real* row   = reinterpret_cast<const Real*>(table.get_data()) + id * parts;
@@ -189,9 +189,9 @@ py::object MpmEngine::field(const string& name)
 	np::ndarray  result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
 	Real*        data   = reinterpret_cast<Real*>(result.get_data());
 	vector<Real> component(n);
-	for (int c = 0; c < parts; c++) {
+	for (int c = 0; c < parts; ++c) {
 		g.copyById(name, c, component.data());
-		for (int i = 0; i < n; i++)
+		for (int i = 0; i < n; ++i)
 			data[i * parts + c] = component[i];
 	}
 	return result;
@@ -209,18 +209,18 @@ int MpmEngine::pick(const py::object& x, const py::object& y, const py::object& 
 	const py::object coordinates[] = { x, y, z };
 	Real             at[3];
 	string           text;
-	for (int a = 0; a < g.dimension(); a++) {
+	for (int a = 0; a < g.dimension(); ++a) {
 		at[a] = py::extract<Real>(coordinates[a]);
 		text += (a ? ", " : "(") + boost::lexical_cast<string>(at[a]);
 	}
 	vector<vector<Real>> position(g.dimension(), vector<Real>(pointCount()));
-	for (int a = 0; a < g.dimension(); a++)
+	for (int a = 0; a < g.dimension(); ++a)
 		g.copyById("position", a, position[a].data());
 	int  nearest = -1;
 	Real least   = std::numeric_limits<Real>::infinity();
-	for (int id = 0; id < pointCount(); id++) {
+	for (int id = 0; id < pointCount(); ++id) {
 		Real square = 0;
-		for (int a = 0; a < g.dimension(); a++)
+		for (int a = 0; a < g.dimension(); ++a)
 			square += (position[a][id] - at[a]) * (position[a][id] - at[a]);
 		if (!(square < least)) continue; // also where the place is not a number
 		least   = square;
@@ -236,14 +236,14 @@ py::list MpmEngine::most(const string& name, int count)
 	const np::ndarray            values = py::extract<np::ndarray>(field(name))();
 	const int                    points = values.shape(0), parts = values.get_nd() == 1 ? 1 : values.shape(1);
 	vector<std::pair<Real, int>> order;
-	for (int id = 0; id < points; id++) {
+	for (int id = 0; id < points; ++id) {
 		const Real* row  = reinterpret_cast<const Real*>(values.get_data()) + id * parts;
 		const Real  size = parts == 1 ? row[0] : std::sqrt(std::inner_product(row, row + parts, row, 0.));
 		if (!std::isnan(size)) order.emplace_back(-size, id);
 	}
 	std::sort(order.begin(), order.end());
 	py::list ids;
-	for (int k = 0; k < std::min(count, int(order.size())); k++)
+	for (int k = 0; k < std::min(count, int(order.size())); ++k)
 		ids.append(order[k].second);
 	return ids;
 }
@@ -262,7 +262,7 @@ vector<Real> MpmEngine::valueAt(const string& name, int id)
 	vector<Real> value;
 	for (const auto& info : stored.list())
 		if (info.name == source)
-			for (int c = 0; c < info.components; c++)
+			for (int c = 0; c < info.components; ++c)
 				value.push_back(stored.find(source, c)[ground->placeOf(id)]);
 	return isStrain(name) ? strainOf(name, value.data(), ground->dimension()) : value;
 }
@@ -285,14 +285,14 @@ void MpmEngine::watch(py::object ids, Real interval, py::object names)
 	wanted->interval          = interval;
 	const np::ndarray numbers = talik::asArray("watch: ids", ids);
 	const Real*       data    = reinterpret_cast<const Real*>(numbers.get_data());
-	for (int k = 0; k < (numbers.get_nd() == 0 ? 1 : numbers.shape(0)); k++) {
+	for (int k = 0; k < (numbers.get_nd() == 0 ? 1 : numbers.shape(0)); ++k) {
 		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))
 			throw std::invalid_argument(
 			        "MpmEngine.watch: " + boost::lexical_cast<string>(data[k]) + " is no point: give ids from 0 to "
 			        + std::to_string(pointCount() - 1) + ".");
 		if (std::find(wanted->ids.begin(), wanted->ids.end(), int(data[k])) == wanted->ids.end()) wanted->ids.push_back(int(data[k]));
 	}
-	for (int k = 0; k < py::len(names); k++) {
+	for (int k = 0; k < py::len(names); ++k) {
 		const string name = py::extract<string>(names[k]);
 		if (ground && !py::list(fieldNames()).count(name))
 			throw std::invalid_argument("MpmEngine.watch: there is no field '" + name + "'; see fieldNames().");
@@ -347,7 +347,7 @@ py::object MpmEngine::estimatedError()
 	if (toleranceInForce == 0) return py::object();
 	talik::ErrorSquares sum;
 	const auto          laws = activeSkeletons();
-	for (std::size_t k = 0; k < laws.size(); k++) {
+	for (std::size_t k = 0; k < laws.size(); ++k) {
 		const auto squares = laws[k]->errorSquares(g.skeletonPoints(int(k)));
 		sum.add(1, squares.error, squares.stress);
 	}
@@ -381,7 +381,7 @@ py::list MpmEngine::events()
 	py::list          list;
 	const auto        events = g.events();
 	const std::size_t ended  = g.endedEvents().size();
-	for (std::size_t i = 0; i < events.size(); i++) {
+	for (std::size_t i = 0; i < events.size(); ++i) {
 		const auto& e = events[i];
 		py::dict    d;
 		d["day"]      = e.begin / secondsPerDay;
@@ -405,7 +405,7 @@ void MpmEngine::setDay(Real day)
 py::list MpmEngine::pointMaterials() const
 {
 	py::list numbers;
-	for (int id = 0; id < pointCount(); id++)
+	for (int id = 0; id < pointCount(); ++id)
 		numbers.append(points.material(id));
 	return numbers;
 }
@@ -418,10 +418,10 @@ double MpmEngine::skemptonB()
 	Real         modulus = std::numeric_limits<Real>::infinity();
 	int          softest = 0;
 	vector<Real> byPlace(pointCount());
-	for (int k = 0; k < int(activeSkeletons().size()); k++) {
+	for (int k = 0; k < int(activeSkeletons().size()); ++k) {
 		const auto own = g.skeletonPoints(k);
 		g.tangentModulus(k, byPlace.data());
-		for (int i = 0; i < own.count; i++)
+		for (int i = 0; i < own.count; ++i)
 			if (byPlace[own.place[i]] < modulus) {
 				modulus = byPlace[own.place[i]];
 				softest = own.id[own.place[i]];
@@ -439,7 +439,7 @@ void MpmEngine::setTemperature(py::object values)
 	const bool        same  = array.get_nd() == 0;
 	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
 	const Real* data = reinterpret_cast<const Real*>(array.get_data());
-	for (int id = 0; id < (same ? 1 : n); id++)
+	for (int id = 0; id < (same ? 1 : n); ++id)
 		if (!(data[id] > -100 && data[id] < 100))
 			throw std::invalid_argument(
 			        "MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
@@ -447,7 +447,7 @@ void MpmEngine::setTemperature(py::object values)
 	begun = true;
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
-	for (int id = 0; id < n; id++)
+	for (int id = 0; id < n; ++id)
 		g.setThermalState(id, data[same ? 0 : id], pressure[id]);
 }
 
@@ -457,15 +457,15 @@ void MpmEngine::resetDisplacement()
 	auto&     f          = g.pointFields();
 	const int n          = pointCount();
 	const int dimensions = g.dimension();
-	for (int axis = 0; axis < dimensions; axis++)
+	for (int axis = 0; axis < dimensions; ++axis)
 		if (Real* displacement = f.find("displacement", axis)) {
 			// an event that goes on keeps what it moved so far
 			if (Real* before = f.find("displacementBefore", axis))
-				for (int p = 0; p < n; p++)
+				for (int p = 0; p < n; ++p)
 					before[p] -= displacement[p];
 			std::fill(displacement, displacement + n, 0.);
 		}
-	for (int c = 0; c < dimensions * dimensions; c++)
+	for (int c = 0; c < dimensions * dimensions; ++c)
 		if (Real* deformation = f.find("deformationGradient", c)) std::fill(deformation, deformation + n, c % (dimensions + 1) == 0 ? 1. : 0.);
 }
 

@@ -61,7 +61,7 @@ py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure",
 		                             "skeleton", "stress", "velocity", "poreFill",    "material" };
 	MpmEngine&               self    = py::extract<MpmEngine&>(args[0]);
-	for (int i = 1; i < py::len(args) && i <= 10; i++)
+	for (int i = 1; i < py::len(args) && i <= 10; ++i)
 		keywords[names[i - 1]] = args[i];
 	self.addPoints(keywords);
 	return py::object();
@@ -112,7 +112,7 @@ int MpmEngine::usedDimension() const
 int MpmEngine::materialNumber(const string& name) const
 {
 	string known;
-	for (size_t k = 0; k < materials.size(); k++) {
+	for (size_t k = 0; k < materials.size(); ++k) {
 		if (!materials[k] || materials[k]->name.empty()) continue;
 		if (materials[k]->name == name) return k;
 		known += (known.empty() ? "" : ", ") + materials[k]->name;
@@ -134,7 +134,7 @@ py::object MpmEngine::materialNumbers(const py::object& given) const
 		PyErr_Clear();
 		return given;
 	}
-	for (int k = 0; k < count; k++) {
+	for (int k = 0; k < count; ++k) {
 		const py::object          value = given[k];
 		const py::extract<string> one(value);
 		numbers.append(one.check() ? py::object(materialNumber(one())) : value);
@@ -223,7 +223,7 @@ void MpmEngine::checkChangeable() const
 	const auto require = [](bool valid, const char* name, Real value, const char* remedy) {
 		if (!valid) throw std::invalid_argument("MpmEngine." + string(name) + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
 	};
-	for (int axis = 0; axis < gravity.components(); axis++)
+	for (int axis = 0; axis < gravity.components(); ++axis)
 		require(std::isfinite(gravity[axis]), "gravity", gravity[axis], "finite components in m/s^2");
 	require(damping >= 0 && damping < 1, "damping", damping, "a number from 0 to below 1");
 	require(!(picTime < 0), "picTime", picTime, "a time in s, 0 or more; inf: none dies out, nan: chosen");
@@ -373,7 +373,7 @@ void MpmEngine::warnOfCalendar()
 	const auto&  c    = ground->calendar();
 	const double slow = std::min(
 	        heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
-	for (std::size_t i = 0; i < boundaries.size(); i++) {
+	for (std::size_t i = 0; i < boundaries.size(); ++i) {
 		const auto& b = *boundaries[i];
 		if (b.times.size() < 2 || !(b.times.back() > 0) || !(b.times.back() < slow)) continue;
 		std::ostringstream text;
@@ -567,7 +567,7 @@ void MpmEngine::action()
 	} catch (const std::exception& problem) {
 		stepping = false;
 		failure  = problem.what();
-		failures++;
+		++failures;
 		if (!scene->isPeriodic && !scene->subStepping) scene->subStep = -1;
 		if (runWaitedFor) muteLog();
 		throw;
@@ -640,12 +640,12 @@ void MpmEngine::advanceAlone(bool newLimit)
 		const int  kept  = subSteps(left) > 1 ? findStableStep() : 1;
 		const int  count = subSteps(left), now = std::min(count, kept);
 		const Real dt = left / count;
-		for (int i = 0; i < now; i++) {
+		for (int i = 0; i < now; ++i) {
 			try {
 				advance(dt);
 			} catch (const talik::StopAfterStep&) { // the ground has done this step, the clock of the scene follows
 				scene->time += done + (i + 1) * dt;
-				scene->iter++;
+				++scene->iter;
 				throw;
 			}
 		}
@@ -660,7 +660,7 @@ void MpmEngine::collectBodies()
 	bodies->collect(*scene, *this, met);
 	if (bodiesNamed) return;
 	std::set<int> numbers; // of bodies, and of clumps that have one
-	for (size_t b = 0; b < met.count(); b++) {
+	for (size_t b = 0; b < met.count(); ++b) {
 		const Body& body = *(*scene->bodies)[met.id(b)];
 		numbers.insert(body.id);
 		if (body.clumpId >= 0) numbers.insert(body.clumpId);
@@ -679,7 +679,7 @@ void MpmEngine::advanceAmongBodies()
 	if (bodies->due(*scene) > 1e-9 * scene->dt) {
 		const double begin = bodies->ahead, interval = bodies->groundStep(*scene, stableStep);
 		const int    count = subSteps(interval);
-		for (int i = 0; i < count; i++) {
+		for (int i = 0; i < count; ++i) {
 			met.place(begin + i * (interval / count));
 			advance(interval / count);
 		}

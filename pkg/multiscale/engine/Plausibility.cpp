@@ -37,12 +37,12 @@ namespace {
 	{
 		Vec<D> low = points[0].position;
 		for (const auto& point : points)
-			for (int a = 0; a < D; a++)
+			for (int a = 0; a < D; ++a)
 				low[a] = std::min(low[a], point.position[a]);
 		std::map<Box<D>, std::vector<int>> boxes;
-		for (std::size_t i = 0; i < points.size(); i++) {
+		for (std::size_t i = 0; i < points.size(); ++i) {
 			Box<D> place;
-			for (int a = 0; a < D; a++)
+			for (int a = 0; a < D; ++a)
 				place[a] = long(std::floor((points[i].position[a] - low[a]) / side + 0.5));
 			boxes[place].push_back(int(i));
 		}
@@ -53,10 +53,10 @@ namespace {
 	template <int D, class Work> void overNeighbours(const Box<D>& middle, Work&& work)
 	{
 		Box<D> box;
-		for (int k = 0; k < (D == 2 ? 25 : 125); k++) {
+		for (int k = 0; k < (D == 2 ? 25 : 125); ++k) {
 			box    = middle;
 			int in = k;
-			for (int a = 0; a < D; a++, in /= 5)
+			for (int a = 0; a < D; ++a, in /= 5)
 				box[a] += in % 5 - 2;
 			work(box);
 		}
@@ -76,7 +76,7 @@ namespace {
 					for (const int j : others->second) {
 						if (i == j) continue;
 						Vec<D> apart;
-						for (int a = 0; a < D; a++)
+						for (int a = 0; a < D; ++a)
 							apart[a] = points[i].position[a] - points[j].position[a];
 						nearest[i] = std::min(nearest[i], lengthOf<D>(apart));
 					}
@@ -217,13 +217,13 @@ namespace {
 		if (mpm.gravity.isGiven() && mpm.gravity.components() != D) return; // refused anyway
 		Vec<D> gravity = mpm.gravity.in<D>("gravity");
 		double beside  = 0;
-		for (int a = 0; a < D - 1; a++)
+		for (int a = 0; a < D - 1; ++a)
 			beside = std::max(beside, std::abs(gravity[a]));
 		const string text = mpm.gravity.text();
 		if (gravity[D - 1] > 0) {
 			gravity[D - 1] *= -1;
 			std::ostringstream meant;
-			for (int a = 0; a < D; a++)
+			for (int a = 0; a < D; ++a)
 				meant << (a ? ", " : "(") << gravity[a];
 			doubts.add(true, "MpmEngine.gravity is ", text, " m/s^2, upwards: was ", meant.str(), ") meant?");
 		} else if (D == 3 && gravity[D - 1] == 0 && beside > 0)
@@ -233,7 +233,7 @@ namespace {
 	template <int D> std::vector<Doubt> doubtsIn(const MpmEngine& mpm)
 	{
 		Points<D> points;
-		for (int id = 0; id < mpm.points.count(); id++)
+		for (int id = 0; id < mpm.points.count(); ++id)
 			points.push_back(mpm.points.point<D>(id));
 		Doubts doubts;
 		if (mpm.gridSpacing > 0 && !points.empty()) doubtPlaces<D>(doubts, points, mpm.gridSpacing);

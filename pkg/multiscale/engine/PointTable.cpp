@@ -36,7 +36,7 @@ namespace {
 		const np::ndarray array = asArray(std::string("addPoints: ") + column.name, values);
 		const double*     data  = reinterpret_cast<const double*>(array.get_data());
 		long              size  = 1;
-		for (int d = 0; d < array.get_nd(); d++)
+		for (int d = 0; d < array.get_nd(); ++d)
 			size *= array.shape(d);
 		const int  components = column.components;
 		const bool uniform    = size == components && (components > 1 || array.get_nd() == 0 || points == 1);
@@ -48,7 +48,7 @@ namespace {
 			                   : dimension == 2             ? ", in the order of field('stress'): xx, yy, zz, xy."
 			                                                : ", in the order of field('stress'): xx, yy, zz, yz, xz, xy."));
 		std::vector<double> numbers(std::size_t(points) * components);
-		for (std::size_t k = 0; k < numbers.size(); k++)
+		for (std::size_t k = 0; k < numbers.size(); ++k)
 			numbers[k] = data[uniform ? k % components : k];
 		return numbers;
 	}
@@ -115,8 +115,8 @@ void PointTable::add(const py::dict& arrays)
 		materials_.insert(materials_.end(), materials.begin(), materials.end());
 	}
 	dimension_ = dimension;
-	for (int p = 0; p < points; p++)
-		for (std::size_t c = 0; c < columns.size(); c++) {
+	for (int p = 0; p < points; ++p)
+		for (std::size_t c = 0; c < columns.size(); ++c) {
 			const auto first = columns[c].begin() + long(p) * widths[c];
 			numbers_.insert(numbers_.end(), first, first + widths[c]);
 		}
@@ -171,7 +171,7 @@ namespace {
 	{
 		np::ndarray array = np::empty(width == 1 ? py::make_tuple(count) : py::make_tuple(count, width), np::dtype::get_builtin<double>());
 		Real*       data  = reinterpret_cast<Real*>(array.get_data());
-		for (std::size_t i = 0; i < count; i++)
+		for (std::size_t i = 0; i < count; ++i)
 			std::copy(first + i * stride, first + i * stride + width, data + i * width);
 		return array;
 	}
@@ -182,7 +182,7 @@ void PointWatch::record(Real time, const Look& look)
 	const bool first = times.empty();
 	if (first) next = time;
 	for (const int id : ids)
-		for (std::size_t f = 0; f < fields.size(); f++) {
+		for (std::size_t f = 0; f < fields.size(); ++f) {
 			auto numbers = look(fields[f], id);
 			if (first && id == ids.front()) components.push_back(int(numbers.size()));
 			numbers.resize(std::size_t(components[f]), NaN); // a point that has lost its sample has one NaN in place of a tensor
@@ -202,7 +202,7 @@ py::dict PointWatch::history(int id) const
 	py::dict          result;
 	result["time"]  = columns(times.data(), times.size(), 1, 1);
 	const Real* row = rows.data() + std::size_t(place) * width;
-	for (std::size_t f = 0; f < components.size(); f++) {
+	for (std::size_t f = 0; f < components.size(); ++f) {
 		result[fields[f]] = columns(row, times.size(), components[f], stride);
 		row += components[f];
 	}

@@ -21,7 +21,7 @@ namespace {
 		std::map<string, string> copies;
 		for (const auto& array : ground.state()) {
 			string name = array.name;
-			for (std::size_t k = 0; k < before.size(); k++) {
+			for (std::size_t k = 0; k < before.size(); ++k) {
 				if (array.name.rfind(prefixOf(k), 0) != 0) continue;
 				const auto found = std::find(after.begin(), after.end(), before[k]);
 				name             = found == after.end() ? "" : prefixOf(found - after.begin()) + array.name.substr(prefixOf(k).size());
@@ -49,7 +49,7 @@ namespace {
 			throw std::invalid_argument(
 			        prefix + "has " + std::to_string(py::len(values)) + " numbers for " + std::to_string(points) + " points: give one per point.");
 		vector<int> indices(points);
-		for (int id = 0; id < points; id++) {
+		for (int id = 0; id < points; ++id) {
 			indices[id] = py::extract<int>(values[id].attr("__int__")());
 			if (indices[id] < 0 || indices[id] >= laws)
 				throw std::invalid_argument(
@@ -63,7 +63,7 @@ namespace {
 py::list MpmEngine::skeletonNumbers() const
 {
 	py::list numbers;
-	for (int id = 0; id < pointCount(); id++)
+	for (int id = 0; id < pointCount(); ++id)
 		numbers.append(points.skeleton(id));
 	return numbers;
 }
@@ -71,7 +71,7 @@ py::list MpmEngine::skeletonNumbers() const
 void MpmEngine::checkExchange(const Laws& laws, const vector<int>& skeletonOf) const
 {
 	const Laws before = activeSkeletons();
-	for (int id = 0; id < pointCount(); id++) {
+	for (int id = 0; id < pointCount(); ++id) {
 		const auto& law = laws[skeletonOf[id]];
 		if (!law)
 			throw std::invalid_argument(
@@ -102,7 +102,7 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 	try {
 		skeleton.reset();
 		skeletons = laws;
-		for (int id = 0; id < pointCount(); id++)
+		for (int id = 0; id < pointCount(); ++id)
 			points.setSkeleton(id, numbers[id]);
 		takeOver(before, state);
 	} catch (...) {
@@ -127,10 +127,10 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 	begun                                 = true;
 	std::tie(stableStep, stepsUntilLimit) = steps;
 	overwriteState(*ground, state);
-	for (int place = 0; place < pointCount(); place++)
+	for (int place = 0; place < pointCount(); ++place)
 		ground->skeletonNumbers()[place] = points.skeleton(ground->idAt(place));
 	ground->stateRestored();
-	for (std::size_t k = 0; k < skeletons.size(); k++) {
+	for (std::size_t k = 0; k < skeletons.size(); ++k) {
 		if (isOld(skeletons[k])) {
 			skeletons[k]->restoreState(histories[k]);
 			skeletons[k]->keepOnly(ground->skeletonPoints(int(k)));

@@ -32,7 +32,7 @@ namespace {
 	bool contains(const py::object& value, const shared_ptr<Serializable>& part)
 	{
 		if (PyList_Check(value.ptr())) {
-			for (int k = 0; k < py::len(value); k++)
+			for (int k = 0; k < py::len(value); ++k)
 				if (contains(value[k], part)) return true;
 			return false;
 		}
@@ -59,7 +59,7 @@ bool MpmEngine::holds(const shared_ptr<Serializable>& part) const
 {
 	if (part.get() == this) return true;
 	const py::list values(pyDict().values());
-	for (int k = 0; k < py::len(values); k++)
+	for (int k = 0; k < py::len(values); ++k)
 		if (contains(values[k], part)) return true;
 	return false;
 }

@@ -327,7 +327,7 @@ template <int Dim> void DistributedStore<Dim>::dealAgain()
 	std::vector<ByteWriter> going(std::size_t(talk->count()));
 	for (std::size_t i = 0; i < owned.size(); ++i) {
 		if (owner[i] == next[i]) continue;
-		shared.moved++;
+		++shared.moved;
 		if (owner[i] != talk->rank()) continue;
 		ByteWriter state;
 		held->saveState(state, numbers.firstOf[owned[i]]);

@@ -23,10 +23,10 @@ namespace {
 	template <int Dim> PackedTangent<Dim> part(const PackedTangent<3>& c)
 	{
 		PackedTangent<Dim> result;
-		for (int i = 0; i < Dim; i++)
-			for (int j = 0; j < Dim; j++)
-				for (int k = 0; k < Dim; k++)
-					for (int l = 0; l < Dim; l++)
+		for (int i = 0; i < Dim; ++i)
+			for (int j = 0; j < Dim; ++j)
+				for (int k = 0; k < Dim; ++k)
+					for (int l = 0; l < Dim; ++l)
 						result[((i * Dim + j) * Dim + k) * Dim + l] = c[((i * 3 + j) * 3 + k) * 3 + l];
 		return result;
 	}
@@ -68,7 +68,7 @@ template <int Dim> typename OpenStore<Dim>::BeginningPointer OpenStore<Dim>::des
 
 template <int Dim> OpenStore<Dim>::OpenStore(const std::vector<std::string>& scenes)
 {
-	for (std::size_t k = 0; k < scenes.size(); k++) {
+	for (std::size_t k = 0; k < scenes.size(); ++k) {
 		try {
 			OpenSample sample(scenes[k]);
 			if (Dim == 3 && sample.planar()) throw std::invalid_argument("its grains are discs, and the ground is in space: give spheres.");
@@ -133,7 +133,7 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 	std::vector<std::exception_ptr>      failures(requests.size());
 	const int                            workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
 #pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
-	for (long k = 0; k < long(requests.size()); k++) {
+	for (long k = 0; k < long(requests.size()); ++k) {
 		const auto&         request = requests[std::size_t(k)];
 		PackedUpdateOptions chosen  = options;
 		chosen.strength             = request.strength;
@@ -149,7 +149,7 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 	}
 	for (const auto& failure : failures)
 		if (failure) std::rethrow_exception(failure);
-	for (std::size_t k = 0; k < requests.size(); k++)
+	for (std::size_t k = 0; k < requests.size(); ++k)
 		if (results[k].blewUp) samples[requests[k].sample].running->recover();
 	return results;
 }
@@ -179,7 +179,7 @@ template <int Dim> const void* OpenStore<Dim>::identity(std::size_t sample) cons
 template <int Dim> std::size_t OpenStore<Dim>::distinctStates() const
 {
 	std::set<const void*> distinct;
-	for (std::size_t s = 0; s < samples.size(); s++)
+	for (std::size_t s = 0; s < samples.size(); ++s)
 		distinct.insert(identity(s));
 	return distinct.size();
 }

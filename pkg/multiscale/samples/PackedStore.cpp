@@ -148,7 +148,7 @@ template <int Dim> void PackedStore<Dim>::resize(std::size_t samples)
 {
 	const auto blank = std::make_shared<const CompactSample<Dim>>(*prototypes.front());
 	pool.clear();
-	for (std::size_t s = 0; s < samples; s++)
+	for (std::size_t s = 0; s < samples; ++s)
 		pool.add(blank);
 }
 

@@ -197,7 +197,7 @@ bool RveSample::servo(Real stressX, Real stressY, const py::object& stressZ)
 		              : "RveSample.servo: stressZ is missing: the sample has spheres.");
 	const Real stresses[3] = { stressX, stressY, discs ? 0 : py::extract<Real>(stressZ)() };
 	const char axes[4]     = "XYZ";
-	for (int d = 0; d < dimension(); d++)
+	for (int d = 0; d < dimension(); ++d)
 		if (!std::isfinite(stresses[d]) || !(stresses[d] < 0))
 			throw std::invalid_argument(
 			        string("RveSample.servo: stress") + axes[d] + " is " + boost::lexical_cast<string>(stresses[d])
@@ -205,7 +205,7 @@ bool RveSample::servo(Real stressX, Real stressY, const py::object& stressZ)
 	return withState([&](const auto& s) {
 		constexpr int                  dim = dimensionOf<std::decay_t<decltype(s)>>;
 		talik::PackedServoOptions<dim> options;
-		for (int d = 0; d < dim; d++)
+		for (int d = 0; d < dim; ++d)
 			options.principalStress[d] = stresses[d];
 		PackedSample<dim> sample(s);
 		const bool        reached = sample.servo(options);
@@ -239,8 +239,8 @@ namespace {
 	{
 		np::ndarray array = np::zeros(columns == 1 ? py::make_tuple(rows) : py::make_tuple(rows, columns), np::dtype::get_builtin<double>());
 		Real*       data  = reinterpret_cast<Real*>(array.get_data());
-		for (std::size_t i = 0; i < rows; i++)
-			for (int c = 0; c < columns; c++)
+		for (std::size_t i = 0; i < rows; ++i)
+			for (int c = 0; c < columns; ++c)
 				data[i * columns + c] = get(i, c);
 		return array;
 	}

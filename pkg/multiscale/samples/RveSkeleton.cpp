@@ -101,7 +101,7 @@ namespace {
 	int dealtAt(const double* place, int dimension, int samples, int seed)
 	{
 		std::uint64_t chance = mixed(std::uint64_t(seed));
-		for (int d = 0; d < dimension; d++)
+		for (int d = 0; d < dimension; ++d)
 			chance = mixed(chance ^ std::uint64_t(std::llround(place[d] / placeUnit)));
 		return int(chance % std::uint64_t(samples));
 	}
@@ -116,7 +116,7 @@ py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
 		throw std::invalid_argument("RveSkeleton.deal: position is not an array (n,2) or (n,3).");
 	const Real* data = reinterpret_cast<const Real*>(array.get_data());
 	py::list    numbers;
-	for (int p = 0; p < array.shape(0); p++)
+	for (int p = 0; p < array.shape(0); ++p)
 		numbers.append(dealtAt(data + array.shape(1) * p, int(array.shape(1)), samples, seed));
 	return numbers;
 }
@@ -135,16 +135,16 @@ bool RveSkeleton::sourcesChanged() const
 {
 	if (!model) return false;
 	if (takenStates.size() != samples.size() || takenScenes.size() != scenes.size()) return true;
-	for (std::size_t k = 0; k < scenes.size(); k++)
+	for (std::size_t k = 0; k < scenes.size(); ++k)
 		if (!scenes[k] || digestOf(scenes[k]) != takenScenes[k]) return true;
-	for (std::size_t k = 0; k < samples.size(); k++)
+	for (std::size_t k = 0; k < samples.size(); ++k)
 		if (!samples[k] || samples[k]->stateNow() != takenStates[k]) return true;
 	return false;
 }
 
 string RveSkeleton::reasonAgainstPacking(int dimension) const
 {
-	for (std::size_t k = 0; k < scenes.size(); k++) {
+	for (std::size_t k = 0; k < scenes.size(); ++k) {
 		string reason = talik::reasonAgainstPacking(*scenes[k]);
 		if (reason.empty() && talik::packedDimension(*scenes[k]) != dimension)
 			reason = dimension == 2 ? "its grains are free to move out of the plane of the ground"
@@ -287,14 +287,14 @@ namespace {
 		const auto           bonded = [](const talik::PackedContacts<Dim>& k, std::size_t c) {
                         return !k.bond.empty() && talik::BondState(k.bond[c] & 3) == talik::BondState::BONDED;
 		};
-		for (std::size_t c = 0; c < former.contacts.size(); c++)
+		for (std::size_t c = 0; c < former.contacts.size(); ++c)
 			if (bonded(former.contacts, c)) before[pair(former.contacts, c)] = false;
-		for (std::size_t c = 0; c < state.contacts.size(); c++) {
+		for (std::size_t c = 0; c < state.contacts.size(); ++c) {
 			const auto found = before.find(pair(state.contacts, c));
 			if (!bonded(state.contacts, c)) {
 				if (found != before.end()) found->second = true;
 			} else if (found != before.end()) before.erase(found);
-			else state.bondsFormed++;
+			else ++state.bondsFormed;
 		}
 		for (const auto& [contact, touches] : before)
 			(state.iceSaturation == 0 ? state.bondsMelted : touches ? state.bondsBrokenInShear : state.bondsBrokenInTension)++;
@@ -347,12 +347,12 @@ py::object RveSkeleton::values(const string& name) const
 	const auto                    bySample = s.samples().measureAll(name);
 	vector<const vector<double>*> rows(points, nullptr);
 	const std::size_t             parts = bySample.empty() ? 1 : bySample.front().size();
-	for (int id = 0; id < points; id++)
+	for (int id = 0; id < points; ++id)
 		if (s.has(id)) rows[id] = &bySample[s.sampleNumber(id)];
 	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(points) : py::make_tuple(points, parts), np::dtype::get_builtin<double>());
 	Real*       data   = reinterpret_cast<Real*>(result.get_data());
-	for (int id = 0; id < points; id++)
-		for (std::size_t c = 0; c < parts; c++)
+	for (int id = 0; id < points; ++id)
+		for (std::size_t c = 0; c < parts; ++c)
 			data[id * parts + c] = rows[id] ? (*rows[id])[c] : NaN;
 	return result;
 }

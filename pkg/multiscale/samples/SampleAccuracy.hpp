@@ -38,7 +38,7 @@ public:
 	void declareFields(PointFields&, const std::string& prefix, const std::string& owner);
 	void begin(int place);
 
-	void   countStep() { step++; }
+	void   countStep() { ++step; }
 	bool   comparesRates(int place) const;
 	double inertialNumber(int place) const { return at(inertialNumberField)[place]; }
 	/// Takes in an answer and steers the point: returns its new strain tolerance [-].

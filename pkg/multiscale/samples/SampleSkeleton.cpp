@@ -37,7 +37,7 @@ namespace {
 	/// Out of plane discs do not touch; the mean of the in-plane stresses stands there for display and invariants.
 	template <int Dim> void storeStress(const SkeletonBatch<Dim>& batch, int place, const MatrixOf<Dim>& s)
 	{
-		for (int n = 0; n < symmetricSize<Dim>; n++) {
+		for (int n = 0; n < symmetricSize<Dim>; ++n) {
 			const auto [i, j]                           = symmetricPair<Dim>(n);
 			batch.stress[stressIndex<Dim>(i, j)][place] = i == j ? s(i, i) : 0.5 * (s(i, j) + s(j, i));
 		}
@@ -57,7 +57,7 @@ namespace {
 	MatrixOf<3> rotationOf(const MatrixOf<3>& h)
 	{
 		MatrixOf<3> r = MatrixOf<3>::Identity() + h;
-		for (int k = 0; k < 30; k++) {
+		for (int k = 0; k < 30; ++k) {
 			const MatrixOf<3> next   = 0.5 * (r + r.inverse().transpose());
 			const double      change = (next - r).norm();
 			r                        = next;
@@ -72,7 +72,7 @@ namespace {
 		const auto          at  = [&](int i, int j, int k, int l) { return c[((i * Dim + j) * Dim + k) * Dim + l]; };
 		const auto          row = [&](int i, int j, int k, int l) { return i == j ? at(i, j, k, l) : 0.5 * (at(i, j, k, l) + at(j, i, k, l)); };
 		CompactTangent<Dim> result;
-		for (int n = 0; n < tangentSize<Dim>; n++) {
+		for (int n = 0; n < tangentSize<Dim>; ++n) {
 			const auto [i, j] = symmetricPair<Dim>(n / symmetricSize<Dim>);
 			const auto [k, l] = symmetricPair<Dim>(n % symmetricSize<Dim>);
 			result[n]         = k == l ? row(i, j, k, l) : row(i, j, k, l) + row(i, j, l, k);
@@ -84,15 +84,15 @@ namespace {
 	{
 		constexpr int size = symmetricSize<Dim>;
 		double        strain[size];
-		for (int n = 0; n < size; n++) {
+		for (int n = 0; n < size; ++n) {
 			const auto [i, j] = symmetricPair<Dim>(n);
 			strain[n]         = i == j ? h(i, i) : 0.5 * (h(i, j) + h(j, i));
 		}
 		MatrixOf<Dim> s;
-		for (int n = 0; n < size; n++) {
+		for (int n = 0; n < size; ++n) {
 			const auto [i, j] = symmetricPair<Dim>(n);
 			double sum        = c[n * size] * strain[0];
-			for (int m = 1; m < size; m++)
+			for (int m = 1; m < size; ++m)
 				sum += c[n * size + m] * strain[m];
 			s(i, j) = s(j, i) = sum;
 		}
@@ -111,13 +111,13 @@ template <int Dim> struct SampleSkeleton<Dim>::Arrays {
 	static Matrix matrixAt(const Components& components, int p)
 	{
 		Matrix m;
-		for (int c = 0; c < Dim * Dim; c++)
+		for (int c = 0; c < Dim * Dim; ++c)
 			m(c / Dim, c % Dim) = components[c][p];
 		return m;
 	}
 	static void setMatrixAt(const Components& components, int p, const Matrix& m)
 	{
-		for (int c = 0; c < Dim * Dim; c++)
+		for (int c = 0; c < Dim * Dim; ++c)
 			components[c][p] = m(c / Dim, c % Dim);
 	}
 	Matrix              accumulated(int p) const { return matrixAt(gradient, p); }
@@ -127,7 +127,7 @@ template <int Dim> struct SampleSkeleton<Dim>::Arrays {
 	CompactTangent<Dim> tangentAt(int p) const
 	{
 		CompactTangent<Dim> c;
-		for (int i = 0; i < tangentSize<Dim>; i++)
+		for (int i = 0; i < tangentSize<Dim>; ++i)
 			c[i] = tangent[i][p];
 		return c;
 	}
@@ -147,7 +147,7 @@ PointSamples::PointSamples(std::shared_ptr<SampleStore> samples, std::vector<int
 {
 	if (anyStore->prototypeCount() == 0)
 		throw std::invalid_argument("RveSkeleton.samples is empty: give at least one sample, e.g. talik.rve.pack(talik.rve.prepare()).");
-	for (std::size_t id = 0; id < prototypeOf.size(); id++)
+	for (std::size_t id = 0; id < prototypeOf.size(); ++id)
 		if (prototypeOf[id] >= anyStore->prototypeCount())
 			throw std::invalid_argument(
 			        "RveSkeleton.sampleOf[" + std::to_string(id) + "] is " + std::to_string(prototypeOf[id]) + ": there are "
@@ -177,11 +177,11 @@ template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const
 template <int Dim> typename SampleSkeleton<Dim>::Arrays SampleSkeleton<Dim>::arrays() const
 {
 	Arrays a;
-	for (int c = 0; c < Dim * Dim; c++) {
+	for (int c = 0; c < Dim * Dim; ++c) {
 		a.gradient[c] = fields->component(gradientField, c);
 		a.last[c]     = fields->component(stressField, c);
 	}
-	for (int c = 0; c < tangentSize<Dim>; c++)
+	for (int c = 0; c < tangentSize<Dim>; ++c)
 		a.tangent[c] = fields->component(tangentField, c);
 	a.saturation = fields->component(saturationField);
 	a.ratio      = fields->component(ratioField);
@@ -195,7 +195,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 	store->clear();
 	// by id: the numbering of samples must not depend on how points are sorted in memory
 	std::map<int, int> placeOf;
-	for (int k = 0; k < batch.count; k++)
+	for (int k = 0; k < batch.count; ++k)
 		placeOf[batch.id[batch.place[k]]] = batch.place[k];
 	for (const auto& [id, place] : placeOf) {
 		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
@@ -205,7 +205,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		sampleOf[id]                    = int(store->size());
 		const SampleStart<Dim>& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);
 		const auto              tangent = compact<Dim>(start.tangent);
-		for (int c = 0; c < tangentSize<Dim>; c++)
+		for (int c = 0; c < tangentSize<Dim>; ++c)
 			a.tangent[c][place] = tangent[c];
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = iceSaturation;
@@ -246,7 +246,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 const int place = batch.place[k];
                 if (!isolated.empty() && isolated.count(batch.id[place])) return;
                 Matrix step;
-                for (int c = 0; c < Dim * Dim; c++)
+                for (int c = 0; c < Dim * Dim; ++c)
                         step(c / Dim, c % Dim) = batch.gradient[c][place];
                 const Matrix h = a.accumulated(place);
                 a.setAccumulated(place, h + step * (Matrix::Identity() + h));
@@ -255,12 +255,12 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 else predict(batch, place, a);
 	};
 	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
-		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); k++)
+		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); ++k)
 			follow(k);
 	});
 	if (!changed.empty()) flagChanged(batch);
 	dueScratch.clear();
-	for (int k = 0; k < batch.count; k++)
+	for (int k = 0; k < batch.count; ++k)
 		if (flagScratch[k]) dueScratch.push_back(batch.place[k]);
 	if (!dueScratch.empty()) ask(batch, dueScratch, a);
 }
@@ -269,7 +269,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 template <int Dim> void SampleSkeleton<Dim>::passTime(const SkeletonBatch<Dim>& batch) const
 {
 	double* time = fields->component(timeField);
-	for (int k = 0; k < batch.count; k++)
+	for (int k = 0; k < batch.count; ++k)
 		time[batch.place[k]] += batch.naturalTime;
 }
 
@@ -299,7 +299,7 @@ template <int Dim> BondStrengthFactors SampleSkeleton<Dim>::strengthFactors(cons
 
 template <int Dim> void SampleSkeleton<Dim>::flagChanged(const SkeletonBatch<Dim>& batch)
 {
-	for (int k = 0; k < batch.count; k++)
+	for (int k = 0; k < batch.count; ++k)
 		if (changed.count(batch.id[batch.place[k]])) flagScratch[k] = 1;
 	changed.clear();
 }
@@ -331,7 +331,7 @@ template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch
 	PackedUpdateOptions options   = schedule.update;
 	options.tangent               = schedule.prediction;
 	const auto results            = store->update(asked, options, schedule.threads);
-	for (std::size_t r = 0; r < due.size(); r++) {
+	for (std::size_t r = 0; r < due.size(); ++r) {
 		const int place = due[r], id = batch.id[place];
 		count.steps += std::uint64_t(results[r].steps);
 		if (results[r].blewUp) {
@@ -345,7 +345,7 @@ template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch
 			const double elastic = elasticChange<Dim>(a.tangentAt(place), h).norm(), actual = (after - turn * before * turn.transpose()).norm();
 			a.ratio[place] = elastic > 0 ? std::min(1., actual / elastic) : 1.;
 			const auto c   = compact<Dim>(results[r].tangent);
-			for (int i = 0; i < tangentSize<Dim>; i++)
+			for (int i = 0; i < tangentSize<Dim>; ++i)
 				a.tangent[i][place] = c[i];
 			const double error = (after - predicted).norm();
 			if (accuracy) steer(batch, place, error, results[r], a);
@@ -404,14 +404,14 @@ template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const Skeleton
 	if (!accuracy) return {};
 	const Arrays a   = arrays();
 	ErrorSquares sum = accuracy->squares();
-	for (int k = 0; k < batch.count; k++)
+	for (int k = 0; k < batch.count; ++k)
 		accuracy->addPending(batch.place[k], batch.volume[batch.place[k]], a.lastStress(batch.place[k]).norm(), sum);
 	return sum;
 }
 
 template <int Dim> void SampleSkeleton<Dim>::tangentModulus(const SkeletonBatch<Dim>& batch, double* modulus) const
 {
-	for (int k = 0; k < batch.count; k++) {
+	for (int k = 0; k < batch.count; ++k) {
 		const int place = batch.place[k], prototype = prototypeOf[batch.id[place]];
 		modulus[place] = store->oedometricModulus(prototype, batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototype));
 	}
@@ -426,9 +426,9 @@ std::size_t PointSamples::sampleNumber(int id) const
 void PointSamples::keepOnly(const SkeletonPoints& batch)
 {
 	std::vector<char> stays(sampleOf.size(), 0);
-	for (int k = 0; k < batch.count; k++)
+	for (int k = 0; k < batch.count; ++k)
 		stays.at(batch.id[batch.place[k]]) = 1;
-	for (std::size_t id = 0; id < sampleOf.size(); id++) {
+	for (std::size_t id = 0; id < sampleOf.size(); ++id) {
 		if (stays[id] || sampleOf[id] < 0) continue;
 		anyStore->release(std::size_t(sampleOf[id]));
 		sampleOf[id] = -1;

@@ -20,7 +20,7 @@ void refuseMeasure(const std::string& name)
 {
 	const auto& names = sampleMeasures();
 	std::string list;
-	for (std::size_t k = 0; k + 1 < names.size(); k++)
+	for (std::size_t k = 0; k + 1 < names.size(); ++k)
 		list += (k ? ", " : "") + names[k];
 	throw std::invalid_argument("RveSkeleton.values: there is no measure '" + name + "'; choose " + list + " or " + names.back() + ".");
 }
@@ -29,7 +29,7 @@ SampleStore::Numbering SampleStore::numbering() const
 {
 	Numbering                                    result;
 	std::unordered_map<const void*, std::size_t> number;
-	for (std::size_t s = 0; s < size(); s++) {
+	for (std::size_t s = 0; s < size(); ++s) {
 		const auto added = number.emplace(identity(s), result.firstOf.size());
 		if (added.second) result.firstOf.push_back(s);
 		result.stateOf.push_back(added.first->second);
@@ -68,7 +68,7 @@ void SampleStore::restore(ByteReader& reader)
 	for (auto& state : stateOf)
 		state = reader.number();
 	std::vector<std::vector<std::size_t>> samplesOf(reader.number());
-	for (std::size_t s = 0; s < stateOf.size(); s++)
+	for (std::size_t s = 0; s < stateOf.size(); ++s)
 		samplesOf.at(stateOf[s]).push_back(s);
 	resize(stateOf.size());
 	for (const auto& samples : samplesOf) {

@@ -23,7 +23,7 @@ namespace {
 			const Py_ssize_t size = PySequence_Size(object);
 			if (size < 0) PyErr_Clear();
 			if (size != 2 && size != 3) return nullptr;
-			for (Py_ssize_t i = 0; i < size; i++) {
+			for (Py_ssize_t i = 0; i < size; ++i) {
 				const py::handle<> item(py::allow_null(PySequence_GetItem(object, i)));
 				if (!item) PyErr_Clear();
 				if (!item || !py::extract<double>(item.get()).check()) return nullptr;
@@ -66,7 +66,7 @@ bool GroundVector::isGiven() const
 {
 	const double first   = (*this)[0];
 	bool         uniform = true;
-	for (int a = 1; a < components(); a++)
+	for (int a = 1; a < components(); ++a)
 		uniform = uniform && same((*this)[a], first);
 	if (uniform && !std::isfinite(first)) return false;
 	return given_ || !uniform || !same(first, space_[0]);
@@ -75,7 +75,7 @@ bool GroundVector::isGiven() const
 std::string GroundVector::text() const
 {
 	std::ostringstream out;
-	for (int a = 0; a < components(); a++)
+	for (int a = 0; a < components(); ++a)
 		out << (a ? ", " : "(") << (*this)[a];
 	out << ")";
 	return out.str();
@@ -89,7 +89,7 @@ template <int D> Vec<D> GroundVector::in(const std::string& attribute) const
 		        + (D == 3 ? ", of two components, but the ground is in space: give three, x, y and z with z upwards."
 		                  : ", of three components, but the ground lies in the plane: give two, x and y with y upwards."));
 	Vec<D> v;
-	for (int a = 0; a < D; a++)
+	for (int a = 0; a < D; ++a)
 		v[a] = (*this)[isGiven() ? a : 0];
 	return v;
 }

@@ -11,7 +11,7 @@ namespace {
 	{
 		if (vectors.empty()) return py::object();
 		const auto array = zeros(py::make_tuple(vectors.size(), D));
-		for (std::size_t k = 0; k < vectors.size(); k++)
+		for (std::size_t k = 0; k < vectors.size(); ++k)
 			std::copy(vectors[k].begin(), vectors[k].end(), numbersOf(array) + k * D);
 		return array;
 	}
@@ -91,7 +91,7 @@ private:
 		const char* const what     = gift_ == Gift::heat ? "heat" : gift_ == Gift::traction ? "traction" : "acceleration";
 		const auto numbers = numbersOfShape(returned, what, width == 1 ? py::make_tuple(nodes.slot.size()) : py::make_tuple(nodes.slot.size(), D));
 		if (rowNotFinite(numbers) >= 0) throw std::domain_error(std::string("gave a ") + what + " that is not finite");
-		for (std::size_t k = 0; k < nodes.slot.size(); k++)
+		for (std::size_t k = 0; k < nodes.slot.size(); ++k)
 			std::copy_n(numbersOf(numbers) + k * width, width, given_[nodes.slot[k]].begin());
 	}
 

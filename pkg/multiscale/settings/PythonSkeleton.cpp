@@ -60,8 +60,8 @@ public:
 
 	void initialise(const SkeletonBatch<D>& b) override
 	{
-		for (std::size_t s = 0; s < script_.statesAtStart.size(); s++)
-			for (int k = 0; k < b.count; k++)
+		for (std::size_t s = 0; s < script_.statesAtStart.size(); ++s)
+			for (int k = 0; k < b.count; ++k)
 				fields_->component(states_[s])[b.place[k]] = script_.statesAtStart[s];
 	}
 
@@ -106,18 +106,18 @@ private:
 		double *const temperature = numbersOf(a.temperature), *const volume = numbersOf(a.volume);
 		int* const    id   = reinterpret_cast<int*>(a.id.get_data());
 		constexpr int size = stressSize<D>;
-		for (int k = 0; k < b.count; k++) {
+		for (int k = 0; k < b.count; ++k) {
 			const int place = b.place[k];
-			for (int c = 0; c < D * D; c++)
+			for (int c = 0; c < D * D; ++c)
 				gradient[k * D * D + c] = b.gradient[c][place];
-			for (int c = 0; c < size; c++)
+			for (int c = 0; c < size; ++c)
 				stress[k * size + c] = b.stress[c][place];
 			const MidpointIncrement<D> increment(gradient + k * D * D);
 			increment.rotate(stress + k * size);
 			if (D == 2) strain[k * size + 2] = 0;
-			for (int c = 0; c < D * (D + 1) / 2; c++)
+			for (int c = 0; c < D * (D + 1) / 2; ++c)
 				strain[k * size + stressOfStrain<D>(c)] = increment.strain[c];
-			for (int s = 0; s < states(); s++)
+			for (int s = 0; s < states(); ++s)
 				state[k * states() + s] = fields_->component(states_[s])[place];
 			ice[k]         = b.iceSaturation ? b.iceSaturation[place] : 0;
 			temperature[k] = b.temperature ? b.temperature[place] : 0;
@@ -137,9 +137,9 @@ private:
 		const py::object returned = (*script_.law)(step);
 		const auto       stress   = numbers(returned.is_none() ? step.attr("stress") : returned, b, "stress", stressSize<D>);
 		const auto       state    = numbers(step.attr("state"), b, "state", states());
-		for (int c = 0; c < stressSize<D>; c++)
+		for (int c = 0; c < stressSize<D>; ++c)
 			scatter(stress, c, b, b.stress[c]);
-		for (int s = 0; s < states(); s++)
+		for (int s = 0; s < states(); ++s)
 			scatter(state, s, b, fields_->component(states_[s]));
 	}
 
@@ -155,7 +155,7 @@ private:
 	{
 		const double* const first = numbersOf(from);
 		const int           width = from.shape(1);
-		for (int k = 0; k < b.count; k++)
+		for (int k = 0; k < b.count; ++k)
 			to[b.place[k]] = first[k * width + component];
 	}
 

@@ -121,7 +121,7 @@ namespace {
 	void drawCube(const Vector3r& centre, Real half, const Vector3r& color)
 	{
 		constexpr Real shades[] = { 0.75, 0.88, 1 };
-		for (int axis = 0; axis < 3; axis++) {
+		for (int axis = 0; axis < 3; ++axis) {
 			const Vector3r u = Vector3r::Unit((axis + 1) % 3), v = Vector3r::Unit((axis + 2) % 3), shaded = shades[axis] * color;
 			glColor3d(shaded[0], shaded[1], shaded[2]);
 			for (const int side : { -1, 1 })
@@ -180,7 +180,7 @@ void GlGround::drawPoints(const talik::GroundPicture::Points& points)
                 return (1 - share) * lowColor + share * highColor;
 	};
 	glBegin(GL_QUADS);
-	for (std::size_t k = 0; k < points.edge.size(); k++) {
+	for (std::size_t k = 0; k < points.edge.size(); ++k) {
 		const Vector3r color = colorOf(k);
 		const Vector3r centre(points.position[0][k], points.position[1][k], points.dimension == 3 ? points.position[2][k] : 0);
 		if (!centre.allFinite()) continue;

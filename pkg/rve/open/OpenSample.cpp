@@ -39,7 +39,7 @@ namespace {
 
 	template <class Visitor> void forBodies(const Scene& scene, Visitor&& visit)
 	{
-		for (std::size_t id = 0; id < scene.bodies->size(); id++)
+		for (std::size_t id = 0; id < scene.bodies->size(); ++id)
 			if (const auto& body = (*scene.bodies)[id]) visit(*body);
 	}
 
@@ -118,9 +118,9 @@ namespace {
 		const Vector3i centre(-int(std::lround(reduced[0])), -int(std::lround(reduced[1])), -int(std::lround(reduced[2])));
 		Vector3i       nearest = centre;
 		double         least   = std::numeric_limits<double>::infinity();
-		for (int i = -1; i <= 1; i++)
-			for (int j = -1; j <= 1; j++)
-				for (int k = -1; k <= 1; k++) {
+		for (int i = -1; i <= 1; ++i)
+			for (int j = -1; j <= 1; ++j)
+				for (int k = -1; k <= 1; ++k) {
 					const Vector3i image  = centre + Vector3i(i, j, k);
 					const double   square = (difference + cell.hSize * image.cast<Real>()).squaredNorm();
 					if (square >= least) continue;
@@ -163,7 +163,7 @@ std::string reasonAgainstSample(const Scene& scene)
 	if (!(scene.dt > 0)) return "its time step is not positive";
 	if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
 	std::size_t bodies = 0;
-	forBodies(scene, [&](const Body&) { bodies++; });
+	forBodies(scene, [&](const Body&) { ++bodies; });
 	if (bodies == 0) return "it has no bodies";
 	bool moves = false;
 	for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines) {
@@ -209,7 +209,7 @@ void OpenSample::measureGrains()
 		if (!sphere || !body.material) return;
 		averageRadius += sphere->radius;
 		density += body.material->density;
-		spheres++;
+		++spheres;
 	});
 	if (spheres == 0) throw std::invalid_argument("The scene cannot be a sample: it has no spheres.");
 	averageRadius /= double(spheres);
@@ -259,7 +259,7 @@ public:
 	}
 	~StrengthFactors()
 	{
-		for (std::size_t k = 0; k < materials.size(); k++)
+		for (std::size_t k = 0; k < materials.size(); ++k)
 			set(*materials[k], before[k]);
 	}
 	StrengthFactors(const StrengthFactors&)            = delete;
@@ -295,7 +295,7 @@ public:
 	~StifferIce()
 	{
 		if (factor == 1) return;
-		for (std::size_t k = 0; k < before.size(); k++)
+		for (std::size_t k = 0; k < before.size(); ++k)
 			sample.iceMaterials[k]->iceYoung = before[k];
 		stiffen(1 / factor);
 	}
@@ -351,7 +351,7 @@ void OpenSample::run(long steps, long averaged)
 {
 	Matrix3r   sum   = Matrix3r::Zero();
 	const long first = steps - std::max(1l, std::min(averaged, steps));
-	for (long k = 0; k < steps; k++) {
+	for (long k = 0; k < steps; ++k) {
 		scene->moveToNextTimeStep();
 		if (k >= first) sum += loveWeber(*scene, stressVolume());
 	}
@@ -451,8 +451,8 @@ std::size_t OpenSample::bondAll()
 	forBodies(*scene, [&](Body& body) {
 		if (bearsIce(body)) grains.push_back(&body);
 	});
-	for (std::size_t a = 0; a < grains.size(); a++)
-		for (std::size_t b = a + 1; b < grains.size(); b++)
+	for (std::size_t a = 0; a < grains.size(); ++a)
+		for (std::size_t b = a + 1; b < grains.size(); ++b)
 			count += bondPair(*grains[a], *grains[b]);
 	formed += count;
 	return count;
@@ -513,10 +513,10 @@ PackedTangent<3> OpenSample::tangent() const
 		const double   kn = normal ? normal->kn : 0, ks = shear ? shear->ks : 0;
 		const Vector3r n       = branch.normalized();
 		const double   squared = branch.squaredNorm() / volume;
-		for (int i = 0; i < 3; i++)
-			for (int j = 0; j < 3; j++)
-				for (int k = 0; k < 3; k++)
-					for (int l = 0; l < 3; l++) {
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j)
+				for (int k = 0; k < 3; ++k)
+					for (int l = 0; l < 3; ++l) {
 						const double nn = n[i] * n[k], tt = (i == k ? 1. : 0.) - nn;
 						result[((i * 3 + j) * 3 + k) * 3 + l] += squared * (kn * nn + ks * tt) * n[j] * n[l];
 					}
@@ -535,7 +535,7 @@ OpenStatistics OpenSample::statistics() const
 		net.emplace(second.id, Vector3r::Zero()).first->second += force;
 		result.fabric += n * n.transpose();
 		forces += force.norm();
-		result.contacts++;
+		++result.contacts;
 	});
 	std::size_t bodies = 0;
 	double      solid = 0, imbalance = 0;
@@ -547,7 +547,7 @@ OpenStatistics OpenSample::statistics() const
 			solid += discs ? M_PI * r * r * std::abs(scene->cell->hSize(2, 2)) : 4. / 3. * M_PI * r * r * r;
 		}
 		if (isClumpMember(body)) return;
-		bodies++;
+		++bodies;
 		const Vector3r fluctuation = motion.vel - velGrad * motion.se3.position;
 		result.kineticEnergy += 0.5 * (motion.mass * fluctuation.squaredNorm() + motion.angVel.dot(motion.inertia.cwiseProduct(motion.angVel)));
 	});

@@ -40,7 +40,7 @@ namespace {
 	std::string reasonOfCell(const Scene& scene)
 	{
 		double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-		for (std::size_t id = 0; id < scene.bodies->size(); id++) {
+		for (std::size_t id = 0; id < scene.bodies->size(); ++id) {
 			const auto& body = (*scene.bodies)[id];
 			if (const auto* sphere = body ? dynamic_cast<const Sphere*>(body->shape.get()) : nullptr) {
 				smallest = std::min(smallest, sphere->radius);
@@ -48,7 +48,7 @@ namespace {
 			}
 		}
 		const double extent = 2 * largest + smallest;
-		for (int axis = 0; largest > 0 && axis < 3; axis++) {
+		for (int axis = 0; largest > 0 && axis < 3; ++axis) {
 			const double length = scene.cell->hSize.col(axis).norm();
 			if (!(extent < 0.99 * length))
 				return "its cell is " + std::to_string(length) + " m long along axis " + std::to_string(axis)
@@ -66,7 +66,7 @@ namespace {
 	std::vector<Kind> kindsOf(const Scene& scene)
 	{
 		std::map<std::tuple<std::string, std::string, mask_t>, Kind> kinds;
-		for (std::size_t id = 0; id < scene.bodies->size(); id++) {
+		for (std::size_t id = 0; id < scene.bodies->size(); ++id) {
 			const auto& body = (*scene.bodies)[id];
 			if (!body || !collides(*body) || !body->material) continue;
 			const auto key = std::make_tuple(body->material->getClassName(), body->shape->getClassName(), body->groupMask);
@@ -106,7 +106,7 @@ namespace {
 	bool someLawFits(const py::object& loop, const std::vector<py::object>& parameters)
 	{
 		const py::object geometries = loop.attr("geomDispatcher").attr("functors"), laws = loop.attr("lawDispatcher");
-		for (long g = 0; g < py::len(geometries); g++)
+		for (long g = 0; g < py::len(geometries); ++g)
 			for (const auto& functor : parameters) {
 				const py::object geom = madeBy(geometries[g]), phys = madeBy(functor);
 				if (geom.is_none() || phys.is_none() || !py::object(laws.attr("dispFunctor")(geom, phys)).is_none()) return true;
@@ -147,8 +147,8 @@ namespace {
 	std::string reasonOfIceContacts(const std::vector<Kind>& kinds, const py::object& loop, mask_t avoidedAmongThemselves)
 	{
 		const py::object geometries = loop.attr("geomDispatcher"), parameters = loop.attr("physDispatcher");
-		for (std::size_t i = 0; i < kinds.size(); i++)
-			for (std::size_t j = i; j < kinds.size(); j++) {
+		for (std::size_t i = 0; i < kinds.size(); ++i)
+			for (std::size_t j = i; j < kinds.size(); ++j) {
 				const Kind &a = kinds[i], &b = kinds[j];
 				if (!(isOfIce(a) || isOfIce(b)) || !mayMeet(a, b, avoidedAmongThemselves)) continue;
 				if (geometries.attr("dispFunctor")(a.body->shape, b.body->shape).is_none()
@@ -169,7 +169,7 @@ namespace {
 std::string reasonAgainstRunning(const Scene& scene, bool dense)
 {
 	const auto loop = liveEngine(scene, "InteractionLoop");
-	for (std::size_t id = 0; id < scene.bodies->size(); id++) {
+	for (std::size_t id = 0; id < scene.bodies->size(); ++id) {
 		const auto&       body   = (*scene.bodies)[id];
 		const std::string reason = body ? reasonOfBody(*body, bool(loop), scene.isPeriodic) : "";
 		if (!reason.empty()) return reason;

@@ -32,7 +32,7 @@ namespace {
 	std::vector<Body*> presentBodies(const Scene& scene)
 	{
 		std::vector<Body*> present;
-		for (std::size_t id = 0; id < scene.bodies->size(); id++)
+		for (std::size_t id = 0; id < scene.bodies->size(); ++id)
 			if ((*scene.bodies)[id]) present.push_back((*scene.bodies)[id].get());
 		return present;
 	}
@@ -251,7 +251,7 @@ namespace {
 	template <int Dim> Eigen::Matrix<double, Dim, 1> cellVector(const typename PackedTypes<Dim>::CellDist& cells)
 	{
 		Eigen::Matrix<double, Dim, 1> v;
-		for (int d = 0; d < Dim; d++)
+		for (int d = 0; d < Dim; ++d)
 			v[d] = cells[d];
 		return v;
 	}
@@ -303,7 +303,7 @@ namespace {
 		{
 			if (!state) return;
 			const auto& k = state->contacts;
-			for (std::size_t c = 0; c < k.size(); c++)
+			for (std::size_t c = 0; c < k.size(); ++c)
 				place[{ k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] }] = c;
 		}
 		/// The scalar that opened into this very vector, or the vector's component along t.
@@ -349,7 +349,7 @@ namespace {
 		}
 		if (former && former->grains && former->grains->sameButRadii(*grains)) {
 			bool same = true;
-			for (std::size_t i = 0; i < grains->size(); i++)
+			for (std::size_t i = 0; i < grains->size(); ++i)
 				same = same && former->grains->radius[i] * former->radiusFactor == grains->radius[i];
 			if (same) {
 				state.grains       = former->grains;
@@ -438,7 +438,7 @@ namespace {
 				sign = -1;
 			}
 			PairKey<Dim> pair { std::uint32_t(a), std::uint32_t(b), {} };
-			for (int d = 0; d < Dim; d++)
+			for (int d = 0; d < Dim; ++d)
 				pair.cellDist[d] = std::int8_t(sign * interaction->cellDist[d]);
 			entries.push_back({ a, b, pair.cellDist, sign, interaction.get(), pair.crossesCell(), pair.encode() });
 		}
@@ -539,7 +539,7 @@ namespace {
 		const bool  ice = isIceBondScene(scene);
 		const auto& k   = s.contacts;
 		scene.interactions->clear();
-		for (std::size_t c = 0; c < k.size(); c++) {
+		for (std::size_t c = 0; c < k.size(); ++c) {
 			const double       r1 = s.grains->radius[k.first[c]], r2 = s.grains->radius[k.second[c]];
 			const Vector3r     d      = branch(s, c);
 			const double       length = d.norm();
@@ -703,7 +703,7 @@ double thicknessOf(const Scene& scene)
 template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 {
 	PythonLock gil;
-	for (std::size_t i = 0; i < s.size(); i++) {
+	for (std::size_t i = 0; i < s.size(); ++i) {
 		const int id = s.grains->id[i];
 		if (id >= int(scene.bodies->size()) || !(*scene.bodies)[id])
 			throw std::invalid_argument("The sample cannot be opened: its scene lost body " + std::to_string(id) + ".");
