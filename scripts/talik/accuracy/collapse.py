@@ -2,9 +2,8 @@
 """Collapse of a column of frictional ground against the finest run.
 
 The finest run is one with transfer tpic: at 80 cells apic and tpic agree within 0.3 %. At 40 cells the front (98 % of the ground behind it)
-of flip is 3 % behind theirs with picTime = sqrt(h/g), the default, and 14 % where points lose three per cent of what the grid does not
-resolve in every step. From 40 to 80 cells the front of tpic moves on by 3 %, and by about two per cent more, were the cells halved again
-and again."""
+of flip is 2 to 3 % behind theirs with picTime = sqrt(h/g), the default. From 40 to 80 cells the front of tpic moves on by 3 %, and by about
+two per cent more, were the cells halved again and again."""
 
 import numpy as np
 from yade import O, wrapper
