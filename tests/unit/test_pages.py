@@ -125,3 +125,16 @@ def test_every_room_has_a_page_with_a_way_to_add_to_it_and_the_symbols_of_its_eq
 		assert any(heading.startswith("How to add") for heading in headings), page
 		assert "Symbols" in headings or not definition.search(textOf(page)), page
 	print(", ".join(rooms))
+
+
+def test_no_line_of_running_text_is_longer_than_160_characters():
+	"""Pages wrap near 140; tables, pictures, code and what commands write are as long as they are."""
+	long = []
+	for page in pages:
+		text = re.sub(r"^<!--.*written by.*?^<!-- end", lambda block: "\n" * block.group().count("\n"), textOf(page), flags=re.S | re.M)
+		text = re.sub(r"^```.*?^```", lambda block: "\n" * block.group().count("\n"), text, flags=re.S | re.M)
+		for number, line in enumerate(text.splitlines(), 1):
+			if len(line) > 160 and not line.lstrip().startswith(("|", "![")):
+				long.append(f"{page.relative_to(root)}:{number}: {len(line)}")
+	print(f"{len(pages)} pages, {len(long)} lines above 160 characters")
+	assert not long
