@@ -257,8 +257,8 @@ public:
 				"motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free "
 				"surface', boundaries, 'deformation record', 'thaw strain', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them "
 				"steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
-		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B with the numerical bulk modulus in use [-]: of the softest point, by the oedometer modulus of its skeleton, "
-				"with its pores full of liquid.")
+		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B with the numerical bulk modulus in use [-]: of the softest point, by the oedometer modulus of its "
+				"skeleton, with its pores full of liquid.")
 		.def("doubts",&MpmEngine::doubts,"Sentences about settings that are valid and yet hardly what was meant; talik.check(mpm) prints them, the first step "
 				"prints those of which nothing sensible comes.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], "
