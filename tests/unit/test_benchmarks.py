@@ -12,6 +12,7 @@ benchmarks = Path(__file__).resolve().parents[2] / "scripts" / "benchmarks"
 sys.path.insert(0, str(benchmarks))
 
 import figures
+import kernels
 from figures import Figure
 
 
@@ -51,3 +52,15 @@ def test_ratios_are_taken_between_neighbours_in_time():
 	"""A machine that becomes twice as slow half-way changes no ratio."""
 	above, below = figures.interleaved(6, iter([30, 60, 30, 60, 30, 60]).__next__, iter([1, 2, 1, 2, 1, 2]).__next__)
 	assert figures.medianRatio(above, below) == 30
+
+
+def test_kernels_that_take_two_per_cent_more_time_than_those_of_a_revision_are_missed_kind_by_kind(tmp_path):
+	"""The program that compares two versions is played by one that prints its rows."""
+	rows = [dict(kind=kind, ratio=ratio, quartiles=[0.99, 1.04], pressure=[1e5, 1e5]) for kind, ratio in (("discs", 1.019), ("spheres", 1.021))]
+	compare = tmp_path / "compare"
+	compare.write_text(f"#!/bin/sh\ncat <<'END'\n{json.dumps(rows)}\nEND\n")
+	compare.chmod(0o755)
+	found = list(kernels.measured(compare, tmp_path, counted=False))
+	print("\n".join(figures.table(found)))
+	assert [figure.reached for figure in found] == [True, False]
+	assert all(figure.terms["bits"] == "the same" for figure in found)
