@@ -65,8 +65,8 @@ int main(int argc, char** argv)
 		std::sort(ratios.begin(), ratios.end());
 		const auto part = [&](double share) { return ratios[std::size_t(share * double(ratios.size() - 1))]; };
 		std::printf(
-		        "\t{\"kind\": \"%s\", \"ratio\": %.6f, \"quartiles\": [%.6f, %.6f], \"pressure\": [%.17g, %.17g]}%s\n", kind.name, part(0.5),
-		        part(0.25), part(0.75), before, now, wanted.empty() && &kind != &kinds[3] ? "," : "");
+		        "\t{\"kind\": \"%s\", \"steps\": %ld, \"ratio\": %.6f, \"quartiles\": [%.6f, %.6f], \"pressure\": [%.17g, %.17g]}%s\n", kind.name,
+		        kind.steps, part(0.5), part(0.25), part(0.75), before, now, wanted.empty() && &kind != &kinds[3] ? "," : "");
 	}
 	std::puts("]");
 }
