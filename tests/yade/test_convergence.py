@@ -79,6 +79,17 @@ def test_differences_are_relative_to_the_finest_row():
 	assert convergence.twoFinest("surface", rows[:2])["volume"] is None  # something over nothing is no percentage
 
 
+def test_a_row_that_ended_early_is_compared_until_its_last_day_and_the_others_with_the_finest_that_went_on():
+	whole = [{"history": [[day, size, size] for day in (30, 60, 100, 150)], "firstEvent": 20.0, "cpu": 1.0} for size in (1.5, 1.2)]
+	short = {"history": [[30, 1.0, 1.0]], "firstEvent": 10.0, "cpu": 1.0}
+	assert convergence.twoFinest("surface", [*whole, short]) == pytest.approx({"displacement": 0.2, "volume": 0.2, "first event": 1.0})
+	sweep = next(one for one in convergence.sweeps() if one.knob == "grid-spacing")
+	there = [(sweep, sweep.values[-3:], (*whole, short))]
+	coarse, middle, fine = convergencepage.tableOf("surface", there)[1:]
+	assert coarse[3:5] == ["1.5 (+50 %)", "1.5 (+25 %)"] and middle[3:5] == ["1.2 (+20 %)", "1.2"] and fine[3:5] == ["1", "–"]
+	assert convergencepage.verdictOf("surface", there)[1][2].endswith(", until day 30")
+
+
 def test_every_sweep_goes_from_coarse_to_fine_and_names_rows_of_the_plan():
 	planned = convergence.plan()
 	for sweep in convergence.sweeps():

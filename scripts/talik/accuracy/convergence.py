@@ -258,13 +258,29 @@ def difference(value, finest):
 	return None if value is None or not finest else value / finest - 1
 
 
+def reached(row):
+	"""Last day of a row."""
+	return row["history"][-1][0]
+
+
 def twoFinest(case, rows):
-	"""Largest relative difference between the two finest rows of a sweep, over the days: {displacement, volume, first event}; None unknown."""
+	"""Largest relative difference between the two finest rows of a sweep, over the days that both came to: {displacement, volume, first event};
+	None unknown."""
+	last = min(reached(row) for row in rows[-2:])
 	coarse, fine = (measures(case, row) for row in rows[-2:])
 	worst = {}
-	for (what, _), value in fine.items():
-		worst.setdefault(what, [])
-	for name in fine:
-		apart = 0.0 if coarse[name] == fine[name] else difference(coarse[name], fine[name])
-		worst[name[0]].append(None if apart is None else abs(apart))
-	return {what: None if None in apart else max(apart) for what, apart in worst.items()}
+	for (what, day), value in fine.items():
+		differences = worst.setdefault(what, [])
+		if day is not None and day > last:
+			continue
+		apart = 0.0 if coarse[what, day] == value else difference(coarse[what, day], value)
+		differences.append(None if apart is None else abs(apart))
+	return {what: None if not differences or None in differences else max(differences) for what, differences in worst.items()}
+
+
+def finestThatReached(case, rows):
+	"""{(what, day): value} of the last row that came to that day."""
+	finest = {}
+	for row in rows:
+		finest.update({name: value for name, value in measures(case, row).items() if name not in finest or value is not None})
+	return finest

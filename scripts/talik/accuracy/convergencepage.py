@@ -48,16 +48,16 @@ def knobOf(sweep):
 
 
 def tableOf(case, sweepsThere):
-	"""[header, line, ...] of cells: what each row came to and, in brackets, its difference to the finest of its knob."""
+	"""[header, line, ...] of cells: what each row came to and, in brackets, its difference to the finest of its knob that came to that day."""
 	days = cases[case].tableDays
 	lines = [["ground", "knob", "value", *(f"u, day {day} [m]" for day in days), *(f"V, day {day} [m³/m]" for day in days), "first event [day]", "CPU [s]"]]
 	for sweep, values, rows in sweepsThere:
-		finest = measures(case, rows[-1])
-		for value, row in zip(values, rows):
-			own, last = measures(case, row), row is rows[-1]
-			first = row is rows[0]
-			names = [groundOf(sweep), knobOf(sweep)] if first else ["", ""]
-			lines.append([*names, knobs[sweep.knob].text(value), *(_cell(own[name], None if last else finest[name]) for name in own), f"{row['cpu']:.0f}"])
+		finest = convergence.finestThatReached(case, rows)
+		for k, (value, row) in enumerate(zip(values, rows)):
+			own, finer = measures(case, row), [measures(case, other) for other in rows[k + 1 :]]
+			names = ["", ""] if k else [groundOf(sweep), knobOf(sweep)]
+			cells = (_cell(own[name], finest[name] if any(other[name] is not None for other in finer) else None) for name in own)
+			lines.append([*names, knobs[sweep.knob].text(value), *cells, f"{row['cpu']:.0f}"])
 	return lines
 
 
@@ -75,6 +75,9 @@ def verdictOf(case, sweepsThere):
 		apart = convergence.twoFinest(case, rows)
 		met = all(one is not None and one <= aim for one in (apart["displacement"], apart["volume"]))
 		pair = " and ".join(knobs[sweep.knob].text(value) for value in values[-2:])
+		shared = [day for day in cases[case].tableDays if day <= min(map(convergence.reached, rows[-2:]))]
+		if len(shared) < len(cases[case].tableDays):
+			pair += f", until day {shared[-1]}" if shared else ", no day shared"
 		lines.append(
 			[groundOf(sweep), knobOf(sweep), pair, *(_percent(apart[name]) for name in ("displacement", "volume", "first event")), "yes" if met else "no"]
 		)
@@ -107,7 +110,7 @@ def _partsOf(case, rows, pictures):
 		f"### {title}",
 		f"How far the two finest values of each knob are apart, at most over days {', '.join(str(day) for day in cases[case].tableDays)}:",
 		_markdownTable(verdictOf(case, there)),
-		"Every row, with its difference to the finest of its knob:",
+		"Every row, with its difference to the finest of its knob that came to that day:",
 		_markdownTable(tableOf(case, there)),
 		*(["Did not come to their end:\n\n" + "\n".join(unfinished)] if unfinished else []),
 		f"![{title}: largest displacement over the days, one panel for each knob]({pictures}_{case}.png)",
