@@ -29,7 +29,7 @@ parser.add_argument("--output", default="output/creeping_slope", help="folder fo
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
-presets = {"test": (1.0, 28.0, 1.0), "draft": (1.0, 36.0, 2.0), "standard": (0.5, 36.0, 2.0)}
+presets = {"test": (1.0, 28.0, 0.5), "draft": (1.0, 36.0, 2.0), "standard": (0.5, 36.0, 2.0)}
 spacing, length, motion = presets[options.preset]  # [m], [m], [s of motion]
 thickness, slope, temperature, years = 4.0, math.radians(75), -1.0, 0.5
 

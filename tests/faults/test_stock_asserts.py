@@ -11,8 +11,8 @@ from talik import rve
 
 
 @pytest.fixture(scope="module")
-def sample(tmp_path_factory):
-	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
+def sample(sampleCache):
+	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))
 
 
 def loop(parameters=None, laws=None):

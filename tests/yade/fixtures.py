@@ -20,12 +20,11 @@ def emptyScene():
 
 @pytest.fixture(scope="session")
 def sampleCache(tmp_path_factory):
-	"""Folder of prepared samples: that of the build, so that each is prepared once for all test files, or one of this run."""
-	shared = os.environ.get("TALIK_TEST_SAMPLES")
-	if not shared:
-		return tmp_path_factory.mktemp("samples")
-	Path(shared).mkdir(parents=True, exist_ok=True)
-	return Path(shared)
+	"""Folder of prepared samples: where ctest says so that of the build, which examples take, too, so that each is prepared once; or one of this run."""
+	shared = os.environ.get("TALIK_TEST_CACHE")
+	folder = Path(shared or tmp_path_factory.mktemp("cache")) / "talik" / "samples"
+	folder.mkdir(parents=True, exist_ok=True)
+	return folder
 
 
 @pytest.fixture

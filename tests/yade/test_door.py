@@ -470,8 +470,8 @@ def fieldsOf(mpm):
 
 
 @pytest.fixture(scope="module")
-def packedSample(tmp_path_factory):
-	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=tmp_path_factory.mktemp("samples")))
+def packedSample(sampleCache):
+	return talik.rve.pack(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))
 
 
 skeletons = {

@@ -77,7 +77,7 @@ def sample(sampleCache):
 def names(sample, tmp_path, sampleCache, monkeypatch):
 	"""What an example finds: a ground in mid-run in O, a sample in both forms, a picture to draw into, a folder."""
 	monkeypatch.chdir(tmp_path)
-	monkeypatch.setenv("XDG_CACHE_HOME", str(sampleCache))
+	monkeypatch.setenv("XDG_CACHE_HOME", str(sampleCache.parents[1]))
 	packed = talik.rve.pack(sample)
 	frozen = packed.copy()
 	frozen.freeze(1)

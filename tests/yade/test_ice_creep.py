@@ -120,7 +120,7 @@ def frozen(request, sampleCache):
 	if request.param == "spheres":
 		settings = dict(grains=80, dimension=3)
 	elif "rolling" in request.param:
-		settings.update(etaRoll=0.1)
+		settings = dict(grains=60, etaRoll=0.05)
 	sample = rve.pack(rve.prepare(ice=True, cache=sampleCache, **settings))
 	sample.freeze(1)
 	return sample

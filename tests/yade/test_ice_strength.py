@@ -66,7 +66,13 @@ def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(pa
 	assert frozen[0].statistics()["bondsIntact"] > 0
 
 
-kinds = {"discs": {}, "rolling discs": dict(etaRoll=0.1), "discs with moments": dict(bondRadiusFactor=1), "spheres": dict(dimension=3)}
+# samples that other tests have prepared
+kinds = {
+	"discs": dict(grains=100),
+	"rolling discs": dict(grains=60, etaRoll=0.05),
+	"discs with moments": dict(grains=60, etaRoll=0.05, bondRadiusFactor=1.0, momentContribution=0.5),
+	"spheres": dict(grains=80, dimension=3),
+}
 
 
 def besideOpen(sample, opened, gradient):
@@ -80,7 +86,7 @@ def besideOpen(sample, opened, gradient):
 
 @pytest.mark.parametrize("kind", kinds)
 def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_steps_and_break_as_many_bonds(kind, sampleCache):
-	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **kinds[kind]))
+	sample = rve.pack(rve.prepare(ice=True, cache=sampleCache, **kinds[kind]))
 	sample.freeze(1)
 	strong, opened, law = sample.copy(), wrapper.OpenRveSample(source=sample.open()), wrapper.IceStrength(tensileCold=0.4, shearCold=0.4)
 	gradient, steps, error = Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0
@@ -211,7 +217,7 @@ def test_one_bond_is_as_stiff_as_its_temperature_says_and_keeps_its_force_when_t
 
 @pytest.mark.parametrize("kind", kinds)
 def test_packed_samples_of_changing_stiffness_follow_open_ones_to_1e9_over_500_steps(kind, sampleCache):
-	sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **kinds[kind]))
+	sample = rve.pack(rve.prepare(ice=True, cache=sampleCache, **kinds[kind]))
 	sample.freeze(1)
 	fixed, opened = sample.copy(), wrapper.OpenRveSample(source=sample.open())
 	law, shear, steps, error = wrapper.IceStrength(stiffnessCold=0.05), Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0

@@ -14,7 +14,7 @@ import thawslump
 from thaw_slump_base import case as heatedFromBelow
 from thaw_slump_surface import case
 from talik import accuracy
-from thawslump import shearband
+from thawslump import page, shearband
 
 atRest = 5e-3  # ground that has moved less has not yet moved [m]
 plateau = 1.5  # width of the column far from the face [m]
@@ -30,6 +30,14 @@ presets = {
 	"reduced": dataclasses.replace(thawslump.presets["draft"], grains=60, days=45.0, strainTolerance=5e-5, bandThickness=1.0),
 	"draft_slow": thawslump.presets["draft"],
 }
+
+
+@pytest.fixture(scope="module", autouse=True)
+def withoutPictures():
+	"""No test here looks at the pictures of a run, which take longer to draw than half of its days: test_cases.py does."""
+	with pytest.MonkeyPatch.context() as patched:
+		patched.setattr(page, "draw", lambda *given: None)
+		yield
 
 
 def slump(folder, preset, **options):
