@@ -145,7 +145,7 @@ def drawBank(axes, mpm, title, widest):
 
 
 def summaryOf(mpm):
-	moved, counters = np.linalg.norm(mpm.field("displacement"), axis=1), mpm.skeleton.counters
+	moved, counters = np.linalg.norm(mpm.field("displacement"), axis=1), mpm.skeleton.cost()
 	return {
 		"displacement [m]": moved.max(),
 		"calls": counters["calls"],
@@ -184,7 +184,7 @@ def main():
 		summary[name] = its = summaryOf(banks[name])
 		print(
 			f"{name}: largest displacement {its['displacement [m]']:.3f} m after {endTime:.2f} s; {its['calls']} calls of "
-			f"{its['DEM steps'] / max(its['calls'], 1):.0f} DEM steps, {banks[name].skeleton.counters['form']}, "
+			f"{its['DEM steps'] / max(its['calls'], 1):.0f} DEM steps, {banks[name].skeleton.cost()['form']}, "
 			f"{1e3 * its['seconds per call']:.2f} ms each"
 		)
 	draw(banks, folder / "own_sample.png")

@@ -200,7 +200,7 @@ def drawHistory(history, path):
 
 def summary(run, options, points, started):
 	mpm, preset = run.mpm, run.preset
-	counters = mpm.skeleton.counters if options.skeleton == "samples" else {"calls": 0, "steps": 0, "bytes": 0}
+	counters = mpm.skeleton.cost() if options.skeleton == "samples" else {"calls": 0, "steps": 0, "bytes": 0}
 	bonds = ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted") if options.skeleton == "samples" else ()
 	return {
 		"preset": options.preset,

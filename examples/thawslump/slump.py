@@ -271,7 +271,7 @@ class ThawSlump:
 
 	def counters(self):
 		"""Calls, DEM steps, seconds and bytes of the samples; zeros where there are none."""
-		return self.skeleton.counters if self.skeletonName == "samples" else {"calls": 0, "steps": 0, "seconds": 0.0, "bytes": 0}
+		return self.skeleton.cost() if self.skeletonName == "samples" else {"calls": 0, "steps": 0, "seconds": 0.0, "bytes": 0}
 
 	# ---- results
 

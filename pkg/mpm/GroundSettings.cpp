@@ -26,17 +26,24 @@ double gravityTime(double spacing, double gravity)
 	return std::sqrt(spacing / std::max(gravity, ofTheEarth));
 }
 
+namespace {
+	std::string asText(double number)
+	{
+		std::ostringstream text;
+		text << number;
+		return text.str();
+	}
+} // namespace
+
 template <int D> void checkCalendar(const GroundSettings<D>& s)
 {
 	const HeatSettings& heat = *s.heat;
 	if (!s.motion)
 		throw std::invalid_argument(
 		        "followsMotion = true without motion: rigid ground never moves, its calendar has one scale; leave followsMotion out");
-	std::ostringstream fast;
-	fast << heat.thermalTimeScale;
 	requireSetting(
 	        heat.movingTimeScale > 0.0 && heat.movingTimeScale <= heat.thermalTimeScale, "movingTimeScale", heat.movingTimeScale,
-	        "must be positive and no more than thermalTimeScale = " + fast.str());
+	        "must be positive and no more than thermalTimeScale = " + asText(heat.thermalTimeScale));
 	requireSetting(
 	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance,
 	        "must lie between 1e-6 and 1 m/s, e.g. 0.01");
@@ -236,7 +243,8 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 		const double thawStrain = settings.materials.empty() ? 0.0 : settings.materials[in.material].thawStrain;
 		requireSetting(
 		        thawStrain == 0.0 || thawStrain < in.porosity, name(id, "porosity"), in.porosity,
-		        "must exceed the thaw strain of its material: ice leaves no more room than it takes");
+		        "must exceed the thawStrain of its material, " + asText(thawStrain)
+		                + ", since ice leaves no more room than it takes: give more porosity or less thawStrain");
 		if (settings.motion) {
 			requireSetting(
 			        in.skeleton >= 0 && in.skeleton < static_cast<int>(settings.skeletons.size()), name(id, "skeleton"), in.skeleton,

@@ -58,7 +58,7 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 		cost.lap(CostMeter::boundaries);
 	}
 	heat->produce(settings.boundaries, time, clock.dt);
-	heat->finishNodes(clock.range, clock.dt);
+	heat->finishNodes(clock.range, settings.boundaries, time, clock.dt);
 	cost.lap(CostMeter::heat);
 	if (settings.heat->source == 0.0) return;
 	const double* volume = points->volume();

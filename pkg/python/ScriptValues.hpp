@@ -76,6 +76,13 @@ template <class Work> auto underScriptNames(std::initializer_list<std::pair<cons
 	}
 }
 
+/// AttributeError of Python with this sentence.
+[[noreturn]] inline void raiseAttributeError(const std::string& text)
+{
+	PyErr_SetString(PyExc_AttributeError, text.c_str());
+	throw boost::python::error_already_set();
+}
+
 } // namespace talik
 
 namespace yade {

@@ -76,7 +76,7 @@ def slopeOfBondedSamples():
 	mpm.addPoints(position=positions, volume=volumes, temperature=-5.0, velocity=shake)
 	O.engines = [mpm]
 	talik.runSerially(3)
-	counters = skeleton.counters
+	counters = skeleton.cost()
 	size = (resident() - before) / 1e9
 	if counters["distinctStates"] < len(positions):
 		raise RuntimeError(f"memory.py: {counters['distinctStates']} of {len(positions)} samples have a state of their own; the slope moves too little")

@@ -175,7 +175,7 @@ def inside(folder, name, steps):
 
 	mpm = scene(name)
 	sampled = not name.lower().endswith("law")
-	counters = lambda: mpm.skeleton.counters if sampled else {"seconds": 0, "calls": 0, "steps": 0}
+	counters = lambda: mpm.skeleton.cost() if sampled else {"seconds": 0, "calls": 0, "steps": 0}
 	O.run(settle, True)
 	before, traffic = counters(), talik.ranks.traffic()
 	wall, processor = time.monotonic(), time.process_time()

@@ -28,7 +28,8 @@ def gallery():
 	for example in sorted((root / "examples").glob("*.py")):
 		text = ast.get_docstring(ast.parse(example.read_text())).split("\n\n")
 		lines += [f"## {example.stem}", "", text[0], ""]
-		lines += [f"![{text[0]}](examples/{picture.name})\n" for picture in [example.with_suffix(".png")] if picture.exists()]
+		pictures = [example.with_name(example.stem + end) for end in (".png", "_page.png")]
+		lines += [f"![{text[0]}](examples/{picture.name})\n" for picture in pictures if picture.exists()][:1]
 		script = [f"```{{literalinclude}} examples/{example.name}", ":language: python", "```"]
 		lines += ["<details><summary>The script</summary>", "", *script, "", "</details>", ""]
 	return "\n".join(lines)

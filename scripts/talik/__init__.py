@@ -189,7 +189,10 @@ def check(mpm):
 
 
 def resume(file):
-	"""Goes on with the run in a checkpoint: its scene becomes that of O, its MpmEngine is returned. See talik.checkpoint."""
+	"""Goes on with the run in a checkpoint: its scene becomes that of O, its MpmEngine is returned. See talik.checkpoint.
+
+	>>> talik.checkpoint.write(folder + "/slope.checkpoint")
+	>>> mpm = talik.resume(folder + "/slope.checkpoint")"""
 	from . import checkpoint
 
 	return checkpoint.resume(file)

@@ -59,6 +59,7 @@ class BiaxialTest:
 	bonds: int  # at the start
 
 	def smooth(self, values):
+		"""Running mean of a record (n,) over a few samples of the test."""
 		return np.convolve(values, np.ones(averaged) / averaged, "valid")
 
 	@property

@@ -95,7 +95,7 @@ def ground(polygon, holes=()):
 
 	>>> talik.geometry.ground([(0, 0), (4, 0), (4, 2), (0, 2)], holes=[[(1, 1), (2, 1), (2, 1.5), (1, 1.5)]]).area
 	7.5"""
-	outline, cut = checkedPolygon(polygon), [checkedPolygon(hole) for hole in holes]
+	outline, cut = checkedPolygon(polygon), [checkedPolygon(hole, f"holes[{k}]") for k, hole in enumerate(holes)]
 	whole, parts = make_valid(Polygon(outline)), [make_valid(Polygon(hole)) for hole in cut]
 	for k, part in enumerate(parts):
 		if part.difference(whole).area > 1e-9 * part.area:
@@ -159,24 +159,24 @@ def surfaceHeight(polygon, x):
 	return max(heights)
 
 
-def checkedPolygon(polygon):
-	"""The corners as array (n, 2); ValueError with what is wrong otherwise.
+def checkedPolygon(polygon, name="polygon"):
+	"""The corners as array (n, 2); ValueError with what is wrong otherwise, under the name that messages give it.
 
 	>>> talik.geometry.checkedPolygon([(0, 0), (3, 0), (0, 3)]).shape
 	(3, 2)"""
 	try:
 		corners = np.array([tuple(float(c) for c in corner) for corner in polygon])
 	except (TypeError, ValueError):
-		raise ValueError(f"polygon is {polygon!r}; it must be a list of corners (x, y) in m") from None
+		raise ValueError(f"{name} is {polygon!r}; it must be a list of corners (x, y) in m") from None
 	if corners.ndim != 2 or corners.shape[0] < 3 or corners.shape[1] != 2:
-		raise ValueError(f"polygon has shape {corners.shape}; it must have at least three corners (x, y)")
+		raise ValueError(f"{name} has shape {corners.shape}; it must have at least three corners (x, y)")
 	if not np.isfinite(corners).all():
-		raise ValueError("polygon has a corner that is not finite; all coordinates must be numbers in m")
+		raise ValueError(f"{name} has a corner that is not finite; all coordinates must be numbers in m")
 	crossing = _selfIntersection(corners)
 	if crossing:
-		raise ValueError(f"polygon crosses itself: its sides {crossing[0]} and {crossing[1]} intersect; give the corners in order around it")
+		raise ValueError(f"{name} crosses itself: its sides {crossing[0]} and {crossing[1]} intersect; give the corners in order around it")
 	if polygonArea(corners)[0] < 1e-12 * np.ptp(corners, axis=0).max() ** 2:
-		raise ValueError("polygon has no area; its corners lie on one line")
+		raise ValueError(f"{name} has no area; its corners lie on one line")
 	return corners
 
 

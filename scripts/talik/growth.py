@@ -63,6 +63,7 @@ class Growth:
 		return self.tension[1].mean() / self.tension[0].mean()
 
 	def row(self, name):
+		"""A line of a Markdown table: strengths [MPa] in compression and tension, and their ratios over the rates."""
 		cells = [f"{1e-6 * values.mean():.2f} ± {1e-6 * values.std():.2f}" for values in self.compression] + [f"{self.ofCompression:.1f}"]
 		cells += [f"{1e-6 * values.mean():.2f}" for values in self.tension] + [f"{self.ofTension:.2f}"]
 		return f"| {name} | {' | '.join(cells)} |"

@@ -10,6 +10,8 @@
 Layers that overlap are refused. Lengths in m, per metre of thickness.
 """
 
+import difflib
+
 import numpy as np
 from shapely.geometry import LineString, Polygon
 from shapely.validation import make_valid
@@ -18,6 +20,8 @@ from talik import geometry
 from yade import wrapper
 
 smallestOverlap = 1e-9  # of the smaller layer
+ofPoints = ("porosity", "temperature", "pressure", "stress", "velocity", "poreFill")  # attributes of a layer that its points have
+ofLayers = ("polygon", "holes", "material", "skeleton", *ofPoints)
 
 
 def thawStrain(porosity, thawedPorosity):
@@ -59,15 +63,18 @@ def split(polygon, line):
 	return tuple(list(part.exterior.coords)[:-1] for part in parts)
 
 
-def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0):
+def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTable=None):
 	"""Fills an MpmEngine in the plane with layers; returns {name: ids of the points (n,)}.
 
 	layers         {name: dict(polygon=corners (m, 2) [m], …)} with, where wanted, holes=[corners, …] that are left out, material=GroundMaterial(…),
 				   which is named like the layer unless it has a name, skeleton=a skeleton law, and attributes of talik.geometry.fill: porosity,
 				   temperature, pressure, velocity, poreFill
 	pointsPerCell  a square number; default 4
-	lateralRatio   horizontal over vertical effective stress at rest [-]: points start with the stress of the weight above them; None: with none
+	lateralRatio   horizontal over vertical effective stress at rest [-]: points start with the stress of the weight above them; None: with none.
+				   Samples have theirs by talik.slope.settle
 	load           pressure on the surface at the start [Pa], with lateralRatio
+	waterTable     height of the water table [m], a number or a function of arrays x: pore water below it starts with hydrostatic pressure, above
+				   it with none; in place of the pressure of layers. A pond above the ground presses on it, too: give load, and SurfaceLoad
 
 	A layer without material has MpmEngine.material, one without skeleton MpmEngine.skeleton. ValueError names layers that overlap.
 
@@ -77,20 +84,59 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0):
 	>>> layers = talik.layers.fill(mpm, {"silt": silt, "ice-rich": iceRich}, lateralRatio=0.5)
 	>>> len(layers["ice-rich"])
 	64"""
+	_refuseUnknown(layers)
 	outlines = {name: _outlineOf(name, layer) for name, layer in layers.items()}
 	_refuseOverlaps(outlines)
+	if lateralRatio is not None:
+		_requireWeight(mpm, lateralRatio)
 	numbers = _numbersOfMaterials(mpm, layers)
 	laws = _numbersOfLaws(mpm, layers)
 	densities = {name: _density(mpm, layer) for name, layer in layers.items()} if lateralRatio is not None else {}
+	hydrostatic = None if waterTable is None else _hydrostatic(mpm, layers, waterTable)
 	ids = {}
 	for name, layer in layers.items():
-		state = {key: value for key, value in layer.items() if key not in ("polygon", "holes", "material", "skeleton")}
-		if lateralRatio is not None:
-			state["stress"] = _geostatic(mpm, outlines, densities, lateralRatio, load, layer.get("pressure", 0.0))
+		state = {key: value for key, value in layer.items() if key in ofPoints}
+		if waterTable is not None:
+			state["pressure"] = hydrostatic
+		if lateralRatio is not None and not isinstance(layer.get("skeleton", mpm.skeleton), wrapper.RveSkeleton):
+			state["stress"] = _geostatic(mpm, outlines, densities, lateralRatio, load, state.get("pressure", 0.0))
 		first = mpm.pointCount
-		geometry.fill(mpm, layer["polygon"], pointsPerCell, holes=layer.get("holes", ()), material=numbers[name], skeleton=laws[name], **state)
+		try:
+			geometry.fill(mpm, layer["polygon"], pointsPerCell, holes=layer.get("holes", ()), material=numbers[name], skeleton=laws[name], **state)
+		except ValueError as problem:
+			raise ValueError(f"layer '{name}': {problem}") from None
 		ids[name] = np.arange(first, mpm.pointCount)
 	return ids
+
+
+def _refuseUnknown(layers):
+	for name, layer in layers.items():
+		for key in layer:
+			if key not in ofLayers:
+				close = difflib.get_close_matches(key, ofLayers, n=1)
+				hint = f"did you mean {close[0]}?" if close else f"choose among {', '.join(ofLayers)}"
+				raise ValueError(f"layer '{name}' has '{key}', which no layer has; {hint}")
+
+
+def _requireWeight(mpm, lateralRatio):
+	if not 0 < lateralRatio <= 10:
+		raise ValueError(f"layers.fill: lateralRatio is {lateralRatio!r}; give the ratio of horizontal to vertical effective stress, above 0 up to 10")
+	if not tuple(mpm.gravity)[-1] < 0:
+		raise ValueError(
+			f"layers.fill: lateralRatio is {lateralRatio}, and MpmEngine.gravity is {tuple(mpm.gravity)}, which gives no weight; set gravity=(0, -9.81) before filling"
+		)
+
+
+def _hydrostatic(mpm, layers, waterTable):
+	"""Function of x, y [m] that gives the pressure of pore water at rest [Pa]."""
+	if mpm.water is None:
+		raise ValueError("layers.fill: waterTable is given, and the ground has no water; set water=PoreWater() before filling, or leave it out")
+	for name, layer in layers.items():
+		if "pressure" in layer:
+			raise ValueError(f"layers.fill: waterTable is given, and layer '{name}' has a pressure of its own; leave one of the two out")
+	unitWeight = (mpm.materials[0] if mpm.materials else mpm.material).liquidDensity * -tuple(mpm.gravity)[-1]
+	height = waterTable if callable(waterTable) else lambda x: waterTable
+	return lambda x, y: np.maximum(0.0, unitWeight * (height(x) - y))
 
 
 def _outlineOf(name, layer):

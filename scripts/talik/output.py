@@ -177,6 +177,7 @@ class SampleSeries:
 		self.entries = []
 
 	def write(self):
+		"""Adds the present state of the sample in O; returns the paths of the two new .vtu files."""
 		from talik.packing import sampleArrays
 
 		sample, number = sampleArrays(), len(self.entries) // 2
@@ -216,6 +217,7 @@ class Frames:
 		self.frames.append({"time": self.clock(), **({} if day is None else {"day": day}), **allFields(self.mpm)})
 
 	def runner(self, iterPeriod=1):
+		"""A YADE PyRunner that takes the frames that are due, every `iterPeriod` steps."""
 		return runner(self.take, iterPeriod=iterPeriod)
 
 	def save(self, path):
@@ -274,6 +276,11 @@ class PointTable:
 	def __init__(self, mpm, path, places, fields, everyDays, others=None):
 		if not everyDays > 0:
 			raise ValueError(f"PointTable: everyDays is {everyDays!r}; give a number of days above 0")
+		if isinstance(fields, str):
+			raise ValueError(f"PointTable: fields is {fields!r}; give a list of names, such as [{fields!r}]")
+		unknown = [field for field in fields if field not in mpm.fieldNames()]
+		if unknown:
+			raise ValueError(f"PointTable: there is no field '{unknown[0]}'; choose among {', '.join(mpm.fieldNames())}")
 		self.mpm, self.path, self.fields, self.everyDays = mpm, Path(path), tuple(fields), everyDays
 		self.ids = {name: mpm.pick(*place) for name, place in places.items()}
 		self.others = dict(others or {})

@@ -100,6 +100,7 @@ class Grains:
 		return math.pi * (a * a + a * b + b * b) / 3 if self.dimension == 2 else math.pi * (a + b) * (a * a + b * b) / 3
 
 	def material(self, friction):
+		"""The material of the grains with a friction coefficient: IceBondMat, or FrictMat without ice."""
 		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
 		if self.ice:
 			rolling = wrapper.RollingIceBondMat if self.resistsRolling else wrapper.IceBondMat
@@ -107,6 +108,7 @@ class Grains:
 		return wrapper.FrictMat(**common)
 
 	def interactionLoop(self):
+		"""YADE's InteractionLoop of grains of this material."""
 		if self.ice:
 			ip2, law = wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(), wrapper.Law2_ScGeom_IceBondPhys_IceBond()
 		else:
@@ -114,6 +116,7 @@ class Grains:
 		return wrapper.InteractionLoop([wrapper.Ig2_Sphere_Sphere_ScGeom()], [ip2], [law])
 
 	def engines(self, *controllers):
+		"""Engines of a scene of such grains, with controllers between contacts and motion."""
 		return [
 			wrapper.ForceResetter(),
 			wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()]),

@@ -148,6 +148,27 @@ def isolines(axes, position, values, volume, levels=None, unit="", **style):
 	return lines
 
 
+def profile(axes, position, values, start, end, label=None, points=200, **style):
+	"""Values along a straight line through the ground over the distance from its start: a borehole, a cross-section. Returns (distance, values).
+
+	position (n, 2) [m], values (n,) or (n, 2), vectors by their length; start, end (x, y) [m] of the line; points: at so many places, linear
+	between the material points and NaN outside of them; label: for the axis of the values; style: of Matplotlib's plot.
+
+	>>> depth, temperature = talik.plots.profile(axes, mpm.field("position"), mpm.field("temperature"), (0.5, 1.0), (0.5, 0.0), "temperature [°C]")"""
+	from scipy.interpolate import LinearNDInterpolator
+
+	position, values = _inPlane(position), magnitude(values)
+	start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+	distance = np.linspace(0, np.linalg.norm(end - start), points)
+	along = start + np.linspace(0, 1, points)[:, None] * (end - start)
+	found = LinearNDInterpolator(position, values)(along)
+	axes.plot(distance, found, **{"color": "black", **style})
+	axes.set_xlabel("distance along the line [m]")
+	if label:
+		axes.set_ylabel(label)
+	return distance, found
+
+
 def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacement"), watched=None, into=None, lines=None):
 	"""A figure with one row per time and one column per field, like Fig. 6 of Yu & Zhao.
 

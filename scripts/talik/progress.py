@@ -99,6 +99,7 @@ class Progress:
 		return min(max(self.goal() / self.end, 0.0), 1.0)
 
 	def stepsPerSecond(self):
+		"""Steps per second of wall time since this object was made."""
 		return (self.step() - self.stepStart) / max(time.monotonic() - self.wallStart, 1e-9)
 
 	def secondsLeft(self):

@@ -12,8 +12,10 @@ from contextlib import contextmanager
 
 from yade import O
 
+import talik
 from talik import _talik, ranks
 from talik.console import awaitEndOfStep
+from talik.progress import Progress
 
 
 def runSerially(steps):
@@ -24,8 +26,9 @@ def runSerially(steps):
 	_talik.runSerially(steps)
 
 
-def runUntil(instant, look=None, interval=0.2):
-	"""Runs O until its time reaches `instant` [s], calling `look` every `interval` seconds of wall time.
+def runUntil(instant, look=None, interval=0.2, progress=False):
+	"""Runs O until its time reaches `instant` [s], calling `look` every `interval` seconds of wall time; progress: shows how far it is, see
+	talik.progress.
 
 	Of several ranks (talik.ranks) the first one looks.
 	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene.
@@ -33,6 +36,9 @@ def runUntil(instant, look=None, interval=0.2):
 	>>> talik.runUntil(O.time + 2 * O.dt)"""
 	if O.time >= instant:
 		return
+	if progress:
+		with _shown(Progress(endTime=instant)) as bar:
+			return runUntil(instant, _both(look, bar.update), interval)
 	O.stopAtTime, O.stopAtIter = instant, 0
 	O.run()
 	pause, nextLook = 0.002, time.monotonic() + interval
@@ -50,14 +56,40 @@ def runUntil(instant, look=None, interval=0.2):
 	O.wait()
 
 
-def runUntilDay(mpm, day, look=None, longest=math.inf):
+def runUntilDay(mpm, day, look=None, longest=math.inf, progress=False):
 	"""As runUntil, until the calendar of `mpm` reaches `day`, but at most until O.time is `longest` [s].
 
 	>>> talik.runUntilDay(mpm, mpm.calendar["day"], longest=O.time + 1)"""
 	if mpm.calendar["day"] >= day:
 		return
+	if not _runs(mpm, O.engines):
+		raise ValueError("runUntilDay: the ground is not among O.engines, so that its calendar stands still; set O.engines = [mpm] first")
+	if progress:
+		with _shown(Progress(endDay=day, calendar=lambda: mpm.calendar)) as bar:
+			return runUntilDay(mpm, day, _both(look, bar.update), longest)
 	mpm.stopAtDay = day
 	runUntil(longest, look)
+
+
+def _runs(mpm, engines):
+	return any(_talik.sameObject(mpm, engine) for engine in talik._flat(engines))
+
+
+def _both(look, update):
+	def lookAndUpdate():
+		if look is not None:
+			look()
+		update()
+
+	return lookAndUpdate
+
+
+@contextmanager
+def _shown(bar):
+	try:
+		yield bar
+	finally:
+		bar.close()
 
 
 @contextmanager

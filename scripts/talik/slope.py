@@ -51,7 +51,8 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	"""Brings the samples of a filled MpmEngine to the weight above their points, before they freeze and before the first step.
 
 	A sample that freezes at a pressure that its point does not carry expands when its ice melts: 8 mm in two metres of ground with
-	samples of 100 kPa under 20 kPa. The samples of mpm.skeleton are replaced by those of depth bands; several of them are realisations.
+	samples of 100 kPa under 20 kPa. The samples of every RveSkeleton, of layers too, are replaced by those of depth bands; several of one are
+	realisations. The weight is that of the mean density of the ground.
 
 	polygon        outline of the ground, in space its solid (box, extruded, terrain), for the depth below its surface
 	bandThickness  [m]; default a cell of the grid
@@ -61,9 +62,9 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	>>> mpm = MpmEngine(gridSpacing=0.5, gravity=(0, -9.81), skeleton=RveSkeleton(samples=[packed]))
 	>>> added = talik.geometry.fill(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)])
 	>>> talik.slope.settle(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)], load=20e3)"""
-	skeleton = mpm.skeleton
-	if not isinstance(skeleton, wrapper.RveSkeleton) or not skeleton.samples:
-		raise ValueError("settle: mpm.skeleton has no samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
+	laws = list(mpm.skeletons) or [mpm.skeleton]
+	if not any(_hasSamples(law) for law in laws):
+		raise ValueError("settle: no skeleton of the ground has samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
 	if mpm.begun:
 		raise ValueError("settle: the ground has begun; settle its samples before the first step")
 	if isinstance(polygon, Solid) != (mpm.dimension == 3):
@@ -76,9 +77,21 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	if mpm.water is not None:  # what the pore water carries the grains do not
 		depth = _depth(polygon, mpm.field("position"))
 		density -= float(mpm.field("pressure") @ depth / (depth @ depth)) / weight
-	skeleton.samples, skeleton.sampleOf = depthBands(
-		mpm.field("position"), polygon, list(skeleton.samples), density, bandThickness or mpm.gridSpacing, lateralRatio, weight, skeleton.seed, load
-	)
+	position, lawOf = mpm.field("position"), np.array(mpm.skeletonOf)
+	for number, law in enumerate(laws):
+		own = np.flatnonzero(lawOf == number)
+		if not _hasSamples(law) or not len(own):
+			continue
+		law.samples, ofOwn = depthBands(
+			position[own], polygon, list(law.samples), density, bandThickness or mpm.gridSpacing, lateralRatio, weight, law.seed, load
+		)
+		sampleOf = np.zeros(len(position), dtype=int)
+		sampleOf[own] = ofOwn
+		law.sampleOf = sampleOf.tolist()
+
+
+def _hasSamples(law):
+	return isinstance(law, wrapper.RveSkeleton) and len(law.samples) > 0
 
 
 def _depth(ground, position):

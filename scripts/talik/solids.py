@@ -348,6 +348,7 @@ class Terrain(_Lined):
 		return nodes[(nodes >= self._sides[0][a]) & (nodes <= self._sides[1][a])]
 
 	def spans(self, x, y):
+		"""Where vertical lines at x, y (n,) lie inside: (number of the line, lower z, upper z), each (m,) [m]."""
 		inside = (x >= self._sides[0][0]) & (x <= self._sides[1][0]) & (y >= self._sides[0][1]) & (y <= self._sides[1][1])
 		low, high = self.base(x, y), self.surface(x, y)
 		line = np.flatnonzero(inside & (high > low))

@@ -195,6 +195,7 @@ class Range:
 		return self.least + (self.largest - self.least) * part
 
 	def partOf(self, value):
+		"""Where a value lies in the range, 0 (least) to 1 (largest)."""
 		if self.logarithmic:
 			return math.log(value / self.least) / math.log(self.largest / self.least)
 		return (value - self.least) / (self.largest - self.least)

@@ -72,8 +72,12 @@ def _rigidCopy(mpm, boundaries):
 	rigid.heat.followsMotion, rigid.heat.thermalTimeScale, rigid.heat.movingTimeScale = False, 1, 1
 	for soil in [rigid.material, *rigid.materials]:
 		soil.thawStrain = 0
-	rigid.boundaries = [one for one in (rigid.boundaries if boundaries is None else boundaries) if type(one).__name__ in thermalBoundaries]
+	rigid.boundaries = [one for one in (rigid.boundaries if boundaries is None else boundaries) if _isThermal(one)]
 	return rigid
+
+
+def _isThermal(boundary):
+	return type(boundary).__name__ in thermalBoundaries or getattr(boundary, "gives", "") in ("heat", "temperature")
 
 
 def _ofPlace(position, temperature):

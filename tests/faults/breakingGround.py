@@ -36,7 +36,7 @@ def stateOf(mpm):
 	state = {name: np.array(mpm.field(name)) for name in mpm.fieldNames()}
 	state.update({f"balance {name}": np.array(value) for name, value in mpm.balance().items()})
 	if isinstance(mpm.skeleton, wrapper.RveSkeleton):
-		counters = mpm.skeleton.counters
+		counters = mpm.skeleton.cost()
 		state.update({f"counter {name}": np.array(counters[name]) for name in ("calls", "steps", "distinctStates")})
 		if counters["form"] == "packed":
 			for point in range(mpm.pointCount):

@@ -141,7 +141,7 @@ def test_open_samples_go_on_within_the_accuracy_of_yades_own_archives(tmp_path, 
 	run(6)
 	error = np.abs(mpm.field("stress") - stress).max() / np.abs(stress).max()
 	print(f"relative difference of stress after 6 more steps with open samples: {error:.1e}; tolerance 1e-6")
-	assert mpm.skeleton.counters["form"] == "open"
+	assert mpm.skeleton.cost()["form"] == "open"
 	assert error < 1e-6 and np.abs(mpm.field("position") - position).max() < 1e-9
 
 

@@ -122,6 +122,17 @@ def test_isolines_take_round_levels_by_themselves_and_are_absent_in_a_field_of_o
 	assert plots.isolines(fig.axes[1], frame["position"], np.ones(len(frame["position"])), frame["volume"]) is None
 
 
+def test_a_profile_of_a_linear_field_is_a_straight_line_and_ends_with_the_ground():
+	position, volume = geometry.fillPolygon([(0, 0), (4, 0), (4, 2), (0, 2)], 0.2, 4)
+	axes = plots.figure(5, 4).subplots()
+	distance, values = plots.profile(axes, position, 3 * position[:, 0] - 2 * position[:, 1], (0.5, 1), (5, 1), "temperature [°C]")
+	inside = np.isfinite(values)
+	error = np.abs(values[inside] - (3 * (0.5 + distance[inside]) - 2)).max()
+	print(f"off by {error:.1e}; values up to x = {0.5 + distance[inside].max():.2f} m of 4 m")
+	assert error < 1e-9 and distance[-1] == pytest.approx(4.5) and 3.9 < 0.5 + distance[inside].max() <= 4
+	assert axes.get_ylabel() == "temperature [°C]" and len(axes.lines) == 1
+
+
 def test_force_chains_draw_intact_bonds_red_the_others_black_and_width_by_force(folder):
 	centre, radius, start, end, force, state = randomPacking()
 	fig = plots.figure(5, 5)

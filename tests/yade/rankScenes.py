@@ -287,7 +287,7 @@ for name in sys.argv[3:]:
 	if mpm.watched is not None:
 		state.update({f"history {point} {field}": values for point in mpm.watched.ids for field, values in mpm.history(point).items()})
 	state.update(looks if name == "asked" else {})
-	shared = mpm.skeleton.counters if isinstance(mpm.skeleton, wrapper.RveSkeleton) else {}
+	shared = mpm.skeleton.cost() if isinstance(mpm.skeleton, wrapper.RveSkeleton) else {}
 	if talik.ranks.first:
 		np.savez(folder / f"{name}.npz", **state)
 	print("FIGURES", name, shared.get("moved", 0), shared.get("balance", 1), talik.ranks.traffic()["messages"], flush=True)

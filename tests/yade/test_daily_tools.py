@@ -141,3 +141,34 @@ def test_a_pushed_wall_goes_on_from_a_saved_scene_bit_for_bit_and_stops_in_the_s
 	confined = 1e6 * 0.7 / (1.3 * 0.4) * np.log(1 - path / 2)
 	print(f"mean stress {mean:.0f} Pa, confined compression {confined:.0f} Pa")
 	assert abs(mean / confined - 1) < 0.02
+
+
+def test_a_run_until_a_day_shows_its_progress_and_refuses_ground_that_does_not_run(capsys):
+	O.reset()
+	mpm = column(-2)
+	with pytest.raises(ValueError, match=r"runUntilDay: the ground is not among O.engines.*set O.engines = \[mpm\] first"):
+		talik.runUntilDay(mpm, 1)
+	O.engines = [mpm]
+	seen = []
+	talik.runUntilDay(mpm, 0.2, progress=True)
+	talik.runUntil(O.time + 0.3, look=lambda: seen.append(O.time), interval=0.01, progress=True)
+	lines = capsys.readouterr().err.splitlines()
+	print("\n".join(lines))
+	assert len(lines) >= 2 and all(line.startswith("100.0 %") for line in (lines[0], lines[-1])) and "day 0.2" in lines[0]
+
+
+def test_a_table_of_points_refuses_fields_that_do_not_exist(tmp_path):
+	mpm = column(-2)
+	for fields, sentence in ((("temp",), "there is no field 'temp'; choose among position"), ("temperature", r"fields is 'temperature'; give a list")):
+		with pytest.raises(ValueError, match=sentence):
+			talik.output.PointTable(mpm, tmp_path / "points.csv", {"top": (0.25, 2)}, fields, everyDays=1)
+
+
+def test_spin_up_takes_the_heat_of_boundaries_in_python_along():
+	steady = []
+	for heat in (wrapper.HeatFlux(region="surface", flux=2), wrapper.PythonBoundary(region="surface", function=lambda nodes: 0 * nodes.temperature + 2)):
+		mpm = column(-2)
+		mpm.boundaries = [*mpm.boundaries[:2], heat, mpm.boundaries[3]]
+		steady.append(float(talik.thermal.spinUp(mpm, 2000)(0.25, 1.9)))
+	print(f"at the surface {steady[0]:.3f} degC by HeatFlux, {steady[1]:.3f} degC by PythonBoundary")
+	assert steady[0] == steady[1] and steady[0] > -0.9

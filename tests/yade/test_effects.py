@@ -168,12 +168,12 @@ refused = {
 		"add heat",
 	),
 	"ice that flows": (dict(**everything, boundaries=lambda: [WaterFlux(region="left", temperature=-8)]), "WaterFlux.temperature = -8", "leave it out"),
-	"unknown transfer": (dict(**motion, transfer="pic"), "transfer = 'pic'", "choose one of flip, apic, tpic"),
+	"unknown transfer": (dict(**motion, transfer="pic"), "MpmEngine.transfer = 'pic'", "choose one of flip, apic, tpic"),
 	"transfer in rigid ground": (dict(**heat, transfer="apic"), "MpmEngine.transfer is 'apic'", "leave it out"),
 	"affine transfer on linear shape functions": (dict(**motion, transfer="apic", shapeFunction="linear"), "transfer = 'apic'", "use quadraticBSpline or gimp"),
 	"negative PIC time": (dict(**motion, picTime=-0.5), "MpmEngine.picTime is -0.5", "0 or more"),
 	"negative PIC time of water": (dict(**motion, water=lambda: PoreWater(picTime=-1)), "PoreWater.picTime = -1", "must not be negative"),
-	"unknown shape function": (dict(**motion, shapeFunction="cubic"), "shapeFunction = 'cubic'", "choose one of quadraticBSpline, gimp, linear"),
+	"unknown shape function": (dict(**motion, shapeFunction="cubic"), "MpmEngine.shapeFunction = 'cubic'", "choose one of quadraticBSpline, gimp, linear"),
 	"overfull pores": (dict(**heat, pointValues=[("poreFill", 1.2)]), "poreFill = 1.2", "must lie in [0, 1]"),
 	"points partly filled with flowing water": (dict(**water, pointValues=[("poreFill", 0.5)]), "poreFill = 0.5", "must be 1"),
 	"roller without motion": (dict(**heat, boundaries=lambda: [RollerBoundary(region="left")]), "RollerBoundary", "add it or leave"),
@@ -181,14 +181,14 @@ refused = {
 	"spacing not a number": (dict(**motion, gridSpacing=nan), "MpmEngine.gridSpacing is nan", "positive spacing in m"),
 	"negative spacing": (dict(**motion, gridSpacing=-0.25), "MpmEngine.gridSpacing is -0.25", "positive spacing in m"),
 	"tiny spacing": (dict(**motion, gridSpacing=1e-7), "gridSpacing = 1e-07", "larger spacing"),
-	"box not of whole cells": (dict(**motion, upper=(1.1, 1)), "upper.x = 1.1", "whole number"),
+	"box not of whole cells": (dict(**motion, upper=(1.1, 1)), "MpmEngine.upper.x = 1.1", "whole number"),
 	"points outside the grid": (dict(**motion, pointValues=[("position", [[2, 0.5]]), ("volume", 0.01)]), "position[0] = 2", "enlarge the box"),
 	"position not a number": (dict(**motion, pointValues=[("position", [[nan, 0.5]]), ("volume", 0.01)]), "position[0] = nan", "move the point"),
 	"negative volume": (dict(**motion, pointValues=[("volume", -1)]), "volume = -1", "must be positive"),
 	"porosity above one": (dict(**motion, pointValues=[("porosity", 1.5)]), "porosity = 1.5", "must lie in"),
 	"boiling ground": (dict(**heat, pointValues=[("temperature", 500)]), "temperature = 500", "must lie between"),
 	"values for other points": (dict(**heat, pointValues=[("temperature", [1, 2, 3])]), "temperature has 3 numbers", "give 1 or 64"),
-	"misspelt point value": (dict(**heat, pointValues=[("temprature", 1)]), "temprature", "no argument"),
+	"misspelt point value": (dict(**heat, pointValues=[("temprature", 1)]), "temprature", "choose among position, volume, porosity, temperature"),
 	"missing skeleton": (dict(**motion, pointValues=[("skeleton", 3)]), "skeleton = 3", "0 to 0"),
 	"unknown region": (dict(**motion, boundaries=lambda: [FixedBoundary(region="lefft")]), "FixedBoundary.region is 'lefft'", "choose left, right"),
 	"two conditions on one side": (
@@ -201,6 +201,22 @@ refused = {
 		"WallTemperature.times",
 		"must increase",
 	),
+	"table in days and in seconds": (
+		dict(**heat, boundaries=lambda: [WallTemperature(region="left", times=[0, 1], days=[0, 1], values=[1, 2])]),
+		"WallTemperature.times has 2 numbers, .days 2",
+		"give one of the two",
+	),
+	"days that do not increase": (
+		dict(**heat, boundaries=lambda: [WallTemperature(region="left", days=[1, 0], values=[1, 2])]),
+		"WallTemperature.days/values",
+		"must increase",
+	),
+	"days of a boundary that does not change": (dict(**motion, boundaries=lambda: [RollerBoundary(region="left", days=[0, 1])]), ".days 2", "leave them out"),
+	"scale without sense": (
+		dict(**motion, heat=lambda: HeatTransfer(followsMotion=True, motionTolerance=5)),
+		"HeatTransfer.motionTolerance = 5",
+		"must lie between",
+	),
 	"unknown curve": (dict(**heat, freezing=lambda: FreezingCurve(curve="gaus")), "FreezingCurve.curve = 'gaus'", "choose one of"),
 	"negative width": (dict(**heat, freezing=lambda: FreezingCurve(width=-1)), "FreezingCurve.width = -1", "must be positive"),
 	"negative width of linear": (dict(**heat, freezing=lambda: FreezingCurve(curve="linear", width=-1)), "FreezingCurve.width = -1", "must be positive"),
@@ -210,8 +226,8 @@ refused = {
 		"leave it out",
 	),
 	"bad lambda": (dict(**heat, freezing=lambda: FreezingCurve(curve="vanGenuchten", exponent=2)), "FreezingCurve.exponent = 2", "must lie in (0, 1)"),
-	"time backwards for heat": (dict(motion=False, heat=lambda: HeatTransfer(thermalTimeScale=-1)), "thermalTimeScale = -1", "must be positive"),
-	"unknown form": (dict(motion=False, heat=lambda: HeatTransfer(enthalpyForm="x")), "enthalpyForm = 'x'", "choose one of stateFunction"),
+	"time backwards for heat": (dict(motion=False, heat=lambda: HeatTransfer(thermalTimeScale=-1)), "HeatTransfer.thermalTimeScale = -1", "must be positive"),
+	"unknown form": (dict(motion=False, heat=lambda: HeatTransfer(enthalpyForm="x")), "HeatTransfer.enthalpyForm = 'x'", "choose one of stateFunction"),
 	"impermeable water": (dict(**motion, water=lambda: PoreWater(conductivity=0)), "PoreWater.conductivity = 0", "must be positive, in m/s"),
 	"negative bulk modulus": (dict(**motion, water=lambda: PoreWater(bulkModulus=-1)), "PoreWater.bulkModulus = -1", "must be positive, in Pa"),
 	"unknown conductivity of frozen ground": (
@@ -252,6 +268,25 @@ def test_is_refused_by_one_sentence_and_the_next_run_works(case):
 	mpm = engine(**motion, gravity=(0, -10))
 	O.step()
 	assert mpm.time == O.dt > 0
+
+
+def test_an_unknown_field_is_refused_by_a_sentence_with_the_fields_of_the_scene():
+	mpm = engine(**heat)
+	with pytest.raises(ValueError) as refusal:
+		mpm.field("porePressure")
+	print(refusal.value)
+	assert "MpmEngine.field: there is no field 'porePressure' in this scene: choose one of position, volume" in str(refusal.value)
+
+
+def test_a_table_in_days_is_that_in_seconds_to_the_last_bit():
+	states = []
+	for instants in (dict(days=[0, 2, 5]), dict(times=[0, 2 * talik.day, 5 * talik.day])):
+		O.reset()
+		mpm = engine(**{**heat, "boundaries": [WallTemperature(region="left", values=[0, 10, -3], **instants)]})
+		talik.runUntilDay(mpm, 4)
+		states.append(mpm.field("temperature"))
+	print(f"after 4 days {states[0].min():.3f} to {states[0].max():.3f} degC")
+	assert np.array_equal(*states) and np.ptp(states[0]) > 1
 
 
 @pytest.mark.parametrize("use", (lambda: MpmEngine(flip=0.97), lambda: setattr(MpmEngine(), "flip", 1), lambda: MpmEngine().flip, lambda: PoreWater(flip=0.9)))

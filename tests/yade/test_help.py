@@ -23,6 +23,9 @@ dimensional = re.compile(r"^(vector<)?(Real|Vector2r|Vector3r|Matrix3r)>?$")
 
 
 def functions():
+	for name, value in vars(talik).items():
+		if inspect.isfunction(value) and value.__module__ == "talik" and not name.startswith("_"):
+			yield pytest.param(value, id=f"talik.{name}")
 	for name in tools:
 		module = importlib.import_module("talik." + name)
 		for key, value in vars(module).items():
@@ -135,6 +138,14 @@ def test_a_tool_explains_itself_with_an_example_that_runs(function, names):
 	test = doctest.DocTestParser().get_doctest(text, names, function.__qualname__, None, None)
 	doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE, verbose=False).run(test, out=heard.append)
 	assert not heard, "".join(heard)
+
+
+def test_every_method_of_a_tool_says_what_it_does():
+	public = [(cls.values[0], name, member) for cls in functions() if inspect.isclass(cls.values[0]) for name, member in vars(cls.values[0]).items()]
+	methods = [(cls.__name__, name, member) for cls, name, member in public if inspect.isfunction(member) and not name.startswith("_")]
+	silent = [f"{cls}.{name}" for cls, name, member in methods if not inspect.getdoc(member)]
+	print(f"{len(methods)} methods, {len(silent)} without a text")
+	assert len(methods) > 20 and not silent
 
 
 def test_settings_that_the_page_of_units_and_limits_names_exist():

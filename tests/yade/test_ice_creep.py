@@ -313,7 +313,7 @@ def test_ground_at_rest_relaxes_in_calendar_time_at_most_an_interval_late_and_go
 				O.load(str(tmp_path / "ground.yade.gz"))
 			O.step()
 		mpm = O.engines[0]
-		states.append((mpm.field("stress"), mpm.skeleton.counters["calls"]))
+		states.append((mpm.field("stress"), mpm.skeleton.cost()["calls"]))
 	print(f"\n{states[0][1]} calls of 4 points in 20 steps of 2 s of calendar time, asked every 7 s or more often")
 	assert 4 * 5 <= states[0][1] < 80
 	assert (states[0][0] == states[1][0]).all()

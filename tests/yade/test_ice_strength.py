@@ -331,7 +331,7 @@ def test_ground_whose_bonds_follow_the_rate_goes_on_from_a_file_to_the_last_bit(
 				O.load(str(tmp_path / "ground.yade.gz"))
 			O.step()
 		mpm = O.engines[0]
-		stresses.append((mpm.field("stress"), mpm.field("bondsBroken"), mpm.skeleton.counters["calls"]))
+		stresses.append((mpm.field("stress"), mpm.field("bondsBroken"), mpm.skeleton.cost()["calls"]))
 	print(f"\n{stresses[0][2]} calls in 20 steps of 4 points, {int(np.nansum(stresses[0][1]))} bonds broken")
 	assert 0 < stresses[0][2] < 80 and np.nansum(stresses[0][1]) > 0
 	assert (stresses[0][0] == stresses[1][0]).all() and np.array_equal(stresses[0][1], stresses[1][1], equal_nan=True)

@@ -140,7 +140,7 @@ def test_what_is_done_to_a_live_sample_stays_and_its_path_goes_on(form, sample):
 	id = mpm.pick(0.1, 0.1)
 	others = [k for k in range(mpm.pointCount) if k != id]
 	before = {n: mpm.field(n) for n in ("bondsIntact", "bondsBroken", "bondsFormed", "bondsMelted")}
-	calls = mpm.skeleton.counters["calls"]
+	calls = mpm.skeleton.cost()["calls"]
 	with mpm.inspect(id, live=True):
 		O.cell.velGrad = Matrix3(0, 4.0, 0, 0, 0, 0, 0, 0, 0)
 		O.run(1200, True)
@@ -160,7 +160,7 @@ def test_what_is_done_to_a_live_sample_stays_and_its_path_goes_on(form, sample):
 		utils.getStress()
 	talik._talik.runSerially(1)
 	fresh = mpm.field("stress")[id]
-	assert mpm.skeleton.counters["calls"] > calls
+	assert mpm.skeleton.cost()["calls"] > calls
 	assert np.abs(fresh - stale).max() > 0.05 * np.abs(stale).max()  # the point takes the stress of what its sample became
 	talik._talik.runSerially(5)
 	assert np.isfinite(mpm.field("stress")).all()

@@ -186,3 +186,66 @@ def test_points_take_materials_by_name_and_a_ground_looked_at_follows_a_change_o
 	assert (ice[y > 0.5] == 0).all() and (ice[y < 0.5] > 0.9).all()
 	mpm.materials[1].freezing.freezingTemperature = 0
 	assert (mpm.field("iceSaturation") > 0.9).all()
+
+
+def test_ground_below_a_water_table_begins_at_rest():
+	mpm = ground(gridSpacing=0.25, upper=(0.5, 5), heat=None, freezing=None, water=wrapper.PoreWater(), skeleton=wrapper.ElasticSkeleton(young=2e7))
+	mpm.boundaries = [*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")), wrapper.DrainedBoundary(region="surface")]
+	talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 0.5, 4), porosity=0.4)}, lateralRatio=0.5, waterTable=4)
+	y, pressure, vertical = mpm.field("position")[:, 1], mpm.field("pressure"), mpm.field("stress")[:, 1]
+	np.testing.assert_allclose(pressure, 9810 * (4 - y), rtol=1e-9)
+	np.testing.assert_allclose(vertical, -9.81 * 0.6 * 1650 * (4 - y), rtol=1e-9)
+	run(mpm, 0.3)
+	settles = 9.81 * 0.6 * 1650 * 4**2 / (2 * 2.69e7)  # of the same column that is filled without stress
+	moved, changed = abs(mpm.field("displacement")).max(), abs(mpm.field("pressure") - 9810 * (4 - mpm.field("position")[:, 1])).max()
+	print(f"moved by {1e3 * moved:.3f} mm, {moved / settles:.3f} of what it settles without stress; pressure changed by {changed / 39240:.3f} of the largest")
+	assert moved < 0.05 * settles and changed < 0.05 * 39240
+
+
+def test_a_water_table_may_slope_and_leaves_ground_above_it_without_pressure():
+	mpm = ground(gridSpacing=0.25, upper=(2, 3), heat=None, freezing=None, water=wrapper.PoreWater())
+	talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 2, 2))}, waterTable=lambda x: 1 + 0.25 * x)
+	x, y = mpm.field("position").T
+	np.testing.assert_allclose(mpm.field("pressure"), np.maximum(0, 9810 * (1 + 0.25 * x - y)), rtol=1e-9, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+	"layer, settings, sentence",
+	[
+		(dict(temprature=-1), {}, "layer 'sand' has 'temprature', which no layer has; did you mean temperature?"),
+		(dict(hole=[]), {}, "layer 'sand' has 'hole', which no layer has; did you mean holes?"),
+		(dict(holes=rectangle(0, 0, 1, 1)), {}, r"layer 'sand': holes\[0\] is \(0, 0\); it must be a list of corners"),
+		(dict(porosity="high"), {}, "layer 'sand': MpmEngine.addPoints: porosity is high: give a number"),
+		({}, dict(lateralRatio=-1), "lateralRatio is -1; give the ratio of horizontal to vertical effective stress"),
+		({}, dict(lateralRatio=0.5, gravity=(0, 0)), r"lateralRatio is 0.5, and MpmEngine.gravity is .*set gravity=\(0, -9.81\) before filling"),
+		({}, dict(waterTable=1), r"waterTable is given, and the ground has no water; set water=PoreWater\(\)"),
+		(dict(pressure=1), dict(waterTable=1, water=wrapper.PoreWater()), "layer 'sand' has a pressure of its own; leave one of the two out"),
+	],
+)
+def test_what_a_layer_cannot_be_is_refused_by_a_sentence_with_its_name(layer, settings, sentence):
+	ofFill = {name: settings[name] for name in ("lateralRatio", "waterTable") if name in settings}
+	mpm = ground(**{name: value for name, value in settings.items() if name not in ofFill})
+	with pytest.raises(ValueError, match=sentence):
+		talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 0.1, 1), **layer)}, **ofFill)
+
+
+def test_layers_with_samples_of_their_own_are_settled_each(sampleCache):
+	samples = [talik.rve.pack(talik.rve.prepare(grains=40, porosity=porosity, cache=sampleCache)) for porosity in (0.18, 0.20)]
+	laws = [wrapper.RveSkeleton(samples=[sample]) for sample in samples]
+	mpm = ground(skeleton=None, upper=(0.1, 2.2), gridSpacing=0.1)
+	layers = talik.layers.fill(
+		mpm,
+		{
+			"upper": dict(polygon=rectangle(0, 1, 0.1, 2), temperature=-1, skeleton=laws[0]),
+			"lower": dict(polygon=rectangle(0, 0, 0.1, 1), temperature=-1, skeleton=laws[1]),
+		},
+		lateralRatio=0.7,
+	)
+	talik.slope.settle(mpm, rectangle(0, 0, 0.1, 2), bandThickness=0.5)
+	mpm.initialise()
+	y, vertical, porosity = mpm.field("position")[:, 1], mpm.field("stress")[:, 1], mpm.field("samplePorosity")
+	weight = 9.81 * (0.6 * 2650 + 0.4 * 910) * (2 - (np.floor(y / 0.5) + 0.5) * 0.5)
+	means = [porosity[layers[name]].mean() for name in ("upper", "lower")]
+	print(f"stress off by {abs(vertical / -weight - 1).max():.1e} of the weight; porosity {means[0]:.3f} and {means[1]:.3f}")
+	np.testing.assert_allclose(vertical, -weight, rtol=0.03)
+	assert means[0] < 0.19 < means[1]

@@ -128,6 +128,6 @@ def test_the_user_is_told_once_that_samples_run_open_and_what_that_costs(kind, c
 	O.engines = [mpm]
 	O.run(30, True)
 	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
-	print(f"\n{told[0]}\n{mpm.skeleton.counters['calls']} calls")
+	print(f"\n{told[0]}\n{mpm.skeleton.cost()['calls']} calls")
 	assert len(told) == 1 and "run open" in told[0] and "times as long" in told[0] and "cannot be packed" in told[0]
-	assert mpm.skeleton.counters["form"] == "open" and mpm.skeleton.counters["calls"] > 0 and np.isfinite(mpm.field("stress")).all()
+	assert mpm.skeleton.cost()["form"] == "open" and mpm.skeleton.cost()["calls"] > 0 and np.isfinite(mpm.field("stress")).all()

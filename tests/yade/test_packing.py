@@ -272,6 +272,6 @@ def test_options_of_the_ice_bond_that_only_open_samples_have_keep_the_sample_ope
 	for _ in range(3):
 		O.step()
 	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
-	print(f"\n{told}; {skeleton.counters['steps']} steps")
+	print(f"\n{told}; {skeleton.cost()['steps']} steps")
 	assert len(told) == 1 and reason in told[0] and "run open" in told[0]
-	assert skeleton.counters["form"] == "open" and np.abs(mpm.field("stress")).max() > 0
+	assert skeleton.cost()["form"] == "open" and np.abs(mpm.field("stress")).max() > 0

@@ -494,7 +494,7 @@ def test_a_yade_that_is_alone_makes_no_call_of_mpi(tmp_path, sampleCache):
 		"from mpi4py import rc\n"
 		"rc.initialize = rc.finalize = False\n"
 		"from mpi4py import MPI\n"
-		"print('STARTED', MPI.Is_initialized(), talik.ranks.count, 'owned' in mpm.skeleton.counters, flush=True)\n"
+		"print('STARTED', MPI.Is_initialized(), talik.ranks.count, 'owned' in mpm.skeleton.cost(), flush=True)\n"
 	)
 	status, said, complained = ended(started(command(1, script)))
 	print(re.search("STARTED.*", said).group(0))

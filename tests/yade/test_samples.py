@@ -298,7 +298,7 @@ def test_a_sample_driven_directly_and_inside_a_block_of_one_cell_is_the_same_to_
 	print(
 		f"\n{form}: {steps} DEM steps of each of 4 samples in {O.iter} steps of the ground, stresses differ by {difference / scale:.1e} of {scale / 1e3:.0f} kPa"
 	)
-	assert steps >= 200 and difference <= 1e-12 * scale and mpm.skeleton.counters["form"] == form
+	assert steps >= 200 and difference <= 1e-12 * scale and mpm.skeleton.cost()["form"] == form
 
 
 def runBlock(skeleton, steps=25, cells=2):
@@ -327,7 +327,7 @@ def test_a_block_with_packed_and_with_open_samples_moves_alike(ice, tolerance, s
 		for _ in range(15):
 			O.step()
 		runs.append({name: mpm.field(name) for name in ("stress", "velocity", "displacement")})
-		calls.append((mpm.skeleton.counters["calls"], mpm.skeleton.counters["steps"]))
+		calls.append((mpm.skeleton.cost()["calls"], mpm.skeleton.cost()["steps"]))
 		O.reset()
 	errors = compared(runs)
 	print(f"\nS_i {ice}: (calls, DEM steps) {calls} of 16 samples; " + ", ".join(f"{name} differs by {error:.1e}" for name, error in errors.items()))
@@ -352,7 +352,7 @@ def test_a_frozen_slope_with_packed_and_with_open_samples_settles_alike(sample):
 		for _ in range(60):
 			O.step()
 		runs.append({name: mpm.field(name) for name in ("stress", "velocity", "displacement")})
-		calls.append((mpm.skeleton.counters["calls"], mpm.skeleton.counters["steps"]))
+		calls.append((mpm.skeleton.cost()["calls"], mpm.skeleton.cost()["steps"]))
 		O.reset()
 	errors = compared(runs)
 	print(
@@ -382,7 +382,7 @@ O.engines = O.engines + [mpm]
 for _ in range(10):
 	O.step()
 digest = hashlib.sha256(b"".join(mpm.field(name).tobytes() for name in ("stress", "velocity", "position"))).hexdigest()
-print("DIGEST", digest, mpm.skeleton.counters["calls"], abs(mpm.field("stress")).max())
+print("DIGEST", digest, mpm.skeleton.cost()["calls"], abs(mpm.field("stress")).max())
 sys.stdout.flush()
 """
 
@@ -418,7 +418,7 @@ def test_ground_saved_and_loaded_goes_on_with_its_samples(form, tolerance, suffi
 			mpm = O.engines[0]
 		for _ in range(8):
 			O.step()
-		ends.append((mpm.field("stress"), mpm.skeleton.counters["calls"], mpm.skeleton.values("bondsIntact")))
+		ends.append((mpm.field("stress"), mpm.skeleton.cost()["calls"], mpm.skeleton.values("bondsIntact")))
 	error = np.abs(ends[0][0] - ends[1][0]).max() / np.abs(ends[0][0]).max()
 	print(f"\n{form}, {suffix}: stress 8 steps later differs by {error:.1e} after {ends[0][1]} and {ends[1][1]} calls")
 	assert error <= tolerance and ends[0][1] == ends[1][1] > 0 and (ends[0][2] == ends[1][2]).all()
@@ -478,7 +478,7 @@ def test_scenes_that_cannot_be_packed_run_open_and_the_user_is_told_once_why(kin
 	for _ in range(5):
 		O.step()
 	told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
-	stress, counters = mpm.field("stress"), skeleton.counters
+	stress, counters = mpm.field("stress"), skeleton.cost()
 	print(
 		f"\n{told}\n{counters['calls']} calls, {counters['steps']} steps; stress {stress[0].round(1).tolist()} Pa; "
 		f"porosity {skeleton.values('samplePorosity')[0]:.3f}"
@@ -527,7 +527,7 @@ def test_ground_on_scenes_that_cannot_be_packed_saves_and_loads(suffix, tmp_path
 		ends.append(mpm.field("stress"))
 	error = np.abs(ends[0] - ends[1]).max() / np.abs(ends[0]).max()
 	print(f"\n{suffix}: {(tmp_path / f'ground.{suffix}').stat().st_size} bytes; 4 steps after loading stress differs by {error:.1e}")
-	assert error < 1e-9 and mpm.skeleton.counters["form"] == "open"
+	assert error < 1e-9 and mpm.skeleton.cost()["form"] == "open"
 
 
 def test_a_prepared_sample_given_as_a_scene_runs_packed_as_the_packed_one_does(sampleCache, sample):
@@ -535,7 +535,7 @@ def test_a_prepared_sample_given_as_a_scene_runs_packed_as_the_packed_one_does(s
 	stresses = []
 	for skeleton in (wrapper.RveSkeleton(samples=[sample]), wrapper.RveSkeleton(scenes=[rve.openScene(prepared)])):
 		mpm = runBlock(skeleton, steps=5)
-		assert skeleton.counters["form"] == "packed" and skeleton.counters["calls"] > 0
+		assert skeleton.cost()["form"] == "packed" and skeleton.cost()["calls"] > 0
 		stresses.append(mpm.field("stress"))
 		O.reset()
 	print(f"\nlargest difference of stress {np.abs(stresses[0] - stresses[1]).max():.1e} Pa")
@@ -617,3 +617,8 @@ def test_a_sample_behind_a_point_can_be_looked_at_and_put_back(form, frozen):
 	assert intact[5] == 0 and (np.delete(intact, 5) == shown[1]).all()
 	O.step()
 	assert np.isfinite(mpm.field("stress")).all()
+
+
+def test_counters_are_refused_by_a_sentence_that_gives_their_new_name():
+	with pytest.raises(AttributeError, match=r"RveSkeleton.counters is now RveSkeleton.cost\(\), a call as MpmEngine.cost\(\) is"):
+		wrapper.RveSkeleton().counters

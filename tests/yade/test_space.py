@@ -532,7 +532,7 @@ def test_samples_of_spheres_stand_behind_the_points_and_give_six_stresses(sample
 	start = mpm.field("stress")
 	frozen = np.abs(start).max()
 	O.run(10, True)
-	counters = mpm.skeleton.counters
+	counters = mpm.skeleton.cost()
 	one = mpm.skeleton.sample(3)
 	print(
 		f"{len(start)} points, stress at the start up to {frozen:.1f} Pa; after 10 steps {counters['calls']} calls, bonds {mpm.field('bondsIntact').min():.0f}"

@@ -101,11 +101,11 @@ def stresses(build, sample, tolerance=0.0):
 @pytest.mark.parametrize("build", (compressedColumn, shearedBlock, thawingColumn))
 def test_the_estimated_error_is_the_true_one_within_a_factor_of_three(build, sample):
 	exact, mpm = stresses(build, sample)
-	calls = mpm.skeleton.counters["calls"]
+	calls = mpm.skeleton.cost()["calls"]
 	for tolerance in (0.1, 0.03):
 		reached, mpm = stresses(build, sample, tolerance)
 		error, estimated = np.sqrt(np.sum((reached - exact) ** 2) / np.sum(exact**2)), mpm.estimatedError
-		fewer = calls / mpm.skeleton.counters["calls"]
+		fewer = calls / mpm.skeleton.cost()["calls"]
 		print(
 			f"{build.__name__}, tolerance {tolerance}: estimated {estimated:.4f}, true {error:.4f}, ratio {estimated / error:.2f}, 1/{fewer:.1f} of the calls"
 		)

@@ -229,6 +229,7 @@ public:
 	virtual void lookAt(const BoundaryNodes<D>&) {}
 	/// What it gives to node k of its surface or volume.
 	virtual SurfaceHeat heatAt(double time, std::size_t) const { return heat(time); }
+	virtual double      temperatureAt(double time, std::size_t) const { return temperature(time); }
 	virtual double      powerAt(double time, std::size_t) const { return power(time); }
 	virtual Vec<D>      tractionAt(double time, const Vec<D>& normal, std::size_t) const { return traction(time, normal); }
 	/// True if it accelerates the mass of nodes in a box or disc, by accelerationAt(k) [m/s^2].

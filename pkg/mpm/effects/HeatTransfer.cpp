@@ -80,8 +80,9 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 		const bool                   wall   = region.kind == Region<D>::Kind::side;
 		const int                    inward = region.on.upper ? -grid.nodeStride(region.on.axis) : grid.nodeStride(region.on.axis);
 		const std::vector<NodeShare> shares = nodeShares(grid, region);
+		int                          number = 0;
 		for (const NodeShare& s : shares)
-			held_.push_back({ s.node, holding * s.share, static_cast<int>(b), 0.0 });
+			held_.push_back({ s.node, holding * s.share, static_cast<int>(b), number++ });
 		if (!shares.empty()) continue;
 		for (int node : wallNodes(grid, region)) {
 			if (isPrescribed_[node]) continue;
@@ -113,7 +114,7 @@ template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::sha
 	if (settings->source != 0.0) return false;
 	for (const auto& b : boundaries) {
 		if (b->prescribesTemperature() && b->temperature(time) != reference) return false;
-		if (b->usesNodes() && (b->heats() || b->producesHeat())) return false;
+		if (b->usesNodes() && b->effect() == "heat") return false;
 		if (b->producesHeat() && b->power(time) != 0.0) return false;
 		if (!b->heats()) continue;
 		const SurfaceHeat heat = b->heat(time);
@@ -227,8 +228,6 @@ void HeatTransfer<D>::nodalTemperature(
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
 		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time) - reference;
-	for (HeldNode& n : held_)
-		n.wanted = boundaries[n.boundary]->temperature(time) - reference;
 	mirrorWalls(grid);
 	for (int i : affected_)
 		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
@@ -272,21 +271,23 @@ void HeatTransfer<D>::exchange(const Boundary<D>& boundary, double time, const S
 	}
 }
 
-template <int D> void HeatTransfer<D>::hold(double dt)
+template <int D> void HeatTransfer<D>::hold(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
 {
 	for (const HeldNode& n : held_) {
 		if (!(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
 		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
 		const double taken     = n.rate * scale * dt / diffusionTime_;
-		const double gained    = nodes[n.node][0] * (n.wanted - predicted) * taken / (1.0 + taken);
+		const double wanted    = boundaries[n.boundary]->temperatureAt(time, n.number) - reference;
+		const double gained    = nodes[n.node][0] * (wanted - predicted) * taken / (1.0 + taken);
 		energy[n.node][0] += gained;
 		heatIn += gained;
 	}
 }
 
-template <int D> void HeatTransfer<D>::finishNodes(const ActiveRange& range, double dt)
+template <int D>
+void HeatTransfer<D>::finishNodes(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
 {
-	hold(dt);
+	hold(boundaries, time, dt);
 	double conducted = 0.0;
 	for (int i : affected_)
 		conducted += energy[i][0];

@@ -79,7 +79,7 @@ public:
 	void exchange(const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
-	void finishNodes(const ActiveRange& range, double dt);
+	void finishNodes(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
 	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
@@ -109,7 +109,7 @@ private:
 	void mirrorWalls(const Grid<D>& grid);
 	void prescribe(const Grid<D>& grid, double dt);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
-	void                          hold(double dt);
+	void                          hold(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
 	double                        smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
 
@@ -120,7 +120,7 @@ private:
 		int    node;
 		double rate; ///< at which it takes the temperature, times diffusionTime_ [-]
 		int    boundary;
-		double wanted; ///< T - T_r [K]
+		int    number; ///< among the nodes of its region
 	};
 	struct ProducingNode {
 		int    node;

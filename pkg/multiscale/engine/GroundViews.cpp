@@ -176,16 +176,25 @@ py::object MpmEngine::measured(const vector<shared_ptr<SkeletonLaw>>& laws, cons
 	return arrayOf(rows);
 }
 
+void MpmEngine::refuseField(const string& name)
+{
+	string known;
+	for (const auto& existing : existingFields())
+		known += (known.empty() ? "" : ", ") + existing;
+	throw std::invalid_argument("MpmEngine.field: there is no field '" + name + "' in this scene: choose one of " + known + ".");
+}
+
 py::object MpmEngine::field(const string& name)
 {
 	auto& g = runningGround();
 	if (isStrain(name)) return strains(name);
 	const auto laws = lawsMeasuring(name);
 	if (!laws.empty()) return measured(laws, name);
-	int       parts = 1;
+	int       parts = 0;
 	const int n     = pointCount();
 	for (const auto& info : g.fields())
 		if (info.place == "points" && info.name == name) parts = info.components;
+	if (parts == 0) refuseField(name);
 	np::ndarray  result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
 	Real*        data   = reinterpret_cast<Real*>(result.get_data());
 	vector<Real> component(n);

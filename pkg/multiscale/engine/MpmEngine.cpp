@@ -236,6 +236,34 @@ void MpmEngine::checkChangeable() const
 	if (bodies) bodies->build(usedDimension());
 }
 
+namespace {
+	/// Settings of the ground under the names that a script gives them.
+	template <class Work> auto underSettingNames(Work&& work)
+	{
+		return talik::underScriptNames(
+		        { { "enthalpyForm", "HeatTransfer.enthalpyForm" },
+		          { "latentDensity", "HeatTransfer.latentDensity" },
+		          { "thermalTimeScale", "HeatTransfer.thermalTimeScale" },
+		          { "followsMotion", "HeatTransfer.followsMotion" },
+		          { "movingTimeScale", "HeatTransfer.movingTimeScale" },
+		          { "motionTolerance", "HeatTransfer.motionTolerance" },
+		          { "eventSpeed", "HeatTransfer.eventSpeed" },
+		          { "eventDisplacement", "HeatTransfer.eventDisplacement" },
+		          { "smoothingTime", "HeatTransfer.smoothingTime" },
+		          { "source", "HeatTransfer.source" },
+		          { "transfer", "MpmEngine.transfer" },
+		          { "shapeFunction", "MpmEngine.shapeFunction" },
+		          { "gridSpacing", "MpmEngine.gridSpacing" },
+		          { "lower", "MpmEngine.lower" },
+		          { "upper", "MpmEngine.upper" },
+		          { "poreFill", "MpmEngine.poreFill" },
+		          { "materials", "MpmEngine.materials" },
+		          { "boundaries", "MpmEngine.boundaries" },
+		          { "hydraulicTimeScale", "PoreWater.hydraulicTimeScale" } },
+		        std::forward<Work>(work));
+	}
+} // namespace
+
 void MpmEngine::initialise()
 {
 	followInputs();
@@ -246,7 +274,7 @@ void MpmEngine::initialise()
 	shareAmongRanks();
 	boundaryCount     = boundaries.size();
 	materialCount     = materials.size();
-	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
+	groundOfScene     = underSettingNames([&] { return GroundOfScene::make(*this, usedDimension(), goesOn); });
 	ground            = &groundOfScene->ground();
 	stepsUntilLimit   = 0;
 	bodiesNamed       = false;
@@ -255,7 +283,7 @@ void MpmEngine::initialise()
 	distributeInForce = distribute;
 	try {
 		if (mayBeInBands()) ground->distribute(talik::jobTalk(), distribute == "ground");
-		ground->initialise();
+		underSettingNames([&] { ground->initialise(); });
 		sayHowRanksShare();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
@@ -416,17 +444,10 @@ void MpmEngine::checkFixed() const
 }
 
 namespace {
-	[[noreturn]] void raiseAttributeError(const string& text)
-	{
-		PyErr_SetString(PyExc_AttributeError, text.c_str());
-		::boost::python::throw_error_already_set();
-		throw std::logic_error(text); // never reached
-	}
-
 	// a share per step is a viscosity that grows as the step shrinks: there is no time that stands for it
 	[[noreturn]] void refuseFlip(const string& className)
 	{
-		raiseAttributeError(
+		talik::raiseAttributeError(
 		        className
 		        + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give "
 		        + className + ".picTime=inf in place of flip=1.");
@@ -444,7 +465,7 @@ namespace {
 void MpmEngine::refuseFormerName(const char* name)
 {
 	if (string(name) == "flip") refuseFlip("MpmEngine");
-	raiseAttributeError("MpmEngine." + string(name) + " is now MpmEngine." + renamedAttributes().at(name) + ": the same value under the new name.");
+	talik::raiseAttributeError("MpmEngine." + string(name) + " is now MpmEngine." + renamedAttributes().at(name) + ": the same value under the new name.");
 }
 
 void MpmEngine::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
@@ -488,7 +509,7 @@ void MpmEngine::followHeat()
 		return;
 	talik::HeatSettings changed = heat->build();
 	changed.followsMotion       = inForce.followsMotion;
-	groundOfScene->followHeat(changed);
+	underSettingNames([&] { groundOfScene->followHeat(changed); });
 	stepsUntilLimit = 0;
 }
 

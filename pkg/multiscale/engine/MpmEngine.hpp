@@ -18,8 +18,6 @@
 
 namespace yade {
 
-constexpr double secondsPerDay = 86400;
-
 /// Material point method for saturated, freezing ground in plane strain or in space, as an engine of the main scene. The ground itself
 /// (talik::Ground) knows no YADE; this class gives it YADE's attributes and time step. What Python sees of it is in GroundViews.cpp, its
 /// archive in GroundArchive.cpp, all that depends on the dimension in GroundOfScene.
@@ -137,6 +135,7 @@ private:
 	vector<shared_ptr<SkeletonLaw>> lawsMeasuring(const string& name) const;
 	::boost::python::object         measured(const vector<shared_ptr<SkeletonLaw>>& laws, const string& name) const;
 	vector<string>                  existingFields();
+	[[noreturn]] void               refuseField(const string& name);
 	vector<Real>                    valueAt(const string& name, int id);
 	void                            recordWatched();
 

@@ -106,8 +106,14 @@ void PointTable::add(const py::dict& arrays)
 		unknown.remove("material");
 		requireWholeNumbers(materials, "material", "the name or number of a material in materials");
 	}
-	if (py::len(unknown) > 0)
-		throw std::invalid_argument("MpmEngine.addPoints: there is no argument '" + std::string(py::extract<std::string>(unknown[0])) + "'.");
+	if (py::len(unknown) > 0) {
+		std::string known = "position";
+		for (const Column& column : optionalColumns(dimension))
+			known += std::string(", ") + column.name;
+		throw std::invalid_argument(
+		        "MpmEngine.addPoints: there is no argument '" + std::string(py::extract<std::string>(unknown[0])) + "': choose among " + known
+		        + " and material.");
+	}
 	if (points == 0) return;
 	const bool several = !materials_.empty() || std::any_of(materials.begin(), materials.end(), [](double m) { return m != 0.0; });
 	if (several) {

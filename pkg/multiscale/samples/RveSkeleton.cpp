@@ -357,7 +357,7 @@ py::object RveSkeleton::values(const string& name) const
 	return result;
 }
 
-py::dict RveSkeleton::counters() const
+py::dict RveSkeleton::cost() const
 {
 	const auto& s = running();
 	py::dict    d;
@@ -374,6 +374,11 @@ py::dict RveSkeleton::counters() const
 		d["balance"] = sharing->balance;
 	}
 	return d;
+}
+
+py::dict RveSkeleton::refuseCounters() const
+{
+	talik::raiseAttributeError("RveSkeleton.counters is now RveSkeleton.cost(), a call as MpmEngine.cost() is: the same dictionary.");
 }
 
 py::dict RveSkeleton::blownUp() const

@@ -48,8 +48,10 @@ public:
 	vector<Real>            valueAt(const string& name, int id) const override;
 	vector<string>          measures() const override;
 	::boost::python::list   pyMeasures() const;
-	::boost::python::dict   counters() const;
-	::boost::python::dict   blownUp() const;
+	::boost::python::dict   cost() const;
+	/// Throws AttributeError: the former name of cost().
+	::boost::python::dict refuseCounters() const;
+	::boost::python::dict blownUp() const;
 
 private:
 	/// The samples of a run.
@@ -137,9 +139,10 @@ public:
 		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: "
 				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
 				"sampleIceSaturation, fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
-		.add_property("counters",&RveSkeleton::counters,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
+		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
 				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; moved, states that went to "
 				"another rank; balance, mean over largest cost of the ranks [-].")
+		.add_property("counters",&RveSkeleton::refuseCounters,"The former name of cost().")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
 	// clang-format on

@@ -23,18 +23,25 @@ template <int D> talik::Region<D> GroundBoundary::where() const
 
 template <int D> talik::Region<D> GroundBoundary::always() const
 {
-	if (!times.empty() || !values.empty())
+	if (!times.empty() || !days.empty() || !values.empty())
 		throw std::invalid_argument(
-		        getClassName() + ".times has " + std::to_string(times.size()) + " numbers, .values " + std::to_string(values.size())
-		        + ": nothing of this boundary changes in time; leave them out.");
+		        getClassName() + ".times has " + std::to_string(times.size()) + " numbers, .days " + std::to_string(days.size()) + ", .values "
+		        + std::to_string(values.size()) + ": nothing of this boundary changes in time; leave them out.");
 	return where<D>();
 }
 
 talik::TimeTable GroundBoundary::overTime(Real constant) const
 {
-	if (times.empty() && values.empty()) return talik::TimeTable(constant);
-	talik::TimeTable table(times, values);
-	table.validate(getClassName() + ".times/values");
+	if (times.empty() && days.empty() && values.empty()) return talik::TimeTable(constant);
+	if (!times.empty() && !days.empty())
+		throw std::invalid_argument(
+		        getClassName() + ".times has " + std::to_string(times.size()) + " numbers, .days " + std::to_string(days.size())
+		        + ": give one of the two, in seconds or in days of the calendar.");
+	vector<Real> instants = times;
+	for (const Real day : days)
+		instants.push_back(day * secondsPerDay);
+	talik::TimeTable table(instants, values);
+	table.validate(getClassName() + (days.empty() ? ".times/values" : ".days/values"));
 	return table;
 }
 

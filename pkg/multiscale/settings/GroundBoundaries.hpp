@@ -8,6 +8,8 @@
 
 namespace yade {
 
+constexpr double secondsPerDay = 86400;
+
 /// Condition on a part of the ground's surface; derived classes say which.
 class GroundBoundary : public Serializable {
 public:
@@ -41,8 +43,9 @@ public:
 				"space): inside the ellipse (ellipsoid) that fits lower..upper, such as a pipe."))
 		((GroundVector,lower,-std::numeric_limits<Real>::infinity(),,"Lower corner of the box that limits the region [m]: two components, three in space."))
 		((GroundVector,upper,std::numeric_limits<Real>::infinity(),,"Upper corner of the box that limits the region [m]: two components, three in space."))
-		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s] (days times talik.day), increasing; linear in between, constant "
+		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s], increasing; see days; linear in between, constant "
 				"outside. Empty: the value is constant."))
+		((vector<Real>,days,,,"Instants as in times, but in days of the calendar [d]; give one of the two."))
 		((vector<Real>,values,,,"Values at these instants, in the unit [that of the attribute that they replace]."))
 		,talik::SequenceConverter<GroundBoundary>::registerOnce(); talik::GroundVector::registerOnce();
 	);
@@ -142,7 +145,7 @@ public:
 	template <int D> Pointer<D> make() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(SurfaceTemperature,GroundBoundary,"Temperature of the moving free surface, or of air that exchanges heat h_c (T_air - T) with it. "
-			"A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',times=[0,10*talik.day],values=[-5,10]).",
+			"A weather series: see talik.weather.airTemperature. Example: SurfaceTemperature(region='surface',days=[0,10],values=[-5,10]).",
 		((Real,temperature,0,,"[degC]; times and values may replace it."))
 		((Real,heatTransferCoefficient,std::numeric_limits<Real>::infinity(),,"Between air and surface [W/(m^2 K)], > 0, per calendar time; infinite: the surface "
 				"itself has the temperature."))

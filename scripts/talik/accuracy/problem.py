@@ -116,6 +116,6 @@ def largestRelative(answer, reference):
 
 def groundRun(mpm, answer, watch, steps):
 	"""Run of a ground that has been marched under a Stopwatch."""
-	samples = getattr(mpm.skeleton, "counters", {"bytes": 0})["bytes"] if mpm.motion else 0
+	samples = mpm.skeleton.cost()["bytes"] if hasattr(mpm.skeleton, "cost") else 0
 	memory = sum(info["bytes"] for info in mpm.fields()) + samples
 	return Run([float(a) for a in answer], watch.wall, watch.cpu, int(memory), mpm.pointCount, steps, mpm.estimatedError)
