@@ -71,7 +71,7 @@ ice, displacement = mpm.field("iceSaturation"), mpm.field("displacement")
 thawed, moved = startVolume * (1 - ice / startIce), np.linalg.norm(displacement, axis=1)
 crest = start[:, 0] < 1.0
 depth, settled = thawed[crest].sum(), -displacement[crest & (start[:, 1] > 4 - h / 2), 1].mean()  # of one metre of width
-slid = startVolume[moved > 0.1].sum()
+slid = startVolume[abs(displacement[:, 0]) > 0.1].sum()  # what has only settled goes straight down
 
 steps = np.linspace(0, 3, 3001)  # depths below the crest [m]
 soilAt = [soils["silt" if x < 1 else "ice-rich silt" if x < 2 else "gravel"] for x in steps]
@@ -85,7 +85,7 @@ settledByHand = 0.001 * sum(soil["material"].thawStrain for soil, x in zip(soilA
 slidByHand = depthByHand * 3 * 2**0.5  # of the face of 45 degrees and 3 m
 print(f"{mpm.pointCount} points, {O.iter} steps, {mpm.calendar['day']:.0f} days, {sum(law.cost()['calls'] for law in mpm.skeletons)} sample calls")
 print(f"the crest has thawed by {depth:.2f} m, by hand {depthByHand:.2f} m, and settled by {1e3 * settled:.0f} mm, by hand {1e3 * settledByHand:.0f} mm")
-print(f"{slid:.1f} m2 have slid by more than 0.1 m, by hand at most {slidByHand:.1f} m2; the farthest point by {moved.max():.2f} m")
+print(f"{slid:.1f} m2 have slid sideways by more than 0.1 m, by hand at most {slidByHand:.1f} m2; the farthest point by {moved.max():.2f} m")
 for name, ids in layers.items():
 	print(f"{name}: {thawed[ids].sum():.2f} m2 of {startVolume[ids].sum():.2f} m2 have thawed; moved by up to {moved[ids].max():.2f} m")
 
@@ -104,4 +104,10 @@ output.writeSummary(
 	**{"crest thawed [m]": depth, "by hand [m]": depthByHand, "crest settled [m]": settled, "settled by hand [m]": settledByHand},
 	**{"slid [m2]": slid, "largest displacement [m]": moved.max()},
 )
+if not 0.8 < depth / depthByHand < 1.3 + h / 4 / depthByHand:  # and half a row of points, of which the front passes whole ones
+	raise SystemExit("the thaw of the crest is not between 80 and 130 % of the calculation by hand")
+if options.preset != "test" and abs(settled / settledByHand - 1) > 0.3:
+	raise SystemExit("the settlement of the crest is more than 30 % off the calculation by hand")
+if options.preset != "test" and not 0.5 * slidByHand < slid < 1.3 * slidByHand:
+	raise SystemExit("what has slid is not between 50 and 130 % of the calculation by hand")
 print(f"picture and summary are in {folder}")

@@ -72,7 +72,7 @@ def _rigidCopy(mpm, boundaries):
 	rigid.heat.followsMotion, rigid.heat.thermalTimeScale, rigid.heat.movingTimeScale = False, 1, 1
 	for soil in [rigid.material, *rigid.materials]:
 		soil.thawStrain = 0
-	rigid.boundaries = [one for one in (rigid.boundaries if boundaries is None else boundaries) if _isThermal(one)]
+	rigid.boundaries = [one for one in (mpm.boundaries if boundaries is None else boundaries) if _isThermal(one)]  # functions of Python have no copy
 	return rigid
 
 

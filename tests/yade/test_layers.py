@@ -141,7 +141,7 @@ refused = {
 	"hole outside": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), holes=[rectangle(0, 0.5, 0.1, 1)])), "layer 'a': holes\\[0\\] reaches out"),
 	"no polygon": (dict(a=dict(porosity=0.4)), "layer 'a' has no polygon"),
 	"no material": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), material="ice")), "layer 'a': material is 'ice'"),
-	"unknown attribute": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), ice=1)), "there is no argument 'ice'"),
+	"unknown attribute": (dict(a=dict(polygon=rectangle(0, 0, 0.1, 0.6), ice=1)), "layer 'a' has 'ice', which no layer has; choose among polygon, holes"),
 }
 
 
@@ -156,7 +156,7 @@ materials = {
 	"half a number": (dict(materials=[Material(), Material()]), 0.5, "material is 0.5: give the name or number"),
 	"unknown name": (dict(materials=[Material(name="silt")]), "clay", "material is 'clay', and MpmEngine.materials has only silt"),
 	"other ice": (dict(materials=[Material(), Material(iceDensity=900)]), 1, "ice.density = 900: must be that of materials"),
-	"thaw strain above porosity": (dict(materials=[Material(thawStrain=0.5)]), 0, "porosity = 0.4: must exceed the thaw strain"),
+	"thaw strain above porosity": (dict(materials=[Material(thawStrain=0.5)]), 0, "porosity = 0.4: must exceed the thawStrain of its material, 0.5"),
 	"thaw strain without ice": (dict(materials=[Material(thawStrain=0.3)], freezing=None), 0, "thawStrain = 0.3: ground that does not freeze"),
 	"thaw strain without gravity": (dict(materials=[Material(thawStrain=0.3)], gravity=(0, 0)), 0, "thawStrain = 0.3: acts along gravity"),
 	"curve without freezing": (dict(materials=[Material(freezing=wrapper.FreezingCurve())], freezing=None), 0, "MpmEngine.freezing is None"),
@@ -203,7 +203,7 @@ def test_ground_below_a_water_table_begins_at_rest():
 
 
 def test_a_water_table_may_slope_and_leaves_ground_above_it_without_pressure():
-	mpm = ground(gridSpacing=0.25, upper=(2, 3), heat=None, freezing=None, water=wrapper.PoreWater())
+	mpm = ground(gridSpacing=0.25, upper=(2, 3), heat=None, freezing=None, water=wrapper.PoreWater(), boundaries=[])
 	talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 2, 2))}, waterTable=lambda x: 1 + 0.25 * x)
 	x, y = mpm.field("position").T
 	np.testing.assert_allclose(mpm.field("pressure"), np.maximum(0, 9810 * (1 + 0.25 * x - y)), rtol=1e-9, atol=1e-6)

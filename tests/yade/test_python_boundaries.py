@@ -74,7 +74,7 @@ def test_a_surface_that_answers_to_its_temperature_reaches_the_balance_of_its_fl
 	"region", [dict(region="top"), dict(region="disc", lower=(0.1, 0.4), upper=(0.2, 0.7)), dict(region="box", lower=(0, 0.2), upper=(1, 0.5))]
 )
 def test_a_temperature_that_python_gives_heats_as_that_of_a_table_does(region):
-	"""To the last bit: the class of the table is held against closed forms elsewhere."""
+	"""But for round-off: the class of the table is held against closed forms elsewhere."""
 	times, values, states = [0, 4e4], [1, 7], []
 	table = wrapper.SurfaceTemperature if region["region"] == "top" else wrapper.WallTemperature
 	python = wrapper.PythonBoundary(gives="temperature", function=lambda nodes: np.full(len(nodes.position), np.interp(nodes.time, times, values)), **region)
@@ -86,7 +86,8 @@ def test_a_temperature_that_python_gives_heats_as_that_of_a_table_does(region):
 		states.append((mpm.field("temperature"), mpm.balance()["heatIn"]))
 		assert heatOff(mpm, before) < 1e-9
 	print(f"{region['region']}: {states[0][1]:.4g} J from the table, {states[1][1]:.4g} J from Python; up to {states[0][0].max():.2f} degC")
-	assert np.array_equal(states[0][0], states[1][0]) and states[0][0].max() > 1
+	np.testing.assert_allclose(states[1][0], states[0][0], rtol=1e-11)
+	assert states[0][0].max() > 1
 
 
 def test_a_thermostat_holds_the_mean_temperature_of_its_ground():
@@ -94,13 +95,13 @@ def test_a_thermostat_holds_the_mean_temperature_of_its_ground():
 	walls = [wrapper.WallTemperature(region=side, temperature=0) for side in ("bottom", "top")]
 
 	def thermostat(nodes):
-		return np.full(len(nodes.position), np.clip(5 + 20 * (3 - mpm.field("temperature").mean()), -50, 50))
+		return np.full(len(nodes.position), np.clip(5 + 2 * (3 - mpm.field("temperature").mean()), -50, 50))
 
 	mpm = slab([*walls, wrapper.PythonBoundary(region="box", lower=(0, 0.4), upper=(1, 0.6), gives="temperature", function=thermostat)], 10)
 	runFor(mpm, 1e6)
 	mean, pipe = mpm.field("temperature").mean(), mpm.field("temperature").max()
 	byHand = 0.6 * pipe  # two triangles of 0.4 m and a plateau of 0.2 m
-	print(f"mean {mean:.2f} degC with a pipe of {pipe:.2f} degC, by hand {byHand:.2f} degC; wanted 3 degC, less what the thermostat needs to heat")
+	print(f"mean {mean:.2f} degC with a pipe of {pipe:.2f} degC, by hand {byHand:.2f} degC; wanted 3 degC")
 	assert mean == pytest.approx(3, abs=0.1) and mean == pytest.approx(byHand, rel=0.05)
 
 

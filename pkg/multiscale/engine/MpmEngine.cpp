@@ -270,7 +270,7 @@ void MpmEngine::initialise()
 	if (ground) return;
 	const bool goesOn = begun || !saved.empty();
 	begun             = false;
-	checkPresence();
+	underSettingNames([&] { checkPresence(); });
 	shareAmongRanks();
 	boundaryCount     = boundaries.size();
 	materialCount     = materials.size();
