@@ -101,7 +101,7 @@ def scratchScene():
 	"""A fresh current scene for the block; the former one comes back afterwards, untouched.
 
 	>>> with talik.scratchScene():
-	...     O.bodies.append(sphere((0, 0, 0), 1))
+	...     added = O.bodies.append(utils.sphere((0, 0, 0), 1))
 	"""
 	from yade import O
 
