@@ -64,7 +64,7 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	>>> talik.slope.settle(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)], load=20e3)"""
 	laws = list(mpm.skeletons) or [mpm.skeleton]
 	if not any(_hasSamples(law) for law in laws):
-		raise ValueError("settle: no skeleton of the ground has samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
+		raise ValueError("settle: the ground has no samples to settle; give skeleton=RveSkeleton(samples=[…]) first")
 	if mpm.begun:
 		raise ValueError("settle: the ground has begun; settle its samples before the first step")
 	if isinstance(polygon, Solid) != (mpm.dimension == 3):
