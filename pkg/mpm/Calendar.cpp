@@ -61,8 +61,8 @@ template <int D> double Calendar<D>::fastestPoint(int first, int last) const
 	return fastest;
 }
 
-/// Square of the largest mean velocity in a cell [m^2/s^2].
-template <int D> double Calendar<D>::fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range)
+/// Sums mass and momentum of the points of each cell.
+template <int D> void Calendar<D>::sumInCells(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range)
 {
 	cellMotion_.resize(cells.count());
 	std::fill(cellMotion_.begin() + range.firstCell, cellMotion_.begin() + range.lastCell, std::array<double, D + 1> {});
@@ -76,8 +76,13 @@ template <int D> double Calendar<D>::fastestCell(const Strips& strips, const Cel
 		        }
 	        },
 	        [&](SharedRows& rows) { rows.cells(cellMotion_.data()); });
+}
+
+/// Square of the largest mean velocity in the cells first .. last [m^2/s^2].
+template <int D> double Calendar<D>::fastestCell(int first, int last) const
+{
 	double fastest = 0.0;
-	for (int c = range.firstCell; c < range.lastCell; ++c) {
+	for (int c = first; c < last; ++c) {
 		const auto& sum = cellMotion_[c];
 		if (!(sum[D] > 0.0)) continue;
 		double square = 0.0;
@@ -89,20 +94,25 @@ template <int D> double Calendar<D>::fastestCell(const Strips& strips, const Cel
 }
 
 template <int D>
-void Calendar<D>::measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction)
+void Calendar<D>::measure(
+        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction)
 {
-	partial_.assign(strips.count(), std::numeric_limits<double>::infinity());
-	strips.gather([&](int s, int first, int last) { partial_[s] = leastInertia(first, last); });
-	if (strips.bands) strips.bands->shareByStrip(partial_.data());
-	state.reach = *std::min_element(partial_.begin(), partial_.end()) * heatFraction * spacing * spacing / (2.0 * D);
-	if (cells) {
-		state.speed = std::sqrt(fastestCell(strips, *cells, range));
-		return;
+	const int    cellsOfStrip = Strips::rows * grid.cellStride(strips.axis);
+	const double spacing      = grid.spacing();
+	measured_.assign(strips.count(), {});
+	if (cells) sumInCells(strips, *cells, range);
+	strips.gather([&](int s, int first, int last) {
+		const int firstCell = std::max(range.firstCell, s * cellsOfStrip), lastCell = std::min(range.lastCell, (s + 1) * cellsOfStrip);
+		measured_[s] = { leastInertia(first, last), cells ? fastestCell(firstCell, lastCell) : fastestPoint(first, last) };
+	});
+	if (strips.bands) strips.bands->shareByStrip(measured_.data());
+	Measured all;
+	for (const Measured& strip : measured_) {
+		all.inertia = std::min(all.inertia, strip.inertia);
+		all.square  = std::max(all.square, strip.square);
 	}
-	partial_.assign(strips.count(), 0.0);
-	strips.gather([&](int s, int first, int last) { partial_[s] = fastestPoint(first, last); });
-	if (strips.bands) strips.bands->shareByStrip(partial_.data());
-	state.speed = std::sqrt(*std::max_element(partial_.begin(), partial_.end()));
+	state.reach = all.inertia * heatFraction * spacing * spacing / (2.0 * D);
+	state.speed = std::sqrt(all.square);
 }
 
 template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points, const std::function<void()>& gatherPoints)

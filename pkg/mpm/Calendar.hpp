@@ -56,7 +56,8 @@ public:
 	double scale(const CalendarState& state, double dt) const;
 	/// Speed and reach of the ground as it is. heatFraction: of the explicit limit of conduction. cells: where the points are; null: the
 	/// fastest point counts.
-	void measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, double spacing, double heatFraction);
+	void measure(
+	        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction);
 	/// At the end of a step of length dt [s] that ended at time [s of motion], calendar included: keeps account of events.
 	/// gatherPoints: makes all points current, before they are looked at.
 	void keepEvents(CalendarState& state, double dt, double time, int points, const std::function<void()>& gatherPoints);
@@ -68,14 +69,19 @@ public:
 private:
 	TALIK_PROCESSOR_VERSIONS double leastInertia(int first, int last) const;
 	TALIK_PROCESSOR_VERSIONS double fastestPoint(int first, int last) const;
-	double                          fastestCell(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
+	void                            sumInCells(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
+	double                          fastestCell(int first, int last) const;
 	void                            measureEvent(MotionEvent& event, int points) const;
 
 	const HeatSettings*    settings_;
 	PointFields::Handle    handle_;
 	std::array<double*, D> before_ {}, displacement_ {}, velocity_ {};
 	const double *         mass_ = nullptr, *volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
-	std::vector<double>    partial_; ///< by strip
+	/// Least heat capacity over volume and conductivity [s/m^2], and the square of the largest speed [m^2/s^2].
+	struct Measured {
+		double inertia = std::numeric_limits<double>::infinity(), square = 0.0;
+	};
+	std::vector<Measured> measured_; ///< by strip
 	/// By cell: momentum [kg m/s] and mass [kg] of its points.
 	std::vector<std::array<double, D + 1>> cellMotion_;
 };

@@ -23,13 +23,13 @@ template <int D> bool Ground<D>::inBands() const { return parts_->bands != nullp
 /// Why this ground is not computed in bands; empty where it is.
 template <int D> std::string Ground<D>::Parts::refusalOfBands() const
 {
-	const int strips = points->strips().count();
+	const int strips = points->strips().count(), least = Bands::leastStrips;
 	for (const auto& boundary : settings.boundaries)
 		if (boundary->usesNodes()) return boundary->name() + " sees the nodes of its region, which is not done in bands: choose 'samples'.";
 	if (thawStrain) return "materials have a thawStrain, which is not computed in bands: choose 'samples'.";
-	if (strips < talk->count())
-		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells for "
-		        + std::to_string(talk->count()) + " ranks: choose 'samples', or run it on fewer ranks.";
+	if (strips < least * talk->count())
+		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells, and each of "
+		        + std::to_string(talk->count()) + " ranks needs " + std::to_string(least) + ": choose 'samples', or run it on fewer ranks.";
 	return "";
 }
 
@@ -55,11 +55,22 @@ template <int D> void Ground<D>::Parts::cutBands()
 	rows.cells      = grid.cells(axis);
 	rows.nodesOfRow = grid.nodeStride(axis);
 	rows.cellsOfRow = grid.cellStride(axis);
-	rows.firstNode  = clock.range.firstNode / rows.nodesOfRow;
-	rows.lastNode   = clock.range.lastNode / rows.nodesOfRow;
-	rows.firstCell  = clock.range.firstCell / rows.cellsOfRow;
-	rows.lastCell   = clock.range.lastCell / rows.cellsOfRow;
 	bands->cut(strips.first, rows);
+}
+
+template <int D> void Ground<D>::Parts::chooseRows()
+{
+	reached = around = clock.range;
+	if (!bands) return;
+	const auto limit = [&](ActiveRange& range, const Bands::Part& part) {
+		const int axis  = points->strips().axis, nodes = grid.nodeStride(axis), cells = grid.cellStride(axis);
+		range.firstNode = std::max(range.firstNode, part.firstNode * nodes);
+		range.lastNode  = std::min(range.lastNode, part.endNode * nodes);
+		range.firstCell = std::max(range.firstCell, part.firstCell * cells);
+		range.lastCell  = std::min(range.lastCell, part.endCell * cells);
+	};
+	limit(reached, bands->touched(false));
+	limit(around, bands->touched(true));
 }
 
 template <int D> void Ground<D>::Parts::gatherPoints()
@@ -180,6 +191,7 @@ template void                                 Ground<2>::distribute(std::shared_
 template bool                                 Ground<2>::inBands() const;
 template void                                 Ground<2>::Parts::startBands();
 template void                                 Ground<2>::Parts::cutBands();
+template void                                 Ground<2>::Parts::chooseRows();
 template void                                 Ground<2>::Parts::gatherPoints();
 template void                                 Ground<2>::Parts::bringPoints() const;
 template std::string                          Ground<2>::Parts::firstWords(const std::string&);
@@ -189,6 +201,7 @@ template void                                 Ground<3>::distribute(std::shared_
 template bool                                 Ground<3>::inBands() const;
 template void                                 Ground<3>::Parts::startBands();
 template void                                 Ground<3>::Parts::cutBands();
+template void                                 Ground<3>::Parts::chooseRows();
 template void                                 Ground<3>::Parts::gatherPoints();
 template void                                 Ground<3>::Parts::bringPoints() const;
 template std::string                          Ground<3>::Parts::firstWords(const std::string&);

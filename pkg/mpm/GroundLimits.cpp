@@ -154,8 +154,8 @@ namespace {
 /// Upper bound of |displacement| of any point in this step, per axis [m]; not a number in a run that became unstable.
 template <int D> double Ground<D>::Parts::longestPath()
 {
-	partial.assign(clock.range.chunks(), 0.0);
-	clock.range.overNodes([&](int chunk, int first, int last) {
+	partial.assign(reached.chunks(), 0.0);
+	reached.overNodes([&](int chunk, int first, int last) {
 		Vec<D> most {}, notFinite {};
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a) {
@@ -260,8 +260,10 @@ template <int D> void Ground<D>::Parts::requirePathsInside()
 		for (int p = last - 1; p >= first; --p)
 			if (mayLeaveGrid(p, reach) && leavesGrid(p, w)) bad[strip] = p;
 	});
-	const bool leaves = anyBad();
-	if (bands ? bands->anyOf(leaves) : leaves) refuseToLeave(std::isfinite(reach));
+	constexpr unsigned leave = 1, unstable = 2;
+	const unsigned     own   = (anyBad() ? leave : 0) | (std::isfinite(reach) ? 0 : unstable);
+	const unsigned     found = bands ? bands->anyOf(own) : own;
+	if (found & leave) refuseToLeave(!(found & unstable));
 }
 
 template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)

@@ -46,6 +46,7 @@ template <int D> void Ground<D>::Parts::sort()
 template <int D> void Ground<D>::Parts::afterReordering()
 {
 	if (bands) cutBands();
+	chooseRows();
 	// what lies outside the active range stays zero until the next sorting
 	clearNodes(0, grid.nodeCount());
 	if (cells) cells->clearAll();
@@ -77,16 +78,16 @@ template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
 
 template <int D> void Ground<D>::Parts::clearNodes()
 {
-	clock.range.overNodes([&](int, int first, int last) { clearNodes(first, last); });
+	around.overNodes([&](int, int first, int last) { clearNodes(first, last); });
 }
 
 template <int D> void Ground<D>::Parts::locateInCells()
 {
 	if (!cells) return;
-	cells->clearVolumes(clock.range);
-	cells->clearSums(clock.range);
+	cells->clearVolumes(around);
+	cells->clearSums(around);
 	const bool average = averaging();
-	if (water) water->clearCells(clock.range.firstCell, clock.range.lastCell);
+	if (water) water->clearCells(around.firstCell, around.lastCell);
 	points->strips().scatter(
 	        [&](int, int first, int last) {
 		        cells->locate(grid, *points, first, last);
@@ -99,14 +100,15 @@ template <int D> void Ground<D>::Parts::locateInCells()
 			        cells->add(p, volume[p] * motion->meanStress[p]);
 	        },
 	        [&](SharedRows& rows) {
+		        rows.beyond = true;
 		        cells->share(rows);
 		        if (average && water) water->shareCells(rows);
 	        });
 	if (!average) return;
-	cells->finish(clock.range);
+	cells->finish(reached);
 	if (!water) return;
-	water->finishPressure(clock.range);
-	water->findDrivingPressure(grid, clock.range, *cells, motion->settings->gravity, liquidDensity());
+	water->finishPressure(around);
+	water->findDrivingPressure(grid, around, *cells, motion->settings->gravity, liquidDensity());
 }
 
 template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)

@@ -19,6 +19,7 @@
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/DeformationRecord.hpp>
+#include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
@@ -98,6 +99,9 @@ template <int D> struct Ground<D>::Parts {
 	std::vector<std::vector<int>> skeletonPlacesOfAll;  ///< of the points of all ranks
 	std::vector<double>           pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
 	Clock<D>                      clock {};
+	ActiveRange                   reached; ///< rows that the points of this rank may touch
+	ActiveRange                   around;  ///< and as many beyond as it has to know to solve there
+	StepLedger<D>                 ledger;  ///< of the step
 	std::vector<double>           partial;
 	/// What a step adds to before points move, as it was at its beginning.
 	struct Accounts {
@@ -113,7 +117,6 @@ template <int D> struct Ground<D>::Parts {
 		bool   numbers; ///< false: a position is not finite
 	};
 	std::vector<PositionBounds> bounds;
-	std::vector<Vec<D>>         lostMomentum; ///< per strip: of water in cells that run dry, in this step
 	std::vector<int>            bad;          ///< per strip: place of the first point that cannot go on, or -1
 	mutable std::vector<double> scratch;
 	mutable CostMeter           cost;
@@ -179,22 +182,18 @@ template <int D> struct Ground<D>::Parts {
 			work(w);
 		}
 	}
-	template <class Work> double sumOverStrips(Work&& work)
+	/// work(account, firstPoint, lastPoint) for all strips.
+	template <class Work> void bookByStrip(Work&& work)
 	{
-		const Strips& strips = points->strips();
-		partial.assign(strips.count(), 0.0);
-		strips.gather([&](int s, int first, int last) { partial[s] = work(first, last); });
-		if (bands) bands->shareByStrip(partial.data());
-		double sum = 0.0;
-		for (double p : partial)
-			sum += p;
-		return sum;
+		points->strips().gather([&](int strip, int first, int last) { work(ledger.ofStrip(strip), first, last); });
 	}
 
 	// ---- ranks ----------------------------------------------------------------------------------------------------------
 	void        startBands();
 	std::string refusalOfBands() const;
 	void        cutBands();
+	/// The rows that this rank computes.
+	void chooseRows();
 	/// All numbers of the points, array by array.
 	template <class Work> void overArrays(Work&& work) const
 	{
@@ -236,6 +235,8 @@ template <int D> struct Ground<D>::Parts {
 	void useMeanStress(int first, int count);
 	void findKeptFractions();
 	bool heatMayRest();
+	/// What the step has added to the accounts of the run; collective.
+	void bookStep();
 	/// Calendar time at the end of the step.
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
 	void   useScale();

@@ -109,7 +109,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		fillPoint(id, inputs[id], fillOf(id));
 	sort();
 	bad.assign(points->strips().count(), -1);
-	if (water && averaging()) lostMomentum.assign(points->strips().count(), {});
+	ledger = StepLedger<D>(grid);
 	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.assign(n, 0.0);
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
@@ -145,7 +145,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	clearNodes();
 	locateInCells();
 	scatter([&](const WeightBlock<D>& w) { surface->map(w); }, [&](SharedRows& rows) { rows.nodes(surface->nodes); });
-	surface->collect(grid, *cells, clock.range);
+	surface->collect(grid, *cells, around);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		// a cavity may come later, with the body that makes it, and a body may come from outside
@@ -190,7 +190,7 @@ template <int D> void Ground<D>::initialise()
 			g.settings.skeletons[k]->initialise(g.batch(k));
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		if (g.water) g.water->chooseLargestConductivity(g.content->smallestReferencePorosity());
-		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
+		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.reached, g.grid, g.settings.heatFraction);
 		for (int p = 0; p < g.points->count(); ++p)
 			g.clock.initialMass += g.motion->mass[p]
 			        + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);

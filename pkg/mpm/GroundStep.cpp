@@ -18,14 +18,14 @@ namespace {
 template <int D> void Ground<D>::Parts::findFlows()
 {
 	const bool conducts = heat && !heatRests;
-	if (conducts) heat->nodalTemperature(grid, clock.range, settings.boundaries, calendarEnd(), clock.dt);
-	else if (heat && water) heat->rest(clock.range);
+	if (conducts) heat->nodalTemperature(grid, around, settings.boundaries, calendarEnd(), clock.dt);
+	else if (heat && water) heat->rest(around);
 	cost.lap(CostMeter::heat);
 	if (water) {
-		water->nodalPressure(clock.range);
+		water->nodalPressure(around);
 		for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
 			if (settings.boundaries[b]->drains() || settings.boundaries[b]->feeds()) water->open(surface->patch(b));
-		water->addPotential(grid, clock.range, *motion, momentum->heldAxes());
+		water->addPotential(grid, around, *motion, momentum->heldAxes());
 		cost.lap(CostMeter::water);
 	}
 	const auto shareFlows = [&](SharedRows& rows) {
@@ -54,21 +54,20 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (!boundary.heats()) continue;
-		heat->exchange(boundary, time, surface->patch(b), *surface, grid.spacing(), clock.dt);
+		heat->exchange(boundary, time, surface->patch(b), *surface, grid.spacing(), clock.dt, ledger);
 		cost.lap(CostMeter::boundaries);
 	}
-	heat->produce(settings.boundaries, time, clock.dt);
-	heat->finishNodes(clock.range, settings.boundaries, time, clock.dt);
+	heat->produce(around, settings.boundaries, time, clock.dt, ledger);
+	heat->finishNodes(around, settings.boundaries, time, clock.dt, ledger);
 	cost.lap(CostMeter::heat);
 	if (settings.heat->source == 0.0) return;
 	const double* volume = points->volume();
-	const double  ground = sumOverStrips([&](int first, int last) {
-                double v = 0.0;
-                for (int p = first; p < last; ++p)
-                        v += volume[p];
-                return v;
-        });
-	heat->heatIn += settings.heat->source * heat->scale * ground * clock.dt;
+	bookByStrip([&](StepAccount<D>& account, int first, int last) {
+		double v = 0.0;
+		for (int p = first; p < last; ++p)
+			v += volume[p];
+		account.heatIn += settings.heat->source * heat->scale * v * clock.dt;
+	});
 }
 
 /// Boundaries whose gifts follow the state of their nodes see it, before anything of the step is booked.
@@ -116,10 +115,10 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 {
 	const double time = calendarEnd();
 	if (water) {
-		water->liquidForce(clock.range);
+		water->liquidForce(around);
 		cost.lap(CostMeter::water);
 	}
-	momentum->addGravity(clock.range, *motion, water.get());
+	momentum->addGravity(around, *motion, water.get());
 	cost.lap(CostMeter::motion);
 	for (const LookingBoundary& looking : lookingBoundaries) {
 		const Boundary<D>& boundary = *settings.boundaries[looking.index];
@@ -135,7 +134,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse);
 		cost.lap(CostMeter::bodies);
 	}
-	momentum->solve(clock.range, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, clock.account);
+	momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, ledger);
 	const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
 	for (int a = 0; a < D; ++a)
 		clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
@@ -147,26 +146,31 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 
 template <int D> void Ground<D>::Parts::seep()
 {
-	waterRests = settings.resting && !water->flows(clock.range);
+	waterRests = false;
+	if (settings.resting) {
+		const bool flows = water->flows(reached);
+		waterRests       = !(bands ? bands->anyOf(flows) : flows);
+	}
 	if (!waterRests)
 		scatter([&](const WeightBlock<D>& w) { water->seep(w, clock.dt, liquidDensity(), enthalpyModel()); },
 		        [&](SharedRows& rows) { rows.nodes(water->exchange); });
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.drains())
-			water->drain(surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr);
+			water->drain(surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr, ledger);
 		if (boundary.feeds())
 			water->feed(
 			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(), enthalpyModel(),
-			        heat ? &heat->mapped : nullptr);
+			        heat ? &heat->mapped : nullptr, ledger);
 	}
-	if (settings.energyLedger) {
-		double work = 0.0;
-		for (int i = clock.range.firstNode; i < clock.range.lastNode; ++i)
-			work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
-		clock.porePressureWork += startShare() * work / liquidDensity();
-	}
-	water->finishExchange(clock.range);
+	if (settings.energyLedger)
+		reached.overNodes([&](int, int first, int last) {
+			double work = 0.0;
+			for (int i = first; i < last; ++i)
+				work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
+			ledger.ofNode(first).porePressureWork += startShare() * work / liquidDensity();
+		});
+	water->finishExchange(reached);
 }
 
 template <int D> void Ground<D>::Parts::refuseBadPoints()
@@ -229,15 +233,36 @@ template <int D> void Ground<D>::Parts::stretchVolumes(int first, int last)
 /// its end: the mean of both is what an elastic skeleton stores, either alone is off by the first order of dt.
 template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 {
-	const bool replace = atStart && averaging();
-	clock.skeletonWork += 0.5 * sumOverStrips([&](int first, int last) { return skeletonWork(first, last, replace); });
-	// slip is not strain of the grid: its work is that of the force between the sides
-	if (front && !atStart) clock.skeletonWork -= 0.5 * sumOverStrips([&](int first, int last) { return front->stressWork(first, last); });
-	const double share = atStart ? startShare() : 1.0 - startShare();
-	if (!water || share == 0.0) return;
-	const double strained = sumOverStrips([&](int first, int last) { return pressureWork(first, last, replace); });
-	clock.porePressureWork -= share * strained;
-	if (!atStart) clock.porePressureWork += share * water->seepageWork(clock.range.firstCell, clock.range.lastCell) / liquidDensity();
+	const bool   replace = atStart && averaging();
+	const double share   = atStart ? startShare() : 1.0 - startShare();
+	bookByStrip([&](StepAccount<D>& account, int first, int last) {
+		account.skeletonWork += 0.5 * skeletonWork(first, last, replace);
+		// slip is not strain of the grid: its work is that of the force between the sides
+		if (front && !atStart) account.skeletonWork -= 0.5 * front->stressWork(first, last);
+		if (water && share != 0.0) account.porePressureWork -= share * pressureWork(first, last, replace);
+	});
+	if (water && share != 0.0 && !atStart) water->bookSeepageWork(reached, share, liquidDensity(), ledger);
+}
+
+template <int D> void Ground<D>::Parts::bookStep()
+{
+	const StepAccount<D> step = ledger.sum(bands.get());
+	MomentumAccount<D>&  all  = clock.account;
+	for (int a = 0; a < D; ++a)
+		all.impulse[a] += step.impulse[a];
+	all.dragDissipation += step.dragDissipation;
+	all.dampingDissipation += step.dampingDissipation;
+	all.loadWork += step.loadWork;
+	all.slipWork += step.slipWork;
+	all.wallWork += step.wallWork;
+	clock.skeletonWork += step.skeletonWork;
+	clock.porePressureWork += step.porePressureWork;
+	if (heat) heat->heatIn += step.heatIn;
+	if (!water) return;
+	water->waterOut += step.waterOut;
+	water->enthalpyOut += step.enthalpyOut;
+	for (int a = 0; a < D; ++a)
+		water->momentumOut[a] += step.momentumOut[a];
 }
 
 namespace {
@@ -298,12 +323,24 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 /// the state alone.
 template <int D> bool Ground<D>::Parts::heatMayRest()
 {
+	struct Own {
+		double reference, first;
+		int    holdsReference, points, same;
+	};
 	const Strips& strips = points->strips();
-	const int     place  = points->place(0);
-	if (bands) heat->temperature[place] = bands->valueAt(place, heat->temperature[place]);
-	heat->setReference(place);
-	const bool rests = settings.resting && heat->hasNothingToDo(settings.boundaries, calendarEnd(), strips.firstPoint(), strips.endPoint());
-	return bands ? bands->anyOf(!rests) == 0 : rests;
+	const int     first = strips.firstPoint(), end = strips.endPoint(), place = points->place(0);
+	const double* temperature = heat->temperature;
+	Own           own {};
+	own.holdsReference = place >= first && place < end;
+	own.points         = end > first;
+	if (own.holdsReference) own.reference = temperature[place];
+	if (own.points) own.first = temperature[first];
+	own.same = settings.resting && heat->haveTemperature(own.first, first, end);
+	const std::vector<Own> all = bands ? bands->byRank(own) : std::vector<Own> { own };
+	for (const Own& rank : all)
+		if (rank.holdsReference) heat->setReference(rank.reference);
+	const bool same = std::all_of(all.begin(), all.end(), [&](const Own& rank) { return rank.same && (!rank.points || rank.first == heat->reference); });
+	return same && heat->receivesNothing(settings.boundaries, calendarEnd());
 }
 
 /// What slow processes run at in this step.
@@ -351,6 +388,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 	g.clock.dt = dt;
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
+	g.ledger.clear();
 	g.useScale();
 	if (g.momentum) g.moveWalls();
 	g.findKeptFractions();
@@ -398,10 +436,10 @@ template <int D> void Ground<D>::Parts::closeThawStrain()
 template <int D> void Ground<D>::Parts::collectSurfaces()
 {
 	if (bodies) bodies->cover(*shape, grid, *surface);
-	surface->collect(grid, *cells, clock.range);
+	surface->collect(grid, *cells, around);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Region<D>& region = settings.boundaries[b]->region();
-		if (region.kind == Region<D>::Kind::bodies) bodies->collectFaces(*shape, grid, clock.range, region.ids, surface->patch(b));
+		if (region.kind == Region<D>::Kind::bodies) bodies->collectFaces(*shape, grid, around, region.ids, surface->patch(b));
 	}
 	cost.lap(CostMeter::surface);
 }
@@ -413,7 +451,7 @@ template <int D> void Ground<D>::p2g()
 	g.clearNodes();
 	g.cost.lap(g.base());
 	if (g.front) {
-		g.front->find(g.grid, g.clock.range, g.momentum->mirrors(), g.momentum->freeLiquid());
+		g.front->find(g.grid, g.around, g.momentum->mirrors(), g.momentum->freeLiquid());
 		g.findFrontStiffness();
 		g.cost.lap(CostMeter::front);
 	}
@@ -456,6 +494,7 @@ template <int D> void Ground<D>::p2g()
 		        }
 	        },
 	        [&](SharedRows& rows) {
+		        rows.beyond = true;
 		        if (g.motion) rows.nodes(g.motion->nodes);
 		        if (g.front) g.front->shareMapped(g.grid, rows);
 		        if (g.water) rows.nodes(g.water->nodes);
@@ -484,7 +523,7 @@ template <int D> void Ground<D>::g2p()
 	}
 	g.clock.halfDone = 1;
 	if (g.allRests()) return;
-	if (g.averaging()) g.cells->clearSums(g.clock.range);
+	if (g.averaging()) g.cells->clearSums(g.around);
 	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = conducts && g.water && NodeColumns<D>::Gathered::carriesRise;
 	const auto gather = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
 		double gained[blockSize];
@@ -527,7 +566,7 @@ template <int D> void Ground<D>::g2p()
 		return;
 	}
 	g.scatterSampled(gather, share, [&](int strip, int first, int last) { g.boundPositions(strip, first, last); });
-	if (g.averaging()) g.cells->finish(g.clock.range);
+	if (g.averaging()) g.cells->finish(g.reached);
 	g.checkPositions();
 	g.refuseBadPoints();
 	g.cost.lap(CostMeter::motion);
@@ -544,15 +583,17 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	const CellMeans<D>* cells = g.water ? g.averagingCells() : nullptr;
 	if (cells) {
 		if (g.content->iceMass)
-			g.water->levelCells(g.grid, g.clock.range, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
-		g.water->finishCells(g.clock.range);
+			g.water->levelCells(g.grid, g.around, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
+		g.water->finishCells(g.reached, g.ledger);
 	}
 	const auto update = [&](int strip, int first, int last) {
 		CostMeter::Sample sample = g.cost.sample(strip);
 		sample.begin();
 		if (cells) {
-			g.lostMomentum[strip] = g.water->receive(
+			const Vec<D> lost = g.water->receive(
 			        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.motion->velocity);
+			for (int a = 0; a < D; ++a)
+				g.ledger.ofStrip(strip).momentumOut[a] += lost[a];
 			sample.lap(CostMeter::water);
 		}
 		if (g.motion) {
@@ -573,13 +614,10 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	};
 	if (cells) {
 		g.points->strips().scatter(update, [&](SharedRows& rows) { g.water->shareCells(rows); });
-		if (g.bands) g.bands->shareByStrip(g.lostMomentum.data());
-		for (const Vec<D>& lost : g.lostMomentum)
-			g.water->bookMomentum(lost);
 	} else g.points->strips().gather(update);
 	g.cost.lapShared();
 	if (g.cellPressure()) {
-		g.water->findCellPressure(g.clock.range, g.enthalpyModel());
+		g.water->findCellPressure(g.reached, g.enthalpyModel());
 		g.points->strips().gather([&](int, int first, int last) {
 			g.water->shareCellPressure(*cells, first, last);
 			if (g.content->iceMass)
@@ -623,13 +661,14 @@ template <int D> void Ground<D>::updateEffectiveStress()
 		g.keepStrainWork(false);
 		g.cost.lap(CostMeter::ledger);
 	}
+	g.bookStep();
 	if (g.momentum) g.momentum->endStep(g.clock.dt);
 	g.clock.calendar.time = g.calendarEnd();
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
 	if (g.calendar) {
 		g.calendar->measure(
-		        g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.clock.range, g.grid.spacing(), g.settings.heatFraction);
+		        g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.reached, g.grid, g.settings.heatFraction);
 		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count(), [&] {
 			if (g.bands) g.gatherPoints();
 		});

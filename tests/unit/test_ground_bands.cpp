@@ -36,7 +36,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	s.gridSpacing = h;
 	s.lower.fill(0.0);
 	s.upper.fill(D == 2 ? 1.2 : 0.8);
-	s.upper[0]     = D == 2 ? 3.0 : 2.0; // neither is a whole number of strips
+	s.upper[0]     = D == 2 ? 3.8 : 3.0; // neither is a whole number of strips
 	s.parallelFrom = 0;
 	s.motion.emplace();
 	s.motion->gravity[D - 1] = -9.81;
@@ -73,7 +73,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	auto               ground = std::make_unique<Ground<D>>(s);
 	std::array<int, D> n, i {};
 	for (int a = 0; a < D; ++a)
-		n[a] = a == 0 ? (D == 2 ? 46 : 30) : D == 2 ? 14 : 10;
+		n[a] = a == 0 ? (D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
 	for (int a = 0; a < D;) {
 		PointInput<D> p;
 		p.volume = std::pow(0.5 * h, D);

@@ -109,7 +109,7 @@ template <int D> void HeatTransfer<D>::limitShares(int first, int count)
 		limited[k] = std::min(std::max(limited[k], sensible[k]), largestShare * sensible[k]);
 }
 
-template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int first, int last) const
+template <int D> bool HeatTransfer<D>::receivesNothing(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time) const
 {
 	if (settings->source != 0.0) return false;
 	for (const auto& b : boundaries) {
@@ -120,8 +120,13 @@ template <int D> bool HeatTransfer<D>::hasNothingToDo(const std::vector<std::sha
 		const SurfaceHeat heat = b->heat(time);
 		if (heat.flux != 0.0 || ((heat.atSurface || heat.coefficient != 0.0) && heat.ambient != reference)) return false;
 	}
+	return true;
+}
+
+template <int D> bool HeatTransfer<D>::haveTemperature(double value, int first, int last) const
+{
 	for (int p = first; p < last; ++p)
-		if (temperature[p] != reference) return false;
+		if (temperature[p] != value) return false;
 	return true;
 }
 
@@ -165,13 +170,13 @@ template <int D> void HeatTransfer<D>::mapVolumes(const WeightBlock<D>& w)
 		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { volumes[node][0] += s * volume[w.first + k]; });
 }
 
-template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid)
+template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid, const ActiveRange& range)
 {
 	// The ground continues behind the wall as its mirror image with temperature 2 T_wall - T: the node in front of the wall
 	// then averages over both, and the mean sits where the node is.
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const TemperatureNode& n = prescribed_[k];
-		if (n.ghost < 0) continue;
+		if (n.ghost < 0 || !range.holds(n.node)) continue;
 		const double wall  = grid.nodePosition(n.axis, grid.nodeOf(n.node)[n.axis]);
 		double*      ghost = nodes[n.ghost];
 		double*      inner = nodes[n.inner];
@@ -186,13 +191,13 @@ template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid)
 	}
 }
 
-template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, double dt)
+template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, const ActiveRange& range, double dt)
 {
 	const double h = grid.spacing();
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const TemperatureNode& n = prescribed_[k];
 		expected_[k]             = wanted_[k];
-		if (!(nodes[n.node][0] > 0.0)) continue;
+		if (!range.holds(n.node) || !(nodes[n.node][0] > 0.0)) continue;
 		nodal[n.node][0] = wanted_[k];
 		if (n.ghost < 0 || isPrescribed_[n.inner] || !(nodes[n.inner][0] > 0.0)) continue;
 		// points lie in front of the wall, not on it: their mean is off the wall temperature by the gradient
@@ -209,7 +214,7 @@ template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, double dt)
 		nodal[n.inner][0]     = wanted_[k] + gradient * h;
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
-		if (n->ghost >= 0) nodal[n->ghost][0] = 2.0 * nodal[n->node][0] - nodal[n->inner][0];
+		if (n->ghost >= 0 && range.holds(n->node)) nodal[n->ghost][0] = 2.0 * nodal[n->node][0] - nodal[n->inner][0];
 }
 
 template <int D>
@@ -228,10 +233,10 @@ void HeatTransfer<D>::nodalTemperature(
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
 		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time) - reference;
-	mirrorWalls(grid);
+	mirrorWalls(grid, range);
 	for (int i : affected_)
-		nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
-	prescribe(grid, dt);
+		if (range.holds(i)) nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
+	prescribe(grid, range, dt);
 }
 
 template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt) const
@@ -242,17 +247,21 @@ template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt
 
 template <int D> void HeatTransfer<D>::conduct(const WeightBlock<D>& w, double dt) { nodeLoops<D>().flowHeat(w, flow(dt), nodal[0], energy[0]); }
 
-template <int D> void HeatTransfer<D>::produce(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
+template <int D>
+void HeatTransfer<D>::produce(
+        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
 {
 	for (const ProducingNode& n : produced_) {
+		if (!range.holds(n.node)) continue;
 		const double gained = dt * scale * boundaries[n.boundary]->powerAt(time, n.number) * n.share * volumes[n.node][0];
 		energy[n.node][0] += gained;
-		heatIn += gained;
+		ledger.ofNode(n.node).heatIn += gained;
 	}
 }
 
 template <int D>
-void HeatTransfer<D>::exchange(const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt)
+void HeatTransfer<D>::exchange(
+        const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt, StepLedger<D>& ledger)
 {
 	for (std::size_t k = 0; k < patch.nodes.size(); ++k) {
 		const SurfaceNode<D>& n        = patch.nodes[k];
@@ -267,32 +276,34 @@ void HeatTransfer<D>::exchange(const Boundary<D>& boundary, double time, const S
 		const double conductance = dt * coefficient * area;
 		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + dt * scale * heat.flux * area;
 		energy[n.node][0] += gained;
-		heatIn += gained;
+		ledger.ofNode(n.node).heatIn += gained;
 	}
 }
 
-template <int D> void HeatTransfer<D>::hold(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
+template <int D>
+void HeatTransfer<D>::hold(
+        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
 {
 	for (const HeldNode& n : held_) {
-		if (!(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
+		if (!range.holds(n.node) || !(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
 		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
 		const double taken     = n.rate * scale * dt / diffusionTime_;
 		const double wanted    = boundaries[n.boundary]->temperatureAt(time, n.number) - reference;
 		const double gained    = nodes[n.node][0] * (wanted - predicted) * taken / (1.0 + taken);
 		energy[n.node][0] += gained;
-		heatIn += gained;
+		ledger.ofNode(n.node).heatIn += gained;
 	}
 }
 
 template <int D>
-void HeatTransfer<D>::finishNodes(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
+void HeatTransfer<D>::finishNodes(
+        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
 {
-	hold(boundaries, time, dt);
-	double conducted = 0.0;
+	hold(range, boundaries, time, dt, ledger);
 	for (int i : affected_)
-		conducted += energy[i][0];
+		if (range.holds(i)) ledger.ofNode(i).heatIn -= energy[i][0];
 	for (const TemperatureNode& n : prescribed_) {
-		if (n.ghost < 0) continue;
+		if (n.ghost < 0 || !range.holds(n.node)) continue;
 		energy[n.inner][0] -= energy[n.ghost][0];
 		energy[n.ghost][0] = 0.0;
 	}
@@ -302,14 +313,12 @@ void HeatTransfer<D>::finishNodes(const ActiveRange& range, const std::vector<st
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const int node = prescribed_[k].node;
-		if (nodes[node][0] > 0.0) rise[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
+		if (range.holds(node) && nodes[node][0] > 0.0) rise[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
-		if (n->ghost >= 0) rise[n->ghost][0] = 2.0 * rise[n->node][0] - rise[n->inner][0];
-	double received = 0.0;
+		if (n->ghost >= 0 && range.holds(n->node)) rise[n->ghost][0] = 2.0 * rise[n->node][0] - rise[n->inner][0];
 	for (int i : affected_)
-		received += capacity[i][0] * rise[i][0];
-	heatIn += received - conducted;
+		if (range.holds(i)) ledger.ofNode(i).heatIn += capacity[i][0] * rise[i][0];
 
 	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
 	// the gradient at a wall and the sum of C T stay

@@ -7,6 +7,7 @@
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/kernels/NodeLoops.hpp>
+#include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>
@@ -35,9 +36,11 @@ public:
 	TALIK_PROCESSOR_VERSIONS void limitShares(int first, int count);
 	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
 	/// nothing, and its heat may rest without a bit being different.
-	void setReference(int place) { reference = temperature[place]; }
-	/// True if nothing would change in a step that ends at time: one temperature at points first .. last and boundaries, no source, no flux.
-	bool hasNothingToDo(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, int first, int last) const;
+	void setReference(double value) { reference = value; }
+	/// True if no source and no boundary would change ground of the reference temperature in a step that ends at time.
+	bool receivesNothing(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time) const;
+	/// True if the points first .. last have this temperature [degC].
+	bool haveTemperature(double value, int first, int last) const;
 	/// What a step without anything to do leaves on the nodes for others.
 	void rest(const ActiveRange& range);
 
@@ -74,12 +77,16 @@ public:
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const WeightBlock<D>& w, double dt);
 	/// Heat of the regions that produce it, eq. (9.7).
-	void produce(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
+	void produce(
+	        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
 	/// Heat of a surface patch, implicit in the temperature of each node.
-	void exchange(const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt);
+	void exchange(
+	        const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt,
+	        StepLedger<D>& ledger);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
-	void finishNodes(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
+	void finishNodes(
+	        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
 	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
 	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
@@ -106,10 +113,10 @@ public:
 private:
 	void mapMoments(const WeightBlock<D>& w);
 	void mapVolumes(const WeightBlock<D>& w);
-	void mirrorWalls(const Grid<D>& grid);
-	void prescribe(const Grid<D>& grid, double dt);
+	void mirrorWalls(const Grid<D>& grid, const ActiveRange& range);
+	void prescribe(const Grid<D>& grid, const ActiveRange& range, double dt);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
-	void                          hold(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
+	void hold(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
 	double                        smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
 

@@ -117,10 +117,11 @@ template <int D> void MomentumSolver<D>::accelerate(const Boundary<D>& boundary,
 	}
 }
 
-template <int D> void MomentumSolver<D>::rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water)
+template <int D> void MomentumSolver<D>::rememberWalls(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water)
 {
 	const double keep = 1.0 - motion.kept, keepLiquid = water ? 1.0 - water->kept : 0.0;
 	for (std::size_t k = 0; k < wallNodes_.size(); ++k) {
+		if (!range.holds(wallNodes_[k])) continue;
 		const double* r  = motion.nodes[wallNodes_[k]];
 		const double* rl = water ? water->nodes[wallNodes_[k]] : nullptr;
 		WallRecord&   w  = walls_[k];
@@ -223,12 +224,13 @@ template <int D> void MomentumSolver<D>::rememberFolded(int mirror, const SolidM
 	folded_.push_back(f);
 }
 
-template <int D> void MomentumSolver<D>::fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt)
+template <int D> void MomentumSolver<D>::fold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
 {
 	using W = PoreWater<D>;
 	folded_.clear();
 	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
-		const auto& m     = mirrors_[k];
+		const auto& m = mirrors_[k];
+		if (!range.holds(m.inner)) continue;
 		double*     ghost = motion.nodes[m.ghost];
 		double*     inner = motion.nodes[m.inner];
 		if (m.moving >= 0) rememberFolded(static_cast<int>(k), motion, water);
@@ -346,10 +348,11 @@ template <int D> template <bool Damped> void MomentumSolver<D>::solveTwoPhase(co
 	});
 }
 
-template <int D> void MomentumSolver<D>::constrainDry(SolidMotion<D>& motion) const
+template <int D> void MomentumSolver<D>::constrainDry(const ActiveRange& range, SolidMotion<D>& motion) const
 {
 	const double chi = motion.kept;
 	for (int i : constraints_.constrainedNodes()) {
+		if (!range.holds(i)) continue;
 		const double* r = motion.nodes[i];
 		if (!(r[motion.massAt] > 0.0)) continue;
 		for (int a = 0; a < D; ++a) {
@@ -381,10 +384,11 @@ template <int D> void MomentumSolver<D>::constrainLiquid(SolidMotion<D>& motion,
 	}
 }
 
-template <int D> void MomentumSolver<D>::constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
+template <int D> void MomentumSolver<D>::constrainTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
 {
 	const double chi = motion.kept, chiLiquid = water.kept;
 	for (int i : constraints_.constrainedNodes()) {
+		if (!range.holds(i)) continue;
 		const double* r = motion.nodes[i];
 		if (!(r[motion.massAt] > 0.0)) continue;
 		for (int a = 0; a < D; ++a) {
@@ -403,11 +407,12 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(SolidMotion<D>& motio
 	}
 }
 
-template <int D> void MomentumSolver<D>::carry(SolidMotion<D>& motion, PoreWater<D>* water, double dt)
+template <int D> void MomentumSolver<D>::carry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
 {
 	using W          = PoreWater<D>;
 	const double chi = motion.kept;
 	for (const auto& c : constraints_.carried()) {
+		if (!range.holds(c.node)) continue;
 		const double* r = motion.nodes[c.node];
 		if (!(r[motion.massAt] > 0.0)) continue;
 		const double w                    = moving_[c.moving].endOf(c.axis);
@@ -423,15 +428,17 @@ template <int D> void MomentumSolver<D>::carry(SolidMotion<D>& motion, PoreWater
 	}
 	if (!water) return;
 	for (const auto& c : constraints_.carried())
-		if (motion.nodes[c.node][motion.massAt] > 0.0 && water->nodes[c.node][W::massAt] > 0.0) constrainLiquid(motion, *water, c.node, dt);
+		if (range.holds(c.node) && motion.nodes[c.node][motion.massAt] > 0.0 && water->nodes[c.node][W::massAt] > 0.0)
+			constrainLiquid(motion, *water, c.node, dt);
 }
 
-template <int D> void MomentumSolver<D>::unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
+template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
 {
 	using W = PoreWater<D>;
 	for (int k = static_cast<int>(mirrors_.size()) - 1; k >= 0; --k) {
-		const auto& m       = mirrors_[k];
-		const auto  takenBy = [&](double kept, int a) { return kept * m.change[a] + (1.0 - kept) * (m.velocity[a] + m.change[a]); };
+		const auto& m = mirrors_[k];
+		if (!range.holds(m.inner)) continue;
+		const auto takenBy = [&](double kept, int a) { return kept * m.change[a] + (1.0 - kept) * (m.velocity[a] + m.change[a]); };
 		for (int a = 0; a < D; ++a) {
 			motion.solved[m.ghost][a]     = m.sign[a] * motion.solved[m.inner][a] + m.added(a, takenBy(motion.kept, a));
 			motion.solved[m.ghost][D + a] = m.sign[a] * motion.solved[m.inner][D + a] + m.added(a, m.velocity[a] + m.change[a]);
@@ -468,97 +475,95 @@ template <int D> void MomentumSolver<D>::findFlux(const ActiveRange& range, cons
 
 template <int D>
 void MomentumSolver<D>::keepAccount(
-        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account)
+        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, StepLedger<D>& ledger)
 {
 	for (std::size_t k = 0; k < wallNodes_.size(); ++k) {
-		const int         i = wallNodes_[k];
-		const WallRecord& w = walls_[k];
+		const int i = wallNodes_[k];
+		if (!range.holds(i)) continue;
+		const WallRecord& w       = walls_[k];
+		Vec<D>&           impulse = ledger.ofNode(i).impulse;
 		for (int a = 0; a < D; ++a)
-			account.impulse[a] += w.solidMass * motion.solved[i][a] + (water ? w.liquidMass * water->solved[i][a] : 0.0) - w.momentumLeft[a]
-			        - dt * w.force[a];
+			impulse[a] += w.solidMass * motion.solved[i][a] + (water ? w.liquidMass * water->solved[i][a] : 0.0) - w.momentumLeft[a] - dt * w.force[a];
 	}
-	account.wallWork += wallWork(motion, water, dt);
-	for (const Load& load : loads_)
+	keepWallWork(range, motion, water, dt, ledger);
+	for (const Load& load : loads_) {
+		StepAccount<D>& account = ledger.ofNode(load.node);
 		for (int a = 0; a < D; ++a) {
 			account.impulse[a] += dt * load.force[a];
 			account.loadWork += dt * load.force[a] * motion.solved[load.node][D + a];
 		}
+	}
 	const bool damped = motion.settings->localDamping > 0.0;
 	if (!damped && !(keepWorks && water)) return;
 
-	constexpr int sums = D + 2;
-	partial_.assign(static_cast<std::size_t>(range.chunks()) * sums, 0.0);
-	range.overNodes([&](int piece, int first, int last) {
-		double* sum = partial_.data() + static_cast<std::size_t>(piece) * sums;
+	range.overNodes([&](int, int first, int last) {
+		StepAccount<D> sum;
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a) {
 				if (damped) {
-					if (!isWall_[i]) sum[a] += dt * damping_[i][a];
-					sum[D] -= dt * damping_[i][a] * motion.solved[i][D + a];
+					if (!isWall_[i]) sum.impulse[a] += dt * damping_[i][a];
+					sum.dampingDissipation -= dt * damping_[i][a] * motion.solved[i][D + a];
 				}
 				if (keepWorks && water && water->nodal[i][PoreWater<D>::Driving::liquidFraction] > 0.0) {
 					const double w = water->flux[i][a] / water->nodal[i][PoreWater<D>::Driving::liquidFraction];
-					sum[D + 1] += dt * water->nodes[i][PoreWater<D>::dragAt] * w * w;
+					sum.dragDissipation += dt * water->nodes[i][PoreWater<D>::dragAt] * w * w;
 				}
 			}
+		ledger.ofNode(first) += sum;
 	});
-	for (int c = 0; c < range.chunks(); ++c) {
-		for (int a = 0; a < D; ++a)
-			account.impulse[a] += partial_[c * sums + a];
-		account.dampingDissipation += partial_[c * sums + D];
-		account.dragDissipation += partial_[c * sums + D + 1];
-	}
 }
 
 /// Of the forces that keep nodes on moving walls at the velocity of their wall, and ghosts behind them mirrored.
-template <int D> double MomentumSolver<D>::wallWork(const SolidMotion<D>& motion, const PoreWater<D>* water, double dt) const
+template <int D>
+void MomentumSolver<D>::keepWallWork(
+        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, StepLedger<D>& ledger) const
 {
 	const double keep = 1.0 - motion.kept, keepLiquid = water ? 1.0 - water->kept : 0.0;
-	double       work = 0.0;
 	for (const auto& c : constraints_.carried()) {
+		if (!range.holds(c.node)) continue;
 		const double* r  = motion.nodes[c.node];
 		const double* rl = water ? water->nodes[c.node] : nullptr;
 		if (!(r[motion.massAt] > 0.0)) continue;
 		double impulse = r[motion.massAt] * motion.solved[c.node][c.axis] - keep * r[motion.momentumAt + c.axis] - dt * r[motion.forceAt + c.axis];
 		if (rl) impulse += rl[PoreWater<D>::massAt] * water->solved[c.node][c.axis] - keepLiquid * rl[PoreWater<D>::momentumAt + c.axis];
-		work += impulse * motion.solved[c.node][D + c.axis];
+		ledger.ofNode(c.node).wallWork += impulse * motion.solved[c.node][D + c.axis];
 	}
 	for (const Folded& f : folded_) {
-		const auto& m = mirrors_[f.mirror];
+		const auto& m    = mirrors_[f.mirror];
+		double&     work = ledger.ofNode(m.inner).wallWork;
 		for (int a = 0; a < D; ++a) {
 			const double impulse = f.solidMass * motion.solved[m.ghost][a] + (water ? f.liquidMass * water->solved[m.ghost][a] : 0.0)
 			        - f.momentumLeft[a] - dt * f.force[a];
 			work += m.added(a, impulse * moving_[m.moving].endOf(a)) + dt * f.pushed[a] * motion.solved[m.inner][D + a];
 		}
 	}
-	return work;
 }
 
 template <int D>
 void MomentumSolver<D>::solve(
-        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, MomentumAccount<D>& account)
+        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger)
 {
 	const bool damped = motion.settings->localDamping > 0.0;
-	rememberWalls(motion, water);
+	rememberWalls(range, motion, water);
 	if (front) {
 		front->addGravity();
 		for (const Load& load : loads_)
 			front->addLoad(load.node, load.force);
 	}
-	fold(motion, water, dt);
+	fold(range, motion, water, dt);
 	pushAhead(motion, water, dt);
 	if (water) {
 		damped ? solveTwoPhase<true>(range, motion, *water, dt) : solveTwoPhase<false>(range, motion, *water, dt);
-		constrainTwoPhase(motion, *water, dt);
+		constrainTwoPhase(range, motion, *water, dt);
 	} else {
 		damped ? solveDry<true>(range, motion, dt) : solveDry<false>(range, motion, dt);
-		constrainDry(motion);
+		constrainDry(range, motion);
 	}
-	if (!moving_.empty()) carry(motion, water, dt);
-	if (front) account.slipWork += front->solve(constraints_, mirrors_, range, dt, account.impulse, account.wallWork);
-	unfold(motion, water, dt);
+	if (!moving_.empty()) carry(range, motion, water, dt);
+	if (front) front->solve(constraints_, mirrors_, range, dt, ledger);
+	unfold(range, motion, water, dt);
 	if (water) findFlux(range, motion, *water);
-	keepAccount(range, motion, water, dt, keepWorks, account);
+	keepAccount(range, motion, water, dt, keepWorks, ledger);
 	loads_.clear();
 }
 

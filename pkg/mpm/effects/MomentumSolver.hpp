@@ -6,6 +6,7 @@
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawFront.hpp>
 #include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/StepLedger.hpp>
 
 #include <vector>
 
@@ -41,16 +42,6 @@ private:
 	double liquidMass_, drag_, dq_, perSolid_, perInertia_;
 };
 
-/// What solving the momentum balance adds to the accounts.
-template <int D> struct MomentumAccount {
-	Vec<D> impulse {};               ///< of gravity, loads, walls and damping [N s]
-	double dragDissipation    = 0.0; ///< [J]
-	double dampingDissipation = 0.0; ///< [J]
-	double loadWork           = 0.0; ///< [J]
-	double slipWork           = 0.0; ///< [J]
-	double wallWork           = 0.0; ///< [J]
-};
-
 /// Momentum balance of the nodes: gravity, surface loads, mechanical boundaries, damping and, with water, the implicit drag.
 template <int D> class MomentumSolver {
 public:
@@ -66,10 +57,10 @@ public:
 	void beginStep(const Grid<D>& grid, const ShapeFunction<D>& shape, double from, double to, double dt);
 	/// The path of the walls in a step that is done.
 	void endStep(double dt);
-	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With account the works are summed.
+	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With keepWorks the works are
+	/// summed. Walls outside the range are left out.
 	void solve(
-	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks,
-	        MomentumAccount<D>& account);
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger);
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
@@ -102,25 +93,25 @@ private:
 		Vec<D> momentumLeft, force;
 		Vec<D> pushed; ///< force on the node in front, eq. (8.5) [N]
 	};
-	void                        rememberWalls(const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void                        fold(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
+	void                        rememberWalls(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water);
+	void                        fold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt);
 	void                        foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
 	void                        rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void                        constrainDry(SolidMotion<D>& motion) const;
+	void                        constrainDry(const ActiveRange& range, SolidMotion<D>& motion) const;
 	/// What a wall that has left its nodes by a part of a cell gives to the nodes in front of it.
 	void pushAhead(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
 	/// Gives nodes on moving walls their velocity.
-	void   carry(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
-	double wallWork(const SolidMotion<D>& motion, const PoreWater<D>* water, double dt) const;
-	void   constrainTwoPhase(SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
-	void   constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
-	void   unfold(SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
-	void   findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
+	void carry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt);
+	void keepWallWork(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, StepLedger<D>& ledger) const;
+	void constrainTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int node, double dt) const;
+	void unfold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
+	void findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
 	/// Sums the momenta of the step and, with keepWorks, the works.
 	void keepAccount(
-	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, MomentumAccount<D>& account);
+	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, StepLedger<D>& ledger);
 
 	MotionConstraints<D>                               constraints_;
 	std::vector<typename MotionConstraints<D>::Mirror> mirrors_;    ///< those whose liquid is held first
@@ -134,7 +125,6 @@ private:
 	std::vector<Vec<D>>                                wallPaths_;
 	std::vector<Folded>                                folded_; ///< one per mirror of a moving wall
 	std::vector<Load>                                  loads_;
-	std::vector<double>                                partial_;
 	NodeField<D>                                       damping_; ///< force of local damping; allocated when damping is used
 };
 

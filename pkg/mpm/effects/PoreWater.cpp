@@ -303,7 +303,8 @@ template <int D> void PoreWater<D>::seep(const WeightBlock<D>& w, double dt, dou
 
 template <int D>
 void PoreWater<D>::drain(
-        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature)
+        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature,
+        StepLedger<D>& ledger)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
@@ -313,14 +314,14 @@ void PoreWater<D>::drain(
 		m *= dt * liquidDensity;
 		if (m < 0.0 && !recharges) continue;
 		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
-		leave(n.node, m, heat);
+		leave(n.node, m, heat, ledger);
 	}
 }
 
 template <int D>
 void PoreWater<D>::feed(
         const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
-        const NodeField<1>* temperature)
+        const NodeField<1>* temperature, StepLedger<D>& ledger)
 {
 	const double scaled = inflow * scale * dt * liquidDensity;
 	for (const SurfaceNode<D>& n : patch.nodes) {
@@ -328,7 +329,7 @@ void PoreWater<D>::feed(
 		const double m    = scaled * lengthOf<D>(n.area);
 		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
 		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
-		leave(n.node, -m, -heat);
+		leave(n.node, -m, -heat, ledger);
 	}
 }
 
@@ -345,17 +346,18 @@ template <int D> double PoreWater<D>::usedScale(double f, const Permeability& ma
 	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
 }
 
-template <int D> void PoreWater<D>::leave(int node, double mass, double heat)
+template <int D> void PoreWater<D>::leave(int node, double mass, double heat, StepLedger<D>& ledger)
 {
-	double* r = exchange[node];
+	double*         r       = exchange[node];
+	StepAccount<D>& account = ledger.ofNode(node);
 	r[Gathered::water] -= mass;
 	r[Gathered::enthalpy] -= heat;
-	waterOut += mass;
-	enthalpyOut += heat;
+	account.waterOut += mass;
+	account.enthalpyOut += heat;
 	for (int a = 0; a < D; ++a) {
 		const double momentum = mass * start[node][a];
 		r[Gathered::momentum + a] -= momentum;
-		momentumOut[a] += momentum;
+		account.momentumOut[a] += momentum;
 	}
 }
 
@@ -479,24 +481,25 @@ void PoreWater<D>::levelCells(
 
 /// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it, and a trace of water gives nothing: it would
 /// shrink to nothing that can be divided by. What a cell keeps counts as having come in.
-template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range)
+template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range, StepLedger<D>& ledger)
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		Cell&        cell = cells_[c];
 		const double loss = -cell.exchange[Gathered::water], most = cell.liquidMass > traceMass_ ? largestLoss : 0.0;
 		if (!(cell.liquidMass > 0.0) || !(loss > most)) continue;
-		const double given = most / loss;
-		waterOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::water];
-		enthalpyOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::enthalpy];
+		const double    given   = most / loss;
+		StepAccount<D>& account = ledger.ofCell(c);
+		account.waterOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::water];
+		account.enthalpyOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::enthalpy];
 		for (int a = 0; a < D; ++a)
-			momentumOut[a] += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::momentum + a];
+			account.momentumOut[a] += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::momentum + a];
 		for (double& share : cell.exchange)
 			share *= given;
 		cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 	}
 }
 
-template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
+template <int D> void PoreWater<D>::finishCells(const ActiveRange& range, StepLedger<D>& ledger)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
@@ -508,7 +511,7 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range)
 			cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 		}
 	});
-	keepLastWater(range);
+	keepLastWater(range, ledger);
 }
 
 template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const
@@ -538,12 +541,6 @@ Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, dou
 		}
 	}
 	return lost;
-}
-
-template <int D> void PoreWater<D>::bookMomentum(const Vec<D>& lost)
-{
-	for (int a = 0; a < D; ++a)
-		momentumOut[a] += lost[a];
 }
 
 template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy)
@@ -632,12 +629,12 @@ template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells,
 		pressure[p] = cells_[cells.cell(p)].fillPressure;
 }
 
-template <int D> double PoreWater<D>::seepageWork(int firstCell, int lastCell) const
+template <int D> void PoreWater<D>::bookSeepageWork(const ActiveRange& range, double share, double liquidDensity, StepLedger<D>& ledger) const
 {
-	double work = 0.0;
-	for (int c = firstCell; c < lastCell; ++c)
-		if (cells_[c].liquidMass > 0.0) work += cells_[c].fillPressure * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
-	return work;
+	for (int c = range.firstCell; c < range.lastCell; ++c)
+		if (cells_[c].liquidMass > 0.0)
+			ledger.ofCell(c).porePressureWork += share / liquidDensity * cells_[c].fillPressure
+			        * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
 }
 
 template class PoreWater<2>;

@@ -8,6 +8,7 @@
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
@@ -80,11 +81,12 @@ public:
 	void seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.
 	void drain(
-	        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature);
+	        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature,
+	        StepLedger<D>& ledger);
 	/// What is fed through a surface, inflow [m/s] into the ground; temperature of water that enters [degC], NaN: that of the node.
 	void feed(
 	        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
-	        const NodeField<1>* temperature);
+	        const NodeField<1>* temperature, StepLedger<D>& ledger);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
 	/// rise (may be null): receives the sums S rise of heat, where its column lies in the same record.
@@ -96,13 +98,11 @@ public:
 	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
 	        const EnthalpyModel* enthalpy);
 	/// Exchange of each cell per liquid mass.
-	void finishCells(const ActiveRange& range);
-	void keepLastWater(const ActiveRange& range);
+	void finishCells(const ActiveRange& range, StepLedger<D>& ledger);
+	void keepLastWater(const ActiveRange& range, StepLedger<D>& ledger);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
-	/// water of cells that run dry gave up, see remainingVelocity; to be given to bookMomentum.
+	/// water of cells that run dry gave up, see remainingVelocity: it has gone out with the water [N s].
 	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
-	/// Books momentum [N s] as gone out with the water.
-	void bookMomentum(const Vec<D>& lost);
 
 	/// Adds to a cell the unstressed volume of a point's liquid and ice less its pore volume [m^D], and their compliance [m^D/Pa].
 	void addFill(int cell, double excess, double compliance)
@@ -123,8 +123,8 @@ public:
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
 	void shareCellPressure(const CellMeans<D>& cells, int first, int last);
-	/// Sum over cells of their pressure times the water mass they received in the step [Pa kg].
-	double seepageWork(int firstCell, int lastCell) const;
+	/// Books the work of the pressure of cells on the water that they received in the step, times a share.
+	void bookSeepageWork(const ActiveRange& range, double share, double liquidDensity, StepLedger<D>& ledger) const;
 
 	const WaterSettings* settings;
 	Vec<D>               weight {};  ///< rho_l g in this step [N/m^3]
@@ -214,7 +214,7 @@ private:
 	std::array<std::vector<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
-	void leave(int node, double mass, double heat);
+	void leave(int node, double mass, double heat, StepLedger<D>& ledger);
 	/// What a block maps to the nodes, number by number of their record.
 	TALIK_PROCESSOR_VERSIONS void fillRecords(
 	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize],

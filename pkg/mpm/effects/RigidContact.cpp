@@ -337,6 +337,7 @@ void RigidContact<D>::push(
 		        }
 	        },
 	        [&](SharedRows& rows) {
+		        rows.beyond = true;
 		        rows.nodes(motion.nodes);
 		        if (front) front->shareMapped(grid, rows);
 	        });
@@ -372,7 +373,10 @@ template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, cons
 				        });
 			        }
 	        },
-	        [&](SharedRows& rows) { rows.nodes(surface.nodes); });
+	        [&](SharedRows& rows) {
+		        rows.beyond = true;
+		        rows.nodes(surface.nodes);
+	        });
 }
 
 template <int D> void RigidContact<D>::allocateFaces(const Grid<D>& grid) { faces_.allocate(grid.nodeCount()); }
@@ -420,7 +424,10 @@ void RigidContact<D>::collectFaces(
 			        }
 		        }
 	        },
-	        [&](SharedRows& rows) { rows.nodes(faces_); });
+	        [&](SharedRows& rows) {
+		        rows.beyond = true;
+		        rows.nodes(faces_);
+	        });
 	patch.nodes.clear();
 	for (int node = range.firstNode; node < range.lastNode; ++node) {
 		if (!(faces_[node][0] > 0.0)) continue;

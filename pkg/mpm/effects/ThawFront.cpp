@@ -200,8 +200,9 @@ template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange&
 		        markCells(grid, first, last);
 	        },
 	        [&](SharedRows& rows) {
-		        rows.nodes(sides_.data() + margin_);
-		        rows.nodes(slid_.data() + margin_);
+		        rows.beyond = true;
+		        rows.cellsByNode(sides_.data() + margin_);
+		        rows.cellsByNode(slid_.data() + margin_);
 	        });
 	markNodes(range, mirrors, freeLiquid);
 	markNear();
@@ -400,20 +401,21 @@ template <int D> void ThawFront<D>::fold(const Mirrors& mirrors, double dt)
 	}
 }
 
-template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork)
+template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, StepLedger<D>& ledger)
 {
 	for (std::size_t k = mirrors.size(); k-- > 0;) {
 		const auto& m = mirrors[k];
 		if (slot_[m.ghost] < 0 || slot_[m.inner] < 0) continue;
-		const std::array<double, 4>& mass  = folded_[k];
-		const double*                inner = result(slot_[m.inner]);
+		const std::array<double, 4>& mass    = folded_[k];
+		const double*                inner   = result(slot_[m.inner]);
+		StepAccount<D>&              account = ledger.ofNode(m.inner);
 		// what the sides gain cancels out on a node and its image together; a wall turns the part of the image round
 		for (int a = 0; a < D; ++a) {
 			const double turned = (m.sign[a] - 1.0)
 			        * (mass[0] * inner[gainAt + a] + mass[1] * inner[sideSize + gainAt + a] + mass[2] * inner[liquidGainAt + a]
 			           + mass[3] * inner[sideSize + liquidGainAt + a]);
-			impulse[a] += turned;
-			wallWork += turned * (m.velocity[a] + m.change[a]);
+			account.impulse[a] += turned;
+			account.wallWork += turned * (m.velocity[a] + m.change[a]);
 		}
 		for (int at = 0; at < resultSize; ++at)
 			result(slot_[m.ghost])[at] = m.sign[at % D] * inner[at];
@@ -444,14 +446,15 @@ template <int D> void ThawFront<D>::pushAhead(const Mirrors& mirrors, double dt)
 }
 
 /// Both sides move with such a wall where it stands, as v_0 of eq. (8.5) has it for their common velocity.
-template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork)
+template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, StepLedger<D>& ledger)
 {
 	for (const auto& m : mirrors) {
 		if (!leads(m)) continue;
-		const double* on      = record(slot_[m.wall()]);
-		const double* inner   = result(slot_[m.inner]);
-		double*       wall    = result(slot_[m.wall()]);
-		const double  mass[2] = { on[massAt] + on[liquidMassAt], on[thawedMassAt] + on[thawedLiquidMassAt] };
+		const double*   on      = record(slot_[m.wall()]);
+		const double*   inner   = result(slot_[m.inner]);
+		double*         wall    = result(slot_[m.wall()]);
+		StepAccount<D>& account = ledger.ofNode(m.wall());
+		const double    mass[2] = { on[massAt] + on[liquidMassAt], on[thawedMassAt] + on[thawedLiquidMassAt] };
 		for (int side = 0; side < 2; ++side)
 			for (int a = 0; a < D; ++a) {
 				if (m.sign[a] > 0.0) continue;
@@ -460,8 +463,8 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, Vec<D>& im
 				wall[at + velocityAt] += v;
 				wall[at + gainAt] += v;
 				if (water_) wall[at + liquidGainAt] += v;
-				impulse[a] += mass[side] * v;
-				wallWork += mass[side] * v * (m.velocity[a] + m.change[a]);
+				account.impulse[a] += mass[side] * v;
+				account.wallWork += mass[side] * v * (m.velocity[a] + m.change[a]);
 			}
 	}
 }
@@ -762,11 +765,11 @@ template <int D> void ThawFront<D>::correct(int slot)
 }
 
 template <int D>
-double ThawFront<D>::solve(
-        const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse, double& wallWork)
+void ThawFront<D>::solve(
+        const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger)
 {
 	fastest_ = 0.0;
-	if (!present()) return 0.0;
+	if (!present()) return;
 	fold(mirrors, dt);
 	pushAhead(mirrors, dt);
 	const int     count     = nodeCount();
@@ -786,18 +789,16 @@ double ThawFront<D>::solve(
 		work_[slot] = slide(slot, dt);
 		correct(slot);
 	});
-	leadWalls(mirrors, impulse, wallWork);
-	unfold(mirrors, impulse, wallWork);
+	leadWalls(mirrors, ledger);
+	unfold(mirrors, ledger);
 	for (int slot = 0; slot < count; ++slot)
 		for (int side = 0; side < 2; ++side)
 			for (int a = 0; a < D; ++a) {
 				const double v = result(slot)[side * sideSize + velocityAt + a];
 				fastest_       = std::abs(v) <= fastest_ ? fastest_ : std::abs(v); // keeps what is not a number
 			}
-	double work = 0.0;
-	for (const double w : work_)
-		work += w;
-	return work;
+	for (int slot = 0; slot < count; ++slot)
+		ledger.ofNode(nodes_[slot]).slipWork += work_[slot];
 }
 
 // ---- to the points ---------------------------------------------------------------------------------------------------------

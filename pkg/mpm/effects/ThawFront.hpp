@@ -9,6 +9,7 @@
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <optional>
@@ -76,10 +77,9 @@ public:
 	void addGravity();
 	/// Gives the frozen side its part, by mass, of a surface load on a node [N]; call before mirrors are folded.
 	void addLoad(int node, const Vec<D>& force);
-	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Returns what the force between
-	/// the sides takes from their slip in the step [J], and adds what walls give to the sides apart to impulse [N s] and, of walls that
-	/// move, to wallWork [J].
-	double solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, Vec<D>& impulse, double& wallWork);
+	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Books what the force between the
+	/// sides takes from their slip, and what walls give to the sides apart.
+	void solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger);
 	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
 	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine);
 	/// What map() and push() add to.
@@ -147,10 +147,10 @@ private:
 	void          addThawed(const WeightBlock<D>& w, int k);
 	void          addPoreForce(const WeightBlock<D>& w, int k);
 	void          fold(const Mirrors& mirrors, double dt);
-	void          unfold(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
+	void          unfold(const Mirrors& mirrors, StepLedger<D>& ledger);
 	bool          leads(const typename Mirrors::value_type& mirror) const;
 	void          pushAhead(const Mirrors& mirrors, double dt);
-	void          leadWalls(const Mirrors& mirrors, Vec<D>& impulse, double& wallWork);
+	void          leadWalls(const Mirrors& mirrors, StepLedger<D>& ledger);
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);

@@ -14,7 +14,7 @@ struct ActiveRange {
 	int firstNode = 0, lastNode = 0; ///< node indices [first, last)
 	int firstCell = 0, lastCell = 0; ///< cell indices [first, last)
 	int parallel = 1;                ///< 0: one thread does all
-	int chunk    = 1;                ///< nodes of one piece of work; fixed, so that sums have one order for any number of threads
+	int chunk    = 1;                ///< nodes of one piece of work: two rows, from an even one on, so that sums have one order for any number of threads
 
 	template <int D> static ActiveRange of(const Grid<D>& grid, const MaterialPoints<D>& points)
 	{
@@ -31,14 +31,15 @@ struct ActiveRange {
 		ActiveRange r;
 		r.firstCell = firstRow * grid.cellStride(axis);
 		r.lastCell  = (lastRow + 1) * grid.cellStride(axis);
-		r.firstNode = firstRow * grid.nodeStride(axis);
+		r.firstNode = firstRow / 2 * 2 * grid.nodeStride(axis);
 		r.lastNode  = (lastRow + 4) * grid.nodeStride(axis);
 		r.chunk     = 2 * grid.nodeStride(axis);
 		r.parallel  = points.strips().parallel;
 		return r;
 	}
 
-	int chunks() const { return (lastNode - firstNode + chunk - 1) / chunk; }
+	int  chunks() const { return lastNode > firstNode ? (lastNode + chunk - 1) / chunk - firstNode / chunk : 0; }
+	bool holds(int node) const { return node >= firstNode && node < lastNode; }
 
 	/// work(firstCell, lastCell) over all cells of the range, in pieces.
 	template <class Work> void overCells(Work&& work) const
@@ -51,8 +52,11 @@ struct ActiveRange {
 	/// work(piece, firstNode, lastNode) over all nodes of the range.
 	template <class Work> void overNodes(Work&& work) const
 	{
-		const int n = chunks();
-		ThreadTeam::run(n, threads(), [&](int c, int) { work(c, firstNode + c * chunk, std::min(lastNode, firstNode + (c + 1) * chunk)); });
+		const int first = firstNode / chunk;
+		ThreadTeam::run(chunks(), threads(), [&](int c, int) {
+			const int begin = (first + c) * chunk;
+			work(c, std::max(firstNode, begin), std::min(lastNode, begin + chunk));
+		});
 	}
 
 private:

@@ -17,6 +17,7 @@ namespace {
 
 template <int D> void FreeSurface<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* conductivity)
 {
+	strips_       = &points.strips();
 	volume_       = points.volume();
 	conductivity_ = conductivity;
 	nodes.allocate(grid.nodeCount());
@@ -44,6 +45,7 @@ template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::share
 	surface_.reserve(most);
 	ofSurface_.reserve(most);
 	if (most > 0) emptiness_.assign(grid.cellCount(), filled);
+	if (most > 0) empty_.assign(grid.cellCount(), 0);
 	reached_.reserve(most > 0 ? grid.cellCount() : 0);
 
 	// boxes of nodes and bodies may lie anywhere
@@ -109,16 +111,20 @@ template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 
 template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)
 {
-	const double enough  = emptyFilling * grid.cellVolume();
-	bool         changed = false;
-	for (int c = 0; c < grid.cellCount(); ++c) {
-		const bool empty = cells.cellVolume(c) < enough;
-		changed |= empty != (emptiness_[c] != filled);
-	}
+	const double enough = emptyFilling * grid.cellVolume();
+	const Bands* bands  = strips_->bands;
+	const int    strip  = Strips::rows * grid.cellStride(grid.slowAxis());
+	const int    first = bands ? bands->firstStrip() * strip : 0, end = bands ? std::min(bands->endStrip() * strip, grid.cellCount()) : grid.cellCount();
+	for (int c = first; c < end; ++c)
+		empty_[c] = cells.cellVolume(c) < enough;
+	if (strips_->bands) strips_->bands->shareByCell(empty_);
+	bool changed = false;
+	for (int c = 0; c < grid.cellCount(); ++c)
+		changed |= empty_[c] != (emptiness_[c] != filled);
 	// what is empty tells all: as long as that stays there is nothing to do
 	if (!changed) return;
 	for (int c = 0; c < grid.cellCount(); ++c)
-		emptiness_[c] = cells.cellVolume(c) < enough ? cavity : filled;
+		emptiness_[c] = empty_[c] ? cavity : filled;
 	reached_.clear();
 	for (int c = 0; c < grid.cellCount(); ++c)
 		for (int a = 0; a < D; ++a) {
@@ -206,14 +212,14 @@ template <int D> bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMean
 	return false;
 }
 
-template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, const CellMeans<D>& cells, int boundary)
+template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range, int boundary)
 {
 	// the surface of a wall spreads over the nodes behind, on and in front of it, where ground rests against it
 	const Side side   = boundaries_[boundary]->region().on;
 	const int  inward = side.upper ? -grid.nodeStride(side.axis) : grid.nodeStride(side.axis);
 	const auto sign   = side.upper ? 1.0 : -1.0;
 	for (int node : sideNodes_[boundary]) {
-		if (!atWall(grid, cells, grid.nodeOf(node), side.axis)) continue;
+		if (!range.holds(node) || !atWall(grid, cells, grid.nodeOf(node), side.axis)) continue;
 		for (int layer : { -inward, 0, inward }) {
 			const double area = nodes[node + layer][side.axis];
 			if (area * sign <= 0.0) continue;
@@ -224,11 +230,12 @@ template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, const Cel
 	}
 }
 
-template <int D> void FreeSurface<D>::collectBox(const Grid<D>& grid, int boundary)
+template <int D> void FreeSurface<D>::collectBox(const Grid<D>& grid, const ActiveRange& range, int boundary)
 {
 	// no normal here: the size of the area only, a cell face per node and half of it at the ends of a line
 	const std::vector<int>& all = sideNodes_[boundary];
 	for (int node : all) {
+		if (!range.holds(node)) continue;
 		double area = grid.faceArea();
 		for (int a = 0; a < D; ++a) {
 			const bool before = std::binary_search(all.begin(), all.end(), node - grid.nodeStride(a));
@@ -275,8 +282,8 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 		if (!boundaries_[b]->usesSurface()) continue;
 		const Region<D>& region = boundaries_[b]->region();
 		patches_[b].nodes.clear();
-		if (region.kind == Region<D>::Kind::side) collectSide(grid, cells, b);
-		else if (region.kind == Region<D>::Kind::nodeBox) collectBox(grid, b);
+		if (region.kind == Region<D>::Kind::side) collectSide(grid, cells, range, b);
+		else if (region.kind == Region<D>::Kind::nodeBox) collectBox(grid, range, b);
 		else if (region.kind == Region<D>::Kind::freeSurface)
 			for (std::size_t k = 0; k < surface_.size(); ++k) {
 				if (ofSurface_[k] != (region.cavities ? cavity : openAir)) continue;

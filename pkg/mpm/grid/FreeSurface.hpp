@@ -30,7 +30,7 @@ public:
 	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
 	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
 	void map(const WeightBlock<D>& w);
-	/// Lists the nodes of every boundary that uses the surface, but for those that face bodies.
+	/// Lists the nodes of every boundary that uses the surface, as far as they lie in the range, but for those that face bodies.
 	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
 
 	/// Patch of a boundary, by its index in the scene.
@@ -50,8 +50,8 @@ private:
 	/// Sorts empty cells into those that air from outside reaches, by way of the faces of empty cells, and the rest.
 	void findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells);
 	void letAirIn(int cell);
-	void collectSide(const Grid<D>& grid, const CellMeans<D>& cells, int boundary);
-	void collectBox(const Grid<D>& grid, int boundary);
+	void collectSide(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range, int boundary);
+	void collectBox(const Grid<D>& grid, const ActiveRange& range, int boundary);
 
 	/// Cells of the box with three more around it on all sides, as far as a shape function and the search for empty cells reach.
 	static constexpr int       reach = 3;
@@ -71,6 +71,8 @@ private:
 	std::vector<SurfaceNode<D>>               surface_;
 	std::vector<Emptiness>                    ofSurface_; ///< what lies before each of them
 	std::vector<Emptiness>                    emptiness_; ///< of each cell
+	std::vector<unsigned char>                empty_;     ///< the same without distinction
+	const Strips*                             strips_ = nullptr;
 	std::vector<int>                          reached_;
 	bool                                      openSides_[D][2] = {};
 };

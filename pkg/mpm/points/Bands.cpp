@@ -6,8 +6,13 @@
 namespace talik {
 
 namespace {
-	/// Rows of nodes and cells that two neighbouring strips touch, from the row of cells on with which the upper one begins.
-	constexpr int firstSharedNode = 0, endSharedNode = 3, firstSharedCell = -1, endSharedCell = 1;
+	/// Rows from the row of cells on with which a strip begins.
+	struct Extent {
+		int first, end; ///< that this strip and the one below touch
+		int beyond;     ///< more on both sides, as far as a solution at the touched nodes reaches: the direction of the thaw front takes nodes
+		                ///< two rows away, and which nodes lie at the front follows from cells
+	};
+	constexpr Extent ofNodes { 0, 3, 2 }, ofCells { -1, 1, 4 };
 } // namespace
 
 Bands::Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std::string&)> answer)
@@ -15,12 +20,8 @@ Bands::Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std
         , answer_(std::move(answer))
         , number_(talk_->enrol(this))
 {
-	const std::size_t n = static_cast<std::size_t>(count());
-	strips_.assign(n + 1, 0);
-	points_ = nodeRows_ = cellRows_ = strips_;
-	lengths_.assign(n, 0);
-	bits_.assign(n, 0);
-	values_.assign(n, 0.0);
+	strips_.assign(static_cast<std::size_t>(count()) + 1, 0);
+	points_ = strips_;
 }
 
 Bands::~Bands() { talk_->dismiss(number_); }
@@ -30,80 +31,106 @@ void Bands::cut(const std::vector<int>& firstPoints, const Rows& rows)
 	rows_            = rows;
 	const int strips = static_cast<int>(firstPoints.size()) - 1, n = count();
 	strips_[0] = points_[0] = 0;
-	nodeRows_[0]            = rows.firstNode;
-	cellRows_[0]            = rows.firstCell;
 	for (int r = 1; r <= n; ++r) {
-		// the strip that begins nearest to the rank's share of the points; every band has one strip at least
+		// the strip that begins nearest to the rank's share of the points
 		const double wanted = static_cast<double>(firstPoints[strips]) * r / n;
-		int          s      = strips_[r - 1] + 1;
-		while (s < strips - (n - r) && wanted - firstPoints[s] > firstPoints[s + 1] - wanted)
+		int          s      = strips_[r - 1] + leastStrips;
+		while (s < strips - leastStrips * (n - r) && wanted - firstPoints[s] > firstPoints[s + 1] - wanted)
 			++s;
-		strips_[r]     = r == n ? strips : s;
-		points_[r]     = firstPoints[strips_[r]];
-		const int  row = strips_[r] * rows.ofStrip;
-		const bool odd = strips_[r] % 2 != 0;
-		nodeRows_[r]   = r == n ? rows.lastNode : std::clamp(row + (odd ? firstSharedNode : endSharedNode), nodeRows_[r - 1], rows.lastNode);
-		cellRows_[r]   = r == n ? rows.lastCell : std::clamp(row + (odd ? firstSharedCell : endSharedCell), cellRows_[r - 1], rows.lastCell);
+		strips_[r] = r == n ? strips : s;
+		points_[r] = firstPoints[strips_[r]];
 	}
+}
+
+Bands::Part Bands::touched(bool beyond) const
+{
+	const int  low = firstStrip() * rows_.ofStrip, high = endStrip() * rows_.ofStrip;
+	const bool lowest = rank() == 0, highest = rank() + 1 == count();
+	const auto first = [&](const Extent& e) { return lowest ? 0 : low + e.first - (beyond ? e.beyond : 0); };
+	const auto end   = [&](const Extent& e, int all) { return highest ? all : std::min(all, high + e.end + (beyond ? e.beyond : 0)); };
+	return { first(ofNodes), end(ofNodes, rows_.nodes), first(ofCells), end(ofCells, rows_.cells) };
+}
+
+template <class Work> void Bands::overMeetings(Work&& work) const
+{
+	if (rank() > 0) work(Meeting { rank() - 1, firstStrip() * rows_.ofStrip, true, firstStrip() % 2 == 0 });
+	if (rank() + 1 < count()) work(Meeting { rank() + 1, endStrip() * rows_.ofStrip, false, endStrip() % 2 != 0 });
 }
 
 std::size_t Bands::before(const SharedRows::Array& a, int row) const
 {
 	if (a.rowStarts) return static_cast<std::size_t>((*a.rowStarts)[row]) * a.number;
-	return static_cast<std::size_t>(row) * (a.ofCells ? rows_.cellsOfRow : rows_.nodesOfRow) * a.number;
+	const int numbers = a.of == SharedRows::Of::nodes ? row * rows_.nodesOfRow
+	        : a.of == SharedRows::Of::cells           ? row * rows_.cellsOfRow
+	                                                  : (row + 1) * rows_.nodesOfRow;
+	return static_cast<std::size_t>(numbers) * a.number;
 }
 
-void Bands::passBoundary(int strip, int neighbour, bool evenIsMine)
+void Bands::pass(const SharedRows::Array& a, int neighbour, int first, int end, bool going)
 {
-	const int row = strip * rows_.ofStrip;
-	for (const SharedRows::Array& a : shared_.arrays) {
-		const int all  = a.ofCells ? rows_.cells : rows_.nodes;
-		const int from = row + (a.ofCells ? firstSharedCell : firstSharedNode), to = std::min(all, row + (a.ofCells ? endSharedCell : endSharedNode));
-		const std::size_t begin = before(a, from), end = before(a, to);
-		if (begin < end) (evenIsMine ? going_ : coming_).push_back({ neighbour, a.begin + begin, end - begin });
-	}
+	const int         all = a.of == SharedRows::Of::nodes ? rows_.nodes : rows_.cells;
+	const std::size_t from = before(a, std::clamp(first, 0, all)), to = before(a, std::clamp(end, 0, all));
+	if (from < to) (going ? going_ : coming_).push_back({ neighbour, a.begin + from, to - from });
 }
 
-void Bands::handOver()
+void Bands::exchange(bool completed)
 {
 	going_.clear();
 	coming_.clear();
-	if (rank() > 0) passBoundary(firstStrip(), rank() - 1, firstStrip() % 2 == 0);
-	if (rank() + 1 < count()) passBoundary(endStrip(), rank() + 1, endStrip() % 2 != 0);
+	overMeetings([&](const Meeting& m) {
+		for (const SharedRows::Array& a : shared_.arrays) {
+			const Extent& e     = a.of == SharedRows::Of::nodes ? ofNodes : ofCells;
+			const int     first = m.row + e.first, end = m.row + e.end;
+			pass(a, m.neighbour, first, end, m.even != completed);
+			if (!completed || !shared_.beyond) continue;
+			pass(a, m.neighbour, first - e.beyond, first, !m.upper);
+			pass(a, m.neighbour, end, end + e.beyond, m.upper);
+		}
+	});
 	ranks().pass(going_, coming_);
 }
 
+void Bands::handOver() { exchange(false); }
+
 void Bands::complete()
 {
-	for (const SharedRows::Array& a : shared_.arrays) {
-		const std::vector<int>& begins = a.ofCells ? cellRows_ : nodeRows_;
-		for (int r = 0; r < count(); ++r)
-			lengths_[r] = before(a, begins[r + 1]) - before(a, begins[r]);
-		ranks().allGather(a.begin + before(a, begins[rank()]), lengths_, a.begin + before(a, begins[0]));
-	}
+	exchange(true);
 	shared_.arrays.clear();
+	shared_.beyond = false;
 }
 
 void Bands::gatherParts(void* values, std::size_t size, const std::vector<int>& begins)
 {
+	lengths_.resize(static_cast<std::size_t>(count()));
 	for (int r = 0; r < count(); ++r)
 		lengths_[r] = static_cast<std::size_t>(begins[r + 1] - begins[r]) * size;
 	ranks().allGather(static_cast<char*>(values) + static_cast<std::size_t>(begins[rank()]) * size, lengths_, values);
 }
 
-double Bands::valueAt(int place, double own)
+void Bands::shareByCell(std::vector<unsigned char>& flags)
 {
-	std::fill(lengths_.begin(), lengths_.end(), sizeof(double));
-	ranks().allGather(&own, lengths_, values_.data());
-	return values_[std::upper_bound(points_.begin() + 1, points_.end() - 1, place) - points_.begin() - 1];
+	constexpr int bits   = 8;
+	const auto    begin  = [&](int r) { return std::min(strips_[r] * rows_.ofStrip, rows_.cells) * rows_.cellsOfRow; };
+	const auto    length = [&](int r) { return (begin(r + 1) - begin(r) + bits - 1) / bits; };
+	std::size_t   all    = 0;
+	lengths_.resize(static_cast<std::size_t>(count()));
+	for (int r = 0; r < count(); ++r)
+		all += lengths_[r] = static_cast<std::size_t>(length(r));
+	packed_.assign(all, 0);
+	std::vector<unsigned char> own(lengths_[rank()], 0);
+	for (int c = begin(rank()), k = 0; c < begin(rank() + 1); ++c, ++k)
+		own[k / bits] |= flags[c] << k % bits;
+	ranks().allGather(own.data(), lengths_, packed_.data());
+	const unsigned char* from = packed_.data();
+	for (int r = 0; r < count(); from += lengths_[r++])
+		for (int c = begin(r), k = 0; c < begin(r + 1); ++c, ++k)
+			flags[c] = from[k / bits] >> k % bits & 1;
 }
 
 unsigned Bands::anyOf(unsigned bits)
 {
-	std::fill(lengths_.begin(), lengths_.end(), sizeof(unsigned));
-	ranks().allGather(&bits, lengths_, bits_.data());
 	unsigned all = 0;
-	for (const unsigned b : bits_)
+	for (const unsigned b : byRank(bits))
 		all |= b;
 	return all;
 }

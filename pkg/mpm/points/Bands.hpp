@@ -12,40 +12,51 @@ namespace talik {
 /// Arrays by rows of nodes, or of cells, to which the points of several strips add. Rows are those along the grid's slowest axis.
 class SharedRows {
 public:
+	enum class Of { nodes, cells, cellsByNode };
 	struct Array {
 		char*                   begin;
-		std::size_t             number;    ///< bytes of a node or cell
-		bool                    ofCells;   ///< else of nodes
+		std::size_t             number; ///< bytes of a node or cell
+		Of                      of;
 		const std::vector<int>* rowStarts; ///< of the numbers of each row of nodes, where only some nodes have any; null: all have
 	};
 
 	template <int Size> void nodes(NodeField<Size>& field)
 	{
-		if (field.ownsRecords()) arrays.push_back({ reinterpret_cast<char*>(field[0]), Size * sizeof(double), false, nullptr });
+		if (field.ownsRecords()) add(field[0], Size, Of::nodes);
 	}
-	template <class T> void nodes(T* ofNodeZero) { arrays.push_back({ reinterpret_cast<char*>(ofNodeZero), sizeof(T), false, nullptr }); }
-	template <class T> void cells(T* ofCellZero) { arrays.push_back({ reinterpret_cast<char*>(ofCellZero), sizeof(T), true, nullptr }); }
-	void                    someNodes(double* begin, int numbers, const std::vector<int>& rowStarts)
-	{
-		arrays.push_back({ reinterpret_cast<char*>(begin), numbers * sizeof(double), false, &rowStarts });
-	}
+	template <class T> void cells(T* ofCellZero) { add(ofCellZero, 1, Of::cells); }
+	/// Of cells, each at the place of the node at its lower corner.
+	template <class T> void cellsByNode(T* ofNodeZero) { add(ofNodeZero, 1, Of::cellsByNode); }
+	void                    someNodes(double* begin, int numbers, const std::vector<int>& rowStarts) { add(begin, numbers, Of::nodes, &rowStarts); }
 
 	std::vector<Array> arrays;
+	bool               beyond = false; ///< the rows beyond those that both bands touch are to be known, too
+
+private:
+	template <class T> void add(T* begin, int count, Of of, const std::vector<int>* rowStarts = nullptr)
+	{
+		arrays.push_back({ reinterpret_cast<char*>(begin), count * sizeof(T), of, rowStarts });
+	}
 };
 
-/// Strips of the ground shared out among ranks: each has a band of consecutive strips and does what is to be done for the points in them.
-/// Nodes and cells are those of all ranks, and all know the sums there. Only the band's own points are current until they are gathered.
+/// Strips of the ground shared out among ranks: each has a band of consecutive strips and does what is to be done for the points in them, and
+/// at the nodes and cells that these reach. Numbers of nodes, cells and points are those of the whole ground. Only the band's own points are
+/// current until they are gathered.
 ///
 /// A sum at a node has the order that it has on one rank, even strips first, then odd ones: where two bands meet, the rank of the even strip
-/// hands the rows over that both strips touch, the rank of the odd strip goes on adding to them, and then all ranks get all rows.
+/// hands the rows over that both strips touch, the rank of the odd strip goes on adding to them and gives them back.
 class Bands final : public RankTalk::Answerer {
 public:
 	/// Strips of how many rows of cells; a point adds to its cell, and to this many nodes from the row of its cell on, strayed points included.
 	struct Rows {
 		int ofStrip = 0, nodes = 0, cells = 0, nodesOfRow = 0, cellsOfRow = 0;
-		int firstNode = 0, lastNode = 0; ///< rows of nodes in use, [first, last)
-		int firstCell = 0, lastCell = 0; ///< the same of cells
 	};
+	/// Rows of nodes and of cells.
+	struct Part {
+		int firstNode, endNode, firstCell, endCell;
+	};
+	/// A band has as many strips at least: the rows that its neighbours want to know are then its own.
+	static constexpr int leastStrips = 2;
 
 	Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std::string&)> answer);
 	~Bands() override;
@@ -60,6 +71,8 @@ public:
 	int  endStrip() const { return strips_[rank() + 1]; }
 	int  firstPoint() const { return points_[rank()]; }
 	int  endPoint() const { return points_[rank() + 1]; }
+	/// Rows that the points of the band touch; beyond: and as many more as are needed to solve there.
+	Part touched(bool beyond) const;
 
 	/// To be filled before handOver(), complete() empties it.
 	SharedRows& shared() { return shared_; }
@@ -72,8 +85,16 @@ public:
 	template <class T> void shareByStrip(T* values) { gatherParts(values, sizeof(T), strips_); }
 	/// The same by point.
 	template <class T> void shareByPoint(T* values) { gatherParts(values, sizeof(T), points_); }
-	/// The value of the rank that owns the point at a place.
-	double valueAt(int place, double own);
+	/// The same by cell, of which every rank has those of its own strips; 0 or 1.
+	void shareByCell(std::vector<unsigned char>& flags);
+	/// What each rank has.
+	template <class T> std::vector<T> byRank(const T& own)
+	{
+		std::vector<T> all(static_cast<std::size_t>(count()));
+		lengths_.assign(all.size(), sizeof(T));
+		ranks().allGather(&own, lengths_, all.data());
+		return all;
+	}
 	/// Combined bits of all ranks.
 	unsigned anyOf(unsigned bits);
 	/// What every rank says, by rank.
@@ -91,22 +112,27 @@ public:
 	std::pair<int, int> pointsOf(int rank) const { return { points_[rank], points_[rank + 1] }; }
 
 private:
+	/// Where the band of this rank meets the next one.
+	struct Meeting {
+		int  neighbour, row; ///< rank of the other band, and the first row of cells of the upper one
+		bool upper, even;    ///< this band is the upper one; its strip here is an even one
+	};
+	template <class Work> void overMeetings(Work&& work) const;
 	/// Numbers of an array before a row.
 	std::size_t before(const SharedRows::Array& array, int row) const;
 	void        gatherParts(void* values, std::size_t size, const std::vector<int>& begins);
-	void        passBoundary(int strip, int neighbour, bool evenIsMine);
+	void        pass(const SharedRows::Array& array, int neighbour, int first, int end, bool going);
+	void        exchange(bool completed);
 
 	std::shared_ptr<RankTalk>                      talk_;
 	std::function<std::string(const std::string&)> answer_;
 	int                                            number_;
-	std::vector<int>                               strips_, points_;     ///< first of each rank, and the end
-	std::vector<int>                               nodeRows_, cellRows_; ///< the same of rows whose sums are complete on the rank first
+	std::vector<int>                               strips_, points_; ///< first of each rank, and the end
 	Rows                                           rows_;
 	SharedRows                                     shared_;
 	std::vector<Parcel>                            going_, coming_;
 	std::vector<std::size_t>                       lengths_;
-	std::vector<unsigned>                          bits_;
-	std::vector<double>                            values_;
+	std::vector<unsigned char>                     packed_;
 };
 
 } // namespace talik

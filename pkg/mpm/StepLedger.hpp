@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace talik {
+
+/// What solving the momentum balance adds to the accounts.
+template <int D> struct MomentumAccount {
+	Vec<D> impulse {};               ///< of gravity, loads, walls and damping [N s]
+	double dragDissipation    = 0.0; ///< [J]
+	double dampingDissipation = 0.0; ///< [J]
+	double loadWork           = 0.0; ///< [J]
+	double slipWork           = 0.0; ///< [J]
+	double wallWork           = 0.0; ///< [J]
+};
+
+/// What a step adds to the accounts.
+template <int D> struct StepAccount : MomentumAccount<D> {
+	Vec<D> momentumOut {};                                    ///< with the water [N s]
+	double waterOut = 0.0, enthalpyOut = 0.0, heatIn = 0.0;   ///< [kg], [J], [J]
+	double skeletonWork = 0.0, porePressureWork = 0.0;        ///< [J]
+
+	StepAccount& operator+=(const StepAccount& other)
+	{
+		for (int a = 0; a < D; ++a) {
+			this->impulse[a] += other.impulse[a];
+			momentumOut[a] += other.momentumOut[a];
+		}
+		this->dragDissipation += other.dragDissipation;
+		this->dampingDissipation += other.dampingDissipation;
+		this->loadWork += other.loadWork;
+		this->slipWork += other.slipWork;
+		this->wallWork += other.wallWork;
+		waterOut += other.waterOut;
+		enthalpyOut += other.enthalpyOut;
+		heatIn += other.heatIn;
+		skeletonWork += other.skeletonWork;
+		porePressureWork += other.porePressureWork;
+		return *this;
+	}
+};
+
+/// What a step adds to the accounts, kept by pairs of rows of nodes. A strip of cells has the two pairs in its middle, and the sum runs over
+/// the strips: so it has one order for any number of threads and ranks, and a rank knows all that belongs to its own strips.
+template <int D> class StepLedger {
+public:
+	StepLedger() = default;
+	explicit StepLedger(const Grid<D>& grid)
+	        : nodesOfPair_(2 * grid.nodeStride(grid.slowAxis()))
+	        , cellsOfStrip_(Strips::rows * grid.cellStride(grid.slowAxis()))
+	        , strips_((grid.cellCount() + cellsOfStrip_ - 1) / cellsOfStrip_)
+	        , pairs_(std::max((grid.nodeCount() + nodesOfPair_ - 1) / nodesOfPair_, 2 * strips_ + 1))
+	{}
+
+	void clear() { std::fill(pairs_.begin(), pairs_.end(), StepAccount<D> {}); }
+
+	/// May be called by several threads, for nodes of different pairs of rows.
+	StepAccount<D>& ofNode(int node) { return pairs_[node / nodesOfPair_]; }
+	StepAccount<D>& ofCell(int cell) { return ofStrip(cell / cellsOfStrip_); }
+	/// May be called by several threads, for different strips.
+	StepAccount<D>& ofStrip(int strip) { return pairs_[2 * strip + 1]; }
+
+	/// Sum over all strips; bands: collective.
+	StepAccount<D> sum(Bands* bands)
+	{
+		byStrip_.assign(strips_, {});
+		for (std::size_t k = 0; k < pairs_.size(); ++k)
+			byStrip_[std::clamp((static_cast<int>(k) - 1) / 2, 0, strips_ - 1)] += pairs_[k];
+		if (bands) bands->shareByStrip(byStrip_.data());
+		StepAccount<D> all;
+		for (const StepAccount<D>& strip : byStrip_)
+			all += strip;
+		return all;
+	}
+
+private:
+	int                         nodesOfPair_ = 1, cellsOfStrip_ = 1, strips_ = 0;
+	std::vector<StepAccount<D>> pairs_, byStrip_;
+};
+
+} // namespace talik
