@@ -5,8 +5,8 @@
 	/usr/bin/python3 scripts/benchmarks/ranks.py ranks.json [--rounds 2] [--steps 150]
 
 Scenes: a frozen slope in the plane whose samples follow a shear ('samples', a small Case I), the same of twice the size ('twice'), with a
-law in place of samples ('law'), a slope in space with samples of spheres ('space'), and with a law ('spaceLaw'). Each run is a yade of its
-own that does the same steps. Work is the processor time of a rank less what it spends waiting for others: it does not depend on what else
+law in place of samples ('law'), a slope in space with samples of spheres ('space'), with a law ('spaceLaw'), and a fine slope in the plane with
+a law that is shared out in bands ('bandsLaw'). Each run is a yade of its own that does the same steps. Work is the processor time of a rank less what it spends waiting for others: it does not depend on what else
 the machine does, as wall time does. Four ranks may have fewer cores than that: they are compared for the bits and the work.
 
 	yade -n -x ranks.py --record SCENE STEPS FILE     one rank alone: what each step costs, for scripts/scaling"""
@@ -46,6 +46,7 @@ def best(runs):
 		"work": min(max(rank["processor"] - rank["polling"] for rank in run) for run in runs),
 		**{name: runs[0][0][name] for name in ("points", "calls", "steps", "balance", "moved", "messages", "state")},
 		"bytes": max(rank["bytes"] for rank in runs[0]),
+		"memory": max(rank["memory"] for rank in runs[0]),
 		"inSamples": min(run[0]["inSamples"] / run[0]["wall"] for run in runs),
 	}
 
@@ -61,6 +62,7 @@ def main():
 		("twice", 2, 1),
 		("spaceLaw", 1, 1),
 		("samples", 1, 2),
+		*(("bandsLaw", ranks, 1) for ranks in counts),
 	]
 	runs = figures.interleaved(options.rounds, *(lambda kind=kind: measured(*kind, options.steps) for kind in kinds))
 	found = {kind: best(own) for kind, own in zip(kinds, runs)}
@@ -69,7 +71,7 @@ def main():
 			[{"scene": scene, "ranks": ranks, "threads": threads, "timed": options.steps, **found[scene, ranks, threads]} for scene, ranks, threads in kinds]
 		)
 	)
-	for scene in ("samples", "law", "space", "twice"):
+	for scene in ("samples", "law", "space", "twice", "bandsLaw"):
 		if len({its["state"] for kind, its in found.items() if kind[0] == scene}) != 1:
 			raise SystemExit(f"ranks.py: '{scene}' did not end with the same bits on any number of ranks and threads")
 	figures.write(options.file, list(figuresOf(found, options.steps)), notes())
@@ -101,6 +103,23 @@ def figuresOf(found, steps):
 	)
 	for ranks in counts[1:]:
 		yield figures.Figure(f"law: strong efficiency of {ranks} ranks", found["law", 1, 1]["work"] / found["law", ranks, 1]["work"] / ranks)
+	alone = found["bandsLaw", 1, 1]
+	for ranks in counts[1:]:
+		its = found["bandsLaw", ranks, 1]
+		yield figures.Figure(
+			f"bands of a law: work of one rank over that of the busiest of {ranks}",
+			alone["work"] / its["work"],
+			"x",
+			aim=1.8 if ranks == 2 else None,
+			terms={
+				"points": its["points"],
+				"ms a step of one rank": 1e3 * alone["work"] / steps,
+				"messages a step": its["messages"] / steps,
+				"kB a step of a rank": its["bytes"] / steps / 1e3,
+				"MB that a rank holds": its["memory"] / 1e6,
+				"MB of one rank": alone["memory"] / 1e6,
+			},
+		)
 	yield figures.Figure("samples: speed of two ranks, wall time", found["samples", 1, 1]["wall"] / found["samples", 2, 1]["wall"], "x", aim=1.8)
 	yield figures.Figure("samples: speed of two threads, wall time", found["samples", 1, 1]["wall"] / found["samples", 1, 2]["wall"], "x")
 
@@ -109,7 +128,7 @@ def notes():
 	return [
 		f"Load of the machine when it ended: {Path('/proc/loadavg').read_text().split()[0]}. Speeds by wall time mean something only where it does nothing else.",
 		"Work leaves out the waiting for other ranks, and so the cost of messages and of a bad balance within a step.",
-		"Of a law samples alone are shared out, and it has none: each rank computes all, and the efficiency of n ranks is 1/n.",
+		"Without bands a law has nothing to share out: each rank computes all, and the efficiency of n ranks is 1/n.",
 		"All fields of points and samples had the same bits at the end on 1, 2 and 4 ranks and on 2 threads.",
 	]
 
@@ -120,7 +139,7 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]  # of Case I [m]
 mirrored = [(10, 0), (10, 1), (6, 1), (3, 4), (-3, 4), (-6, 1), (-10, 1), (-10, 0)]
 
 
-def ground(corners, samples=None, dimension=2, spacing=0.5):
+def ground(corners, samples=None, dimension=2, spacing=0.5, **attributes):
 	import numpy as np
 	import talik
 	from yade import O, wrapper
@@ -137,6 +156,7 @@ def ground(corners, samples=None, dimension=2, spacing=0.5):
 		freezing=wrapper.FreezingCurve(),
 		water=wrapper.PoreWater(),
 		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.RollerBoundary(region="right"), wrapper.FixedBoundary(region="bottom")],
+		**attributes,
 	)
 	position, volume = talik.geometry.fillPolygon(corners, spacing)
 	if dimension == 3:
@@ -161,6 +181,7 @@ def scene(name):
 		"twice": lambda: ground(mirrored, discs()),
 		"law": lambda: ground(outline, spacing=0.125),
 		"spaceLaw": lambda: ground(outline, dimension=3, spacing=0.5),
+		"bandsLaw": lambda: ground(outline, spacing=0.025, distribute="ground" if talik.ranks.count > 1 else "none"),
 		"space": lambda: ground(outline, [talik.rve.pack(talik.rve.prepare(grains=100, dimension=3, ice=True))], dimension=3, spacing=1.0),
 	}
 	return makers[name]()
@@ -181,9 +202,11 @@ def inside(folder, name, steps):
 	wall, processor = time.monotonic(), time.process_time()
 	O.run(steps, True)
 	wall, processor = time.monotonic() - wall, time.process_time() - processor
+	memory = int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 	after, sent = counters(), talik.ranks.traffic()
 	state = hashlib.sha256(b"".join(mpm.field(name).tobytes() for name in mpm.fieldNames())).hexdigest()
 	result = {"wall": wall, "processor": processor, "state": state, "points": mpm.pointCount, "inSamples": after["seconds"] - before["seconds"]}
+	result["memory"] = memory
 	result.update({name: after[name] - before[name] for name in ("calls", "steps")})
 	result.update({name: sent[name] - traffic[name] for name in sent})
 	result.update({"balance": after.get("balance", 1), "moved": after.get("moved", 0)})

@@ -193,7 +193,7 @@ def bandedGround(space=False, thrown=False):
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.25,
 		lower=(-1, 0, 0) if space else (-1, 0),
-		upper=(3, 1, 5) if space else (5, 5),
+		upper=(3, 1, 8) if space else (7.5, 5),
 		gravity=upright,
 		distribute="ground",
 		energyLedger=True,
@@ -208,10 +208,10 @@ def bandedGround(space=False, thrown=False):
 		],
 	)
 	if space:
-		sides = [np.arange(0.0625, length, 0.125) for length in (2, 1, 3.5)]
+		sides = [np.arange(0.0625, length, 0.125) for length in (2, 1, 6)]
 		position, volume = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 3), 0.125**3
 	else:
-		position, volume = talik.geometry.fillPolygon([(0, 0), (4, 0), (4, 3), (0, 4)], 0.25)
+		position, volume = talik.geometry.fillPolygon([(0, 0), (6.5, 0), (6.5, 3), (0, 4)], 0.25)
 	height = position[:, -1]
 	velocity = np.zeros_like(position)
 	velocity[:, 0] = 0.4 * height
