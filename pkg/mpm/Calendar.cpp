@@ -64,7 +64,7 @@ template <int D> double Calendar<D>::fastestPoint(int first, int last) const
 /// Sums mass and momentum of the points of each cell.
 template <int D> void Calendar<D>::sumInCells(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range)
 {
-	cellMotion_.resize(cells.count());
+	if (cellMotion_.empty()) cellMotion_.reset(cells.count());
 	std::fill(cellMotion_.begin() + range.firstCell, cellMotion_.begin() + range.lastCell, std::array<double, D + 1> {});
 	strips.scatter(
 	        [&](int, int first, int last) {
@@ -115,7 +115,7 @@ void Calendar<D>::measure(
 	state.speed = std::sqrt(all.square);
 }
 
-template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, int points, const std::function<void()>& gatherPoints)
+template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, const Strips& strips)
 {
 	const double tolerance = std::max(settings_->motionTolerance, settings_->eventSpeed * state.scale);
 	if (!state.moving) {
@@ -124,40 +124,49 @@ template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, d
 		state.quiet = state.quietCalendar = 0.0;
 		state.event                       = { state.time, 0.0, time, 0.0, 0.0, 0.0 };
 		for (int a = 0; a < D; ++a)
-			std::copy_n(displacement_[a], points, before_[a]);
+			std::copy(displacement_[a] + strips.firstPoint(), displacement_[a] + strips.endPoint(), before_[a] + strips.firstPoint());
 		return;
 	}
 	const bool slow     = state.speed < 0.5 * tolerance;
 	state.quiet         = slow ? state.quiet + dt : 0.0;
 	state.quietCalendar = slow ? state.quietCalendar + state.scale * dt : 0.0;
 	if (state.quiet < MotionEvent::quietTime) return;
-	gatherPoints();
-	const MotionEvent ended = present(state, time, points);
+	const MotionEvent ended = present(state, time, strips, strips.bands);
 	if (ended.largest > settings_->eventDisplacement) events.push_back(ended);
 	state.moving = 0;
 }
 
-template <int D> MotionEvent Calendar<D>::present(const CalendarState& state, double time, int points) const
+template <int D> MotionEvent Calendar<D>::present(const CalendarState& state, double time, const Strips& strips, Bands* bands) const
 {
 	MotionEvent event = state.event;
 	event.duration    = time - event.start - state.quiet;
 	event.passed      = state.time - event.begin - state.quietCalendar;
-	measureEvent(event, points);
+	measureEvent(event, strips, bands);
 	return event;
 }
 
-template <int D> void Calendar<D>::measureEvent(MotionEvent& event, int points) const
+template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const Strips& strips, Bands* bands) const
 {
-	const double least   = settings_->eventDisplacement * settings_->eventDisplacement;
-	double       largest = 0.0;
-	for (int p = 0; p < points; ++p) {
-		double square = 0.0;
-		for (int a = 0; a < D; ++a) {
-			const double moved = displacement_[a][p] - before_[a][p];
-			square += moved * moved;
+	struct Moved {
+		double largest = 0.0, volume = 0.0;
+	};
+	const double       least = settings_->eventDisplacement * settings_->eventDisplacement;
+	std::vector<Moved> byStrip(strips.count());
+	for (int s = bands ? strips.begin() : 0; s < (bands ? strips.end() : strips.count()); ++s)
+		for (int p = strips.first[s]; p < strips.first[s + 1]; ++p) {
+			double square = 0.0;
+			for (int a = 0; a < D; ++a) {
+				const double moved = displacement_[a][p] - before_[a][p];
+				square += moved * moved;
+			}
+			byStrip[s].largest = std::max(byStrip[s].largest, square);
+			if (square > least) byStrip[s].volume += volume_[p];
 		}
-		largest = std::max(largest, square);
-		if (square > least) event.volume += volume_[p];
+	if (bands) bands->shareByStrip(byStrip.data());
+	double largest = 0.0;
+	for (const Moved& moved : byStrip) {
+		largest = std::max(largest, moved.largest);
+		event.volume += moved.volume;
 	}
 	event.largest = std::sqrt(largest);
 }

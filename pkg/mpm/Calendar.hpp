@@ -59,10 +59,11 @@ public:
 	void measure(
 	        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction);
 	/// At the end of a step of length dt [s] that ended at time [s of motion], calendar included: keeps account of events.
-	/// gatherPoints: makes all points current, before they are looked at.
-	void keepEvents(CalendarState& state, double dt, double time, int points, const std::function<void()>& gatherPoints);
-	/// The event that goes on, as if it ended now.
-	MotionEvent present(const CalendarState& state, double time, int points) const;
+	void keepEvents(CalendarState& state, double dt, double time, const Strips& strips);
+	/// The event that goes on, as if it ended now. bands: their ranks ask together; null: the points of all are current here.
+	MotionEvent present(const CalendarState& state, double time, const Strips& strips, Bands* bands) const;
+	/// Only cells of this part are used from now on; all others are zero and take no memory.
+	void keepOnly(const ActiveRange& range) { cellMotion_.keepOnly(range.firstCell, range.lastCell); }
 
 	std::vector<MotionEvent> events; ///< that have ended, in order; those that moved nothing by eventDisplacement are left out
 
@@ -71,7 +72,7 @@ private:
 	TALIK_PROCESSOR_VERSIONS double fastestPoint(int first, int last) const;
 	void                            sumInCells(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
 	double                          fastestCell(int first, int last) const;
-	void                            measureEvent(MotionEvent& event, int points) const;
+	void                            measureEvent(MotionEvent& event, const Strips& strips, Bands* bands) const;
 
 	const HeatSettings*    settings_;
 	PointFields::Handle    handle_;
@@ -83,7 +84,7 @@ private:
 	};
 	std::vector<Measured> measured_; ///< by strip
 	/// By cell: momentum [kg m/s] and mass [kg] of its points.
-	std::vector<std::array<double, D + 1>> cellMotion_;
+	PagedArray<std::array<double, D + 1>> cellMotion_;
 };
 
 extern template class Calendar<2>;

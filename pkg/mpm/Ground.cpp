@@ -63,7 +63,7 @@ template <int D> std::vector<MotionEvent> Ground<D>::events() const
 	std::vector<MotionEvent> list = g.calendar->events;
 	if (!g.clock.calendar.moving) return list;
 	g.bringPoints();
-	const MotionEvent present = g.calendar->present(g.clock.calendar, g.clock.time, g.points->count());
+	const MotionEvent present = g.calendar->present(g.clock.calendar, g.clock.time, g.points->strips(), nullptr);
 	if (present.largest > g.settings.heat->eventDisplacement) list.push_back(present);
 	return list;
 }

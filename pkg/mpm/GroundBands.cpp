@@ -73,9 +73,37 @@ template <int D> void Ground<D>::Parts::chooseRows()
 	limit(around, bands->touched(true));
 }
 
-template <int D> void Ground<D>::Parts::gatherPoints()
+template <int D> void Ground<D>::Parts::meetRanks()
 {
-	overArrays([&](double* values) { bands->shareByPoint(values); });
+	bands->meet(clock.steps);
+	if (!bands->allCurrent) return;
+	bands->allCurrent = false;
+	keepOwnPoints();
+}
+
+template <int D> void Ground<D>::Parts::keepOwnPoints() const { points->fields().keepOnly(bands->firstPoint(), bands->endPoint()); }
+
+template <int D> void Ground<D>::Parts::keepOwnPart()
+{
+	const int first = around.firstNode, last = around.lastNode, begin = bands->firstPoint(), end = bands->endPoint();
+	if (motion) motion->nodes.keepOnly(first, last);
+	if (motion) motion->solved.keepOnly(first, last);
+	if (momentum) momentum->keepOnly(first, last);
+	if (heat) heat->keepOnly(first, last);
+	if (water) water->keepOnly(around, begin, end);
+	if (surface) surface->nodes.keepOnly(first, last);
+	if (cells) cells->keepOnly(around, begin, end);
+	if (bodies) bodies->keepOnly(first, last);
+	if (front) front->keepOnly(begin, end);
+	if (calendar) calendar->keepOnly(around);
+	scratch.keepOnly(begin, end);
+}
+
+template <int D> void Ground<D>::Parts::sortInBands()
+{
+	points->sortInBands(grid, *bands, [&] { cutBands(); });
+	clock.range = ActiveRange::of(grid, *points);
+	keepOwnPoints();
 }
 
 template <int D> void Ground<D>::Parts::bringPoints() const
@@ -192,7 +220,9 @@ template bool                                 Ground<2>::inBands() const;
 template void                                 Ground<2>::Parts::startBands();
 template void                                 Ground<2>::Parts::cutBands();
 template void                                 Ground<2>::Parts::chooseRows();
-template void                                 Ground<2>::Parts::gatherPoints();
+template void                                 Ground<2>::Parts::meetRanks();
+template void                                 Ground<2>::Parts::keepOwnPart();
+template void                                 Ground<2>::Parts::sortInBands();
 template void                                 Ground<2>::Parts::bringPoints() const;
 template std::string                          Ground<2>::Parts::firstWords(const std::string&);
 template StableTimeStep                       Ground<2>::Parts::limitsOfRanks() const;
@@ -202,7 +232,9 @@ template bool                                 Ground<3>::inBands() const;
 template void                                 Ground<3>::Parts::startBands();
 template void                                 Ground<3>::Parts::cutBands();
 template void                                 Ground<3>::Parts::chooseRows();
-template void                                 Ground<3>::Parts::gatherPoints();
+template void                                 Ground<3>::Parts::meetRanks();
+template void                                 Ground<3>::Parts::keepOwnPart();
+template void                                 Ground<3>::Parts::sortInBands();
 template void                                 Ground<3>::Parts::bringPoints() const;
 template std::string                          Ground<3>::Parts::firstWords(const std::string&);
 template StableTimeStep                       Ground<3>::Parts::limitsOfRanks() const;

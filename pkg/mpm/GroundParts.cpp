@@ -34,10 +34,12 @@ template <int D> std::string Ground<D>::Parts::whereabouts(int place) const
 
 template <int D> void Ground<D>::Parts::sort()
 {
-	if (bands) gatherPoints();
 	points->strips().parallel = points->count() >= settings.parallelFrom;
-	points->sort(grid);
-	clock.range      = ActiveRange::of(grid, *points);
+	if (bands) sortInBands();
+	else {
+		points->sort(grid);
+		clock.range = ActiveRange::of(grid, *points);
+	}
 	clock.lastSort   = clock.steps;
 	clock.sortWanted = 0;
 	afterReordering();
@@ -48,9 +50,10 @@ template <int D> void Ground<D>::Parts::afterReordering()
 	if (bands) cutBands();
 	chooseRows();
 	// what lies outside the active range stays zero until the next sorting
-	clearNodes(0, grid.nodeCount());
-	if (cells) cells->clearAll();
-	if (water) water->clearCells(0, grid.cellCount());
+	if (bands) keepOwnPart();
+	clearNodes(bands ? around.firstNode : 0, bands ? around.lastNode : grid.nodeCount());
+	if (cells && !bands) cells->clearAll();
+	if (water && !bands) water->clearCells(0, grid.cellCount());
 	if (!motion) return;
 	listSkeletons();
 	bounds.resize(points->strips().count());

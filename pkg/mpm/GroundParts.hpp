@@ -118,7 +118,7 @@ template <int D> struct Ground<D>::Parts {
 	};
 	std::vector<PositionBounds> bounds;
 	std::vector<int>            bad;          ///< per strip: place of the first point that cannot go on, or -1
-	mutable std::vector<double> scratch;
+	mutable PagedArray<double>  scratch;
 	mutable CostMeter           cost;
 	bool                        heatRests      = false; ///< in this step
 	bool                        waterRests     = false; ///< in this step no water moved through the skeleton
@@ -202,8 +202,13 @@ template <int D> struct Ground<D>::Parts {
 			for (int c = 0; c < f.list()[k].components; ++c)
 				work(f.component(static_cast<int>(k), c));
 	}
-	/// All points become current on all ranks, in the midst of a step; collective.
-	void gatherPoints();
+	/// At the beginning of a step: waits for the other ranks; collective.
+	void meetRanks();
+	/// Of points, nodes and cells only what this rank computes takes memory.
+	void keepOwnPart();
+	void keepOwnPoints() const;
+	/// Sorts the points of all ranks, and cuts new bands; those that cross go from rank to rank. Collective.
+	void sortInBands();
 	/// All points become current here; the other ranks help when they come to their next step.
 	void        bringPoints() const;
 	std::string answer(const std::string& question) const;

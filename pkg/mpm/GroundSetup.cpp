@@ -111,7 +111,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	bad.assign(points->strips().count(), -1);
 	ledger = StepLedger<D>(grid);
 	partial.reserve(std::max(points->strips().count(), 1));
-	scratch.assign(n, 0.0);
+	scratch.reset(n);
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
 	if (content) {
 		const int failed = content->update(0, n, contentOf());

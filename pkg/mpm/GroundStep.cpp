@@ -384,7 +384,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error(
 		        "the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
-	if (g.bands) g.bands->meet(g.clock.steps);
+	if (g.bands) g.meetRanks();
 	g.clock.dt = dt;
 	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
 	g.accounts.take(g);
@@ -669,9 +669,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	if (g.calendar) {
 		g.calendar->measure(
 		        g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.reached, g.grid, g.settings.heatFraction);
-		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->count(), [&] {
-			if (g.bands) g.gatherPoints();
-		});
+		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->strips());
 		g.cost.lap(CostMeter::calendar);
 	}
 	g.clock.halfDone = 0;

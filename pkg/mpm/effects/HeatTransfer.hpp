@@ -51,6 +51,12 @@ public:
 		if (walls_) moments.clear(first, last);
 		if (!produced_.empty()) volumes.clear(first, last);
 	}
+	/// Only nodes [first, last) are used from now on; all others are zero and take no memory.
+	void keepOnly(int first, int last)
+	{
+		const auto keep = [&](auto&... fields) { (fields.keepOnly(first, last), ...); };
+		keep(nodes, capacity, mapped, nodal, energy, noise, rise, moments, volumes, received_);
+	}
 	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
 	void map(const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.

@@ -48,6 +48,8 @@ public:
 	MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 
 	void addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const;
+	/// Only nodes [first, last) are used from now on; all others are zero and take no memory.
+	void keepOnly(int first, int last) { damping_.keepOnly(first, last); }
 	/// traction of a boundary on its nodes; remembered for the account of work.
 	void addLoad(const Boundary<D>& boundary, const SurfacePatch<D>& patch, double time, SolidMotion<D>& motion);
 	/// Forces on the masses that lie in the volume of a boundary, given by their acceleration.

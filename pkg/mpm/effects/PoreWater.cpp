@@ -58,18 +58,29 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
 	perHalfCell_ = 2.0 * grid.faceArea() * grid.inverseSpacing();
-	if (iceMass_) fills_.assign(points.count(), {});
+	if (iceMass_) fills_.reset(points.count());
 }
 
 template <int D> void PoreWater<D>::allocateCells(int cells, double cellVolume)
 {
 	traceMass_ = traceDensity * cellVolume;
 	stuckMass_ = stuckDensity * cellVolume;
-	cells_.assign(cells, {});
+	cells_.reset(cells);
 	if (!iceMass_) return;
-	freezing_.assign(cells, {});
+	freezing_.reset(cells);
 	for (auto& faces : faces_)
-		faces.assign(cells, {});
+		faces.reset(cells);
+}
+
+template <int D> void PoreWater<D>::keepOnly(const ActiveRange& r, int firstPoint, int endPoint)
+{
+	const auto keep = [&](auto&... fields) { (fields.keepOnly(r.firstNode, r.lastNode), ...); };
+	keep(nodes, nodal, force, flux, start, exchange);
+	cells_.keepOnly(r.firstCell, r.lastCell);
+	freezing_.keepOnly(r.firstCell, r.lastCell);
+	for (auto& faces : faces_)
+		faces.keepOnly(r.firstCell, r.lastCell);
+	fills_.keepOnly(firstPoint, endPoint);
 }
 
 template <int D> void PoreWater<D>::clearCells(int first, int last)

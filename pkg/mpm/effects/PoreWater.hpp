@@ -41,6 +41,8 @@ public:
 	/// that drives the liquid is the transpose.
 	void allocateCells(int cells, double cellVolume);
 	void clearCells(int first, int last);
+	/// Only nodes, cells and points of this part are used from now on; all others are zero and take no memory.
+	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 	/// What points add to their cells.
 	void shareCells(SharedRows& rows)
 	{
@@ -211,7 +213,7 @@ private:
 	double                           given(const PointFill& point, const FreezingCell& cell) const;
 	double                           traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
 	double                           perHalfCell_ = 0.0; ///< area over length from the middle of one half of a cell to that of the other [m^(D-2)]
-	std::array<std::vector<Face>, D> faces_;
+	std::array<PagedArray<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
 	void leave(int node, double mass, double heat, StepLedger<D>& ledger);
@@ -232,9 +234,9 @@ private:
 	/// share: exchange per liquid mass of the point; dilution: of the momentum that it has.
 	void take(int p, const double* share, double dilution, double* waterMass, double* enthalpy);
 
-	std::vector<Cell>            cells_;
-	std::vector<FreezingCell>    freezing_;
-	std::vector<PointFill>       fills_;
+	PagedArray<Cell>             cells_;
+	PagedArray<FreezingCell>     freezing_;
+	PagedArray<PointFill>        fills_;
 	std::vector<char>            open_; ///< nodes through whose surface water may cross in this step
 	PointFields::Handle          velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};

@@ -139,6 +139,9 @@ public:
 	/// middles lie nearer than they are wide. That is one layer of them, wherever the surface runs between them.
 	void collectFaces(const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch);
 
+	/// Only nodes [first, last) are used from now on; all others are zero and take no memory.
+	void keepOnly(int first, int last) { faces_.keepOnly(first, last); }
+
 	double stiffness() const { return stiffness_; } ///< k [Pa/m]
 	int    contacts() const { return contacts_; }   ///< points that touch, in the last step
 	/// Largest stable time step of the contact of the point at a place [s].

@@ -108,11 +108,10 @@ void ThawFront<D>::bind(
 			if (at == 1 || at == grid.cells(a) + 1) volume_[i] *= 0.5;
 		}
 	const std::size_t size = grid.nodeCount() + 2 * margin_;
-	cell_.assign(points.count(), 0);
-	modulus_.assign(points.count(), 0.0);
-	friction_.assign(points.count(), 0.0);
-	cohesion_.assign(points.count(), 0.0);
-	if (water) mappedLiquid_.assign(points.count(), 0.0);
+	cell_.reset(points.count());
+	for (auto* values : { &modulus_, &friction_, &cohesion_ })
+		values->reset(points.count());
+	if (water) mappedLiquid_.reset(points.count());
 	sides_.assign(size, 0);
 	slid_.assign(size, 0);
 	reached_.assign(size, 0);
@@ -125,6 +124,13 @@ template <int D> void ThawFront<D>::start()
 {
 	for (int p = 0; p < points_->count(); ++p)
 		side_[p] = iceSaturation_[p] > settings_.thawedBelow ? 1.0 : 0.0;
+}
+
+template <int D> void ThawFront<D>::keepOnly(int firstPoint, int endPoint)
+{
+	cell_.keepOnly(firstPoint, endPoint);
+	for (auto* values : { &modulus_, &friction_, &cohesion_, &mappedLiquid_ })
+		values->keepOnly(firstPoint, endPoint);
 }
 
 // ---- where both sides meet -------------------------------------------------------------------------------------------------

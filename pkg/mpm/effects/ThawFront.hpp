@@ -47,6 +47,8 @@ public:
 	void settleTogether() { settles_ = true; }
 	/// Sides of all points at the start of the scene.
 	void start();
+	/// Only points of this part are used from now on; all others are zero and take no memory.
+	void keepOnly(int firstPoint, int endPoint);
 
 	/// Takes the sides of the points from their ice saturation and finds the front nodes. mirrors, in the order in which
 	/// they are folded: a node and its mirror image belong together. freeLiquid: nodes where the sides move together, as the liquid of a
@@ -187,7 +189,7 @@ private:
 	double                     spacing_ = 0.0;
 	int                        margin_  = 0; ///< of the arrays by node below, so that a reach never leaves them
 
-	std::vector<int>                   cell_;      ///< by place: node at the lower corner of the point's cell, counted with the margin
+	PagedArray<int>                    cell_;      ///< by place: node at the lower corner of the point's cell, counted with the margin
 	std::vector<unsigned char>         sides_;     ///< by that node: sides of the points in the cell
 	std::vector<unsigned char>         slid_;      ///< by that node: its thawed points have slid along the front
 	std::vector<unsigned char>         reached_;   ///< by node: sides that may reach it
@@ -200,9 +202,9 @@ private:
 	std::vector<double>                volume_;    ///< of full ground, by node
 	std::vector<Meeting>               meetings_;
 	std::vector<int>                   chosen_;
-	std::vector<double>                modulus_, friction_, cohesion_; ///< by place, of thawed points near the front [Pa], [-], [Pa]
+	PagedArray<double>                 modulus_, friction_, cohesion_; ///< by place, of thawed points near the front [Pa], [-], [Pa]
 	std::vector<std::array<double, 4>> folded_;       ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
-	std::vector<double>                mappedLiquid_; ///< by place, liquid mass of points near the front when it was mapped [kg]
+	PagedArray<double>                 mappedLiquid_; ///< by place, liquid mass of points near the front when it was mapped [kg]
 	std::vector<double>                records_, results_, work_;
 };
 

@@ -5,6 +5,8 @@
 #include <pkg/mpm/ThreadTeam.hpp>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <vector>
 
 namespace talik {
@@ -20,11 +22,16 @@ struct ActiveRange {
 	{
 		const int     axis = grid.slowAxis();
 		const double* x    = points.position(axis);
-		double        low = x[0], high = x[0];
-		for (int p = 1; p < points.count(); ++p) {
+		double        low = std::numeric_limits<double>::infinity(), high = -low;
+		for (int p = points.strips().firstPoint(); p < points.strips().endPoint(); ++p) {
 			low  = std::min(low, x[p]);
 			high = std::max(high, x[p]);
 		}
+		if (points.strips().bands)
+			for (const auto& [lowest, highest] : points.strips().bands->byRank(std::array<double, 2> { low, high })) {
+				low  = std::min(low, lowest);
+				high = std::max(high, highest);
+			}
 		// one row more on both sides for points that stray until the next sorting
 		const int   firstRow = std::max(0, static_cast<int>((low - grid.lower()[axis]) * grid.inverseSpacing()) - 1);
 		const int   lastRow  = std::min(grid.cells(axis) - 1, static_cast<int>((high - grid.lower()[axis]) * grid.inverseSpacing()) + 1);

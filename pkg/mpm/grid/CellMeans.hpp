@@ -16,18 +16,18 @@ template <int D> class CellMeans {
 public:
 	void allocate(const Grid<D>& grid, int points)
 	{
-		cell_.assign(points, 0);
-		volume_.assign(grid.cellCount(), 0.0);
-		sum_.assign(grid.cellCount(), 0.0);
+		cell_.reset(points);
+		volume_.reset(grid.cellCount());
+		sum_.reset(grid.cellCount());
 		averaged_ = cell_.data();
 	}
 	/// From now on points may be left out or set apart.
 	void allowExceptions()
 	{
-		exceptions_.assign(cell_.size(), 0);
+		exceptions_.reset(cell_.size());
 		averaged_ = exceptions_.data();
-		apart_.assign(volume_.size(), 0.0);
-		sum_.assign(2 * volume_.size(), 0.0);
+		apart_.reset(volume_.size());
+		sum_.reset(2 * volume_.size());
 	}
 	/// Whether a located point keeps its own values; needs allowExceptions().
 	void leaveOut(int place, bool leftOut) { exceptions_[place] = leftOut ? noCell : cell_[place]; }
@@ -76,9 +76,20 @@ public:
 	}
 	void clearAll()
 	{
-		std::fill(volume_.begin(), volume_.end(), 0.0);
-		std::fill(apart_.begin(), apart_.end(), 0.0);
-		std::fill(sum_.begin(), sum_.end(), 0.0);
+		for (auto* values : { &volume_, &apart_, &sum_ })
+			std::fill(values->begin(), values->end(), 0.0);
+	}
+	/// Only cells and points of this part are used from now on; all others are zero and take no memory.
+	void keepOnly(const ActiveRange& r, int firstPoint, int endPoint)
+	{
+		volume_.keepOnly(r.firstCell, r.lastCell);
+		apart_.keepOnly(r.firstCell, r.lastCell);
+		for (std::size_t half = 0; half < sum_.size(); half += volume_.size()) {
+			sum_.forget(half, half + r.firstCell);
+			sum_.forget(half + r.lastCell, half + volume_.size());
+		}
+		cell_.keepOnly(firstPoint, endPoint);
+		exceptions_.keepOnly(firstPoint, endPoint);
 	}
 
 	/// Cells of the grid.
@@ -107,10 +118,10 @@ public:
 private:
 	static constexpr int noCell = -1;
 
-	std::vector<int>    cell_, exceptions_;
+	PagedArray<int>     cell_, exceptions_;
 	const int*          averaged_ = nullptr; ///< by place: the mean that holds for the point, or noCell
-	std::vector<double> volume_, apart_;     ///< by cell, of all its points and of those set apart [m^D]
-	std::vector<double> sum_;                ///< by cell, then by cell of the points set apart; means once finished
+	PagedArray<double>  volume_, apart_;     ///< by cell, of all its points and of those set apart [m^D]
+	PagedArray<double>  sum_;                ///< by cell, then by cell of the points set apart; means once finished
 };
 
 } // namespace talik

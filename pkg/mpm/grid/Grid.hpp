@@ -2,12 +2,10 @@
 #pragma once
 
 #include <pkg/mpm/grid/Vector.hpp>
+#include <pkg/mpm/PagedArray.hpp>
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
-#include <memory>
-#include <new>
 
 namespace talik {
 
@@ -65,21 +63,18 @@ public:
 
 	void allocate(int nodes)
 	{
-		constexpr std::size_t line = 64; // no record of 8 numbers lies across two lines of the cache
-		count_                     = nodes;
-		stride_                    = Size;
-		shared_                    = 0;
-		const std::size_t total    = static_cast<std::size_t>(nodes) * Size;
-		storage_.reset(static_cast<double*>(std::aligned_alloc(line, (total * sizeof(double) + line - 1) / line * line)));
-		if (!storage_) throw std::bad_alloc();
-		values_ = storage_.get();
-		std::fill(values_, values_ + total, 0.0);
+		// its first number begins a line of the cache: no record of 8 numbers lies across two
+		count_  = nodes;
+		stride_ = Size;
+		shared_ = 0;
+		storage_.reset(static_cast<std::size_t>(nodes) * Size);
+		values_ = storage_.data();
 	}
 	/// The columns first .. first + Other - 1 of every record belong to another field from now on.
 	template <int Other> void shareColumns(NodeField<Other>& other, int first)
 	{
 		static_assert(Other < Size, "a field keeps a part of its record");
-		other.storage_.reset();
+		other.storage_.reset(0);
 		other.values_ = values_ + first;
 		other.stride_ = stride_;
 		other.count_  = count_;
@@ -87,26 +82,24 @@ public:
 	}
 	void clear(int first, int last)
 	{
-		if (storage_) std::fill((*this)[first], (*this)[last], 0.0);
+		if (ownsRecords()) std::fill((*this)[first], (*this)[last], 0.0);
 	}
+	/// All but the nodes [first, last) are zero and take no memory.
+	void keepOnly(int first, int last) { storage_.keepOnly(static_cast<std::size_t>(first) * Size, static_cast<std::size_t>(last) * Size); }
 
 	double*       operator[](int node) { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
 	const double* operator[](int node) const { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
 	int           stride() const { return stride_; }
 	/// False for columns in the records of another field, or if there are no values.
-	bool ownsRecords() const { return bool(storage_); }
+	bool ownsRecords() const { return !storage_.empty(); }
 
 	std::size_t bytes() const { return static_cast<std::size_t>(count_) * (Size - shared_) * sizeof(double); }
 
 private:
 	template <int> friend class NodeField;
-	struct Release {
-		void operator()(double* p) const { std::free(p); }
-	};
-
-	std::unique_ptr<double, Release> storage_;
-	double*                          values_ = nullptr;
-	int                              count_ = 0, stride_ = Size, shared_ = 0;
+	PagedArray<double> storage_;
+	double*            values_ = nullptr;
+	int                count_ = 0, stride_ = Size, shared_ = 0;
 };
 
 } // namespace talik

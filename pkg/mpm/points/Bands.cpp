@@ -127,6 +127,19 @@ void Bands::shareByCell(std::vector<unsigned char>& flags)
 			flags[c] = from[k / bits] >> k % bits & 1;
 }
 
+std::vector<int> Bands::sums(const std::vector<int>& own)
+{
+	const std::size_t n = own.size();
+	std::vector<int>  all(n * static_cast<std::size_t>(count())), sums(n, 0);
+	lengths_.assign(static_cast<std::size_t>(count()), n * sizeof(int));
+	ranks().allGather(own.data(), lengths_, all.data());
+	for (std::size_t k = 0; k < all.size(); ++k)
+		sums[k % n] += all[k];
+	return sums;
+}
+
+int Bands::rankOf(int strip) const { return static_cast<int>(std::upper_bound(strips_.begin() + 1, strips_.end() - 1, strip) - strips_.begin()) - 1; }
+
 unsigned Bands::anyOf(unsigned bits)
 {
 	unsigned all = 0;
@@ -140,7 +153,6 @@ std::vector<std::string> Bands::say(const std::string& own) { return ranks().exc
 void Bands::meet(long step)
 {
 	talk_->meet("step " + std::to_string(step) + " of a ground in bands");
-	allCurrent = false;
 }
 
 } // namespace talik

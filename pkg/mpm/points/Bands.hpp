@@ -95,6 +95,10 @@ public:
 		ranks().allGather(&own, lengths_, all.data());
 		return all;
 	}
+	/// Sums over all ranks, number by number.
+	std::vector<int> sums(const std::vector<int>& own);
+	/// The rank whose band has a strip.
+	int rankOf(int strip) const;
 	/// Combined bits of all ranks.
 	unsigned anyOf(unsigned bits);
 	/// What every rank says, by rank.

@@ -2,6 +2,7 @@
 #include <pkg/mpm/points/MaterialPoints.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 namespace talik {
@@ -17,17 +18,13 @@ template <int D> void MaterialPoints<D>::allocate(int count)
 	fields_.allocate(count);
 	id_.resize(count);
 	std::iota(id_.begin(), id_.end(), 0);
-	place_   = id_;
-	from_    = id_;
-	scratch_ = id_;
+	place_ = id_;
 	skeleton_.assign(count, 0);
-	number_.assign(count, 0);
 }
 
 template <int D> void MaterialPoints<D>::distinguishMaterials()
 {
 	material_.assign(count(), 0);
-	materialScratch_ = material_;
 }
 
 namespace {
@@ -54,6 +51,11 @@ namespace {
 			}
 			return number;
 		}
+		int stripOf(int number) const
+		{
+			const int axis = grid_.slowAxis();
+			return number / (D == 2 ? Strips::rows * grid_.cellStride(axis) : (Strips::rows + 1) * grid_.nodeStride(axis));
+		}
 		/// Smallest number of a strip.
 		int ofStrip(int strip) const
 		{
@@ -75,22 +77,17 @@ template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 	const Order<D>                     order(grid, x);
 	strips_.axis     = grid.slowAxis();
 	const int strips = (grid.cells(strips_.axis) + Strips::rows - 1) / Strips::rows;
+	number_.resize(n);
 	for (int p = 0; p < n; ++p)
 		number_[p] = order.of(p);
-
-	start_.assign(order.ofStrip(strips) + 1, 0);
+	strips_.first.assign(strips + 1, 0);
 	for (int p = 0; p < n; ++p)
-		++start_[number_[p] + 1];
-	for (std::size_t k = 1; k < start_.size(); ++k)
-		start_[k] += start_[k - 1];
-	strips_.first.resize(strips + 1);
-	for (int s = 0; s <= strips; ++s)
-		strips_.first[s] = start_[order.ofStrip(s)];
-
-	for (int p = 0; p < n; ++p)
-		from_[start_[number_[p]]++] = p;
+		++strips_.first[order.stripOf(number_[p]) + 1];
+	std::partial_sum(strips_.first.begin(), strips_.first.end(), strips_.first.begin());
+	findOrder(0, order.ofStrip(strips));
 
 	const auto reorder = [&](auto& values, auto& scratch) {
+		scratch.resize(n);
 		for (int k = 0; k < n; ++k)
 			scratch[k] = values[from_[k]];
 		values.swap(scratch);
@@ -99,6 +96,97 @@ template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 	reorder(id_, scratch_);
 	reorder(skeleton_, scratch_);
 	if (!material_.empty()) reorder(material_, materialScratch_);
+	idsRestored();
+}
+
+/// Stable: from_ becomes the order of the points whose numbers are in number_.
+template <int D> void MaterialPoints<D>::findOrder(int firstNumber, int endNumber)
+{
+	const int n = static_cast<int>(number_.size());
+	start_.assign(endNumber - firstNumber + 1, 0);
+	for (int p = 0; p < n; ++p)
+		++start_[number_[p] - firstNumber + 1];
+	std::partial_sum(start_.begin(), start_.end(), start_.begin());
+	from_.resize(n);
+	for (int p = 0; p < n; ++p)
+		from_[start_[number_[p] - firstNumber]++] = p;
+}
+
+template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands& bands, const std::function<void()>& cut)
+{
+	std::array<const double*, D> x;
+	for (int a = 0; a < D; ++a)
+		x[a] = position(a);
+	const Order<D> order(grid, x);
+	const int      first = strips_.firstPoint(), end = strips_.endPoint(), ranks = bands.count(), own = bands.rank(), strips = strips_.count();
+	number_.resize(end - first);
+	std::vector<int> counts(strips, 0);
+	for (int p = first; p < end; ++p)
+		++counts[order.stripOf(number_[p - first] = order.of(p))];
+	counts = bands.sums(counts);
+	strips_.first.assign(strips + 1, 0);
+	std::partial_sum(counts.begin(), counts.end(), strips_.first.begin() + 1);
+	cut();
+
+	// by rank, in the order of their former places: numbers of the points that go there, then what they have
+	std::vector<std::vector<int>> going(ranks);
+	for (int p = first; p < end; ++p)
+		going[bands.rankOf(order.stripOf(number_[p - first]))].push_back(p);
+	std::vector<std::string> parcels(ranks);
+	for (int r = 0; r < ranks; ++r) {
+		if (r == own) continue;
+		const auto pack = [&](const auto* values) {
+			for (const int p : going[r])
+				parcels[r].append(reinterpret_cast<const char*>(values + p), sizeof *values);
+		};
+		pack(number_.data() - first);
+		pack(id_.data());
+		pack(skeleton_.data());
+		if (!material_.empty()) pack(material_.data());
+		for (const double* array : fields_.arrays())
+			pack(array);
+	}
+	parcels = ranks > 1 ? bands.ranks().exchange(parcels) : parcels;
+	const std::size_t perPoint = 3 * sizeof(int) + (material_.empty() ? 0 : sizeof material_[0]) + fields_.arrays().size() * sizeof(double);
+
+	// what comes from lower ranks, what stays, what comes from higher ones: the order of the former places
+	std::vector<std::size_t> taken(ranks, 0), coming(ranks);
+	std::size_t              count = going[own].size();
+	for (int r = 0; r < ranks; ++r)
+		if (r != own) count += coming[r] = parcels[r].size() / perPoint;
+	const auto merged = [&](const auto* present, auto& into) {
+		into.resize(count);
+		auto* to = into.data();
+		for (int r = 0; r < ranks; ++r) {
+			if (r == own) {
+				for (const int p : going[own])
+					*to++ = present[p];
+				continue;
+			}
+			std::memcpy(to, parcels[r].data() + taken[r], coming[r] * sizeof *to);
+			taken[r] += coming[r] * sizeof *to;
+			to += coming[r];
+		}
+	};
+	std::vector<int> numbers;
+	merged(number_.data() - first, numbers);
+	number_.swap(numbers);
+	findOrder(order.ofStrip(bands.firstStrip()), order.ofStrip(bands.endStrip()));
+	const int  begin = bands.firstPoint();
+	const auto place = [&](auto* values, auto& scratch) {
+		merged(values, scratch);
+		for (std::size_t k = 0; k < count; ++k)
+			values[begin + k] = scratch[from_[k]];
+	};
+	place(id_.data(), scratch_);
+	place(skeleton_.data(), scratch_);
+	if (!material_.empty()) place(material_.data(), materialScratch_);
+	std::vector<double> numbersOfArray;
+	for (double* array : fields_.arrays())
+		place(array, numbersOfArray);
+	bands.shareByPoint(id_.data());
+	bands.shareByPoint(skeleton_.data());
+	if (!material_.empty()) bands.shareByPoint(material_.data());
 	idsRestored();
 }
 

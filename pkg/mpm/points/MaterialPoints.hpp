@@ -8,6 +8,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace talik {
@@ -117,6 +119,9 @@ public:
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
 	/// same support.
 	void sort(const Grid<D>& grid);
+	/// The same for the points of all ranks, each of which has those of its band. cut() takes the new strips. Points whose strip belongs to
+	/// another rank then go there with all that they have. Collective.
+	void sortInBands(const Grid<D>& grid, Bands& bands, const std::function<void()>& cut);
 	/// How often the points were sorted: caches of places are valid as long as it stands.
 	long order() const { return order_; }
 
@@ -131,6 +136,7 @@ private:
 	PointFields::Handle        position_, volume_;
 	std::vector<int>           id_, place_, skeleton_;
 	std::vector<int>           number_, from_, start_, scratch_;
+	void                       findOrder(int firstNumber, int endNumber);
 	std::vector<std::uint16_t> material_, materialScratch_; ///< empty in ground of one material
 	Strips                     strips_;
 	long                       order_ = 0;

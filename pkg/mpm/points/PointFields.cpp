@@ -20,7 +20,7 @@ namespace {
 
 PointFields::Handle PointFields::declare(const std::string& name, const std::string& owner, const std::string& unit, int components, bool persistent)
 {
-	if (storage_) throw std::logic_error("field '" + name + "' declared after the points were allocated");
+	if (storage_.data()) throw std::logic_error("field '" + name + "' declared after the points were allocated");
 	if (has(name)) throw std::logic_error("field '" + name + "' declared twice, the second time by " + owner);
 	firstArray_.push_back(static_cast<int>(arrays_.size()));
 	arrays_.resize(arrays_.size() + components, nullptr);
@@ -34,15 +34,11 @@ void PointFields::allocate(int count)
 	const std::size_t one      = static_cast<std::size_t>(count) * sizeof(double);
 	const std::size_t perArray = roundUp(one + stagger, page) + stagger;
 	const std::size_t total    = roundUp(perArray * std::max<std::size_t>(arrays_.size(), 1), page);
-	void*             memory   = std::aligned_alloc(page, total);
-	if (!memory) throw std::bad_alloc();
-	std::memset(memory, 0, total);
-	storage_ = { static_cast<double*>(memory), &std::free };
+	storage_                   = PagedMemory(total);
 	for (std::size_t i = 0; i < arrays_.size(); ++i)
-		arrays_[i] = reinterpret_cast<double*>(static_cast<char*>(memory) + roundUp(i * perArray, cacheLine));
+		arrays_[i] = reinterpret_cast<double*>(storage_.data() + roundUp(i * perArray, cacheLine));
 	for (FieldInfo& f : info_)
 		f.bytes = one * f.components;
-	scratch_.resize(count);
 }
 
 bool PointFields::has(const std::string& name) const
@@ -67,8 +63,20 @@ const double* PointFields::find(const std::string& name, int component) const
 	return nullptr;
 }
 
+void PointFields::keepOnly(int first, int end)
+{
+	for (double* array : arrays_) {
+		const auto begin = static_cast<std::size_t>(reinterpret_cast<char*>(array) - storage_.data());
+		storage_.forget(begin, begin + first * sizeof(double));
+		storage_.forget(begin + end * sizeof(double), begin + count_ * sizeof(double));
+	}
+	scratch_.clear();
+	scratch_.shrink_to_fit();
+}
+
 void PointFields::reorder(const int* from)
 {
+	scratch_.resize(count_);
 	for (double* array : arrays_) {
 		for (int k = 0; k < count_; ++k)
 			scratch_[k] = array[from[k]];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/PagedArray.hpp>
+
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -46,14 +47,18 @@ public:
 
 	/// New place k receives what was at place from[k], in every field.
 	void reorder(const int* from);
+	/// All but the places [first, end) are zero and take no memory.
+	void keepOnly(int first, int end);
+	/// Arrays of doubles, one per component of each field.
+	const std::vector<double*>& arrays() const { return arrays_; }
 
 private:
-	std::vector<FieldInfo>                   info_;
-	std::vector<int>                         firstArray_;
-	std::vector<double*>                     arrays_;
-	std::unique_ptr<double, void (*)(void*)> storage_ { nullptr, nullptr };
-	std::vector<double>                      scratch_;
-	int                                      count_ = 0;
+	std::vector<FieldInfo> info_;
+	std::vector<int>       firstArray_;
+	std::vector<double*>   arrays_;
+	PagedMemory            storage_;
+	std::vector<double>    scratch_;
+	int                    count_ = 0;
 };
 
 } // namespace talik
