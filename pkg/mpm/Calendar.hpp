@@ -56,8 +56,7 @@ public:
 	double scale(const CalendarState& state, double dt) const;
 	/// Speed and reach of the ground as it is. heatFraction: of the explicit limit of conduction. cells: where the points are; null: the
 	/// fastest point counts.
-	void measure(
-	        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction);
+	void measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction);
 	/// At the end of a step of length dt [s] that ended at time [s of motion], calendar included: keeps account of events.
 	void keepEvents(CalendarState& state, double dt, double time, const Strips& strips);
 	/// The event that goes on, as if it ended now. bands: their ranks ask together; null: the points of all are current here.

@@ -63,7 +63,7 @@ template <int D> void Ground<D>::Parts::chooseRows()
 	reached = around = clock.range;
 	if (!bands) return;
 	const auto limit = [&](ActiveRange& range, const Bands::Part& part) {
-		const int axis  = points->strips().axis, nodes = grid.nodeStride(axis), cells = grid.cellStride(axis);
+		const int axis = points->strips().axis, nodes = grid.nodeStride(axis), cells = grid.cellStride(axis);
 		range.firstNode = std::max(range.firstNode, part.firstNode * nodes);
 		range.lastNode  = std::min(range.lastNode, part.endNode * nodes);
 		range.firstCell = std::max(range.firstCell, part.firstCell * cells);

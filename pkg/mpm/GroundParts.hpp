@@ -117,7 +117,7 @@ template <int D> struct Ground<D>::Parts {
 		bool   numbers; ///< false: a position is not finite
 	};
 	std::vector<PositionBounds> bounds;
-	std::vector<int>            bad;          ///< per strip: place of the first point that cannot go on, or -1
+	std::vector<int>            bad; ///< per strip: place of the first point that cannot go on, or -1
 	mutable PagedArray<double>  scratch;
 	mutable CostMeter           cost;
 	bool                        heatRests      = false; ///< in this step

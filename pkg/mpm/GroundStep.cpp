@@ -157,7 +157,8 @@ template <int D> void Ground<D>::Parts::seep()
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.drains())
-			water->drain(surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr, ledger);
+			water->drain(
+			        surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr, ledger);
 		if (boundary.feeds())
 			water->feed(
 			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(), enthalpyModel(),
@@ -335,7 +336,7 @@ template <int D> bool Ground<D>::Parts::heatMayRest()
 	own.points         = end > first;
 	if (own.holdsReference) own.reference = temperature[place];
 	if (own.points) own.first = temperature[first];
-	own.same = settings.resting && heat->haveTemperature(own.first, first, end);
+	own.same                   = settings.resting && heat->haveTemperature(own.first, first, end);
 	const std::vector<Own> all = bands ? bands->byRank(own) : std::vector<Own> { own };
 	for (const Own& rank : all)
 		if (rank.holdsReference) heat->setReference(rank.reference);
@@ -667,8 +668,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
 	if (g.calendar) {
-		g.calendar->measure(
-		        g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.reached, g.grid, g.settings.heatFraction);
+		g.calendar->measure(g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.reached, g.grid, g.settings.heatFraction);
 		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->strips());
 		g.cost.lap(CostMeter::calendar);
 	}

@@ -21,9 +21,9 @@ template <int D> struct MomentumAccount {
 
 /// What a step adds to the accounts.
 template <int D> struct StepAccount : MomentumAccount<D> {
-	Vec<D> momentumOut {};                                    ///< with the water [N s]
-	double waterOut = 0.0, enthalpyOut = 0.0, heatIn = 0.0;   ///< [kg], [J], [J]
-	double skeletonWork = 0.0, porePressureWork = 0.0;        ///< [J]
+	Vec<D> momentumOut {};                                  ///< with the water [N s]
+	double waterOut = 0.0, enthalpyOut = 0.0, heatIn = 0.0; ///< [kg], [J], [J]
+	double skeletonWork = 0.0, porePressureWork = 0.0;      ///< [J]
 
 	StepAccount& operator+=(const StepAccount& other)
 	{

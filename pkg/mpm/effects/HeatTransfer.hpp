@@ -83,8 +83,7 @@ public:
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const WeightBlock<D>& w, double dt);
 	/// Heat of the regions that produce it, eq. (9.7).
-	void produce(
-	        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
+	void produce(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
 	/// Heat of a surface patch, implicit in the temperature of each node.
 	void exchange(
 	        const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt,

@@ -231,8 +231,8 @@ template <int D> void MomentumSolver<D>::fold(const ActiveRange& range, SolidMot
 	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
 		const auto& m = mirrors_[k];
 		if (!range.holds(m.inner)) continue;
-		double*     ghost = motion.nodes[m.ghost];
-		double*     inner = motion.nodes[m.inner];
+		double* ghost = motion.nodes[m.ghost];
+		double* inner = motion.nodes[m.inner];
 		if (m.moving >= 0) rememberFolded(static_cast<int>(k), motion, water);
 		const double mass = ghost[motion.massAt], moving = mass + (water && foldLiquid_[k] ? water->nodes[m.ghost][W::massAt] : 0.0);
 		inner[motion.massAt] += mass;
@@ -483,7 +483,8 @@ void MomentumSolver<D>::keepAccount(
 		const WallRecord& w       = walls_[k];
 		Vec<D>&           impulse = ledger.ofNode(i).impulse;
 		for (int a = 0; a < D; ++a)
-			impulse[a] += w.solidMass * motion.solved[i][a] + (water ? w.liquidMass * water->solved[i][a] : 0.0) - w.momentumLeft[a] - dt * w.force[a];
+			impulse[a] += w.solidMass * motion.solved[i][a] + (water ? w.liquidMass * water->solved[i][a] : 0.0) - w.momentumLeft[a]
+			        - dt * w.force[a];
 	}
 	keepWallWork(range, motion, water, dt, ledger);
 	for (const Load& load : loads_) {
@@ -515,8 +516,7 @@ void MomentumSolver<D>::keepAccount(
 
 /// Of the forces that keep nodes on moving walls at the velocity of their wall, and ghosts behind them mirrored.
 template <int D>
-void MomentumSolver<D>::keepWallWork(
-        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, StepLedger<D>& ledger) const
+void MomentumSolver<D>::keepWallWork(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, StepLedger<D>& ledger) const
 {
 	const double keep = 1.0 - motion.kept, keepLiquid = water ? 1.0 - water->kept : 0.0;
 	for (const auto& c : constraints_.carried()) {

@@ -112,8 +112,7 @@ private:
 	void unfold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt) const;
 	void findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const;
 	/// Sums the momenta of the step and, with keepWorks, the works.
-	void keepAccount(
-	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, StepLedger<D>& ledger);
+	void keepAccount(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water, double dt, bool keepWorks, StepLedger<D>& ledger);
 
 	MotionConstraints<D>                               constraints_;
 	std::vector<typename MotionConstraints<D>::Mirror> mirrors_;    ///< those whose liquid is held first

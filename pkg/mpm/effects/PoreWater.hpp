@@ -210,9 +210,9 @@ private:
 	TALIK_PROCESSOR_VERSIONS void findShares(
 	        int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity, double* share, double* surplus) const;
 	/// Volume that a point gives to the others of its cell in the step [m^D].
-	double                           given(const PointFill& point, const FreezingCell& cell) const;
-	double                           traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
-	double                           perHalfCell_ = 0.0; ///< area over length from the middle of one half of a cell to that of the other [m^(D-2)]
+	double                          given(const PointFill& point, const FreezingCell& cell) const;
+	double                          traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
+	double                          perHalfCell_ = 0.0; ///< area over length from the middle of one half of a cell to that of the other [m^(D-2)]
 	std::array<PagedArray<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.

@@ -771,8 +771,7 @@ template <int D> void ThawFront<D>::correct(int slot)
 }
 
 template <int D>
-void ThawFront<D>::solve(
-        const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger)
+void ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger)
 {
 	fastest_ = 0.0;
 	if (!present()) return;

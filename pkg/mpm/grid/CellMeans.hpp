@@ -118,10 +118,10 @@ public:
 private:
 	static constexpr int noCell = -1;
 
-	PagedArray<int>     cell_, exceptions_;
-	const int*          averaged_ = nullptr; ///< by place: the mean that holds for the point, or noCell
-	PagedArray<double>  volume_, apart_;     ///< by cell, of all its points and of those set apart [m^D]
-	PagedArray<double>  sum_;                ///< by cell, then by cell of the points set apart; means once finished
+	PagedArray<int>    cell_, exceptions_;
+	const int*         averaged_ = nullptr; ///< by place: the mean that holds for the point, or noCell
+	PagedArray<double> volume_, apart_;     ///< by cell, of all its points and of those set apart [m^D]
+	PagedArray<double> sum_;                ///< by cell, then by cell of the points set apart; means once finished
 };
 
 } // namespace talik

@@ -68,7 +68,7 @@ std::size_t Bands::before(const SharedRows::Array& a, int row) const
 
 void Bands::pass(const SharedRows::Array& a, int neighbour, int first, int end, bool going)
 {
-	const int         all = a.of == SharedRows::Of::nodes ? rows_.nodes : rows_.cells;
+	const int         all  = a.of == SharedRows::Of::nodes ? rows_.nodes : rows_.cells;
 	const std::size_t from = before(a, std::clamp(first, 0, all)), to = before(a, std::clamp(end, 0, all));
 	if (from < to) (going ? going_ : coming_).push_back({ neighbour, a.begin + from, to - from });
 }
@@ -150,9 +150,6 @@ unsigned Bands::anyOf(unsigned bits)
 
 std::vector<std::string> Bands::say(const std::string& own) { return ranks().exchange(std::vector<std::string>(static_cast<std::size_t>(count()), own)); }
 
-void Bands::meet(long step)
-{
-	talk_->meet("step " + std::to_string(step) + " of a ground in bands");
-}
+void Bands::meet(long step) { talk_->meet("step " + std::to_string(step) + " of a ground in bands"); }
 
 } // namespace talik

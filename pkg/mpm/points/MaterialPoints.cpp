@@ -22,10 +22,7 @@ template <int D> void MaterialPoints<D>::allocate(int count)
 	skeleton_.assign(count, 0);
 }
 
-template <int D> void MaterialPoints<D>::distinguishMaterials()
-{
-	material_.assign(count(), 0);
-}
+template <int D> void MaterialPoints<D>::distinguishMaterials() { material_.assign(count(), 0); }
 
 namespace {
 	/// Order of the points. In the plane it is that of their cells. In space points with the same support follow each other within a strip,
@@ -135,18 +132,18 @@ template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands&
 	std::vector<std::string> parcels(ranks);
 	for (int r = 0; r < ranks; ++r) {
 		if (r == own) continue;
-		const auto pack = [&](const auto* values) {
+		const auto pack = [&](const auto* values, int firstPlace = 0) {
 			for (const int p : going[r])
-				parcels[r].append(reinterpret_cast<const char*>(values + p), sizeof *values);
+				parcels[r].append(reinterpret_cast<const char*>(values + p - firstPlace), sizeof *values);
 		};
-		pack(number_.data() - first);
+		pack(number_.data(), first);
 		pack(id_.data());
 		pack(skeleton_.data());
 		if (!material_.empty()) pack(material_.data());
 		for (const double* array : fields_.arrays())
 			pack(array);
 	}
-	parcels = ranks > 1 ? bands.ranks().exchange(parcels) : parcels;
+	parcels                    = ranks > 1 ? bands.ranks().exchange(parcels) : parcels;
 	const std::size_t perPoint = 3 * sizeof(int) + (material_.empty() ? 0 : sizeof material_[0]) + fields_.arrays().size() * sizeof(double);
 
 	// what comes from lower ranks, what stays, what comes from higher ones: the order of the former places
@@ -154,13 +151,13 @@ template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands&
 	std::size_t              count = going[own].size();
 	for (int r = 0; r < ranks; ++r)
 		if (r != own) count += coming[r] = parcels[r].size() / perPoint;
-	const auto merged = [&](const auto* present, auto& into) {
+	const auto merged = [&](const auto* present, auto& into, int firstPlace = 0) {
 		into.resize(count);
 		auto* to = into.data();
 		for (int r = 0; r < ranks; ++r) {
 			if (r == own) {
 				for (const int p : going[own])
-					*to++ = present[p];
+					*to++ = present[p - firstPlace];
 				continue;
 			}
 			std::memcpy(to, parcels[r].data() + taken[r], coming[r] * sizeof *to);
@@ -169,7 +166,7 @@ template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands&
 		}
 	};
 	std::vector<int> numbers;
-	merged(number_.data() - first, numbers);
+	merged(number_.data(), numbers, first);
 	number_.swap(numbers);
 	findOrder(order.ofStrip(bands.firstStrip()), order.ofStrip(bands.endStrip()));
 	const int  begin = bands.firstPoint();
