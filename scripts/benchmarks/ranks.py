@@ -5,9 +5,10 @@
 	/usr/bin/python3 scripts/benchmarks/ranks.py ranks.json [--rounds 2] [--steps 150]
 
 Scenes: a frozen slope in the plane whose samples follow a shear ('samples', a small Case I), the same of twice the size ('twice'), with a
-law in place of samples ('law'), a slope in space with samples of spheres ('space'), with a law ('spaceLaw'), and a fine slope in the
-plane with a law that is shared out in bands ('bandsLaw'). Each run is a yade of its own that does the same steps. Work is the processor time of a rank less what it spends waiting for others: it does not depend on what else
-the machine does, as wall time does. Four ranks may have fewer cores than that: they are compared for the bits and the work.
+law in place of samples ('law'), a slope in space with samples of spheres ('space'), with a law ('spaceLaw'), and a fine slope in the plane
+with a law that is shared out in bands ('bandsLaw'). Each run is a yade of its own that does the same steps. Work is the processor time of a
+rank less what it spends waiting for others: it does not depend on what else the machine does, as wall time does. Four ranks may have fewer
+cores than that: they are compared for the bits and the work.
 
 	yade -n -x ranks.py --record SCENE STEPS FILE     one rank alone: what each step costs, for scripts/scaling"""
 

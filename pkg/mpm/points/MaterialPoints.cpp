@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 namespace talik {
 
@@ -109,78 +110,106 @@ template <int D> void MaterialPoints<D>::findOrder(int firstNumber, int endNumbe
 		from_[start_[number_[p] - firstNumber]++] = p;
 }
 
+namespace {
+	/// Points that go from rank to rank. What comes from lower ranks, what stays and what comes from higher ones is in the order of their
+	/// former places.
+	class Crossing {
+	public:
+		/// going: places of the points that go to each rank, this one included.
+		Crossing(Bands& bands, std::vector<std::vector<int>> going)
+		        : bands_(bands)
+		        , going_(std::move(going))
+		        , parcels_(going_.size())
+		        , taken_(going_.size(), 0)
+		{}
+		/// Packs values of these points; firstPlace: that of values[0].
+		template <class T> void pack(const T* values, int firstPlace = 0)
+		{
+			perPoint_ += sizeof(T);
+			for (std::size_t r = 0; r < parcels_.size(); ++r)
+				for (const int p : going_[r])
+					if (!isOwn(r)) parcels_[r].append(reinterpret_cast<const char*>(values + p - firstPlace), sizeof(T));
+		}
+		void exchange()
+		{
+			parcels_ = bands_.ranks().exchange(parcels_);
+			for (std::size_t r = 0; r < parcels_.size(); ++r)
+				count_ += isOwn(r) ? going_[r].size() : coming(r);
+		}
+		/// Values of all points that are here now, in the order in which they were packed.
+		template <class T> void merge(const T* present, std::vector<T>& into, int firstPlace = 0)
+		{
+			into.resize(count_);
+			T* to = into.data();
+			for (std::size_t r = 0; r < parcels_.size(); ++r) {
+				if (isOwn(r)) {
+					for (const int p : going_[r])
+						*to++ = present[p - firstPlace];
+					continue;
+				}
+				std::memcpy(to, parcels_[r].data() + taken_[r], coming(r) * sizeof(T));
+				taken_[r] += coming(r) * sizeof(T);
+				to += coming(r);
+			}
+		}
+		/// The same, and puts them in order from a place on; from: index among the merged ones.
+		template <class T> void place(T* values, int firstPlace, const std::vector<int>& from)
+		{
+			std::vector<T> merged;
+			merge(values, merged);
+			for (std::size_t k = 0; k < count_; ++k)
+				values[firstPlace + k] = merged[from[k]];
+		}
+
+	private:
+		bool        isOwn(std::size_t r) const { return static_cast<int>(r) == bands_.rank(); }
+		std::size_t coming(std::size_t r) const { return parcels_[r].size() / perPoint_; }
+
+		Bands&                        bands_;
+		std::vector<std::vector<int>> going_;
+		std::vector<std::string>      parcels_;
+		std::vector<std::size_t>      taken_; ///< bytes of each parcel
+		std::size_t                   perPoint_ = 0, count_ = 0;
+	};
+} // namespace
+
 template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands& bands, const std::function<void()>& cut)
 {
 	std::array<const double*, D> x;
 	for (int a = 0; a < D; ++a)
 		x[a] = position(a);
-	const Order<D> order(grid, x);
-	const int      first = strips_.firstPoint(), end = strips_.endPoint(), ranks = bands.count(), own = bands.rank(), strips = strips_.count();
+	const Order<D>   order(grid, x);
+	const int        first = strips_.firstPoint(), end = strips_.endPoint();
+	std::vector<int> counts(strips_.count(), 0);
 	number_.resize(end - first);
-	std::vector<int> counts(strips, 0);
 	for (int p = first; p < end; ++p)
 		++counts[order.stripOf(number_[p - first] = order.of(p))];
 	counts = bands.sums(counts);
-	strips_.first.assign(strips + 1, 0);
 	std::partial_sum(counts.begin(), counts.end(), strips_.first.begin() + 1);
 	cut();
 
-	// by rank, in the order of their former places: numbers of the points that go there, then what they have
-	std::vector<std::vector<int>> going(ranks);
+	std::vector<std::vector<int>> going(bands.count());
 	for (int p = first; p < end; ++p)
 		going[bands.rankOf(order.stripOf(number_[p - first]))].push_back(p);
-	std::vector<std::string> parcels(ranks);
-	for (int r = 0; r < ranks; ++r) {
-		if (r == own) continue;
-		const auto pack = [&](const auto* values, int firstPlace = 0) {
-			for (const int p : going[r])
-				parcels[r].append(reinterpret_cast<const char*>(values + p - firstPlace), sizeof *values);
-		};
-		pack(number_.data(), first);
-		pack(id_.data());
-		pack(skeleton_.data());
-		if (!material_.empty()) pack(material_.data());
-		for (const double* array : fields_.arrays())
-			pack(array);
-	}
-	parcels                    = ranks > 1 ? bands.ranks().exchange(parcels) : parcels;
-	const std::size_t perPoint = 3 * sizeof(int) + (material_.empty() ? 0 : sizeof material_[0]) + fields_.arrays().size() * sizeof(double);
+	Crossing crossing(bands, std::move(going));
+	crossing.pack(number_.data(), first);
+	crossing.pack(id_.data());
+	crossing.pack(skeleton_.data());
+	if (!material_.empty()) crossing.pack(material_.data());
+	for (const double* array : fields_.arrays())
+		crossing.pack(array);
+	crossing.exchange();
 
-	// what comes from lower ranks, what stays, what comes from higher ones: the order of the former places
-	std::vector<std::size_t> taken(ranks, 0), coming(ranks);
-	std::size_t              count = going[own].size();
-	for (int r = 0; r < ranks; ++r)
-		if (r != own) count += coming[r] = parcels[r].size() / perPoint;
-	const auto merged = [&](const auto* present, auto& into, int firstPlace = 0) {
-		into.resize(count);
-		auto* to = into.data();
-		for (int r = 0; r < ranks; ++r) {
-			if (r == own) {
-				for (const int p : going[own])
-					*to++ = present[p - firstPlace];
-				continue;
-			}
-			std::memcpy(to, parcels[r].data() + taken[r], coming[r] * sizeof *to);
-			taken[r] += coming[r] * sizeof *to;
-			to += coming[r];
-		}
-	};
 	std::vector<int> numbers;
-	merged(number_.data(), numbers, first);
+	crossing.merge(number_.data(), numbers, first);
 	number_.swap(numbers);
 	findOrder(order.ofStrip(bands.firstStrip()), order.ofStrip(bands.endStrip()));
-	const int  begin = bands.firstPoint();
-	const auto place = [&](auto* values, auto& scratch) {
-		merged(values, scratch);
-		for (std::size_t k = 0; k < count; ++k)
-			values[begin + k] = scratch[from_[k]];
-	};
-	place(id_.data(), scratch_);
-	place(skeleton_.data(), scratch_);
-	if (!material_.empty()) place(material_.data(), materialScratch_);
-	std::vector<double> numbersOfArray;
+	const int begin = bands.firstPoint();
+	crossing.place(id_.data(), begin, from_);
+	crossing.place(skeleton_.data(), begin, from_);
+	if (!material_.empty()) crossing.place(material_.data(), begin, from_);
 	for (double* array : fields_.arrays())
-		place(array, numbersOfArray);
+		crossing.place(array, begin, from_);
 	bands.shareByPoint(id_.data());
 	bands.shareByPoint(skeleton_.data());
 	if (!material_.empty()) bands.shareByPoint(material_.data());
