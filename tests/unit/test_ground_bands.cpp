@@ -24,8 +24,29 @@ struct Scene {
 	const char*      name;
 	bool             heat = false, water = false, freezing = false, bBar = true;
 	VelocityTransfer transfer = VelocityTransfer::flip;
-	bool             bodies = false, calendar = false;
+	bool             bodies = false, calendar = false, walls = false;
 };
+
+/// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
+template <int D> void addWalls(GroundSettings<D>& s)
+{
+	Vec<D> low = Region<D>::filled(0.12), high = Region<D>::filled(0.48), direction {};
+	low[0]          = 0.9;
+	high[0]         = 2.1;
+	direction[0]    = 1.0;
+	s.boundaries[0] = std::make_shared<MovingBoundary<D>>(Region<D>::side("left"), TimeTable(0.3), direction, false);
+	SoilMaterial sand;
+	sand.mixture                    = s.mixture;
+	sand.permeability               = s.water->permeability;
+	SoilMaterial silt               = sand;
+	silt.mixture.solid.conductivity = 1.5;
+	s.materials                     = { sand, silt };
+	s.boundaries.back()             = std::make_shared<WaterFlux<D>>(Region<D>::freeSurface(), 1e-7, 3.0);
+	s.boundaries.push_back(std::make_shared<HeatFlux<D>>(Region<D>::side("left"), 5.0));
+	s.boundaries.push_back(std::make_shared<HeatSource<D>>(Region<D>::disc(low, high), 20.0));
+	s.boundaries.push_back(std::make_shared<WallTemperature<D>>(Region<D>::nodeBox(low, high), 0.5));
+	s.boundaries.push_back(std::make_shared<Traction<D>>(Region<D>::nodeBox(low, high), 0.0, std::vector<TimeTable>(D, TimeTable(10.0))));
+}
 
 /// A slope that slides along the grid's longest axis, so that points cross strips; with heat it is warmed from above and from a wall, with
 /// water it drains and is rained on.
@@ -69,6 +90,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 		s.water->state.iceBulkModulus    = 8.8e7;
 		s.boundaries.push_back(std::make_shared<DrainedBoundary<D>>(Region<D>::freeSurface()));
 	}
+	if (scene.walls) addWalls(s);
 	if (scene.bodies) s.bodies.emplace();
 	auto               ground = std::make_unique<Ground<D>>(s);
 	std::array<int, D> n, i {};
@@ -80,6 +102,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 		for (int b = 0; b < D; ++b)
 			p.position[b] = 0.5 * h * (i[b] + 0.5);
 		p.temperature = p.position[0] < 1.1 ? -2.0 : 1.0;
+		p.material    = scene.walls && p.position[D - 1] < 0.2 ? 1 : 0;
 		p.velocity[0] = (D == 2 ? 3.0 : 8.0) * p.position[D - 1];
 		p.skeleton    = p.position[D - 1] > 0.25 ? 1 : 0;
 		ground->addPoint(p);
@@ -164,25 +187,26 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 const Scene dry { "dry" }, dryApic { "dry, apic", false, false, false, false, VelocityTransfer::apic }, warm { "heat", true }, wet { "water", false, true },
         frozen { "heat, freezing, thaw front", true, false, true }, all { "heat, water, freezing, thaw front", true, true, true },
         allOwn { "the same without means of cells, apic", true, true, true, false, VelocityTransfer::apic },
+        withWalls { "all, two soils, a moving wall, rain, sources", true, true, true, true, VelocityTransfer::flip, false, true, true },
         withBall { "all, a ball, a calendar that follows the motion", true, true, true, true, VelocityTransfer::flip, true, true };
 
 } // namespace
 
 TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
 {
-	for (const Scene& scene : { dryApic, wet, all, withBall })
+	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	expectSameBits<3>(all, 130, { 2 }, { 1 });
 }
 
 TEST(GroundBands, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withBall })
+	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall })
 		expectSameBits<2>(scene, 260, { 2, 3, 4 }, { 1, 2 });
 }
 
 TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, frozen, all, withBall })
+	for (const Scene& scene : { dry, frozen, all, withWalls, withBall })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
 }
