@@ -209,8 +209,8 @@ public:
 		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. It is for the calendar "
 				"what O.stopAtTime is for the scene. May be changed while running."))
 		((string,distribute,"automatic",,"What the ranks of mpirun share out. samples: each sample of RveSkeleton has one rank as its owner, and every rank computes "
-				"the whole ground; results are those of one rank, bit for bit. ground: each rank has a band of strips of four rows of cells, two strips at least, computes and "
-				"holds what is there, and exchanges rows with its neighbours, bit for bit as one rank; for laws, without samples, bodies and thawStrain. "
+				"the whole ground; results are those of one rank, bit for bit. ground: each rank has a band of strips of four rows of cells, two strips at least, computes "
+				"and holds what is there, and exchanges rows with its neighbours, bit for bit as one rank; for laws, without samples, bodies and thawStrain. "
 				"none: every rank computes everything. automatic: samples where there are "
 				"some, ground from 100 000 points on where there are none, no bodies and no thawStrain, else none, which is said once. Without mpirun it "
 				"has no effect."))
