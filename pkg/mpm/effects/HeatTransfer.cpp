@@ -281,8 +281,7 @@ void HeatTransfer<D>::exchange(
 }
 
 template <int D>
-void HeatTransfer<D>::hold(
-        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
+void HeatTransfer<D>::hold(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
 {
 	for (const HeldNode& n : held_) {
 		if (!range.holds(n.node) || !(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;

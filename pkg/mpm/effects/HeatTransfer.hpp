@@ -90,8 +90,7 @@ public:
 	        StepLedger<D>& ledger);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
-	void finishNodes(
-	        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
+	void finishNodes(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
 	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
 	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
