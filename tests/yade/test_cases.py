@@ -540,7 +540,7 @@ def test_a_slump_that_was_stopped_goes_on_from_its_folder_to_the_same_last_bit_a
 		patched.setattr(output.ParaViewSeries, "write", writeUntilThePowerFails)
 		patched.setattr(thawslump.ThawSlump, "_keep", count)
 		patched.setattr(thawslump.slump, "checkpointInterval", 0)
-		patched.setattr(running.runUntil, "__defaults__", (None, 0.002))  # looks often, however fast the steps are
+		patched.setattr(running.runUntil, "__defaults__", (None, 0.002, False))  # looks often, however fast the steps are
 		patched.setattr(running.time, "sleep", lambda seconds: stockSleep(min(seconds, 0.001)))
 		with pytest.raises(SystemError):
 			thawslump.ThawSlump(case, preset, tmp_path / "stopped").run()
