@@ -122,7 +122,7 @@ def test_what_packed_and_open_samples_differ_by_is_of_second_order_in_the_strain
 	number: over one path that is in proportion to the strain of a step. Round-off would grow with the number of steps."""
 	errors, twins = [], []
 	for steps in (10, 50):
-		sample = rve.pack(rve.prepare(grains=80, ice=True, cache=sampleCache, **kinds[kind]))
+		sample = rve.pack(rve.prepare(**{**kinds[kind], "grains": 80}, ice=True, cache=sampleCache))
 		sample.freeze(1)
 		twin, opened = withAGrainBeside(sample), wrapper.OpenRveSample(source=sample.open())
 		for each in (sample, twin, opened):

@@ -43,11 +43,12 @@ rowOf = {
 	"own_sample": lambda preset: ("column collapse", {"cells": round(1.0 / preset[1])}),  # a bank of 1 m
 	"look_inside": lambda preset: ("biaxial sample", {"grains": preset[0]}),
 }
-# presets of melting_column are columns of other sizes; eight examples compare themselves with a calculation by hand; no problem here is in space;
+# presets of melting_column are columns of other sizes; nine examples compare themselves with a calculation by hand; no problem here is in space;
 # centrifuge_slopes varies its spacing itself
 comparedByHand = (
 	"thaw_settlement_column",
 	"ice_rich_layer",
+	"ice_rich_slump",
 	"warm_pipeline",
 	"retaining_wall",
 	"surveyed_profile",
