@@ -475,15 +475,22 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, StepLedger
 	}
 }
 
+/// work(node, slot) for the front nodes around a node, and itself if it is one.
+template <int D> template <class Work> void ThawFront<D>::overBeside(int node, Work&& work) const
+{
+	for (const int step : beside_) {
+		const int other = node + step;
+		if (other >= 0 && other < static_cast<int>(slot_.size()) && slot_[other] >= 0) work(other, slot_[other]);
+	}
+}
+
 /// Sum of the areas around a node that face as its own does (own: without fixed axes). It gives the direction of the front: the areas of single
 /// nodes follow the steps between rows of points, and sides that slide along such steps catch on them.
 template <int D> Vec<D> ThawFront<D>::areaAround(int node, const Vec<D>& own, const MotionConstraints<D>& constraints) const
 {
 	Vec<D> sum {};
-	for (const int step : beside_) {
-		const int other = node + step;
-		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
-		const double* area = record(slot_[other]) + areaAt;
+	overBeside(node, [&](int other, int slot) {
+		const double* area = record(slot) + areaAt;
 		Vec<D>        free {};
 		double        same = 0.0;
 		for (int a = 0; a < D; ++a) {
@@ -491,10 +498,10 @@ template <int D> Vec<D> ThawFront<D>::areaAround(int node, const Vec<D>& own, co
 			free[a] = area[a];
 			same += own[a] * area[a];
 		}
-		if (!(same > 0.0)) continue;
+		if (!(same > 0.0)) return;
 		for (int a = 0; a < D; ++a)
 			sum[a] += free[a];
-	}
+	});
 	return sum;
 }
 
@@ -583,15 +590,13 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 	Meeting& m = meetings_[slot];
 	if (!m.meets || m.inside) return;
 	double force = 0.0, area = 0.0;
-	for (const int step : beside_) {
-		const int other = nodes_[slot] + step;
-		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
-		const Meeting& beside = meetings_[slot_[other]];
-		if (!beside.meets || !beside.inside) continue;
+	overBeside(nodes_[slot], [&](int, int other) {
+		const Meeting& beside = meetings_[other];
+		if (!beside.meets || !beside.inside) return;
 		force += beside.reaction;
 		area += beside.area;
 		m.bound |= beside.together;
-	}
+	});
 	if (!(area > 0.0)) return;
 	// at the end of a layer the area is that of frozen ground alone: never more than what would tie the sides
 	const double both = -m.reducedMass * dot<D>(m.jump, m.normal), tie = std::max(0.0, both), beside = dt * force / area * m.area;
@@ -623,16 +628,14 @@ template <int D> double ThawFront<D>::buoyancyOf(int slot) const
 template <int D> double ThawFront<D>::poreShare(int slot) const
 {
 	double buoyancy = 0.0, reaction = 0.0, held = 0.0;
-	for (const int step : beside_) {
-		const int other = nodes_[slot] + step;
-		if (other < 0 || other >= static_cast<int>(slot_.size()) || slot_[other] < 0) continue;
-		const Meeting& beside = meetings_[slot_[other]];
-		if (!beside.meets) continue;
+	overBeside(nodes_[slot], [&](int, int other) {
+		const Meeting& beside = meetings_[other];
+		if (!beside.meets) return;
 		held = std::max(held, beside.held);
-		if (!beside.inside) continue;
+		if (!beside.inside) return;
 		buoyancy += beside.buoyancy;
 		reaction += beside.reaction;
-	}
+	});
 	const Meeting& m      = meetings_[slot];
 	const double   normal = -dot<D>(m.traction, m.normal), told = std::min(1.0, held / heldShare);
 	const double   bearing = normal > 0.0 ? normal : m.reaction / m.area;

@@ -174,6 +174,8 @@ private:
 	TALIK_PROCESSOR_VERSIONS AtPoint sum(const WeightBlock<D>& w, int k, bool thawed) const;
 	void                             lead(int place, double dt, const AtPoint& sums, double (&slip)[D][D]);
 
+	template <class Work> void overBeside(int node, Work&& work) const;
+
 	ThawFrontSettings          settings_;
 	PointFields::Handle        sideField_, slipField_, ledField_, strainField_;
 	SolidMotion<D>*            motion_        = nullptr;

@@ -52,11 +52,10 @@ def tableOf(case, sweepsThere):
 	days = cases[case].tableDays
 	lines = [["ground", "knob", "value", *(f"u, day {day} [m]" for day in days), *(f"V, day {day} [m³/m]" for day in days), "first event [day]", "CPU [s]"]]
 	for sweep, values, rows in sweepsThere:
-		finest = convergence.finestThatReached(case, rows)
 		for k, (value, row) in enumerate(zip(values, rows)):
-			own, finer = measures(case, row), [measures(case, other) for other in rows[k + 1 :]]
 			names = ["", ""] if k else [groundOf(sweep), knobOf(sweep)]
-			cells = (_cell(own[name], finest[name] if any(other[name] is not None for other in finer) else None) for name in own)
+			finest = convergence.finestThatReached(case, rows[k + 1 :])
+			cells = (_cell(own, finest.get(name)) for name, own in measures(case, row).items())
 			lines.append([*names, knobs[sweep.knob].text(value), *cells, f"{row['cpu']:.0f}"])
 	return lines
 
