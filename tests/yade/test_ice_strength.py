@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from yade import Matrix3, O, utils, wrapper
 
-import talik
 from frozen_pair import block, frozenPair
 from talik import calibrate, rve
+from twins import withAGrainBeside
 
 
 @pytest.fixture
@@ -66,12 +66,13 @@ def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(pa
 	assert frozen[0].statistics()["bondsIntact"] > 0
 
 
-# samples that other tests have prepared
 kinds = {
 	"discs": dict(grains=100),
 	"rolling discs": dict(grains=60, etaRoll=0.05),
 	"discs with moments": dict(grains=60, etaRoll=0.05, bondRadiusFactor=1.0, momentContribution=0.5),
 	"spheres": dict(grains=80, dimension=3),
+	"rolling spheres": dict(grains=60, dimension=3, etaRoll=0.05),
+	"spheres with moments": dict(grains=60, dimension=3, bondRadiusFactor=1.0, momentContribution=0.5),
 }
 
 
@@ -105,15 +106,6 @@ def test_packed_samples_of_changing_strength_follow_open_ones_to_1e9_over_500_st
 	)
 	assert steps >= 500 and error < 1e-9 * scale
 	assert bonds[0] == bonds[1] < bonds[2]
-
-
-def withAGrainBeside(sample):
-	"""The sample, packed, with one grain moved by a unit in the last place."""
-	scene = sample.open()
-	with talik.inspect(scene):
-		state = O.bodies[3].state
-		state.pos = (np.nextafter(state.pos[0], 1), state.pos[1], state.pos[2])
-		return wrapper.RveSample.fromScene(scene)
 
 
 @pytest.mark.parametrize("kind", ["discs", "spheres"])
