@@ -6,9 +6,16 @@ functions are docstrings in which arguments stand in columns. Sphinx gets neithe
 """
 
 import inspect
+import os
 import re
+import sys
 
-import black
+# YADE lets libraries share their symbols, and black has names that another compiled package, charset_normalizer, has as well.
+shared = sys.getdlopenflags()
+sys.setdlopenflags(os.RTLD_NOW | os.RTLD_LOCAL)
+import black  # noqa: E402
+
+sys.setdlopenflags(shared)
 
 marks = re.compile(r"\s*:y(?:default|attrtype|attrflags):`[^`]*`")
 references = re.compile(r":yref:`(?:([^`<]*)<([^`>]*)>|([^`]*))`")
