@@ -98,6 +98,12 @@ template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const
 	return g.batch(places);
 }
 
+template <int D> void Ground<D>::startSkeleton(int skeleton)
+{
+	settings().skeletons[skeleton]->initialise(skeletonBatch(skeleton));
+	if (parts_->bands) parts_->followBands(false);
+}
+
 template <int D> PointFields& Ground<D>::pointFields()
 {
 	parts_->bringPoints();
@@ -199,6 +205,7 @@ template <int D> void Ground<D>::stateRestored()
 	Parts& g         = *parts_;
 	g.contentSettled = false;
 	if (g.bands) g.bands->allCurrent = true;
+	if (g.bands) g.bands->weigh({});
 	g.points->idsRestored();
 	g.afterReordering();
 }

@@ -91,7 +91,7 @@ public:
 	/// Points of one skeleton model as the model sees them.
 	SkeletonBatch<D> skeletonBatch(int skeleton) const;
 	SkeletonPoints   skeletonPoints(int skeleton) const override { return skeletonBatch(skeleton); }
-	void             startSkeleton(int skeleton) override { settings().skeletons[skeleton]->initialise(skeletonBatch(skeleton)); }
+	void             startSkeleton(int skeleton) override;
 	void             tangentModulus(int skeleton, double* modulusByPlace) const override
 	{
 		settings().skeletons[skeleton]->tangentModulus(skeletonBatch(skeleton), modulusByPlace);

@@ -26,7 +26,6 @@ template <int D> std::string Ground<D>::Parts::refusalOfBands() const
 	const int strips = points->strips().count(), least = Bands::leastStrips;
 	for (const auto& boundary : settings.boundaries)
 		if (boundary->usesNodes()) return boundary->name() + " sees the nodes of its region, which is not done in bands: choose 'samples'.";
-	if (thawStrain) return "materials have a thawStrain, which is not computed in bands: choose 'samples'.";
 	if (strips < least * talk->count())
 		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells, and each of "
 		        + std::to_string(talk->count()) + " ranks needs " + std::to_string(least) + ": choose 'samples', or run it on fewer ranks.";
@@ -56,6 +55,12 @@ template <int D> void Ground<D>::Parts::cutBands()
 	rows.nodesOfRow = grid.nodeStride(axis);
 	rows.cellsOfRow = grid.cellStride(axis);
 	bands->cut(strips.first, rows);
+}
+
+template <int D> void Ground<D>::Parts::followBands(bool moved)
+{
+	for (const auto& skeleton : settings.skeletons)
+		skeleton->followBands(*bands, points->ids(), moved);
 }
 
 template <int D> void Ground<D>::Parts::chooseRows()
@@ -95,13 +100,25 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	if (cells) cells->keepOnly(around, begin, end);
 	if (bodies) bodies->keepOnly(first, last);
 	if (front) front->keepOnly(begin, end);
+	if (thawStrain) thawStrain->keepOnly(around, begin, end);
 	if (calendar) calendar->keepOnly(around);
 	scratch.keepOnly(begin, end);
 }
 
+/// Of this rank's points since the last sorting, by place, in steps of a point.
+template <int D> const double* Ground<D>::Parts::costOfPoints() const
+{
+	double* const cost = scratch.data();
+	std::fill(cost + bands->firstPoint(), cost + bands->endPoint(), static_cast<double>(std::max(1L, clock.steps - clock.lastSort)));
+	if (motion)
+		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
+			settings.skeletons[k]->addCost(batch(k), cost);
+	return cost;
+}
+
 template <int D> void Ground<D>::Parts::sortInBands()
 {
-	points->sortInBands(grid, *bands, [&] { cutBands(); });
+	points->sortInBands(grid, *bands, costOfPoints(), [&] { cutBands(); });
 	clock.range = ActiveRange::of(grid, *points);
 	keepOwnPoints();
 }
@@ -219,6 +236,7 @@ template void                                 Ground<2>::distribute(std::shared_
 template bool                                 Ground<2>::inBands() const;
 template void                                 Ground<2>::Parts::startBands();
 template void                                 Ground<2>::Parts::cutBands();
+template void                                 Ground<2>::Parts::followBands(bool);
 template void                                 Ground<2>::Parts::chooseRows();
 template void                                 Ground<2>::Parts::meetRanks();
 template void                                 Ground<2>::Parts::keepOwnPart();
@@ -231,6 +249,7 @@ template void                                 Ground<3>::distribute(std::shared_
 template bool                                 Ground<3>::inBands() const;
 template void                                 Ground<3>::Parts::startBands();
 template void                                 Ground<3>::Parts::cutBands();
+template void                                 Ground<3>::Parts::followBands(bool);
 template void                                 Ground<3>::Parts::chooseRows();
 template void                                 Ground<3>::Parts::meetRanks();
 template void                                 Ground<3>::Parts::keepOwnPart();

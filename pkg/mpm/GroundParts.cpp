@@ -42,12 +42,13 @@ template <int D> void Ground<D>::Parts::sort()
 	}
 	clock.lastSort   = clock.steps;
 	clock.sortWanted = 0;
-	afterReordering();
+	afterReordering(true);
 }
 
-template <int D> void Ground<D>::Parts::afterReordering()
+template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
 {
 	if (bands) cutBands();
+	if (bands && motion) followBands(pointsMoved);
 	chooseRows();
 	// what lies outside the active range stays zero until the next sorting
 	if (bands) keepOwnPart();
@@ -69,6 +70,9 @@ template <int D> void Ground<D>::Parts::listSkeletons()
 	}
 	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
 		skeletonPlaces[points->skeletons()[p]].push_back(p);
+	skeletonUsed.assign(settings.skeletons.size(), 0);
+	for (int p = 0; p < points->count(); ++p)
+		skeletonUsed[points->skeletons()[p]] = 1;
 }
 
 template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
@@ -131,14 +135,14 @@ template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)
 template SkeletonBatch<2> Ground<2>::Parts::batch(const std::vector<int>&) const;
 template std::string      Ground<2>::Parts::whereabouts(int) const;
 template void             Ground<2>::Parts::sort();
-template void             Ground<2>::Parts::afterReordering();
+template void             Ground<2>::Parts::afterReordering(bool);
 template void             Ground<2>::Parts::clearNodes();
 template void             Ground<2>::Parts::locateInCells();
 template void             Ground<2>::Parts::useMeanStress(int, int);
 template SkeletonBatch<3> Ground<3>::Parts::batch(const std::vector<int>&) const;
 template std::string      Ground<3>::Parts::whereabouts(int) const;
 template void             Ground<3>::Parts::sort();
-template void             Ground<3>::Parts::afterReordering();
+template void             Ground<3>::Parts::afterReordering(bool);
 template void             Ground<3>::Parts::clearNodes();
 template void             Ground<3>::Parts::locateInCells();
 template void             Ground<3>::Parts::useMeanStress(int, int);

@@ -93,6 +93,7 @@ template <int D> struct Ground<D>::Parts {
 	BoundaryNodes<D>             boundaryNodes; ///< what they see
 
 	std::vector<std::vector<int>> skeletonPlaces;       ///< of this rank's points
+	std::vector<char>             skeletonUsed;         ///< it has points, on any rank
 	std::shared_ptr<RankTalk>     talk;                 ///< of the ranks that share out this ground; null: there is one
 	bool                          bandsRequired = true; ///< what bands do not serve is an error
 	std::unique_ptr<Bands>        bands;                ///< the same, from initialise() on
@@ -192,6 +193,8 @@ template <int D> struct Ground<D>::Parts {
 	void        startBands();
 	std::string refusalOfBands() const;
 	void        cutBands();
+	/// What skeleton laws keep behind points goes where these are; moved: see SkeletonModel.
+	void followBands(bool moved);
 	/// The rows that this rank computes.
 	void chooseRows();
 	/// All numbers of the points, array by array.
@@ -205,8 +208,9 @@ template <int D> struct Ground<D>::Parts {
 	/// At the beginning of a step: waits for the other ranks; collective.
 	void meetRanks();
 	/// Of points, nodes and cells only what this rank computes takes memory.
-	void keepOwnPart();
-	void keepOwnPoints() const;
+	void          keepOwnPart();
+	void          keepOwnPoints() const;
+	const double* costOfPoints() const;
 	/// Sorts the points of all ranks, and cuts new bands; those that cross go from rank to rank. Collective.
 	void sortInBands();
 	/// All points become current here; the other ranks help when they come to their next step.
@@ -235,7 +239,7 @@ template <int D> struct Ground<D>::Parts {
 	// ---- pieces of a step -----------------------------------------------------------------------------------------------
 	void clearNodes();
 	void clearNodes(int first, int last);
-	void afterReordering();
+	void afterReordering(bool pointsMoved = false);
 	void locateInCells();
 	void useMeanStress(int first, int count);
 	void findKeptFractions();

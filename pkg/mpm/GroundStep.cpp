@@ -421,7 +421,7 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 /// The skeleton laws get the strain of the soil in place of that of the ground, until restoreGradients().
 template <int D> void Ground<D>::Parts::closeThawStrain()
 {
-	thawStrain->release(averagingCells());
+	thawStrain->release(averagingCells(), around);
 	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
 		const std::vector<int>& places = thawStrain->openAmong(skeletonPlaces[k]);
 		if (places.empty()) continue;
@@ -651,7 +651,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	if (g.motion)
 		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k) {
 			try {
-				if (!g.skeletonPlaces[k].empty()) g.settings.skeletons[k]->updateStress(g.batch(k));
+				if (g.skeletonUsed[k]) g.settings.skeletons[k]->updateStress(g.batch(k));
 			} catch (const StopAfterStep&) {
 				stop = std::current_exception();
 			}

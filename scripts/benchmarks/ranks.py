@@ -5,10 +5,11 @@
 	/usr/bin/python3 scripts/benchmarks/ranks.py ranks.json [--rounds 2] [--steps 150]
 
 Scenes: a frozen slope in the plane whose samples follow a shear ('samples', a small Case I), the same of twice the size ('twice'), with a
-law in place of samples ('law'), a slope in space with samples of spheres ('space'), with a law ('spaceLaw'), and a fine slope in the plane
-with a law that is shared out in bands ('bandsLaw'). Each run is a yade of its own that does the same steps. Work is the processor time of a
-rank less what it spends waiting for others: it does not depend on what else the machine does, as wall time does. Four ranks may have fewer
-cores than that: they are compared for the bits and the work.
+law in place of samples ('law'), a slope in space with samples of spheres ('space'), with a law ('spaceLaw'), a fine slope in the plane with a
+law that is shared out in bands ('bandsLaw'), and the slope with samples in bands, on cells half as wide ('bandsSamples'): these follow the
+cost of the samples from the first sorting of points on, so that time is taken after 210 steps. Each run is a yade of its own that does the
+same steps. Work is the processor time of a rank less what it spends waiting for others: it does not depend on what else the machine does, as
+wall time does. Four ranks may have fewer cores than that: they are compared for the bits and the work.
 
 	yade -n -x ranks.py --record SCENE STEPS FILE     one rank alone: what each step costs, for scripts/scaling"""
 
@@ -23,7 +24,9 @@ from pathlib import Path
 import figures
 
 settle = 40  # steps before time is taken: samples get states of their own, and the first deal
+settleInBands = 210  # the same of samples in bands, which are cut anew when points are sorted
 counts = (1, 2, 4)
+inBands = {"bandsLaw": "bands of a law", "bandsSamples": "bands with samples"}
 
 
 def command(ranks, threads, *arguments):
@@ -63,7 +66,7 @@ def main():
 		("twice", 2, 1),
 		("spaceLaw", 1, 1),
 		("samples", 1, 2),
-		*(("bandsLaw", ranks, 1) for ranks in counts),
+		*((scene, ranks, 1) for scene in inBands for ranks in counts),
 	]
 	runs = figures.interleaved(options.rounds, *(lambda kind=kind: measured(*kind, options.steps) for kind in kinds))
 	found = {kind: best(own) for kind, own in zip(kinds, runs)}
@@ -72,7 +75,7 @@ def main():
 			[{"scene": scene, "ranks": ranks, "threads": threads, "timed": options.steps, **found[scene, ranks, threads]} for scene, ranks, threads in kinds]
 		)
 	)
-	for scene in ("samples", "law", "space", "twice", "bandsLaw"):
+	for scene in ("samples", "law", "space", "twice", *inBands):
 		if len({its["state"] for kind, its in found.items() if kind[0] == scene}) != 1:
 			raise SystemExit(f"ranks.py: '{scene}' did not end with the same bits on any number of ranks and threads")
 	figures.write(options.file, list(figuresOf(found, options.steps)), notes())
@@ -104,23 +107,25 @@ def figuresOf(found, steps):
 	)
 	for ranks in counts[1:]:
 		yield figures.Figure(f"law: strong efficiency of {ranks} ranks", found["law", 1, 1]["work"] / found["law", ranks, 1]["work"] / ranks)
-	alone = found["bandsLaw", 1, 1]
-	for ranks in counts[1:]:
-		its = found["bandsLaw", ranks, 1]
-		yield figures.Figure(
-			f"bands of a law: work of one rank over that of the busiest of {ranks}",
-			alone["work"] / its["work"],
-			"x",
-			aim=1.8 if ranks == 2 else None,
-			terms={
-				"points": its["points"],
-				"ms a step of one rank": 1e3 * alone["work"] / steps,
-				"messages a step": its["messages"] / steps,
-				"kB a step of a rank": its["bytes"] / steps / 1e3,
-				"MB that a rank holds": its["memory"] / 1e6,
-				"MB of one rank": alone["memory"] / 1e6,
-			},
-		)
+	for scene, name in inBands.items():
+		alone = found[scene, 1, 1]
+		for ranks in counts[1:]:
+			its = found[scene, ranks, 1]
+			yield figures.Figure(
+				f"{name}: work of one rank over that of the busiest of {ranks}",
+				alone["work"] / its["work"],
+				"x",
+				aim=1.8 if ranks == 2 else None,
+				terms={
+					"points": its["points"],
+					"ms a step of one rank": 1e3 * alone["work"] / steps,
+					"messages a step": its["messages"] / steps,
+					"kB a step of a rank": its["bytes"] / steps / 1e3,
+					"MB that a rank holds": its["memory"] / 1e6,
+					"MB of one rank": alone["memory"] / 1e6,
+					"balance of the samples": its["balance"],
+				},
+			)
 	yield figures.Figure("samples: speed of two ranks, wall time", found["samples", 1, 1]["wall"] / found["samples", 2, 1]["wall"], "x", aim=1.8)
 	yield figures.Figure("samples: speed of two threads, wall time", found["samples", 1, 1]["wall"] / found["samples", 1, 2]["wall"], "x")
 
@@ -183,6 +188,7 @@ def scene(name):
 		"law": lambda: ground(outline, spacing=0.125),
 		"spaceLaw": lambda: ground(outline, dimension=3, spacing=0.5),
 		"bandsLaw": lambda: ground(outline, spacing=0.025, distribute="ground" if talik.ranks.count > 1 else "none"),
+		"bandsSamples": lambda: ground(outline, discs(), spacing=0.25, distribute="ground" if talik.ranks.count > 1 else "none"),
 		"space": lambda: ground(outline, [talik.rve.pack(talik.rve.prepare(grains=100, dimension=3, ice=True))], dimension=3, spacing=1.0),
 	}
 	return makers[name]()
@@ -198,7 +204,7 @@ def inside(folder, name, steps):
 	mpm = scene(name)
 	sampled = not name.lower().endswith("law")
 	counters = lambda: mpm.skeleton.cost() if sampled else {"seconds": 0, "calls": 0, "steps": 0}
-	O.run(settle, True)
+	O.run(settleInBands if name == "bandsSamples" else settle, True)
 	before, traffic = counters(), talik.ranks.traffic()
 	wall, processor = time.monotonic(), time.process_time()
 	O.run(steps, True)

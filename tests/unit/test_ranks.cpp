@@ -8,6 +8,7 @@
 #include <cstring>
 #include <gtest/gtest.h>
 #include <numeric>
+#include <pkg/multiscale/samples/BandStore.hpp>
 #include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/PackedStore.hpp>
 #include <pkg/multiscale/samples/SampleStore.hpp>
@@ -124,6 +125,106 @@ TEST(Ranks, SamplesSavedByOneNumberOfRanksGoOnWithAnother)
 		});
 	std::printf("%zu bytes after ten more updates\n", alone.size());
 	EXPECT_NE(alone, one.saved);
+}
+
+namespace {
+
+/// Updates of the samples of one rank whose points go from rank to rank every seventh turn; on one rank, of all.
+struct InBands {
+	explicit InBands(std::shared_ptr<RankTalk> others)
+	        : talk(std::move(others))
+	{}
+	void prepare(SampleStoreOf<3>& store) const
+	{
+		for (int s = 0; s < samples; ++s)
+			store.add(0, 0.3, {});
+		if (talk) static_cast<BandStore<3>&>(store).own(owners(0));
+	}
+	void follow(SampleStoreOf<3>& store, int from, int to, std::vector<double>& numbers) const
+	{
+		for (int turn = from; turn < to; ++turn) {
+			auto        requests = requestsOf(turn);
+			auto* const bands    = talk ? static_cast<BandStore<3>*>(&store) : nullptr;
+			if (bands) {
+				if (turn % 7 == 0) bands->deal(owners(turn / 7));
+				bands->beginStep();
+				requests.erase(
+				        std::remove_if(
+				                requests.begin(), requests.end(),
+				                [&](const auto& request) { return owners(turn / 7)[request.sample] != talk->rank(); }),
+				        requests.end());
+			}
+			store.update(requests, {}, 1);
+			if (turn % 5) continue;
+			for (const auto& row : store.measureAll("fabric"))
+				numbers.insert(numbers.end(), row.begin(), row.end());
+			numbers.push_back(store.measure(std::size_t(turn / 5 % samples), "coordinationNumber")[0]);
+			if (talk) talk->meet("all have looked");
+		}
+	}
+	std::vector<int> owners(int time) const
+	{
+		std::vector<int> ownerOf;
+		for (int s = 0; s < samples; ++s)
+			ownerOf.push_back((s + time * (1 + s % 2)) / 3 % talk->count());
+		return ownerOf;
+	}
+	std::shared_ptr<RankTalk> talk;
+};
+
+std::string savedBy(const SampleStore& store)
+{
+	ByteWriter writer;
+	store.save(writer);
+	return writer.bytes();
+}
+
+} // namespace
+
+TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
+{
+	const auto          one = packedStore();
+	std::vector<double> wanted, wantedLater;
+	const InBands       alone(nullptr);
+	alone.prepare(*one);
+	alone.follow(*one, 0, 60, wanted);
+	const std::string half = savedBy(*one);
+	alone.follow(*one, 60, 80, wantedLater);
+	const std::string whole = savedBy(*one);
+	for (const int ranks : { 2, 3 }) {
+		std::vector<int>           same(static_cast<std::size_t>(ranks), 0);
+		std::vector<std::uint64_t> owned(same.size()), moved(same.size());
+		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+			const InBands       banded(talk);
+			BandStore<3>        store(packedStore(), talk);
+			std::vector<double> numbers, later;
+			banded.prepare(store);
+			banded.follow(store, 0, 60, numbers);
+			const bool halfSame = savedBy(store) == half;
+			banded.follow(store, 60, 80, later);
+			const bool wholeSame = savedBy(store) == whole;
+
+			BandStore<3> resumed(packedStore(), talk); // by each rank what is its own
+			banded.prepare(resumed);
+			resumed.own(banded.owners(60 / 7));
+			ByteReader reader(half);
+			resumed.restore(reader);
+			std::vector<double> again;
+			banded.follow(resumed, 60, 80, again);
+			const auto rank = std::size_t(talk->rank());
+			same[rank]      = halfSame + 2 * wholeSame + 4 * (numbers == wanted) + 8 * (later == wantedLater) + 16 * (again == wantedLater)
+			        + 32 * (savedBy(resumed) == whole);
+			owned[rank] = store.sharing()->samples;
+			moved[rank] = store.sharing()->moved;
+		});
+		std::printf(
+		        "%d ranks: %zu numbers and %zu bytes as on one, also resumed; %llu samples went to another rank\n", ranks, wanted.size(), whole.size(),
+		        static_cast<unsigned long long>(moved[0]));
+		for (const int all : same)
+			EXPECT_EQ(all, 63);
+		EXPECT_EQ(std::accumulate(owned.begin(), owned.end(), std::uint64_t(0)), std::uint64_t(samples));
+		EXPECT_GT(moved[0], 20u);
+	}
 }
 
 TEST(Ranks, ARankMayAskWhileTheOthersGoOn)

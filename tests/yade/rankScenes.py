@@ -241,6 +241,28 @@ def bandsInSpace():
 	return mpm
 
 
+def bandsOfBodies():
+	"""A warm ball that falls across the border of two bands, one that comes later, and a plate that is pushed along."""
+	mpm = bandedGround()
+	mpm.bodies = wrapper.BodyContact()
+	mpm.boundaries = mpm.boundaries + [wrapper.BodyTemperature(bodies=[0], temperature=20)]
+	O.bodies.append([utils.sphere((3.2, 3.75, 0), 0.25), utils.box((5.5, 3.55, 0), (0.4, 0.2, 0.5))])
+	O.bodies[0].state.vel, O.bodies[1].state.vel = (1, -2, 0), (1, -0.5, 0)
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(damping=0, gravity=(0, -9.81, 0))]
+	run(120)
+	O.bodies.append(utils.sphere((1.5, 4.1, 0), 0.2))
+	run(120)
+	looks.update({f"body {body.id}": np.array([*body.state.pos, *body.state.vel, *O.forces.f(body.id)]) for body in O.bodies})
+	return mpm
+
+
+def bandsOfIceRichGround():
+	mpm = bandedGround()
+	mpm.materials = [wrapper.GroundMaterial(thawStrain=0.05)]
+	run(230)
+	return mpm
+
+
 def bandsCheckpoint():
 	mpm = bandedGround()
 	run(60)
@@ -265,6 +287,103 @@ def bandsLeft():
 	return mpm
 
 
+def sampledBands(space=False, **ofSkeleton):
+	"""A long block whose points have samples, sheared and so fast that points go from band to band."""
+	mpm = ground(**ofSkeleton)
+	mpm.boundaries = [wrapper.RollerBoundary(region="bottom"), *mpm.boundaries[1:]]
+	sheared = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(-1, 0, 0) if space else (-1, 0),
+		upper=(8, 0.5, 1.5) if space else (8, 2),
+		gravity=(0, 0, -9.81) if space else (0, -9.81),
+		distribute="ground",
+		**{name: getattr(mpm, name) for name in ("damping", "energyLedger", "skeleton", "heat", "freezing", "water", "boundaries")},
+	)
+	sides = [np.arange(0.0625, length, 0.125) for length in ((6.5, 0.25, 0.5) if space else (6.5, 0.5))]
+	position = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
+	velocity = np.zeros_like(position)
+	velocity[:, 0] = 10 + 12 * position[:, -1]
+	sheared.addPoints(position=position, volume=0.125 ** len(sides), porosity=0.4, temperature=-1.0, velocity=velocity)
+	O.engines = [sheared]
+	return sheared
+
+
+def bandsOfSamples():
+	"""Copies, bonds that break and melt, points that cross; looked at by all ranks, by the first alone and by none, and changed by hand."""
+	mpm = sampledBands()
+	mpm.watch([0, 7], fields=["bondsBroken", "fabric", "stress"])
+	run(210)
+	if talik.ranks.first:
+		mpm.mostBroken(3)
+		mpm.skeleton.sample(100)
+	run(3)
+	mpm.setTemperature(np.where(mpm.field("position")[:, 0] > 3, 1.0, -1.0))
+	mpm.skeleton.replaceSample(3, mpm.skeleton.sample(190))
+	with mpm.inspect(150, live=True):
+		O.bodies[3].state.vel = (1e-3, 0, 0)
+	run(40)
+	mpm.setTemperature(-2)
+	run(160)
+	looks.update(everyLook(mpm))
+	return mpm
+
+
+def bandsOfSpheres():
+	mpm = sampledBands(space=True)
+	mpm.skeleton.samples = [rve.pack(rve.prepare(grains=40, dimension=3, ice=True, cache=cache))]
+	run(220)
+	return mpm
+
+
+def bandsToTolerance():
+	mpm = sampledBands()
+	mpm.tolerance = 0.03
+	run(230)
+	return mpm
+
+
+def bandsExchanged():
+	mpm = sampledBands()
+	run(60)
+	soft, fresh = wrapper.ElasticSkeleton(young=5e6, poisson=0.2), wrapper.RveSkeleton(samples=samples()[:1])
+	mpm.exchangeSkeletons([mpm.skeleton, soft, fresh], [int(k % 5 == 0) + 2 * int(k % 7 == 1 and k % 5 != 0) for k in range(mpm.pointCount)])
+	run(210)
+	for law in (mpm.skeletons[0], fresh):
+		looks.update(
+			{f"sample {point}": np.frombuffer(law.sample(point).stateBytes, np.uint8) for point in range(0, mpm.pointCount, 3) if law.hasSample(point)}
+		)
+	return mpm
+
+
+def bandsBlowUp():
+	mpm = sampledBands(blowUpFolder=str(folder / "blownInBands"))
+	run(5)
+	bad = mpm.skeleton.sample(170)
+	bad.dt *= 60
+	mpm.skeleton.replaceSample(170, bad)
+	sentence = ""
+	try:
+		run(40)
+	except RuntimeError as problem:
+		sentence = f"{O.iter} {mpm.time!r} {sorted(mpm.skeleton.blownUp)} {problem}"
+	(folder / f"bandsBlowUp.{talik.ranks.rank}.txt").write_text(sentence)
+	mpm.skeleton.onBlowUp = "isolate"
+	run(220)
+	return mpm
+
+
+def bandsOfSamplesCheckpoint():
+	mpm = sampledBands()
+	run(205)
+	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
+	talik.checkpoint.write(folder / "samplesOfBands.checkpoint")
+	return goOn(mpm)
+
+
+def bandsOfSamplesResumed():
+	return goOn(talik.resume(folder / "samplesOfBands.checkpoint"))
+
+
 looks = {}
 
 
@@ -286,8 +405,10 @@ for name in sys.argv[3:]:
 	state = stateOf(mpm)
 	if mpm.watched is not None:
 		state.update({f"history {point} {field}": values for point in mpm.watched.ids for field, values in mpm.history(point).items()})
-	state.update(looks if name == "asked" else {})
-	shared = mpm.skeleton.cost() if isinstance(mpm.skeleton, wrapper.RveSkeleton) else {}
+	state.update(looks)
+	looks.clear()
+	sampled = [law for law in (mpm.skeleton, *mpm.skeletons) if isinstance(law, wrapper.RveSkeleton)]
+	shared = sampled[0].cost() if sampled else {}
 	if talik.ranks.first:
 		np.savez(folder / f"{name}.npz", **state)
 	print("FIGURES", name, shared.get("moved", 0), shared.get("balance", 1), talik.ranks.traffic()["messages"], flush=True)

@@ -150,7 +150,7 @@ def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCac
 	assert count == 0
 
 
-inBands = ["bands", "bandsInSpace", "bandsCheckpoint", "bandsLeft"]
+inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft"]
 
 
 @pytest.fixture(scope="module")
@@ -184,11 +184,65 @@ def test_any_number_of_bands_has_the_same_bits_slow(ranks, threads, aloneInBands
 	checkBands(aloneInBands, sampleCache, tmp_path, ranks, threads)
 
 
+samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint"]
+
+
+@pytest.fixture(scope="module")
+def aloneWithSamplesInBands(tmp_path_factory, sampleCache):
+	folder = tmp_path_factory.mktemp("aloneWithSamplesInBands")
+	return folder, played(folder, sampleCache, samplesInBands, 1)[0]
+
+
+def checkSamplesOfBands(alone, sampleCache, folder, ranks, threads):
+	states, said, complained = played(folder, sampleCache, samplesInBands, ranks, threads)
+	count = differing(alone[1], states)
+	whole = states["bandsOfSamples"]
+	broken, melted = np.nansum(whole["bondsBroken"]), np.nansum(whole["bondsMelted"])
+	moved = {name: int(number) for name, number, *_ in job.findall(said)}
+	print(f"ranks: samples in bands, {ranks} with {threads} threads against 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
+	print(f"bonds broken {broken:.0f}, melted {melted:.0f}; samples that went to another rank: {moved}")
+	assert count == 0 and broken > 0 and melted > 0
+	assert all(moved[name] > 0 for name in samplesInBands)
+	assert complained.count(f"Talik: {ranks} ranks share out the strips of this ground (MpmEngine.distribute).") == len(samplesInBands)
+	sentences = {(alone[0] / "bandsBlowUp.0.txt").read_text(), *((folder / f"bandsBlowUp.{rank}.txt").read_text() for rank in range(ranks))}
+	print(sentences)
+	assert len(sentences) == 1 and "[170] The sample of point 170 blew up" in sentences.pop()
+	kept = [(place / "blownInBands" / "point170.yade").stat().st_size for place in (alone[0], folder)]
+	assert kept[0] == pytest.approx(kept[1], abs=200)
+	assert (alone[0] / "samplesOfBands.checkpoint").read_bytes()[4096:] == (folder / "samplesOfBands.checkpoint").read_bytes()[4096:]
+
+
+def checkResumed(alone, written, sampleCache, folder, ranks):
+	folder.mkdir()
+	shutil.copy(written / "samplesOfBands.checkpoint", folder)
+	states = played(folder, sampleCache, ["bandsOfSamplesResumed"], ranks)[0]
+	assert differing({"bandsOfSamplesResumed": alone[1]["bandsOfSamplesCheckpoint"]}, states) == 0
+
+
+def test_samples_in_bands_go_with_their_points_and_have_the_bits_of_one_rank(aloneWithSamplesInBands, sampleCache, tmp_path):
+	checkSamplesOfBands(aloneWithSamplesInBands, sampleCache, tmp_path / "two", 2, 1)
+	checkResumed(aloneWithSamplesInBands, tmp_path / "two", sampleCache, tmp_path / "one", 1)
+
+
+@pytest.mark.parametrize("ranks, threads", [(2, 2), (3, 1), (3, 2), (4, 1), (4, 2)])
+def test_samples_of_any_number_of_bands_have_the_same_bits_slow(ranks, threads, aloneWithSamplesInBands, sampleCache, tmp_path):
+	checkSamplesOfBands(aloneWithSamplesInBands, sampleCache, tmp_path / "run", ranks, threads)
+	checkResumed(aloneWithSamplesInBands, tmp_path / "run", sampleCache, tmp_path / "resumed", 6 - ranks)
+
+
+def test_samples_of_spheres_in_bands_have_the_bits_of_one_rank_slow(sampleCache, tmp_path):
+	alone, *others = (played(tmp_path / str(ranks), sampleCache, ["bandsOfSpheres"], ranks)[0] for ranks in (1, 2, 4))
+	for ranks, states in zip((2, 4), others):
+		count = differing(alone, states)
+		print(f"ranks: samples of spheres in bands, {ranks} against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
+		assert count == 0
+
+
 def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
 	(tmp_path / "scene.py").write_text(refusing)
 	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
 	print(said, complained)
-	for what in ("bodies of YADE", "a law in Python"):
+	for what in ("a law in Python", "samples that run open"):
 		assert f"this ground has {what}, which bands do not serve: choose samples or none" in said
 	assert "choose automatic, samples, ground or none" in said
 
@@ -199,7 +253,7 @@ def test_ranks_take_bands_of_a_large_ground_of_a_law_by_themselves_and_of_no_oth
 	told = [line for line in complained.splitlines() if line.startswith("Talik:")]
 	print(told, said)
 	strips, whole = "Talik: 2 ranks share out the strips of this ground", "Talik: 2 ranks each compute all of this ground"
-	assert [line.split(" (")[0].split(",")[0] for line in told] == [strips, whole, whole, whole]
+	assert [line.split(" (")[0].split(",")[0] for line in told] == [strips, whole, strips, strips, whole]
 
 
 large = """
@@ -207,7 +261,7 @@ import numpy as np
 import talik
 from yade import O, wrapper
 def run(size, **attributes):
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(160, 160), skeleton=wrapper.ElasticSkeleton(), **attributes)
+	mpm = wrapper.MpmEngine(**{"gridSpacing": 0.5, "lower": (0, 0), "upper": (160, 160), "skeleton": wrapper.ElasticSkeleton(), **attributes})
 	position = np.stack(np.meshgrid(*[np.arange(0.125, size, 0.25)] * 2), axis=-1).reshape(-1, 2)
 	mpm.addPoints(position=position + 1, volume=0.0625, porosity=0.4, temperature=-1.0)
 	O.engines = [wrapper.ForceResetter(), mpm]
@@ -216,6 +270,7 @@ run(80)
 run(20)
 run(80, bodies=wrapper.BodyContact())
 run(80, gravity=(0, -1), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), materials=[wrapper.GroundMaterial(thawStrain=0.1)])
+run(80, skeleton=wrapper.PythonSkeleton(law=lambda step: None, modulus=1e7))
 """
 
 
@@ -223,7 +278,12 @@ refusing = """
 import talik
 from yade import O, wrapper
 ofPython = wrapper.PythonSkeleton(law=lambda step: None, modulus=1e7)
-for attributes in ({"distribute": "ground", "bodies": wrapper.BodyContact()}, {"distribute": "halves"}, {"distribute": "ground", "skeleton": ofPython}):
+openSamples = wrapper.RveSkeleton(form="open")
+for attributes in (
+	{"distribute": "halves"},
+	{"distribute": "ground", "skeleton": ofPython},
+	{"distribute": "ground", "skeleton": openSamples},
+):
 	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(8, 16), **{"skeleton": wrapper.ElasticSkeleton(), **attributes})
 	mpm.addPoints(position=[[1.1, 1.1]], volume=0.1, porosity=0.4)
 	O.engines = [mpm]

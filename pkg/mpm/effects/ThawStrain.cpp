@@ -30,7 +30,8 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, SolidMotion
 	swollen_          = points.fields().component(swollenField_);
 	lastVolume_       = points.fields().component(lastVolumeField_);
 	ownUnloading_     = bool(settings_->water);
-	sharing_.resize(motion.settings->bBar ? cells : points.count());
+	sharing_.reset(motion.settings->bBar ? cells : points.count());
+	asked_.reset(points.count());
 	ofSkeleton_.reserve(points.count());
 	all_.reserve(points.count());
 	changed_.reserve(points.count());
@@ -54,11 +55,27 @@ template <int D> void ThawStrain<D>::releaseAt(int p)
 	open_[p] += more * motion_->initialVolume[p] / lastVolume_[p];
 }
 
-template <int D> void ThawStrain<D>::release(const CellMeans<D>* cells)
+template <int D> void ThawStrain<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
+{
+	if (motion_->settings->bBar) sharing_.keepOnly(range.firstCell, range.lastCell);
+	else sharing_.keepOnly(firstPoint, endPoint);
+	asked_.keepOnly(firstPoint, endPoint);
+}
+
+/// Points of neighbouring strips may lie in one cell.
+template <int D> void ThawStrain<D>::shareCells(SharedRows& rows)
+{
+	if (cells_) rows.cells(sharing_.data());
+}
+
+template <int D> void ThawStrain<D>::release(const CellMeans<D>* cells, const ActiveRange& range)
 {
 	cells_ = cells;
+	for (const int p : all_)
+		asked_[p] = 0;
 	all_.clear();
-	std::fill(sharing_.begin(), sharing_.end(), Sharing {});
+	if (cells) std::fill(sharing_.begin() + range.firstCell, sharing_.begin() + range.lastCell, Sharing {});
+	else std::fill(sharing_.begin() + points_->strips().firstPoint(), sharing_.begin() + points_->strips().endPoint(), Sharing {});
 	const double* const volume = points_->volume();
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
@@ -71,9 +88,7 @@ template <int D> void ThawStrain<D>::release(const CellMeans<D>* cells)
 			        lastVolume_[p] = volume[p];
 		        }
 	        },
-	        [&](SharedRows& rows) {
-		        if (cells) rows.cells(sharing_.data());
-	        });
+	        [&](SharedRows& rows) { shareCells(rows); });
 }
 
 template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vector<int>& places)
@@ -82,6 +97,8 @@ template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vec
 	for (const int p : places)
 		if (sharing(p).room > 0.0) ofSkeleton_.push_back(p);
 	all_.insert(all_.end(), ofSkeleton_.begin(), ofSkeleton_.end());
+	for (const int p : ofSkeleton_)
+		asked_[p] = 1;
 	return ofSkeleton_;
 }
 
@@ -103,8 +120,12 @@ template <int D> void ThawStrain<D>::close(const double* modulus)
 	for (int a = 0; a < D; ++a)
 		down[a] = gravity[a] / size;
 	const double* const volume = points_->volume();
-	for (const int p : all_)
-		sharing(p).elastic += volume[p] * unloadingAt(p, down, modulus);
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        for (int p = first; p < last; ++p)
+			        if (asked_[p]) sharing(p).elastic += volume[p] * unloadingAt(p, down, modulus);
+	        },
+	        [&](SharedRows& rows) { shareCells(rows); });
 	for (const int p : all_) {
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/PagedArray.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 
 #include <vector>
@@ -24,8 +26,8 @@ public:
 	/// Takes the ice that the points have now as that of the frozen ground.
 	void start(int count);
 
-	/// Adds the room that ice has left and the change of volume since the last step; cells null: every point by itself.
-	void release(const CellMeans<D>* cells);
+	/// Adds the room that ice has left and the change of volume since the last step; cells null: every point by itself. range: of the cells.
+	void release(const CellMeans<D>* cells, const ActiveRange& range);
 	/// Points of a skeleton with room to close, in the order of places; valid until the next call.
 	const std::vector<int>& openAmong(const std::vector<int>& places);
 	/// Adds to the displacement gradient of all points that were asked for what closes in this step, eq. (24.3); modulus [Pa]: of the
@@ -33,6 +35,8 @@ public:
 	void close(const double* modulus);
 	/// Gives all points back the displacement gradient of the ground.
 	void restoreGradients();
+	/// Of cells or points only these take memory.
+	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 
 private:
 	/// Sums over the points of a cell, or one point.
@@ -48,6 +52,7 @@ private:
 	};
 	Sharing& sharing(int place);
 	void     releaseAt(int place);
+	void     shareCells(SharedRows& rows);
 	/// Strain along gravity by which a point expands when it loses its load [-], >= 0.
 	double unloadingAt(int place, const Vec<D>& down, const double* modulus) const;
 
@@ -60,10 +65,11 @@ private:
 	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *swollen_ = nullptr, *lastVolume_ = nullptr;
 	/// Each point of a cell unloads by its own load, not by the mean of the cell. With pore water frozen points stand in tension beside thawed
 	/// ones, and the mean would open soil that has no load: a column then settles by 16 % too little. Without water the mean is nearer.
-	bool                 ownUnloading_ = false;
-	std::vector<Sharing> sharing_;
-	std::vector<int>     ofSkeleton_, all_;
-	std::vector<OfGrid>  changed_;
+	bool                ownUnloading_ = false;
+	PagedArray<Sharing> sharing_;
+	PagedArray<char>    asked_; ///< by place: the point is one of all_
+	std::vector<int>    ofSkeleton_, all_;
+	std::vector<OfGrid> changed_;
 };
 
 extern template class ThawStrain<2>;

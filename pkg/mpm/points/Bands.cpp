@@ -26,20 +26,46 @@ Bands::Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std
 
 Bands::~Bands() { talk_->dismiss(number_); }
 
+namespace {
+	/// Of the bands.
+	double largestCost(const std::vector<int>& firstStrips, const std::vector<double>& before)
+	{
+		double largest = 0.0;
+		for (std::size_t r = 0; r + 1 < firstStrips.size(); ++r)
+			largest = std::max(largest, before[firstStrips[r + 1]] - before[firstStrips[r]]);
+		return largest;
+	}
+} // namespace
+
 void Bands::cut(const std::vector<int>& firstPoints, const Rows& rows)
 {
-	rows_            = rows;
-	const int strips = static_cast<int>(firstPoints.size()) - 1, n = count();
-	strips_[0] = points_[0] = 0;
-	for (int r = 1; r <= n; ++r) {
-		// the strip that begins nearest to the rank's share of the points
-		const double wanted = static_cast<double>(firstPoints[strips]) * r / n;
-		int          s      = strips_[r - 1] + leastStrips;
-		while (s < strips - leastStrips * (n - r) && wanted - firstPoints[s] > firstPoints[s + 1] - wanted)
-			++s;
-		strips_[r] = r == n ? strips : s;
+	constexpr double worthMoving = 1.05; // largest cost of a band now over that after the cut
+	rows_                        = rows;
+	const std::size_t   strips   = firstPoints.size() - 1;
+	const bool          weighed  = costs_.size() == strips;
+	std::vector<double> before(strips + 1, 0.0);
+	for (std::size_t s = 0; s < strips; ++s)
+		before[s + 1] = before[s] + (weighed ? costs_[s] : firstPoints[s + 1] - firstPoints[s]);
+	std::vector<int> next = fairly(before);
+	if (strips_.back() != static_cast<int>(strips) || largestCost(strips_, before) > worthMoving * largestCost(next, before)) strips_ = std::move(next);
+	for (int r = 0; r <= count(); ++r)
 		points_[r] = firstPoints[strips_[r]];
+}
+
+std::vector<int> Bands::fairly(const std::vector<double>& before) const
+{
+	const int        strips = static_cast<int>(before.size()) - 1, n = count();
+	std::vector<int> first(static_cast<std::size_t>(n) + 1, 0);
+	for (int r = 1; r < n; ++r) {
+		// the strip that begins nearest to the rank's share
+		const double wanted = before[strips] * r / n;
+		int          s      = first[r - 1] + leastStrips;
+		while (s < strips - leastStrips * (n - r) && wanted - before[s] > before[s + 1] - wanted)
+			++s;
+		first[r] = s;
 	}
+	first[n] = strips;
+	return first;
 }
 
 Bands::Part Bands::touched(bool beyond) const
@@ -125,17 +151,6 @@ void Bands::shareByCell(std::vector<unsigned char>& flags)
 	for (int r = 0; r < count(); from += lengths_[r++])
 		for (int c = begin(r), k = 0; c < begin(r + 1); ++c, ++k)
 			flags[c] = from[k / bits] >> k % bits & 1;
-}
-
-std::vector<int> Bands::sums(const std::vector<int>& own)
-{
-	const std::size_t n = own.size();
-	std::vector<int>  all(n * static_cast<std::size_t>(count())), sums(n, 0);
-	lengths_.assign(static_cast<std::size_t>(count()), n * sizeof(int));
-	ranks().allGather(own.data(), lengths_, all.data());
-	for (std::size_t k = 0; k < all.size(); ++k)
-		sums[k % n] += all[k];
-	return sums;
 }
 
 int Bands::rankOf(int strip) const { return static_cast<int>(std::upper_bound(strips_.begin() + 1, strips_.end() - 1, strip) - strips_.begin()) - 1; }

@@ -65,7 +65,10 @@ public:
 	int    rank() const { return talk_->rank(); }
 	Ranks& ranks() const { return talk_->ranks(); }
 
-	/// Cuts the strips anew; firstPoints: place of the first point of each strip, and the end.
+	/// What each strip has cost, to be shared out from the next cut on; empty: points cost alike.
+	void weigh(std::vector<double> costs) { costs_ = std::move(costs); }
+	/// Cuts the strips anew, unless they are shared out well enough; firstPoints: place of the first point of each strip, and the end. What is
+	/// computed does not depend on the cut.
 	void cut(const std::vector<int>& firstPoints, const Rows& rows);
 	int  firstStrip() const { return strips_[rank()]; }
 	int  endStrip() const { return strips_[rank() + 1]; }
@@ -95,8 +98,17 @@ public:
 		ranks().allGather(&own, lengths_, all.data());
 		return all;
 	}
-	/// Sums over all ranks, number by number.
-	std::vector<int> sums(const std::vector<int>& own);
+	/// Sums over all ranks, in their order, number by number.
+	template <class T> std::vector<T> sums(const std::vector<T>& own)
+	{
+		const std::size_t n = own.size();
+		std::vector<T>    all(n * static_cast<std::size_t>(count())), sums(n, T(0));
+		lengths_.assign(static_cast<std::size_t>(count()), n * sizeof(T));
+		ranks().allGather(own.data(), lengths_, all.data());
+		for (std::size_t k = 0; k < all.size(); ++k)
+			sums[k % n] += all[k];
+		return sums;
+	}
 	/// The rank whose band has a strip.
 	int rankOf(int strip) const;
 	/// Combined bits of all ranks.
@@ -122,6 +134,8 @@ private:
 		bool upper, even;    ///< this band is the upper one; its strip here is an even one
 	};
 	template <class Work> void overMeetings(Work&& work) const;
+	/// First strip of each band, and the end, of bands that cost alike as far as whole strips allow; before: cost of the strips before each.
+	std::vector<int> fairly(const std::vector<double>& before) const;
 	/// Numbers of an array before a row.
 	std::size_t before(const SharedRows::Array& array, int row) const;
 	void        gatherParts(void* values, std::size_t size, const std::vector<int>& begins);
@@ -132,6 +146,7 @@ private:
 	std::function<std::string(const std::string&)> answer_;
 	int                                            number_;
 	std::vector<int>                               strips_, points_; ///< first of each rank, and the end
+	std::vector<double>                            costs_;           ///< of each strip; empty: that of its points
 	Rows                                           rows_;
 	SharedRows                                     shared_;
 	std::vector<Parcel>                            going_, coming_;

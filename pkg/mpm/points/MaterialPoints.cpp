@@ -173,18 +173,23 @@ namespace {
 	};
 } // namespace
 
-template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands& bands, const std::function<void()>& cut)
+template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands& bands, const double* cost, const std::function<void()>& cut)
 {
 	std::array<const double*, D> x;
 	for (int a = 0; a < D; ++a)
 		x[a] = position(a);
-	const Order<D>   order(grid, x);
-	const int        first = strips_.firstPoint(), end = strips_.endPoint();
-	std::vector<int> counts(strips_.count(), 0);
+	const Order<D>      order(grid, x);
+	const int           first = strips_.firstPoint(), end = strips_.endPoint();
+	std::vector<int>    counts(strips_.count(), 0);
+	std::vector<double> costs(strips_.count(), 0.0);
 	number_.resize(end - first);
-	for (int p = first; p < end; ++p)
-		++counts[order.stripOf(number_[p - first] = order.of(p))];
+	for (int p = first; p < end; ++p) {
+		const int strip = order.stripOf(number_[p - first] = order.of(p));
+		++counts[strip];
+		costs[strip] += cost[p];
+	}
 	counts = bands.sums(counts);
+	bands.weigh(bands.sums(costs));
 	std::partial_sum(counts.begin(), counts.end(), strips_.first.begin() + 1);
 	cut();
 

@@ -119,9 +119,9 @@ public:
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
 	/// same support.
 	void sort(const Grid<D>& grid);
-	/// The same for the points of all ranks, each of which has those of its band. cut() takes the new strips. Points whose strip belongs to
-	/// another rank then go there with all that they have. Collective.
-	void sortInBands(const Grid<D>& grid, Bands& bands, const std::function<void()>& cut);
+	/// The same for the points of all ranks, each of which has those of its band; cost: of each since the last cut, by place. cut() takes the
+	/// new strips. Points whose strip belongs to another rank then go there with all that they have. Collective.
+	void sortInBands(const Grid<D>& grid, Bands& bands, const double* cost, const std::function<void()>& cut);
 	/// How often the points were sorted: caches of places are valid as long as it stands.
 	long order() const { return order_; }
 

@@ -10,6 +10,8 @@
 
 namespace talik {
 
+class Bands;
+
 /// Thrown by a skeleton model that has given every point a stress and wants the run to stop: Ground ends the step first and passes
 /// it on from updateEffectiveStress().
 class StopAfterStep : public std::runtime_error {
@@ -70,7 +72,20 @@ public:
 	/// Called once, after the fields exist and initial stresses are set.
 	virtual void initialise(const SkeletonBatch<D>&) {}
 
-	/// Step 3 of the paper: effective stress from the strain of the step and the ice saturation. Runs its own threads.
+	/// In a ground in bands, when they were cut: by the ids of the points of all ranks in the order of places it knows whose they are. What it
+	/// keeps behind points goes with them to their rank. moved: false where all ranks have the same, or what they have is replaced next; true in
+	/// a run, and then collective.
+	virtual void followBands(Bands&, const int* ids, bool moved)
+	{
+		(void)ids;
+		(void)moved;
+	}
+
+	/// Adds what these points have cost beyond the ground itself since it was asked last, in steps of a point of the ground: bands follow the cost.
+	virtual void addCost(const SkeletonPoints&, double* costByPlace) { (void)costByPlace; }
+
+	/// Step 3 of the paper: effective stress from the strain of the step and the ice saturation. Runs its own threads. In bands every rank is
+	/// asked for its own points, also where it has none, and all of them throw or none.
 	virtual void updateStress(const SkeletonBatch<D>&) = 0;
 
 	/// Tangent oedometer modulus M_t [Pa] of every point of the batch, to modulus[place]; for the stable time step.

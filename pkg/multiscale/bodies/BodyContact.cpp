@@ -64,6 +64,8 @@ Real BodyContact::frictionOf(const Body& body) const
 	return std::tan(material->frictionAngle);
 }
 
+bool BodyContact::hasNewBodies(const Scene& scene) const { return bodiesChecked != scene.bodies->size(); }
+
 void BodyContact::collect(const Scene& scene, const Engine& mpm, SceneBodies& met)
 {
 	checkEngines(scene, mpm);
@@ -77,7 +79,7 @@ void BodyContact::collect(const Scene& scene, const Engine& mpm, SceneBodies& me
 	}
 	met.show();
 	limitByContact(scene, met);
-	if (bodiesChecked != all.size()) refuseOverlap(scene, met);
+	if (hasNewBodies(scene)) refuseOverlap(scene, met);
 	bodiesChecked = all.size();
 }
 

@@ -57,6 +57,8 @@ class BodyContact : public Serializable {
 public:
 	talik::RigidContactSettings build(int dimension) const;
 
+	/// The next collect() compares bodies with all points of the ground.
+	bool hasNewBodies(const Scene& scene) const;
 	/// Shows the bodies of a scene to the ground, as they are now. Throws if one of them cannot be met.
 	void collect(const Scene& scene, const Engine& mpm, SceneBodies& met);
 	/// Takes what the ground gave during its last `interval` [s].

@@ -46,11 +46,20 @@ public:
 		position_ += length;
 		return text;
 	}
+	/// A block that is not wanted.
+	void pass()
+	{
+		const std::size_t length = number();
+		require(length);
+		position_ += length;
+	}
 	void block(void* data, std::size_t expected)
 	{
 		if (number() != expected) throw std::runtime_error("the saved state does not fit this scene: its settings or points have changed");
 		copy(data, expected);
 	}
+
+	bool atEnd() const { return position_ == bytes_.size(); }
 
 private:
 	void require(std::size_t length) const

@@ -322,22 +322,28 @@ void MpmEngine::shareAmongRanks()
 {
 	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
 		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
-	const auto& talk  = talik::jobTalk();
-	const bool  share = talk && distribute != "none" && distribute != "ground";
-	samplesToShare    = false;
+	const auto& talk = talik::jobTalk();
+	const auto  what = !talk || distribute == "none" ? SkeletonLaw::Shared::nothing
+	         : distribute == "ground"                ? SkeletonLaw::Shared::ground
+	                                                 : SkeletonLaw::Shared::samples;
+	if (talk && distribute == "ground" && !notInBands().empty())
+		throw std::invalid_argument(
+		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands() + ", which bands do not serve: choose samples or none.");
+	samplesToShare = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())
-			samplesToShare = (law && law->shareAmongRanks(share)) || samplesToShare;
-	const string refused = samplesToShare ? "samples behind its points" : bodies ? "bodies of YADE" : lawsServeBands() ? "" : "a law in Python";
-	if (talk && distribute == "ground" && !refused.empty())
-		throw std::invalid_argument(
-		        "MpmEngine.distribute is 'ground', and this ground has " + refused + ", which bands do not serve: choose samples or none.");
+			samplesToShare = (law && law->shareAmongRanks(what)) || samplesToShare;
 }
 
-bool MpmEngine::lawsServeBands() const
+/// What this ground has that bands do not serve.
+string MpmEngine::notInBands() const
 {
-	const auto laws = activeSkeletons();
-	return !motion || std::all_of(laws.begin(), laws.end(), [](const auto& law) { return !law || law->servesBands(); });
+	if (!motion) return "";
+	for (const auto& law : activeSkeletons()) {
+		const string reason = law ? law->notInBands(usedDimension()) : "";
+		if (!reason.empty()) return reason;
+	}
+	return "";
 }
 
 /// Each rank computes a band of this ground, if nothing in it forbids that.
@@ -345,7 +351,7 @@ bool MpmEngine::mayBeInBands() const
 {
 	constexpr int worthwhile = 100000; // points
 	if (!talik::jobTalk()) return false;
-	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && !bodies && lawsServeBands() && pointCount() >= worthwhile);
+	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && notInBands().empty() && pointCount() >= worthwhile);
 }
 
 void MpmEngine::sayHowRanksShare()
@@ -359,7 +365,7 @@ void MpmEngine::sayHowRanksShare()
 }
 
 /// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of bands have no points in common: what they owe each other
-/// is compared by what follows from all of them, the times.
+/// is compared by what follows from all of them, the times and the impulses of bodies.
 void MpmEngine::compareRanks()
 {
 	constexpr long interval = 100; // steps
@@ -369,6 +375,7 @@ void MpmEngine::compareRanks()
 	if (ground->inBands()) {
 		const double times[] = { ground->time(), ground->calendar().time, stableStep };
 		digest.add(times, sizeof times);
+		if (bodies) digest.add(bodies->pending.data(), bodies->pending.size() * sizeof(Real));
 	} else {
 		for (const auto& array : ground->state())
 			digest.add(array.data, array.bytes);
@@ -678,6 +685,7 @@ void MpmEngine::advanceAlone(bool newLimit)
 void MpmEngine::collectBodies()
 {
 	SceneBodies& met = groundOfScene->bodies();
+	if (bodies->hasNewBodies(*scene)) ground->pointFields(); // those of other ranks, too: bodies that lie in the ground are refused
 	bodies->collect(*scene, *this, met);
 	if (bodiesNamed) return;
 	std::set<int> numbers; // of bodies, and of clumps that have one

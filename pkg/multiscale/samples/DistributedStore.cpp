@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/samples/DistributedStore.hpp>
-#include <pkg/multiscale/samples/SampleStore.hpp>
-#include <pkg/ranks/RankTalk.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -29,17 +27,6 @@ namespace {
 	struct Head {
 		std::uint64_t hasWords; ///< why a sample blew up, or why the update failed
 	};
-
-	template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
-	{
-		digest.add(request.displacementGradient.data(), sizeof(double) * Dim * Dim);
-		digest.add(&request.iceSaturation, sizeof(double));
-		digest.add(&request.inertialNumber, sizeof(double));
-		digest.add(std::uint64_t(request.compareRates));
-		digest.add(&request.strength, sizeof(request.strength));
-		digest.add(&request.iceStiffness, sizeof(double));
-		digest.add(&request.creep, sizeof(request.creep));
-	}
 
 	template <int Dim> std::uint64_t digestOf(const std::vector<PackedRequest<Dim>>& requests)
 	{
@@ -90,8 +77,7 @@ private:
 
 template <int Dim>
 DistributedStore<Dim>::DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
-        : held(std::move(here))
-        , talk(std::move(others))
+        : StoreOfRanks<Dim>(std::move(here), std::move(others))
 {
 	for (std::size_t s = 0; s < held->size(); ++s)
 		beginAnew(s);
@@ -408,12 +394,6 @@ template <int Dim> void DistributedStore<Dim>::fetch(std::size_t sample) const
 	brought.insert(sample);
 }
 
-template <int Dim> std::vector<double> DistributedStore<Dim>::measure(std::size_t sample, const std::string& name) const
-{
-	fetch(sample);
-	return held->measure(sample, name);
-}
-
 template <int Dim> std::vector<std::vector<double>> DistributedStore<Dim>::measureAll(const std::string& name) const
 {
 	const auto numbers = this->numbering();
@@ -431,12 +411,6 @@ template <int Dim> std::vector<std::vector<double>> DistributedStore<Dim>::measu
 	for (const auto state : numbers.stateOf)
 		result.push_back(ofStates[state]);
 	return result;
-}
-
-template <int Dim> void DistributedStore<Dim>::saveState(ByteWriter& writer, std::size_t sample) const
-{
-	fetch(sample);
-	held->saveState(writer, sample);
 }
 
 /// The bytes that one rank with all samples would write.

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <map>
-#include <pkg/multiscale/samples/SampleStore.hpp>
-#include <pkg/ranks/RankTalk.hpp>
-#include <set>
+#include <pkg/multiscale/samples/StoreOfRanks.hpp>
 
 namespace talik {
 
 /// Samples that are shared out among ranks. All ranks ask for the same updates; each computes those of the states that it owns, and the
 /// answers go round. A state has one owner from its first update on; until then every rank has it, and any may compute it. Results are
 /// those of one rank bit for bit, whoever owns what.
-template <int Dim> class DistributedStore final : public SampleStoreOf<Dim>, private RankTalk::Answerer {
+template <int Dim> class DistributedStore final : public StoreOfRanks<Dim> {
 public:
 	using Request = PackedRequest<Dim>;
 	using Result  = PackedUpdateResult<Dim>;
@@ -19,29 +17,18 @@ public:
 	DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<RankTalk> talk);
 	~DistributedStore() override;
 
-	int    prototypeCount() const override { return held->prototypeCount(); }
-	double prototypeIce(int prototype) const override { return held->prototypeIce(prototype); }
-	double oedometricModulus(int prototype, double iceSaturation) const override { return held->oedometricModulus(prototype, iceSaturation); }
 	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
 	void                    release(std::size_t sample) override;
-	std::size_t             size() const override { return held->size(); }
 	void                    clear() override;
 	/// An update that fails on one rank fails on all, with the same sentence.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
-	bool                comparesRates() const override { return held->comparesRates(); }
 
-	std::vector<double>              measure(std::size_t sample, const std::string& name) const override;
 	std::vector<std::vector<double>> measureAll(const std::string& name) const override;
 	const void*                      identity(std::size_t sample) const override { return stateOf.at(sample).get(); }
 	std::size_t                      distinctStates() const override { return this->numbering().firstOf.size(); }
-	std::size_t                      bytes() const override { return held->bytes(); } ///< on this rank
-	double                           costOfStep(std::size_t sample) const override { return held->costOfStep(sample); }
-	void                             saveState(ByteWriter&, std::size_t sample) const override;
 	void                             save(ByteWriter&) const override;
 	void                             restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
-	bool                             restoresExactly() const override { return held->restoresExactly(); }
 	void                             resize(std::size_t samples) override;
-	void                             bring(std::size_t sample) override { fetch(sample); }
 	void                             replaced(std::size_t sample) override { beginAnew(sample); }
 	const SampleStore::Sharing*      sharing() const override;
 
@@ -57,7 +44,7 @@ private:
 	std::string              answerTo(const std::string& question) const override;
 	bool                     isMine(std::size_t sample) const { return stateOf[sample]->owner == talk->rank(); }
 	void                     beginAnew(std::size_t sample);
-	void                     fetch(std::size_t sample) const;
+	void                     fetch(std::size_t sample) const override;
 	std::vector<int>         dealt(const std::vector<Request>&) const;
 	void                     compute(Batch&, const PackedUpdateOptions&, int threads) const;
 	void                     spread(Batch&, bool tangent) const;
@@ -65,14 +52,15 @@ private:
 	void                     dealAgain();
 	std::vector<std::string> partsOfOwners(const std::string& question) const;
 
-	std::shared_ptr<SampleStoreOf<Dim>>         held;
-	std::shared_ptr<RankTalk>                   talk;
+	using StoreOfRanks<Dim>::held;
+	using StoreOfRanks<Dim>::talk;
+	using StoreOfRanks<Dim>::brought;
+	using StoreOfRanks<Dim>::shared;
+	using StoreOfRanks<Dim>::meanCost;
+	using StoreOfRanks<Dim>::largestCost;
+	using StoreOfRanks<Dim>::number;
 	std::vector<std::shared_ptr<State>>         stateOf;   ///< by sample
 	std::map<const void*, std::weak_ptr<State>> beginning; ///< states that every rank has, by their identity here
-	mutable std::set<std::size_t>               brought;   ///< samples of other ranks whose state is here, too
-	mutable typename SampleStore::Sharing       shared;
-	double                                      meanCost = 0, largestCost = 0; ///< of ranks, summed over updates
-	int                                         number  = -1;                  ///< of this store in the talk, from the first update on
 	std::uint64_t                               updates = 0;
 };
 

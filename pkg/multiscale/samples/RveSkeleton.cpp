@@ -154,6 +154,9 @@ string RveSkeleton::reasonAgainstPacking(int dimension) const
 	return "";
 }
 
+/// Their archives are exact to some 1e-12 only: one that followed its point to another rank would go on with other bits.
+string RveSkeleton::notInBands(int dimension) const { return form == "packed" && reasonAgainstPacking(dimension).empty() ? "" : "samples that run open"; }
+
 template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 {
 	const string reason = form == "packed" ? reasonAgainstPacking(Dim) : "";
@@ -206,7 +209,8 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
 	if (made.packed) store = made.packed;
 	else store = made.open;
-	if (shared && talik::jobTalk()) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
+	if (talik::jobTalk() && shared == Shared::samples) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
+	if (talik::jobTalk() && shared == Shared::ground) store = std::make_shared<talik::BandStore<Dim>>(store, talik::jobTalk());
 	made.model           = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
 	made.model->onBlowUp = [this](int id) {
 		keepBlownUp(id);

@@ -27,9 +27,10 @@ public:
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
 	talik::ErrorSquares errorSquares(const talik::SkeletonPoints& points) const override { return running().errorSquares(points); }
 	void                keepOnly(const talik::SkeletonPoints& points) override { running().keepOnly(points); }
-	bool                shareAmongRanks(bool share) override
+	string              notInBands(int dimension) const override;
+	bool                shareAmongRanks(Shared what) override
 	{
-		shared = share;
+		shared = what;
 		return true;
 	}
 
@@ -82,7 +83,7 @@ private:
 	std::vector<std::size_t>                 takenScenes; ///< digests of `scenes` then
 	bool                                     byHand = false;
 	bool                                     told   = false;
-	bool                                     shared = false; ///< samples are shared out among the ranks of the job
+	Shared                                   shared = Shared::nothing; ///< among the ranks of the job
 
 public:
 	// clang-format off
@@ -140,8 +141,8 @@ public:
 				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
 				"sampleIceSaturation, fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
 		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
-				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; moved, states that went to "
-				"another rank; balance, mean over largest cost of the ranks [-].")
+				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
+				"moved, how often one went to another rank (of samples that share a state each counts in bands); balance, mean over largest cost of the ranks [-].")
 		.add_property("counters",&RveSkeleton::refuseCounters,"The former name of cost().")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);

@@ -43,7 +43,7 @@ void SampleAccuracy::begin(int place)
 
 bool SampleAccuracy::comparesRates(int place) const { return std::fmod(at(callsField)[place], comparisonInterval) == 0; }
 
-double SampleAccuracy::learn(const Answer& a, double strainTolerance)
+SampleAccuracy::Term SampleAccuracy::learn(const Answer& a, double& strainTolerance)
 {
 	const double scale = a.stress + stressFloor, part = tolerance * std::sqrt(0.5) * scale;
 	if (comparesRates(a.place)) {
@@ -52,17 +52,18 @@ double SampleAccuracy::learn(const Answer& a, double strainTolerance)
 		inertial = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
 	}
 	at(predictionErrorField)[a.place] = a.predictionError;
-	addPending(a.place, a.volume, a.stress, sum);
-	at(lastCallField)[a.place] = double(step);
+	const Term term                   = pending(a.place, a.volume, a.stress);
+	at(lastCallField)[a.place]        = double(step);
 	at(callsField)[a.place] += 1;
-	if (a.strain < strainShare * strainTolerance) return strainTolerance;
-	return steered(strainTolerance, a.predictionError > 0 ? std::sqrt(part / a.predictionError) : 2., smallestStrainTolerance, largestStrainTolerance);
+	if (a.strain >= strainShare * strainTolerance)
+		strainTolerance = steered(
+		        strainTolerance, a.predictionError > 0 ? std::sqrt(part / a.predictionError) : 2., smallestStrainTolerance, largestStrainTolerance);
+	return term;
 }
 
-void SampleAccuracy::addPending(int place, double volume, double stress, ErrorSquares& total) const
+SampleAccuracy::Term SampleAccuracy::pending(int place, double volume, double stress) const
 {
-	const double error = square(at(predictionErrorField)[place]) + square(at(rateErrorField)[place]);
-	total.add(volume * pendingSteps(place), error, square(stress));
+	return { volume * pendingSteps(place), square(at(predictionErrorField)[place]) + square(at(rateErrorField)[place]), square(stress) };
 }
 
 void SampleAccuracy::save(ByteWriter& writer) const

@@ -41,11 +41,16 @@ public:
 	void   countStep() { ++step; }
 	bool   comparesRates(int place) const;
 	double inertialNumber(int place) const { return at(inertialNumberField)[place]; }
-	/// Takes in an answer and steers the point: returns its new strain tolerance [-].
-	double learn(const Answer& answer, double strainTolerance);
+	/// What an answer adds to the sums.
+	struct Term {
+		double weight, error, stress;
+	};
+	/// Takes in an answer and steers the point: changes its strain tolerance [-], and says what is to be booked.
+	Term learn(const Answer& answer, double& strainTolerance);
+	void book(const Term& term) { sum.add(term.weight, term.error, term.stress); }
 
 	/// Since the last call of a point, for sums up to now.
-	void         addPending(int place, double volume, double stress, ErrorSquares& sum) const;
+	Term         pending(int place, double volume, double stress) const;
 	ErrorSquares squares() const { return sum; }
 
 	void save(ByteWriter&) const;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/points/Bands.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/samples/SampleSkeleton.hpp>
 #include <pkg/thm/Errors.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <Eigen/Eigenvalues>
@@ -20,7 +22,9 @@ namespace {
 	constexpr double failingTightness = 0.25;
 	constexpr double saturationShare  = 1.
 	        / 3; ///< saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress
-	constexpr double toleranceRange = 10.; ///< the steered tolerance stays within this factor of the given one
+	/// Steps of a point of the ground that take as long as a DEM step of a packed sample, over the bytes of that: 4e-4 with discs, less in space.
+	constexpr double pointStepsPerCost = 5e-4;
+	constexpr double toleranceRange    = 10.; ///< the steered tolerance stays within this factor of the given one
 
 	template <int Dim> using MatrixOf = typename PackedTypes<Dim>::Matrix;
 
@@ -159,6 +163,7 @@ template <int Dim>
 SampleSkeleton<Dim>::SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> samples, std::vector<int> of, const SampleScheduling& s)
         : PointSamples(samples, std::move(of), s)
         , store(std::move(samples))
+        , banded(std::dynamic_pointer_cast<BandStore<Dim>>(store))
 {}
 
 template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const std::string& prefix)
@@ -238,6 +243,7 @@ template <int Dim> void SampleSkeleton<Dim>::predict(const SkeletonBatch<Dim>& b
 template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
 {
 	const Arrays a = arrays();
+	if (bands) banded->beginStep();
 	if (accuracy) accuracy->countStep();
 	if (schedule.followsTime()) passTime(batch);
 	flagScratch.assign(batch.count, 0);
@@ -262,7 +268,8 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	dueScratch.clear();
 	for (int k = 0; k < batch.count; ++k)
 		if (flagScratch[k]) dueScratch.push_back(batch.place[k]);
-	if (!dueScratch.empty()) ask(batch, dueScratch, a);
+	if (bands) askInBands(batch, dueScratch, a);
+	else if (!dueScratch.empty()) book(ask(batch, dueScratch, a));
 }
 
 /// Time of nature since the samples were asked.
@@ -323,22 +330,18 @@ std::vector<PackedRequest<Dim>> SampleSkeleton<Dim>::requests(const SkeletonBatc
 	return list;
 }
 
-template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Arrays& a)
+template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Arrays& a)
 {
-	const auto          start     = std::chrono::steady_clock::now();
-	int                 stoppedBy = -1;
-	const auto          asked     = requests(batch, due, a);
-	PackedUpdateOptions options   = schedule.update;
-	options.tangent               = schedule.prediction;
-	const auto results            = store->update(asked, options, schedule.threads);
+	const auto          start = std::chrono::steady_clock::now();
+	Asked               came;
+	const auto          asked   = requests(batch, due, a);
+	PackedUpdateOptions options = schedule.update;
+	options.tangent             = schedule.prediction;
+	const auto results          = store->update(asked, options, schedule.threads);
 	for (std::size_t r = 0; r < due.size(); ++r) {
-		const int place = due[r], id = batch.id[place];
-		count.steps += std::uint64_t(results[r].steps);
-		if (results[r].blewUp) {
-			failures[id] = results[r].reason;
-			if (onBlowUp ? onBlowUp(id) : schedule.stopOnBlowUp) stoppedBy = stoppedBy < 0 ? id : stoppedBy;
-			else isolated.insert(id);
-		}
+		const int place = due[r];
+		came.steps += std::uint64_t(results[r].steps);
+		if (results[r].blewUp) came.blownUp.push_back({ batch.id[place], results[r].reason });
 		const Matrix predicted = a.predicted(place), before = a.lastStress(place), after = results[r].stress;
 		if (schedule.prediction && !results[r].blewUp) {
 			const Matrix h = a.accumulated(place), turn = rotationOf(h);
@@ -348,7 +351,7 @@ template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch
 			for (int i = 0; i < tangentSize<Dim>; ++i)
 				a.tangent[i][place] = c[i];
 			const double error = (after - predicted).norm();
-			if (accuracy) steer(batch, place, error, results[r], a);
+			if (accuracy) came.errors.push_back(steer(batch, place, error, results[r], a));
 			else if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
 				const double relative = error / (after.norm() + stressFloor);
 				const double factor   = relative > 0 ? std::sqrt(schedule.stressTolerance / relative) : 2.;
@@ -364,17 +367,14 @@ template <int Dim> void SampleSkeleton<Dim>::ask(const SkeletonBatch<Dim>& batch
 		if (schedule.followsTime()) fields->component(timeField)[place] = 0;
 		storeStress<Dim>(batch, place, after);
 	}
-	count.calls += due.size();
+	came.calls = due.size();
 	count.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-	if (stoppedBy >= 0)
-		throw StopAfterStep(
-		        "The sample of point " + std::to_string(stoppedBy) + " blew up: " + failures[stoppedBy]
-		        + ". The step was completed with its last stress; look at the sample (RveSkeleton.scene), use finer maxInertialNumber or "
-		          "maxStrainPerStep, or go on with onBlowUp='isolate'.");
+	return came;
 }
 
 template <int Dim>
-void SampleSkeleton<Dim>::steer(const SkeletonBatch<Dim>& batch, int place, double predictionError, const PackedUpdateResult<Dim>& result, const Arrays& a)
+SampleAccuracy::Term SampleSkeleton<Dim>::steer(
+        const SkeletonBatch<Dim>& batch, int place, double predictionError, const PackedUpdateResult<Dim>& result, const Arrays& a)
 {
 	SampleAccuracy::Answer answer;
 	answer.place           = place;
@@ -383,7 +383,122 @@ void SampleSkeleton<Dim>::steer(const SkeletonBatch<Dim>& batch, int place, doub
 	answer.predictionError = predictionError;
 	answer.rateError       = result.rateError;
 	answer.strain          = a.accumulated(place).cwiseAbs().maxCoeff();
-	a.tolerance[place]     = accuracy->learn(answer, a.tolerance[place]);
+	return accuracy->learn(answer, a.tolerance[place]);
+}
+
+void PointSamples::book(const Asked& asked)
+{
+	count.calls += asked.calls;
+	count.steps += asked.steps;
+	for (const auto& term : asked.errors)
+		accuracy->book(term);
+	int stoppedBy = -1;
+	for (const auto& [id, reason] : asked.blownUp) {
+		failures[id] = reason;
+		if (!(onBlowUp ? onBlowUp(id) : schedule.stopOnBlowUp)) isolated.insert(id);
+		else if (stoppedBy < 0) stoppedBy = id;
+	}
+	if (stoppedBy >= 0)
+		throw StopAfterStep(
+		        "The sample of point " + std::to_string(stoppedBy) + " blew up: " + failures[stoppedBy]
+		        + ". The step was completed with its last stress; look at the sample (RveSkeleton.scene), use finer maxInertialNumber or "
+		          "maxStrainPerStep, or go on with onBlowUp='isolate'.");
+}
+
+// ---- where ranks have bands of the ground ---------------------------------------------------------------------------------
+
+/// Answers stay where their points are. What has to be known by all ranks is how many there were, what they add to the estimated error, and
+/// which samples blew up.
+template <int Dim> void SampleSkeleton<Dim>::askInBands(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Arrays& a)
+{
+	Asked       own;
+	std::string failure;
+	try {
+		if (!due.empty()) own = ask(batch, due, a);
+	} catch (const std::exception& problem) {
+		failure = problem.what();
+	}
+	book(ofAllRanks(own, failure));
+}
+
+template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAllRanks(const Asked& own, const std::string& failure)
+{
+	struct Told {
+		std::uint64_t calls, steps, errors, hasWords;
+		double        cost;
+	};
+	const auto byRank = bands->byRank(Told { own.calls, own.steps, own.errors.size(), !failure.empty() || !own.blownUp.empty(), banded->takeCost() });
+	Asked      all;
+	bool       anyWords = false;
+	std::vector<std::size_t> lengths;
+	std::vector<double>      costs;
+	std::size_t              errors = 0;
+	for (const Told& told : byRank) {
+		all.calls += told.calls;
+		all.steps += told.steps;
+		errors += told.errors;
+		anyWords = anyWords || told.hasWords;
+		lengths.push_back(told.errors * sizeof(SampleAccuracy::Term));
+		costs.push_back(told.cost);
+	}
+	banded->bookCosts(costs);
+	all.errors.resize(errors);
+	if (errors > 0) bands->ranks().allGather(own.errors.data(), lengths, all.errors.data());
+	if (!anyWords) return all;
+	ByteWriter words;
+	words.block(failure);
+	words.number(own.blownUp.size());
+	for (const auto& [id, reason] : own.blownUp) {
+		words.number(std::uint64_t(id));
+		words.block(reason);
+		words.block(banded->stateToShow(sampleNumber(id))); // the first rank keeps it
+	}
+	const auto said = bands->say(words.bytes());
+	for (int rank = 0; rank < bands->count(); ++rank) {
+		ByteReader reader(said[std::size_t(rank)]);
+		const auto problem = reader.block();
+		if (!problem.empty()) throw std::runtime_error(problem);
+		for (std::uint64_t left = reader.number(); left > 0; --left) {
+			const int id = int(reader.number());
+			all.blownUp.push_back({ id, reader.block() });
+			const auto state = reader.block();
+			if (rank != bands->rank()) banded->show(sampleNumber(id), state);
+		}
+	}
+	return all;
+}
+
+template <int Dim> void SampleSkeleton<Dim>::addCost(const SkeletonPoints& points, double* costByPlace)
+{
+	for (int k = 0; banded && k < points.count; ++k)
+		costByPlace[points.place[k]] += pointStepsPerCost * banded->takeCost(sampleNumber(points.id[points.place[k]]));
+}
+
+/// The rank of the point of each sample, -1 for one that no point has.
+template <int Dim> std::vector<int> SampleSkeleton<Dim>::owners(std::size_t samples) const
+{
+	std::vector<int> ownerOf(samples, -1);
+	for (int rank = 0; rank < bands->count(); ++rank) {
+		const auto [first, end] = bands->pointsOf(rank);
+		for (int place = first; place < end; ++place)
+			if (has(idAt[place])) ownerOf[std::size_t(sampleOf[idAt[place]])] = rank;
+	}
+	return ownerOf;
+}
+
+template <int Dim> void SampleSkeleton<Dim>::followBands(Bands& of, const int* ids, bool moved)
+{
+	if (!banded) throw std::logic_error("SampleSkeleton: a ground in bands needs a BandStore");
+	bands = &of;
+	idAt  = ids;
+	if (moved) banded->deal(owners(store->size()));
+	else banded->own(owners(store->size()));
+}
+
+template <int Dim> void SampleSkeleton<Dim>::beginWithOwners()
+{
+	const int last = sampleOf.empty() ? -1 : *std::max_element(sampleOf.begin(), sampleOf.end());
+	if (bands) banded->own(owners(std::size_t(last + 1)));
 }
 
 void PointSamples::setTolerance(double tolerance)
@@ -404,8 +519,10 @@ template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const Skeleton
 	if (!accuracy) return {};
 	const Arrays a   = arrays();
 	ErrorSquares sum = accuracy->squares();
-	for (int k = 0; k < batch.count; ++k)
-		accuracy->addPending(batch.place[k], batch.volume[batch.place[k]], a.lastStress(batch.place[k]).norm(), sum);
+	for (int k = 0; k < batch.count; ++k) {
+		const auto term = accuracy->pending(batch.place[k], batch.volume[batch.place[k]], a.lastStress(batch.place[k]).norm());
+		sum.add(term.weight, term.error, term.stress);
+	}
 	return sum;
 }
 
@@ -468,10 +585,13 @@ void PointSamples::restore(const std::string& bytes)
 	if (reader.block() != archiveMagic)
 		throw std::runtime_error(
 		        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
-	anyStore->restore(reader);
+	ByteReader states = reader; // which are restored when it is known who has which
+	SampleStore::skip(reader);
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)
 		s = int(reader.number()) - 1;
+	beginWithOwners();
+	anyStore->restore(states);
 	count.calls = reader.number();
 	count.steps = reader.number();
 	failures.clear();

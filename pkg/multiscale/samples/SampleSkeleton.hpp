@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/multiscale/samples/BandStore.hpp>
 #include <pkg/multiscale/samples/SampleAccuracy.hpp>
-#include <pkg/multiscale/samples/SampleStore.hpp>
 
 #include <functional>
 #include <map>
@@ -79,6 +79,21 @@ public:
 	void        restore(const std::string& bytes);
 
 protected:
+	/// What came of the samples that were asked in a step: of this rank, and then of all in the order of their points.
+	struct Asked {
+		struct BlownUp {
+			int         id;
+			std::string reason;
+		};
+		std::uint64_t                     calls = 0, steps = 0;
+		std::vector<BlownUp>              blownUp;
+		std::vector<SampleAccuracy::Term> errors;
+	};
+	/// Takes it into the books. Throws StopAfterStep where a sample blew up and the run has to stop.
+	void book(const Asked&);
+	/// Before states are restored: who gets them, where ranks have bands of the ground.
+	virtual void beginWithOwners() {}
+
 	std::vector<int>                prototypeOf, sampleOf;
 	SampleScheduling                schedule;
 	SampleCounters                  count;
@@ -108,14 +123,21 @@ public:
 
 	ErrorSquares errorSquares(const SkeletonPoints&) const override;
 
+	void followBands(Bands&, const int* ids, bool moved) override;
+	void addCost(const SkeletonPoints&, double* costByPlace) override;
+
 private:
 	using Matrix = typename PackedTypes<Dim>::Matrix;
 	struct Arrays;
 	Arrays                          arrays() const;
 	bool                            isDue(const Arrays&, int place, double iceSaturation) const;
-	void                            ask(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&);
+	Asked                           ask(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&);
+	void                            askInBands(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&);
+	Asked                           ofAllRanks(const Asked& own, const std::string& failure);
+	std::vector<int>                owners(std::size_t samples) const;
+	void                            beginWithOwners() override;
 	std::vector<PackedRequest<Dim>> requests(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&) const;
-	void                            steer(const SkeletonBatch<Dim>&, int place, double predictionError, const PackedUpdateResult<Dim>&, const Arrays&);
+	SampleAccuracy::Term            steer(const SkeletonBatch<Dim>&, int place, double predictionError, const PackedUpdateResult<Dim>&, const Arrays&);
 	void                            flagChanged(const SkeletonBatch<Dim>&);
 	void                            passTime(const SkeletonBatch<Dim>&) const;
 	bool                            hasCrept(const SkeletonBatch<Dim>&, int place) const;
@@ -124,6 +146,9 @@ private:
 	void                            predict(const SkeletonBatch<Dim>&, int place, const Arrays&) const;
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;
+	std::shared_ptr<BandStore<Dim>>     banded;           ///< the same, where ranks may have bands of the ground
+	Bands*                              bands  = nullptr; ///< they have
+	const int*                          idAt   = nullptr; ///< ids of the points of all bands, by place
 	PointFields*                        fields = nullptr;
 	PointFields::Handle gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1, timeField = -1;
 	std::vector<int>    dueScratch;

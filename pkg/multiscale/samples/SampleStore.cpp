@@ -78,6 +78,14 @@ void SampleStore::restore(ByteReader& reader)
 	}
 }
 
+void SampleStore::skip(ByteReader& reader)
+{
+	for (std::uint64_t samples = reader.number(); samples > 0; --samples)
+		reader.number();
+	for (std::uint64_t states = reader.number(); states > 0; --states)
+		reader.pass();
+}
+
 namespace {
 	using Costs = std::set<std::pair<double, std::size_t>>; ///< of the states of a rank, and their numbers
 

@@ -46,6 +46,8 @@ public:
 	/// All samples, each state once.
 	virtual void save(ByteWriter&) const;
 	virtual void restore(ByteReader&);
+	/// Passes by what restore() would read.
+	static void skip(ByteReader&);
 	/// The state of one sample, and back as that of several which share it.
 	virtual void saveState(ByteWriter&, std::size_t sample) const                   = 0;
 	virtual void restoreState(ByteReader&, const std::vector<std::size_t>& samples) = 0;

@@ -179,7 +179,8 @@ public:
 		const auto function = law.forRun("PythonSkeleton.law");
 		return std::make_shared<talik::PythonSkeleton<D>>(talik::LawOfScript { law.name(), function, modulus, canFail, states, statesAtStart });
 	}
-	bool servesBands() const override { return false; }
+	/// It sees all its points at once, and functions of NumPy do not give the bits of many points for a part of them.
+	string notInBands(int) const override { return "a law in Python"; }
 
 private:
 	void checkStates() const

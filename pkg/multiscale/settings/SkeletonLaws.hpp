@@ -37,10 +37,12 @@ public:
 	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
 	virtual void                setTolerance(Real) {}
 	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
-	/// Whether ranks may share out the ground itself among them.
-	virtual bool servesBands() const { return true; }
-	/// Before build(): whether the ranks of the job share out what the law keeps behind the points. Says whether there is something to share.
-	virtual bool shareAmongRanks(bool) { return false; }
+	/// What ranks cannot share out of a ground of this dimension, as "samples that run open", where they share out the ground itself; else empty.
+	virtual string notInBands(int) const { return {}; }
+	/// What the ranks of the job share out.
+	enum class Shared { nothing, samples, ground };
+	/// Before build(). Says whether the law keeps something behind the points that can be shared out alone.
+	virtual bool shareAmongRanks(Shared) { return false; }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
 	virtual vector<string> measures() const { return {}; }
 	/// One of them for all points of the ground, NaN where a point has another skeleton.

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/ranks/RankTalk.hpp>
+#include <set>
+
+namespace talik {
+
+/// All that an update of a sample follows from, but its state.
+template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
+{
+	digest.add(request.displacementGradient.data(), sizeof(double) * Dim * Dim);
+	digest.add(&request.iceSaturation, sizeof(double));
+	digest.add(&request.inertialNumber, sizeof(double));
+	digest.add(std::uint64_t(request.compareRates));
+	digest.add(&request.strength, sizeof(request.strength));
+	digest.add(&request.iceStiffness, sizeof(double));
+	digest.add(&request.creep, sizeof(request.creep));
+}
+
+/// Samples of which each rank keeps its share up to date and has the others as they once were. One that a rank only looks at is brought, and
+/// stays until its owner may have changed it.
+template <int Dim> class StoreOfRanks : public SampleStoreOf<Dim>, protected RankTalk::Answerer {
+public:
+	int                 prototypeCount() const override { return held->prototypeCount(); }
+	double              prototypeIce(int prototype) const override { return held->prototypeIce(prototype); }
+	double              oedometricModulus(int prototype, double iceSaturation) const override { return held->oedometricModulus(prototype, iceSaturation); }
+	std::size_t         size() const override { return held->size(); }
+	bool                comparesRates() const override { return held->comparesRates(); }
+	std::size_t         bytes() const override { return held->bytes(); } ///< on this rank
+	double              costOfStep(std::size_t sample) const override { return held->costOfStep(sample); }
+	bool                restoresExactly() const override { return held->restoresExactly(); }
+	std::vector<double> measure(std::size_t sample, const std::string& name) const override
+	{
+		fetch(sample);
+		return held->measure(sample, name);
+	}
+	void saveState(ByteWriter& writer, std::size_t sample) const override
+	{
+		fetch(sample);
+		held->saveState(writer, sample);
+	}
+	void bring(std::size_t sample) override { fetch(sample); }
+
+protected:
+	/// held: the samples as this rank has them.
+	StoreOfRanks(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
+	        : held(std::move(here))
+	        , talk(std::move(others))
+	{}
+
+	/// The state of a sample of another rank comes here, if it is not here already.
+	virtual void fetch(std::size_t sample) const = 0;
+
+	std::shared_ptr<SampleStoreOf<Dim>>   held;
+	std::shared_ptr<RankTalk>             talk;
+	mutable std::set<std::size_t>         brought; ///< samples of other ranks whose state is here, too
+	mutable typename SampleStore::Sharing shared;
+	double                                meanCost = 0, largestCost = 0; ///< of ranks, summed over updates
+	int                                   number = -1;                   ///< of this store in the talk
+};
+
+} // namespace talik
