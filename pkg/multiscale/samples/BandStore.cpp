@@ -154,7 +154,7 @@ template <int Dim> void BandStore<Dim>::beginStep()
 	for (const auto sample : brought)
 		held->release(sample);
 	brought.clear();
-	unchanged.clear();
+	seen.clear();
 }
 
 template <int Dim>
@@ -249,9 +249,10 @@ template <int Dim> typename BandStore<Dim>::Told BandStore<Dim>::ask(const std::
 	return told;
 }
 
+/// The owner asks, too: ranks that all look go on together, and none replaces a sample or ends its ground before the others have seen it.
 template <int Dim> void BandStore<Dim>::fetch(std::size_t sample) const
 {
-	if (ownerOf(sample) == nobody || isMine(sample) || brought.count(sample) || unchanged.count(sample)) return;
+	if (ownerOf(sample) == nobody || seen.count(sample)) return;
 	show(sample, talk->ask(number, "state " + std::to_string(sample)).at(std::size_t(ownerOf(sample))));
 }
 
@@ -264,10 +265,8 @@ template <int Dim> std::string BandStore<Dim>::stateToShow(std::size_t sample) c
 
 template <int Dim> void BandStore<Dim>::show(std::size_t sample, const std::string& state) const
 {
-	if (state.empty()) {
-		unchanged.insert(sample);
-		return;
-	}
+	seen.insert(sample);
+	if (isMine(sample) || state.empty()) return; // it is here
 	ByteReader reader(state);
 	held->restoreState(reader, { sample });
 	brought.insert(sample);

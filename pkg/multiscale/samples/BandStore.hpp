@@ -78,7 +78,7 @@ private:
 	using StoreOfRanks<Dim>::meanCost;
 	using StoreOfRanks<Dim>::largestCost;
 	using StoreOfRanks<Dim>::number;
-	mutable std::set<std::size_t>        unchanged; ///< samples of other ranks that are here as they are there, until the next step
+	mutable std::set<std::size_t>        seen; ///< samples that are here as their owner has them, until the next step
 	std::vector<int>                     owner;
 	std::vector<Known>                   known;
 	std::map<const void*, std::uint64_t> beginnings; ///< origins of the states that samples begin with

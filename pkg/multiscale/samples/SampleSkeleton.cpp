@@ -461,8 +461,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 		for (std::uint64_t left = reader.number(); left > 0; --left) {
 			const int id = int(reader.number());
 			all.blownUp.push_back({ id, reader.block() });
-			const auto state = reader.block();
-			if (rank != bands->rank()) banded->show(sampleNumber(id), state);
+			banded->show(sampleNumber(id), reader.block());
 		}
 	}
 	return all;
