@@ -229,7 +229,7 @@ def printComparison(rows):
 rankCounts = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096]
 sizes = {1e5: 40, 1e7: 8}  # points and steps that are replayed
 manyThreads = 64  # of a rank that has a machine for itself
-inThreads, inBands = f"one rank of {manyThreads} threads a machine, 25 GbE", "ground in bands, which is not built"
+inThreads, inBands = f"one rank of {manyThreads} threads a machine, 25 GbE", "ground in bands"
 
 
 def study(record, groundOfPoint):
