@@ -54,6 +54,7 @@ class Assumptions:
 	impedance: float = 0.0  # of ice to water [-]: none, so that the water of a row of cells that thaws can leave it before its last ice has melted
 	pointsPerCell: float = 1  # rows of points that share a cell but thaw one after the other have rough stress
 	motionTolerance: float = 0.1  # of the calendar [m/s]: faster ground has no calendar of its own
+	frontVelocities: float = 1  # at the thaw front; 2: of frozen and of thawed ground, which then slides on it (ThawFront)
 	gridSpacing: float = 0.1  # [m]
 
 	@property
@@ -93,13 +94,14 @@ variations = {
 	"conductivity": (1.4e-7, 3e-7),
 	"thawStrain": (0.05, 0.15),
 	"cohesion": (400.0, 1200.0, 2000.0),
-	"safetyAt18": (0.9, 1.2),
+	"safetyAt18": (0.9, 0.95, 1.1),
 	"young": (1e6, 5e6),
 	"surfaceTemperature": (5.0, 15.0),
 	"length": (4.0, 16.0),
 	"impedance": (6.0,),
 	"pointsPerCell": (4.0,),
 	"motionTolerance": (0.05, 0.2),
+	"frontVelocities": (2.0,),
 	"gridSpacing": (0.2, 0.2 / 3),
 }
 units = {"motionTolerance": "m/s", "conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
@@ -111,7 +113,7 @@ class Grains:
 
 	grains: int = 60
 	porosity: float = 0.16
-	etaRoll: float = 0.1
+	etaRoll: float = 0.2
 	realisations: int = 4
 
 
@@ -170,12 +172,13 @@ def heaved(surface, ground):
 def skeletonOf(ground, grains):
 	if grains:
 		return RveSkeleton(samples=samplesOf(grains, ground.cohesion)[0], strainTolerance=5e-5)
-	# the law does not dilate: in simple shear it has the strength sin(phi), which is to be the soil's tan(phi)
+	# the law does not dilate: in simple shear its strength is c cos(phi) + s sin(phi), which is to be the soil's c + s tan(phi)
+	angle = math.asin(ground.friction)
 	return MohrCoulombSkeleton(
 		young=ground.young,
 		youngFrozen=2e7,
-		frictionAngle=math.degrees(math.asin(ground.friction)),
-		cohesion=ground.cohesion,
+		frictionAngle=math.degrees(angle),
+		cohesion=ground.cohesion / math.cos(angle),
 		tensileStrength=ground.cohesion / ground.friction,
 		cohesionFrozen=5e5,
 		tensileStrengthFrozen=3e5,
@@ -195,7 +198,7 @@ def scene(b, ground, profile, grains=None):
 		freezing=FreezingCurve(width=0.3),
 		water=PoreWater(conductivity=ground.conductivity, referencePorosity=ground.porosity, bulkModulus=5e6, impedance=ground.impedance),
 		skeleton=skeletonOf(ground, grains),
-		thawFront=None,
+		thawFront=ThawFront() if ground.frontVelocities == 2 else None,
 		boundaries=[
 			RollerBoundary(region="left"),
 			RollerBoundary(region="right"),
@@ -345,6 +348,8 @@ def assumed(words):
 		number = math.nan
 	if not (0 < number < math.inf or (number == 0 and name in ("cohesion", "thawStrain", "impedance"))):
 		raise SystemExit(f"--assume {words}: '{value}' is not a positive number; write {name}=NUMBER, e.g. {name}={getattr(Assumptions, name):g}")
+	if name == "frontVelocities" and number not in (1, 2):
+		raise SystemExit(f"--assume {words}: the thaw front has one velocity or two; write {name}=1 or {name}=2")
 	return name, number
 
 

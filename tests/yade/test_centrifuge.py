@@ -20,9 +20,10 @@ example = Path(__file__).resolve().parents[2] / "examples" / "centrifuge_slopes.
 		("cohesion", "'' is not a positive number; write cohesion=NUMBER, e.g. cohesion=800"),
 		("cohesion=soft", "'soft' is not a positive number; write cohesion=NUMBER"),
 		("cohesoin=1200", "there is no assumption 'cohesoin'; write ASSUMPTION=NUMBER with one of thickness, cohesion, "),
+		("frontVelocities=3", "the thaw front has one velocity or two; write frontVelocities=1 or frontVelocities=2"),
 		("safetyAt18=4", "which must lie between 0 and 1; change one by --assume"),
 	],
-	ids=["no number", "a word", "unknown name", "no friction angle"],
+	ids=["no number", "a word", "unknown name", "neither one nor two", "no friction angle"],
 )
 def test_an_assumption_that_is_none_is_refused_by_what_was_given_and_the_remedy(tmp_path, monkeypatch, capfd, given, remedy):
 	monkeypatch.setattr(sys, "argv", [example.name, "--preset", "test", "--assume", given, "--output", str(tmp_path)])
