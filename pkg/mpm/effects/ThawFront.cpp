@@ -583,8 +583,16 @@ template <int D> void ThawFront<D>::press(int slot, double dt)
 	m.bound               = m.together;
 }
 
-/// Outside frozen ground its shape functions only trail: to tie the sides there would hold the thawed ground at a distance. They press
-/// as they do at the nodes beside, per area.
+namespace {
+	/// Force [N] between sides that would need `tie` for one velocity, where those beside press with `beside` per area. No more than what ties them, as the
+	/// area at the end of a block of frozen ground is that of the block alone. Ground that rests needs a little more than that at some nodes and less at
+	/// others; pore pressure bears the difference by itself.
+	double tying(double tie, double beside, bool water) { return tie <= (water ? 1.0 : mostTied) * beside ? tie : beside; }
+} // namespace
+
+/// Outside frozen ground its shape functions only trail: to tie the sides there would hold the thawed ground at a distance. They press as they do at
+/// the nodes beside, per area. Where dry thawed ground lies on frozen ground they are not tied at all, so that a layer may bend and shear through
+/// itself there.
 template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 {
 	Meeting& m = meetings_[slot];
@@ -598,10 +606,11 @@ template <int D> void ThawFront<D>::pressAsBeside(int slot, double dt)
 		m.bound |= beside.together;
 	});
 	if (!(area > 0.0)) return;
-	// at the end of a layer the area is that of frozen ground alone: never more than what would tie the sides
 	const double both = -m.reducedMass * dot<D>(m.jump, m.normal), tie = std::max(0.0, both), beside = dt * force / area * m.area;
-	// a layer that rests needs a little more than that at some nodes and less at others; pore pressure bears the difference by itself
-	const double pressed = tie <= (water_ ? 1.0 : mostTied) * beside ? tie : std::max(0.0, beside);
+	const bool   liesOnFrozen = !water_ && dot<D>(motion_->settings->gravity, m.normal) < 0.0;
+	// forces may part the sides no faster than ground falls: a trace of one side would be driven away
+	const double parting = dt * (m.pressing + m.reducedMass * lengthOf<D>(motion_->settings->gravity));
+	const double pressed = std::max(0.0, liesOnFrozen ? std::min(beside, std::max(tie, parting)) : tying(tie, beside, water_));
 	m.impulse            = m.resting ? both : pressed;
 	m.reaction           = pressed / dt;
 }
