@@ -330,7 +330,7 @@ def bandsOfSamples():
 
 def bandsOfSpheres():
 	mpm = sampledBands(space=True)
-	mpm.skeleton.samples = [rve.pack(rve.prepare(grains=40, dimension=3, ice=True, cache=cache))]
+	mpm.skeleton.samples = [rve.pack(rve.prepare(grains=100, dimension=3, ice=True, cache=cache))]
 	run(220)
 	return mpm
 
