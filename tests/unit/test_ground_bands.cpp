@@ -232,3 +232,22 @@ TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
 }
+
+TEST(GroundBands, AreCutByCostAndStayWhereLittleIsGained)
+{
+	const std::vector<int> firstPoints { 0, 10, 20, 30, 40, 50, 60, 70, 80 };
+	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
+		Bands      bands(talk, [](const std::string&) { return std::string(); });
+		const auto border = [&](std::vector<double> costs) {
+			bands.weigh(std::move(costs));
+			bands.cut(firstPoints, Bands::Rows());
+			return talk->rank() == 0 ? bands.endStrip() : bands.firstStrip();
+		};
+		EXPECT_EQ(border({}), 4) << "points cost alike";
+		EXPECT_EQ(border({ 1, 1, 1, 1, 1, 1, 3, 3 }), 6) << "6 and 6";
+		EXPECT_EQ(border({ 1, 1, 1, 1, 1, 1.2, 3, 3 }), 6) << "as good as before";
+		EXPECT_EQ(border({ 9, 9, 1, 1, 1, 1, 1, 1 }), 2) << "no band has less than two strips";
+		EXPECT_EQ(bands.pointsOf(0), std::make_pair(0, 20));
+	});
+	std::printf("strips of unequal cost are shared out between two bands, and few that gain nothing move\n");
+}
