@@ -120,28 +120,34 @@ def openSamples():
 
 def blowUp():
 	"""One sample has a time step far beyond its critical one; the run stops, and goes on without that point."""
-	mpm = ground(blowUpFolder=str(folder / "blown"))
+	return blownUp(ground(blowUpFolder=str(folder / "blown")), "blowUp", point=6, stepsAfter=10)
+
+
+def blownUp(mpm, name, point, stepsAfter):
 	run(5)
-	bad = mpm.skeleton.sample(6)
+	bad = mpm.skeleton.sample(point)
 	bad.dt *= 60
-	mpm.skeleton.replaceSample(6, bad)
+	mpm.skeleton.replaceSample(point, bad)
 	sentence = ""
 	try:
 		run(40)
 	except RuntimeError as problem:
-		sentence = f"{O.iter} {mpm.time!r} {problem}"
-	(folder / f"blowUp.{talik.ranks.rank}.txt").write_text(sentence)
+		sentence = f"{O.iter} {mpm.time!r} {sorted(mpm.skeleton.blownUp)} {problem}"
+	(folder / f"{name}.{talik.ranks.rank}.txt").write_text(sentence)
 	mpm.skeleton.onBlowUp = "isolate"
-	run(10)
+	run(stepsAfter)
 	return mpm
 
 
 def checkpoint():
 	"""Written in mid-run; the run goes on."""
-	mpm = ground()
-	run(25)
+	return writtenInMidRun(ground(), 25, "ground.checkpoint")
+
+
+def writtenInMidRun(mpm, steps, name):
+	run(steps)
 	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
-	talik.checkpoint.write(folder / "ground.checkpoint")
+	talik.checkpoint.write(folder / name)
 	return goOn(mpm)
 
 
@@ -264,11 +270,7 @@ def bandsOfIceRichGround():
 
 
 def bandsCheckpoint():
-	mpm = bandedGround()
-	run(60)
-	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
-	talik.checkpoint.write(folder / "bands.checkpoint")
-	return goOn(mpm)
+	return writtenInMidRun(bandedGround(), 60, "bands.checkpoint")
 
 
 def bandsResumed():
@@ -356,28 +358,11 @@ def bandsExchanged():
 
 
 def bandsBlowUp():
-	mpm = sampledBands(blowUpFolder=str(folder / "blownInBands"))
-	run(5)
-	bad = mpm.skeleton.sample(170)
-	bad.dt *= 60
-	mpm.skeleton.replaceSample(170, bad)
-	sentence = ""
-	try:
-		run(40)
-	except RuntimeError as problem:
-		sentence = f"{O.iter} {mpm.time!r} {sorted(mpm.skeleton.blownUp)} {problem}"
-	(folder / f"bandsBlowUp.{talik.ranks.rank}.txt").write_text(sentence)
-	mpm.skeleton.onBlowUp = "isolate"
-	run(220)
-	return mpm
+	return blownUp(sampledBands(blowUpFolder=str(folder / "blownInBands")), "bandsBlowUp", point=170, stepsAfter=220)
 
 
 def bandsOfSamplesCheckpoint():
-	mpm = sampledBands()
-	run(205)
-	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
-	talik.checkpoint.write(folder / "samplesOfBands.checkpoint")
-	return goOn(mpm)
+	return writtenInMidRun(sampledBands(), 205, "samplesOfBands.checkpoint")
 
 
 def bandsOfSamplesResumed():

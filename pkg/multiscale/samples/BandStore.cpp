@@ -39,23 +39,11 @@ template <int Dim> void BandStore<Dim>::beginAnew(std::size_t sample)
 	brought.erase(sample);
 }
 
-template <int Dim> const SampleStart<Dim>& BandStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
-{
-	const auto& start = held->add(prototype, iceSaturation, options);
-	beginAnew(held->size() - 1);
-	return start;
-}
-
-template <int Dim> void BandStore<Dim>::release(std::size_t sample)
-{
-	held->release(sample);
-	beginAnew(sample);
-}
-
 template <int Dim> void BandStore<Dim>::clear()
 {
 	held->clear();
 	known.clear();
+	beginnings.clear();
 	brought.clear();
 }
 

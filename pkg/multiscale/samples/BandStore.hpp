@@ -15,9 +15,7 @@ public:
 	BandStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<RankTalk> talk);
 	~BandStore() override;
 
-	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
-	void                    release(std::size_t sample) override;
-	void                    clear() override;
+	void clear() override;
 	/// Of samples of this rank. Not collective.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
 
@@ -61,7 +59,7 @@ private:
 	void          fetch(std::size_t sample) const override;
 	bool          isMine(std::size_t sample) const { return ownerOf(sample) == talk->rank(); }
 	int           ownerOf(std::size_t sample) const { return sample < owner.size() ? owner[sample] : nobody; }
-	void          beginAnew(std::size_t sample);
+	void          beginAnew(std::size_t sample) override;
 	std::uint64_t nextOrigin();
 	void          send(const std::vector<int>& next);
 	/// For each sample its state's number, in the order of the first sample that has it; for each state that sample, and what its owner says.

@@ -90,7 +90,6 @@ template <int Dim> DistributedStore<Dim>::~DistributedStore()
 
 // ---- states that every rank has -------------------------------------------------------------------------------------------
 
-/// The sample takes the state that it has on this rank, the same on all ranks.
 template <int Dim> void DistributedStore<Dim>::beginAnew(std::size_t sample)
 {
 	stateOf.resize(held->size());
@@ -100,19 +99,6 @@ template <int Dim> void DistributedStore<Dim>::beginAnew(std::size_t sample)
 	if (!state) known = state = std::make_shared<State>();
 	stateOf[sample] = state;
 	brought.erase(sample);
-}
-
-template <int Dim> const SampleStart<Dim>& DistributedStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
-{
-	const auto& start = held->add(prototype, iceSaturation, options);
-	beginAnew(held->size() - 1);
-	return start;
-}
-
-template <int Dim> void DistributedStore<Dim>::release(std::size_t sample)
-{
-	held->release(sample);
-	beginAnew(sample);
 }
 
 template <int Dim> void DistributedStore<Dim>::clear()

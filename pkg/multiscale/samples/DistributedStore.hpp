@@ -17,9 +17,7 @@ public:
 	DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<RankTalk> talk);
 	~DistributedStore() override;
 
-	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
-	void                    release(std::size_t sample) override;
-	void                    clear() override;
+	void clear() override;
 	/// An update that fails on one rank fails on all, with the same sentence.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
 
@@ -43,7 +41,7 @@ private:
 
 	std::string              answerTo(const std::string& question) const override;
 	bool                     isMine(std::size_t sample) const { return stateOf[sample]->owner == talk->rank(); }
-	void                     beginAnew(std::size_t sample);
+	void                     beginAnew(std::size_t sample) override;
 	void                     fetch(std::size_t sample) const override;
 	std::vector<int>         dealt(const std::vector<Request>&) const;
 	void                     compute(Batch&, const PackedUpdateOptions&, int threads) const;

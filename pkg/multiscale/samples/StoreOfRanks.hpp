@@ -40,7 +40,18 @@ public:
 		fetch(sample);
 		held->saveState(writer, sample);
 	}
-	void bring(std::size_t sample) override { fetch(sample); }
+	void                    bring(std::size_t sample) override { fetch(sample); }
+	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions& options) override
+	{
+		const auto& start = held->add(prototype, iceSaturation, options);
+		beginAnew(held->size() - 1);
+		return start;
+	}
+	void release(std::size_t sample) override
+	{
+		held->release(sample);
+		beginAnew(sample);
+	}
 
 protected:
 	/// held: the samples as this rank has them.
@@ -51,6 +62,8 @@ protected:
 
 	/// The state of a sample of another rank comes here, if it is not here already.
 	virtual void fetch(std::size_t sample) const = 0;
+	/// The sample takes the state that it has on this rank, the same on all ranks.
+	virtual void beginAnew(std::size_t sample) = 0;
 
 	std::shared_ptr<SampleStoreOf<Dim>>   held;
 	std::shared_ptr<RankTalk>             talk;
