@@ -11,7 +11,7 @@ cost of the samples from the first sorting of points on, so that time is taken a
 same steps. Work is the processor time of a rank less what it spends waiting for others: it does not depend on what else the machine does, as
 wall time does. Four ranks may have fewer cores than that: they are compared for the bits and the work.
 
-	yade -n -x ranks.py --record SCENE STEPS FILE     one rank alone: what each step costs, for scripts/scaling"""
+	yade -n -x ranks.py --record SCENE STEPS FILE     one rank alone: what each step costs, for scripts/scaling; again: the lesser of both"""
 
 import argparse
 import json
@@ -221,7 +221,8 @@ def inside(folder, name, steps):
 
 
 def record(name, steps, file):
-	"""Processor time of each step [s], and the DEM steps that each sample took in it."""
+	"""Processor time of each step [s], and the DEM steps that each sample took in it. Where the file is there already, from a run of the same
+	steps, the lesser time of each step stays: other programs can only add to it."""
 	import time
 
 	import numpy as np
@@ -241,7 +242,13 @@ def record(name, steps, file):
 		now = stepsOfSamples()
 		taken.append(now - last)
 		last = now
-	np.savez_compressed(file, seconds=seconds, taken=np.array(taken, dtype=np.int32), dimension=mpm.dimension)
+	taken = np.array(taken, dtype=np.int32)
+	if Path(file).exists():
+		with np.load(file) as before:
+			if not np.array_equal(before["taken"], taken):
+				raise SystemExit(f"ranks.py: {file} holds another run; delete it")
+			seconds = np.minimum(seconds, before["seconds"])
+	np.savez_compressed(file, seconds=seconds, taken=taken, dimension=mpm.dimension)
 
 
 if sys.argv[1:2] == ["--inside"]:
