@@ -4,12 +4,13 @@
 
 	/usr/bin/python3 scripts/benchmarks/ranks.py ranks.json [--rounds 2] [--steps 150]
 
-Scenes: a frozen slope in the plane whose samples follow a shear ('samples', a small Case I), the same of twice the size ('twice'), with a
-law in place of samples ('law'), a slope in space with samples of spheres ('space'), with a law ('spaceLaw'), a fine slope in the plane with a
-law that is shared out in bands ('bandsLaw'), and the slope with samples in bands, on cells half as wide ('bandsSamples'): these follow the
-cost of the samples from the first sorting of points on, so that time is taken after 210 steps. Each run is a yade of its own that does the
-same steps. Work is the processor time of a rank less what it spends waiting for others: it does not depend on what else the machine does, as
-wall time does. Four ranks may have fewer cores than that: they are compared for the bits and the work.
+Scenes: a frozen slope in the plane whose samples follow a shear ('samples', a small Case I), the same with cells and samples of its preset
+paper ('paper'), of twice the size ('twice'), with a law in place of samples ('law'), a slope in space with samples of spheres ('space'), with
+a law ('spaceLaw'), a fine slope in the plane with a law that is shared out in bands ('bandsLaw'), and the slope with samples in bands, on
+cells half as wide ('bandsSamples'): these follow the cost of the samples from the first sorting of points on, so that time is taken after
+210 steps. Each run is a yade of its own that does the same steps. Work is the processor time of a rank less what it spends waiting for
+others: it does not depend on what else the machine does, as wall time does. Four ranks may have fewer cores than that: they are compared for
+the bits and the work.
 
 	yade -n -x ranks.py --record SCENE STEPS FILE     one rank alone: what each step costs, for scripts/scaling; again: the lesser of both"""
 
@@ -62,6 +63,9 @@ def main():
 	parser.add_argument("--steps", type=int, default=150)
 	options = parser.parse_args()
 	kinds = [(scene, ranks, 1) for scene in ("samples", "law", "space") for ranks in counts] + [
+		("paper", 1, 1),
+		("paper", 2, 1),
+		("paper", 1, 2),
 		("twice", 1, 1),
 		("twice", 2, 1),
 		("spaceLaw", 1, 1),
@@ -75,7 +79,7 @@ def main():
 			[{"scene": scene, "ranks": ranks, "threads": threads, "timed": options.steps, **found[scene, ranks, threads]} for scene, ranks, threads in kinds]
 		)
 	)
-	for scene in ("samples", "law", "space", "twice", *inBands):
+	for scene in ("samples", "paper", "law", "space", "twice", *inBands):
 		if len({its["state"] for kind, its in found.items() if kind[0] == scene}) != 1:
 			raise SystemExit(f"ranks.py: '{scene}' did not end with the same bits on any number of ranks and threads")
 	figures.write(options.file, list(figuresOf(found, options.steps)), notes())
@@ -98,9 +102,9 @@ def figuresOf(found, steps):
 			)
 		pair = found[scene, 2, 1]
 		yield figures.Figure(f"{scene}: messages a step", pair["messages"] / steps, terms={"kB a step of a rank": pair["bytes"] / steps / 1e3})
-	yield figures.Figure(
-		"samples: work of one rank over that of the busier of two", found["samples", 1, 1]["work"] / found["samples", 2, 1]["work"], "x", aim=1.8
-	)
+	for scene in ("samples", "paper"):
+		ratio = found[scene, 1, 1]["work"] / found[scene, 2, 1]["work"]
+		yield figures.Figure(f"{scene}: work of one rank over that of the busier of two", ratio, "x", aim=1.8)
 	half, pair = 0.5 * found["twice", 1, 1]["work"], found["twice", 2, 1]  # ground twice as large is not quite as costly a point
 	yield figures.Figure(
 		"samples: weak efficiency of 2 ranks, twice the ground", half / pair["work"], terms={"points": pair["points"], "balance": pair["balance"]}
@@ -126,8 +130,16 @@ def figuresOf(found, steps):
 					"balance of the samples": its["balance"],
 				},
 			)
-	yield figures.Figure("samples: speed of two ranks, wall time", found["samples", 1, 1]["wall"] / found["samples", 2, 1]["wall"], "x", aim=1.8)
-	yield figures.Figure("samples: speed of two threads, wall time", found["samples", 1, 1]["wall"] / found["samples", 1, 2]["wall"], "x")
+	for scene in ("samples", "paper"):
+		alone, pair, threads = (found[scene, *kind] for kind in ((1, 1), (2, 1), (1, 2)))
+		yield figures.Figure(
+			f"{scene}: speed of two ranks, wall time",
+			alone["wall"] / pair["wall"],
+			"x",
+			aim=1.8 if scene == "paper" else None,
+			terms={"points": alone["points"], "calls a step": alone["calls"] / steps, "two threads": alone["wall"] / threads["wall"]},
+		)
+		yield figures.Figure(f"{scene}: time of two ranks over that of two threads", pair["wall"] / threads["wall"], "x")
 
 
 def notes():
@@ -179,11 +191,12 @@ def ground(corners, samples=None, dimension=2, spacing=0.5, **attributes):
 def scene(name):
 	import talik
 
-	def discs():
-		return [talik.rve.pack(talik.rve.prepare(grains=100))]
+	def discs(grains=100):
+		return [talik.rve.pack(talik.rve.prepare(grains=grains))]
 
 	makers = {
 		"samples": lambda: ground(outline, discs()),
+		"paper": lambda: ground(outline, discs(400), spacing=0.2),
 		"twice": lambda: ground(mirrored, discs()),
 		"law": lambda: ground(outline, spacing=0.125),
 		"spaceLaw": lambda: ground(outline, dimension=3, spacing=0.5),
