@@ -78,9 +78,17 @@ public:
 	}
 	/// What happened since the last lap is not counted.
 	void start() { last_ = now(); }
-	/// What happened since the last lap belongs to an effect, or to a skeleton.
-	void lap(Entry e) { seconds_[e] += sinceLast(); }
-	void lapSkeleton(int k) { skeletons_[k] += sinceLast(); }
+	/// Does work; its time, and what went before it since the last lap, belong to an effect, or to a skeleton.
+	template <class Work> void time(Entry e, Work&& work)
+	{
+		work();
+		seconds_[e] += sinceLast();
+	}
+	template <class Work> void timeSkeleton(int k, Work&& work)
+	{
+		work();
+		skeletons_[k] += sinceLast();
+	}
 	/// Samples of a strip in the present pass.
 	Sample sample(int strip) { return Sample(samples_[strip]); }
 	/// What happened since the last lap was a pass with samples.
@@ -138,5 +146,20 @@ private:
 	std::vector<std::array<double, entries>> samples_;
 	Moment                                   last_ {};
 };
+
+/// What one effect does in a pass over blocks or strips of points: whether it takes part, who pays, and its work.
+template <class Work> struct PassPart {
+	bool             present;
+	CostMeter::Entry pays;
+	Work             work;
+
+	template <class... Given> void run(CostMeter::Sample& sample, Given&&... given) const
+	{
+		if (!present) return;
+		work(given...);
+		sample.lap(pays);
+	}
+};
+template <class Work> PassPart(bool, CostMeter::Entry, Work) -> PassPart<Work>;
 
 } // namespace talik

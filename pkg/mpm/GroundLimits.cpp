@@ -96,15 +96,15 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("stableTimeStep: the ground is not initialised");
+	StableTimeStep result;
 	g.cost.start();
-	StableTimeStep result = g.bands ? g.limitsOfRanks() : g.limitsOfPoints();
-	result.step           = infinity;
+	g.cost.time(CostMeter::limits, [&] { result = g.bands ? g.limitsOfRanks() : g.limitsOfPoints(); });
+	result.step = infinity;
 	for (const TimeStepLimit& limit : result.limits)
 		if (limit.step < result.step) {
 			result.step      = limit.step;
 			result.governing = limit.name;
 		}
-	g.cost.lap(CostMeter::limits);
 	return result;
 }
 

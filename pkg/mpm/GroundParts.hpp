@@ -23,6 +23,8 @@
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -152,24 +154,34 @@ template <int D> struct Ground<D>::Parts {
 	{
 		points->strips().scatter([&](int, int first, int last) { overBlocks(first, last, work); }, share);
 	}
-	/// The same with samples of the time that each effect takes: work(block, sample).
-	template <class Work, class Share> void scatterSampled(Work&& work, Share&& share)
-	{
-		scatterSampled(work, share, [](int, int, int) {});
-	}
-	/// And finish(strip, firstPoint, lastPoint) when a strip's blocks are done.
-	template <class Work, class Share, class Finish> void scatterSampled(Work&& work, Share&& share, Finish&& finish)
+	/// The parts of a pass in turn for each block of points, with weights at their positions and an array for what one part leaves to a later one.
+	/// finish(strip, firstPoint, lastPoint): when a strip's blocks are done.
+	template <class Share, class Finish, class... Work> void inBlocks(Share&& share, Finish&& finish, const PassPart<Work>&... parts)
 	{
 		points->strips().scatter(
 		        [&](int strip, int first, int last) {
 			        CostMeter::Sample sample = cost.sample(strip);
+			        double            left[blockSize];
 			        overBlocks(first, last, [&](const WeightBlock<D>& w) {
 				        sample.beginBlock();
-				        work(w, sample);
+				        (parts.run(sample, w, left), ...);
 			        });
 			        finish(strip, first, last);
 		        },
 		        share);
+		cost.lapShared();
+	}
+	/// The parts of a pass in turn for each strip of points: work(strip, firstPoint, lastPoint, sample). share: empty where they add to no array that
+	/// strips share.
+	template <class... Work> void inStrips(const std::function<void(SharedRows&)>& share, const PassPart<Work>&... parts)
+	{
+		const auto work = [&](int strip, int first, int last) {
+			CostMeter::Sample sample = cost.sample(strip);
+			sample.begin();
+			(parts.run(sample, strip, first, last, sample), ...);
+		};
+		if (share) points->strips().scatter(work, share);
+		else points->strips().gather(work);
 		cost.lapShared();
 	}
 	template <class Work> void overBlocks(int first, int last, Work&& work)
@@ -243,28 +255,44 @@ template <int D> struct Ground<D>::Parts {
 	void locateInCells();
 	void useMeanStress(int first, int count);
 	void findKeptFractions();
+	void openStep(double dt);
 	bool heatMayRest();
+	void settleHeat();
 	/// What the step has added to the accounts of the run; collective.
 	void bookStep();
 	/// Calendar time at the end of the step.
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
 	void   useScale();
 	/// Velocities of moving walls in this step. Throws, with the ground as it was before the step, if one leaves its nodes.
-	void   moveWalls();
-	bool   allRests() const { return heatRests && !motion; }
-	void   findFrontStiffness();
-	void   closeThawStrain();
-	void   collectSurfaces();
-	void   findFlows();
-	void   updateTemperature();
-	void   showNodes();
-	void   solveMomentum();
-	void   seep();
-	double signalSpeed(int place, double modulus) const;
-	double advectionStep(int place) const;
-	double longestPath();
-	bool   mayLeaveGrid(int place, double reach) const;
-	bool   leavesGrid(int place, WeightBlock<D>& w) const;
+	void moveWalls();
+	bool allRests() const { return heatRests && !motion; }
+	void findFrontStiffness();
+	void findFront();
+	void mapToGrid();
+	void collectSurfaces();
+	void findNodalPressure();
+	void findFlows();
+	void exchangeHeat();
+	void finishTemperature();
+	void updateTemperature();
+	void showNodes();
+	void pushByBoundaries();
+	void solveMomentum();
+	void seep();
+	void gatherFromGrid();
+	void addDivergence(const WeightBlock<D>& w);
+	void finishPaths();
+	void levelCells();
+	void findCellPressure();
+	void closeThawStrain();
+	/// What a skeleton law throws to end the run after this step, or null.
+	std::exception_ptr updateSkeletons();
+	void               measureMotion();
+	double             signalSpeed(int place, double modulus) const;
+	double             advectionStep(int place) const;
+	double             longestPath();
+	bool               mayLeaveGrid(int place, double reach) const;
+	bool               leavesGrid(int place, WeightBlock<D>& w) const;
 	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
 	void                            requirePathsInside();
 	[[noreturn]] void               refuseToLeave(bool stable);

@@ -14,52 +14,47 @@ namespace {
 	constexpr long stepsBetweenSorts = 200;
 } // namespace
 
+template <int D> void Ground<D>::Parts::findNodalPressure()
+{
+	water->nodalPressure(around);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+		if (settings.boundaries[b]->drains() || settings.boundaries[b]->feeds()) water->open(surface->patch(b));
+	water->addPotential(grid, around, *motion, momentum->heldAxes());
+}
+
 /// Heat that conduction brings to the nodes and force of the pore pressure on them, in one pass where both exist.
 template <int D> void Ground<D>::Parts::findFlows()
 {
 	const bool conducts = heat && !heatRests;
-	if (conducts) heat->nodalTemperature(grid, around, settings.boundaries, calendarEnd(), clock.dt);
-	else if (heat && water) heat->rest(around);
-	cost.lap(CostMeter::heat);
-	if (water) {
-		water->nodalPressure(around);
-		for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
-			if (settings.boundaries[b]->drains() || settings.boundaries[b]->feeds()) water->open(surface->patch(b));
-		water->addPotential(grid, around, *motion, momentum->heldAxes());
-		cost.lap(CostMeter::water);
-	}
-	const auto shareFlows = [&](SharedRows& rows) {
-		if (water) rows.nodes(water->force);
-		if (conducts) heat->shareConducted(rows);
+	if (conducts) cost.time(CostMeter::heat, [&] { heat->nodalTemperature(grid, around, settings.boundaries, calendarEnd(), clock.dt); });
+	else if (heat && water) cost.time(CostMeter::heat, [&] { heat->rest(around); });
+	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(); });
+	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
+		const auto share = [&](SharedRows& rows) {
+			if (water) rows.nodes(water->force);
+			if (conducts) heat->shareConducted(rows);
+		};
+		cost.time(pays, [&] { scatter(work, share); });
 	};
 	if (conducts && water) {
 		const typename NodeLoops<D>::HeatFlow flow = heat->flow(clock.dt);
-		scatter([&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); }, shareFlows);
-		cost.lap(CostMeter::flows);
-		return;
-	}
-	if (conducts) {
-		scatter([&](const WeightBlock<D>& w) { heat->conduct(w, clock.dt); }, shareFlows);
-		cost.lap(CostMeter::heat);
-	}
-	if (water) {
-		scatter([&](const WeightBlock<D>& w) { water->pressureForce(w); }, shareFlows);
-		cost.lap(CostMeter::water);
-	}
+		pass(CostMeter::flows, [&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
+	} else if (conducts) pass(CostMeter::heat, [&](const WeightBlock<D>& w) { heat->conduct(w, clock.dt); });
+	else if (water) pass(CostMeter::water, [&](const WeightBlock<D>& w) { water->pressureForce(w); });
 }
 
-template <int D> void Ground<D>::Parts::updateTemperature()
+template <int D> void Ground<D>::Parts::exchangeHeat()
+{
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+		if (settings.boundaries[b]->heats())
+			heat->exchange(*settings.boundaries[b], calendarEnd(), surface->patch(b), *surface, grid.spacing(), clock.dt, ledger);
+}
+
+template <int D> void Ground<D>::Parts::finishTemperature()
 {
 	const double time = calendarEnd();
-	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
-		const Boundary<D>& boundary = *settings.boundaries[b];
-		if (!boundary.heats()) continue;
-		heat->exchange(boundary, time, surface->patch(b), *surface, grid.spacing(), clock.dt, ledger);
-		cost.lap(CostMeter::boundaries);
-	}
 	heat->produce(around, settings.boundaries, time, clock.dt, ledger);
 	heat->finishNodes(around, settings.boundaries, time, clock.dt, ledger);
-	cost.lap(CostMeter::heat);
 	if (settings.heat->source == 0.0) return;
 	const double* volume = points->volume();
 	bookByStrip([&](StepAccount<D>& account, int first, int last) {
@@ -68,6 +63,12 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 			v += volume[p];
 		account.heatIn += settings.heat->source * heat->scale * v * clock.dt;
 	});
+}
+
+template <int D> void Ground<D>::Parts::updateTemperature()
+{
+	cost.time(CostMeter::boundaries, [&] { exchangeHeat(); });
+	cost.time(CostMeter::heat, [&] { finishTemperature(); });
 }
 
 /// Boundaries whose gifts follow the state of their nodes see it, before anything of the step is booked.
@@ -107,19 +108,12 @@ template <int D> void Ground<D>::Parts::showNodes()
 			shown.normal.push_back(normal);
 		}
 		boundary.lookAt(shown);
-		cost.lap(CostMeter::boundaries);
 	}
 }
 
-template <int D> void Ground<D>::Parts::solveMomentum()
+template <int D> void Ground<D>::Parts::pushByBoundaries()
 {
 	const double time = calendarEnd();
-	if (water) {
-		water->liquidForce(around);
-		cost.lap(CostMeter::water);
-	}
-	momentum->addGravity(around, *motion, water.get());
-	cost.lap(CostMeter::motion);
 	for (const LookingBoundary& looking : lookingBoundaries) {
 		const Boundary<D>& boundary = *settings.boundaries[looking.index];
 		if (boundary.accelerates()) momentum->accelerate(boundary, looking.shares, *motion);
@@ -129,19 +123,21 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 		if (boundary.loads()) momentum->addLoad(boundary, surface->patch(b), time, *motion);
 		if (boundary.drains()) water->drainedForce(surface->patch(b), boundary.pressure(time));
 	}
-	if (surface) cost.lap(CostMeter::boundaries);
-	if (bodies) {
-		bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse);
-		cost.lap(CostMeter::bodies);
-	}
-	momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, ledger);
-	const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
-	for (int a = 0; a < D; ++a)
-		clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
-	cost.lap(CostMeter::motion);
-	if (!water) return;
-	seep();
-	cost.lap(CostMeter::water);
+}
+
+template <int D> void Ground<D>::Parts::solveMomentum()
+{
+	if (water) cost.time(CostMeter::water, [&] { water->liquidForce(around); });
+	cost.time(CostMeter::motion, [&] { momentum->addGravity(around, *motion, water.get()); });
+	cost.time(CostMeter::boundaries, [&] { pushByBoundaries(); });
+	if (bodies) cost.time(CostMeter::bodies, [&] { bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse); });
+	cost.time(CostMeter::motion, [&] {
+		momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, ledger);
+		const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
+		for (int a = 0; a < D; ++a)
+			clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
+	});
+	if (water) cost.time(CostMeter::water, [&] { seep(); });
 }
 
 template <int D> void Ground<D>::Parts::seep()
@@ -376,6 +372,26 @@ template <int D> void Ground<D>::Parts::moveWalls()
 	}
 }
 
+template <int D> void Ground<D>::Parts::openStep(double dt)
+{
+	if (bands) meetRanks();
+	clock.dt = dt;
+	if (clock.sortWanted || clock.steps - clock.lastSort >= stepsBetweenSorts) sort();
+	accounts.take(*this);
+	ledger.clear();
+	useScale();
+	if (momentum) moveWalls();
+	findKeptFractions();
+}
+
+template <int D> void Ground<D>::Parts::settleHeat()
+{
+	const double before = heat->reference;
+	heatRests           = heatMayRest();
+	// an update that left all temperatures as they were would do so again
+	contentSettled = contentSettled && heatRests && heat->reference == before;
+}
+
 template <int D> void Ground<D>::beginStep(double dt)
 {
 	Parts& g = *parts_;
@@ -385,21 +401,8 @@ template <int D> void Ground<D>::beginStep(double dt)
 		throw std::runtime_error(
 		        "the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
-	if (g.bands) g.meetRanks();
-	g.clock.dt = dt;
-	if (g.clock.sortWanted || g.clock.steps - g.clock.lastSort >= stepsBetweenSorts) g.sort();
-	g.accounts.take(g);
-	g.ledger.clear();
-	g.useScale();
-	if (g.momentum) g.moveWalls();
-	g.findKeptFractions();
-	g.cost.lap(CostMeter::sorting);
-	if (!g.heat) return;
-	const double before = g.heat->reference;
-	g.heatRests         = g.heatMayRest();
-	// an update that left all temperatures as they were would do so again
-	g.contentSettled = g.contentSettled && g.heatRests && g.heat->reference == before;
-	g.cost.lap(CostMeter::heat);
+	g.cost.time(CostMeter::sorting, [&] { g.openStep(dt); });
+	if (g.heat) g.cost.time(CostMeter::heat, [&] { g.settleHeat(); });
 }
 
 /// Of the thawed points that may slip, from their skeletons.
@@ -431,7 +434,6 @@ template <int D> void Ground<D>::Parts::closeThawStrain()
 		settings.skeletons[k]->tangentModulus(open, scratch.data());
 	}
 	thawStrain->close(scratch.data());
-	cost.lap(CostMeter::thawStrain);
 }
 
 template <int D> void Ground<D>::Parts::collectSurfaces()
@@ -442,67 +444,53 @@ template <int D> void Ground<D>::Parts::collectSurfaces()
 		const Region<D>& region = settings.boundaries[b]->region();
 		if (region.kind == Region<D>::Kind::bodies) bodies->collectFaces(*shape, grid, around, region.ids, surface->patch(b));
 	}
-	cost.lap(CostMeter::surface);
+}
+
+template <int D> void Ground<D>::Parts::findFront()
+{
+	front->find(grid, around, momentum->mirrors(), momentum->freeLiquid());
+	findFrontStiffness();
+}
+
+template <int D> void Ground<D>::Parts::mapToGrid()
+{
+	const bool          average = averaging(), conducts = heat && !heatRests;
+	const double* const share = conducts ? heat->carriedShare() : nullptr;
+	inBlocks(
+	        [&](SharedRows& rows) {
+		        rows.beyond = true;
+		        if (motion) rows.nodes(motion->nodes);
+		        if (front) front->shareMapped(grid, rows);
+		        if (water) rows.nodes(water->nodes);
+		        if (conducts) heat->shareMapped(rows);
+		        if (surface) rows.nodes(surface->nodes);
+	        },
+	        [](int, int, int) {},
+	        PassPart { bool(motion), CostMeter::motion,
+	                   [&](const WeightBlock<D>& w, double*) {
+		                   if (average)
+			                   for (int p = w.first; p < w.first + w.count; ++p)
+				                   motion->meanStress[p] = cells->mean(p, motion->meanStress[p]);
+		                   else if (water) useMeanStress(w.first, w.count);
+		                   motion->map(w, share, share ? heat->temperature : nullptr, share ? heat->reference : 0.0);
+	                   } },
+	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
+	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(grid, w, affine.get()); } },
+	        PassPart { bool(water), CostMeter::water, [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells()); } },
+	        PassPart { conducts, CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
+	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }
 
 template <int D> void Ground<D>::p2g()
 {
 	Parts& g = *parts_;
 	if (g.allRests()) return;
-	g.clearNodes();
-	g.cost.lap(g.base());
-	if (g.front) {
-		g.front->find(g.grid, g.around, g.momentum->mirrors(), g.momentum->freeLiquid());
-		g.findFrontStiffness();
-		g.cost.lap(CostMeter::front);
-	}
-	if (g.cells) {
-		g.locateInCells();
-		g.cost.lap(CostMeter::cells);
-	}
+	g.cost.time(g.base(), [&] { g.clearNodes(); });
+	if (g.front) g.cost.time(CostMeter::front, [&] { g.findFront(); });
+	if (g.cells) g.cost.time(CostMeter::cells, [&] { g.locateInCells(); });
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
-	const bool          average = g.averaging(), conducts = g.heat && !g.heatRests;
-	const double* const share = conducts ? g.heat->carriedShare() : nullptr;
-	g.scatterSampled(
-	        [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
-		        if (g.motion) {
-			        if (average)
-				        for (int k = 0; k < w.count; ++k)
-					        g.motion->meanStress[w.first + k] = g.cells->mean(w.first + k, g.motion->meanStress[w.first + k]);
-			        else if (g.water) g.useMeanStress(w.first, w.count);
-			        g.motion->map(w, share, share ? g.heat->temperature : nullptr, share ? g.heat->reference : 0.0);
-			        sample.lap(CostMeter::motion);
-			        if (g.affine) {
-				        g.affine->map(g.grid, w, *g.motion);
-				        sample.lap(CostMeter::transfer);
-			        }
-			        if (g.front) {
-				        g.front->map(g.grid, w, g.affine.get());
-				        sample.lap(CostMeter::front);
-			        }
-		        }
-		        if (g.water) {
-			        g.water->map(w, g.averagingCells());
-			        sample.lap(CostMeter::water);
-		        }
-		        if (conducts) {
-			        g.heat->map(w);
-			        sample.lap(CostMeter::heat);
-		        }
-		        if (g.surface) {
-			        g.surface->map(w);
-			        sample.lap(CostMeter::surface);
-		        }
-	        },
-	        [&](SharedRows& rows) {
-		        rows.beyond = true;
-		        if (g.motion) rows.nodes(g.motion->nodes);
-		        if (g.front) g.front->shareMapped(g.grid, rows);
-		        if (g.water) rows.nodes(g.water->nodes);
-		        if (conducts) g.heat->shareMapped(rows);
-		        if (g.surface) rows.nodes(g.surface->nodes);
-	        });
-	if (g.surface) g.collectSurfaces();
+	g.mapToGrid();
+	if (g.surface) g.cost.time(CostMeter::surface, [&] { g.collectSurfaces(); });
 }
 
 template <int D> void Ground<D>::solveNodes()
@@ -510,122 +498,109 @@ template <int D> void Ground<D>::solveNodes()
 	Parts& g = *parts_;
 	if (g.allRests()) return;
 	if (g.heat || g.water) g.findFlows();
-	if (!g.lookingBoundaries.empty()) g.showNodes();
+	if (!g.lookingBoundaries.empty()) g.cost.time(CostMeter::boundaries, [&] { g.showNodes(); });
 	if (g.heat && !g.heatRests) g.updateTemperature();
 	if (g.motion) g.solveMomentum();
+}
+
+/// Cells sum the divergence of their points, for B-bar.
+template <int D> void Ground<D>::Parts::addDivergence(const WeightBlock<D>& w)
+{
+	const double* volume = points->volume();
+	for (int p = w.first; p < w.first + w.count; ++p) {
+		double trace = motion->gradient[0][p];
+		for (int a = 1; a < D; ++a)
+			trace += motion->gradient[a * D + a][p];
+		cells->add(p, volume[p] * trace);
+	}
+}
+
+template <int D> void Ground<D>::Parts::gatherFromGrid()
+{
+	const bool average = averaging(), conducts = heat && !heatRests, inRecordOfWater = conducts && water && NodeColumns<D>::Gathered::carriesRise;
+	inBlocks(
+	        [&](SharedRows& rows) {
+		        if (!average) return;
+		        cells->shareSums(rows);
+		        if (water) water->shareCells(rows);
+	        },
+	        [&](int strip, int first, int last) {
+		        if (motion) boundPositions(strip, first, last);
+	        },
+	        PassPart { bool(water), CostMeter::water,
+	                   [&](const WeightBlock<D>& w, double* gained) {
+		                   water->gather(w, content->waterMass, heat ? heat->enthalpy : nullptr, averagingCells(), inRecordOfWater ? gained : nullptr);
+	                   } },
+	        PassPart { conducts, CostMeter::heat, [&](const WeightBlock<D>& w, double* gained) { heat->gather(w, inRecordOfWater ? gained : nullptr); } },
+	        PassPart { bool(motion), CostMeter::motion, [&](const WeightBlock<D>& w, double*) { motion->gather(w, clock.dt); } },
+	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->gather(grid, w, *motion); } },
+	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->gather(grid, w, clock.dt, affine.get()); } },
+	        PassPart { average, CostMeter::cells, [&](const WeightBlock<D>& w, double*) { addDivergence(w); } });
+}
+
+template <int D> void Ground<D>::Parts::finishPaths()
+{
+	if (averaging()) cells->finish(reached);
+	checkPositions();
+	refuseBadPoints();
 }
 
 template <int D> void Ground<D>::g2p()
 {
 	Parts& g = *parts_;
-	if (g.motion) {
-		g.requirePathsInside();
-		g.cost.lap(CostMeter::motion);
-	}
+	if (g.motion) g.cost.time(CostMeter::motion, [&] { g.requirePathsInside(); });
 	g.clock.halfDone = 1;
 	if (g.allRests()) return;
 	if (g.averaging()) g.cells->clearSums(g.around);
-	const bool average = g.averaging(), conducts = g.heat && !g.heatRests, inRecordOfWater = conducts && g.water && NodeColumns<D>::Gathered::carriesRise;
-	const auto gather = [&](const WeightBlock<D>& w, CostMeter::Sample& sample) {
-		double gained[blockSize];
-		if (g.water) {
-			g.water->gather(w, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.averagingCells(), inRecordOfWater ? gained : nullptr);
-			sample.lap(CostMeter::water);
-		}
-		if (conducts) {
-			g.heat->gather(w, inRecordOfWater ? gained : nullptr);
-			sample.lap(CostMeter::heat);
-		}
-		if (!g.motion) return;
-		g.motion->gather(w, g.clock.dt);
-		sample.lap(CostMeter::motion);
-		if (g.affine) {
-			g.affine->gather(g.grid, w, *g.motion);
-			sample.lap(CostMeter::transfer);
-		}
-		if (g.front) {
-			g.front->gather(g.grid, w, g.clock.dt, g.affine.get());
-			sample.lap(CostMeter::front);
-		}
-		if (!average) return;
-		const double* volume = g.points->volume();
-		for (int p = w.first; p < w.first + w.count; ++p) {
-			double trace = g.motion->gradient[0][p];
-			for (int a = 1; a < D; ++a)
-				trace += g.motion->gradient[a * D + a][p];
-			g.cells->add(p, volume[p] * trace);
-		}
-		sample.lap(CostMeter::cells);
-	};
-	const auto share = [&](SharedRows& rows) {
-		if (!average) return;
-		g.cells->shareSums(rows);
-		if (g.water) g.water->shareCells(rows);
-	};
-	if (!g.motion) {
-		g.scatterSampled(gather, share);
-		return;
-	}
-	g.scatterSampled(gather, share, [&](int strip, int first, int last) { g.boundPositions(strip, first, last); });
-	if (g.averaging()) g.cells->finish(g.reached);
-	g.checkPositions();
-	g.refuseBadPoints();
-	g.cost.lap(CostMeter::motion);
+	g.gatherFromGrid();
+	if (g.motion) g.cost.time(CostMeter::motion, [&] { g.finishPaths(); });
+}
+
+template <int D> void Ground<D>::Parts::levelCells()
+{
+	if (content->iceMass) water->levelCells(grid, around, *cells, motion->settings->gravity, clock.dt, liquidDensity(), enthalpyModel());
+	water->finishCells(reached, ledger);
+}
+
+template <int D> void Ground<D>::Parts::findCellPressure()
+{
+	water->findCellPressure(reached, enthalpyModel());
+	points->strips().gather([&](int, int first, int last) {
+		water->shareCellPressure(*cells, first, last);
+		if (content->iceMass) water->levelPoints(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, liquidDensity());
+	});
 }
 
 template <int D> void Ground<D>::updateStrainAndPressure()
 {
 	Parts& g = *parts_;
 	if (g.allRests() && g.contentSettled) return;
-	if (g.motion && g.settings.energyLedger) {
-		g.keepStrainWork(true);
-		g.cost.lap(CostMeter::ledger);
-	}
-	const CellMeans<D>* cells = g.water ? g.averagingCells() : nullptr;
+	if (g.motion && g.settings.energyLedger) g.cost.time(CostMeter::ledger, [&] { g.keepStrainWork(true); });
+	const CellMeans<D>* const        cells = g.water ? g.averagingCells() : nullptr;
+	std::function<void(SharedRows&)> share;
 	if (cells) {
-		if (g.content->iceMass)
-			g.water->levelCells(g.grid, g.around, *cells, g.motion->settings->gravity, g.clock.dt, g.liquidDensity(), g.enthalpyModel());
-		g.water->finishCells(g.reached, g.ledger);
+		g.cost.time(CostMeter::water, [&] { g.levelCells(); });
+		share = [&g](SharedRows& rows) { g.water->shareCells(rows); };
 	}
-	const auto update = [&](int strip, int first, int last) {
-		CostMeter::Sample sample = g.cost.sample(strip);
-		sample.begin();
-		if (cells) {
-			const Vec<D> lost = g.water->receive(
-			        *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.motion->velocity);
-			for (int a = 0; a < D; ++a)
-				g.ledger.ofStrip(strip).momentumOut[a] += lost[a];
-			sample.lap(CostMeter::water);
-		}
-		if (g.motion) {
-			g.averageStrain(first, last);
-			sample.lap(CostMeter::motion);
-		}
-		if (g.front) {
-			g.front->addSlip(first, last);
-			sample.lap(CostMeter::front);
-		}
-		if (g.record) {
-			g.record->accumulate(first, last, g.motion->gradient);
-			sample.lap(CostMeter::record);
-		}
-		if (!g.content) return;
-		const int failed = g.content->update(first, last, g.contentOf(), cells, g.clock.dt, sample);
-		if (failed < last) g.bad[strip] = failed;
-	};
-	if (cells) {
-		g.points->strips().scatter(update, [&](SharedRows& rows) { g.water->shareCells(rows); });
-	} else g.points->strips().gather(update);
-	g.cost.lapShared();
-	if (g.cellPressure()) {
-		g.water->findCellPressure(g.reached, g.enthalpyModel());
-		g.points->strips().gather([&](int, int first, int last) {
-			g.water->shareCellPressure(*cells, first, last);
-			if (g.content->iceMass)
-				g.water->levelPoints(*cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.liquidDensity());
-		});
-		g.cost.lap(CostMeter::water);
-	}
+	using Sample = CostMeter::Sample;
+	g.inStrips(
+	        share,
+	        PassPart { cells != nullptr, CostMeter::water,
+	                   [&](int strip, int first, int last, Sample&) {
+		                   const Vec<D> lost = g.water->receive(
+		                           *cells, first, last, g.content->waterMass, g.heat ? g.heat->enthalpy : nullptr, g.motion->velocity);
+		                   for (int a = 0; a < D; ++a)
+			                   g.ledger.ofStrip(strip).momentumOut[a] += lost[a];
+	                   } },
+	        PassPart { bool(g.motion), CostMeter::motion, [&](int, int first, int last, Sample&) { g.averageStrain(first, last); } },
+	        PassPart { bool(g.front), CostMeter::front, [&](int, int first, int last, Sample&) { g.front->addSlip(first, last); } },
+	        PassPart { bool(g.record), CostMeter::record,
+	                   [&](int, int first, int last, Sample&) { g.record->accumulate(first, last, g.motion->gradient); } },
+	        PassPart { bool(g.content), CostMeter::freezing, [&](int strip, int first, int last, Sample& sample) {
+		                  const int failed = g.content->update(first, last, g.contentOf(), cells, g.clock.dt, sample);
+		                  if (failed < last) g.bad[strip] = failed;
+	                  } });
+	if (g.cellPressure()) g.cost.time(CostMeter::water, [&] { g.findCellPressure(); });
 	g.contentSettled = g.allRests();
 	if (g.content) g.refuseImpossibleStates();
 }
@@ -643,35 +618,40 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 	throw std::runtime_error(bands ? firstWords(words) : words);
 }
 
+template <int D> std::exception_ptr Ground<D>::Parts::updateSkeletons()
+{
+	std::exception_ptr stop;
+	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
+		cost.timeSkeleton(static_cast<int>(k), [&] {
+			try {
+				if (skeletonUsed[k]) settings.skeletons[k]->updateStress(batch(k));
+			} catch (const StopAfterStep&) {
+				stop = std::current_exception();
+			}
+		});
+	return stop;
+}
+
+template <int D> void Ground<D>::Parts::measureMotion()
+{
+	calendar->measure(clock.calendar, points->strips(), cells ? &*cells : nullptr, reached, grid, settings.heatFraction);
+	calendar->keepEvents(clock.calendar, clock.dt, clock.time, points->strips());
+}
+
 template <int D> void Ground<D>::updateEffectiveStress()
 {
 	Parts&             g = *parts_;
 	std::exception_ptr stop;
-	if (g.thawStrain) g.closeThawStrain();
-	if (g.motion)
-		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k) {
-			try {
-				if (g.skeletonUsed[k]) g.settings.skeletons[k]->updateStress(g.batch(k));
-			} catch (const StopAfterStep&) {
-				stop = std::current_exception();
-			}
-			g.cost.lapSkeleton(static_cast<int>(k));
-		}
+	if (g.thawStrain) g.cost.time(CostMeter::thawStrain, [&] { g.closeThawStrain(); });
+	if (g.motion) stop = g.updateSkeletons();
 	if (g.thawStrain) g.thawStrain->restoreGradients();
-	if (g.motion && g.settings.energyLedger) {
-		g.keepStrainWork(false);
-		g.cost.lap(CostMeter::ledger);
-	}
+	if (g.motion && g.settings.energyLedger) g.cost.time(CostMeter::ledger, [&] { g.keepStrainWork(false); });
 	g.bookStep();
 	if (g.momentum) g.momentum->endStep(g.clock.dt);
 	g.clock.calendar.time = g.calendarEnd();
 	g.clock.time += g.clock.dt;
 	++g.clock.steps;
-	if (g.calendar) {
-		g.calendar->measure(g.clock.calendar, g.points->strips(), g.cells ? &*g.cells : nullptr, g.reached, g.grid, g.settings.heatFraction);
-		g.calendar->keepEvents(g.clock.calendar, g.clock.dt, g.clock.time, g.points->strips());
-		g.cost.lap(CostMeter::calendar);
-	}
+	if (g.calendar) g.cost.time(CostMeter::calendar, [&] { g.measureMotion(); });
 	g.clock.halfDone = 0;
 	if (stop) std::rethrow_exception(stop);
 }
