@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fixtures import thirty
 from yade import O, utils, wrapper
 
 import talik
@@ -40,7 +41,7 @@ def damaged(content, generator):
 @pytest.fixture
 def cache(tmp_path, sampleCache):
 	"""A folder of its own with one sample in it."""
-	sample = rve.prepare(grains=30, porosity=0.19, cache=sampleCache)
+	sample = rve.prepare(**thirty, cache=sampleCache)
 	folder = tmp_path / "cache"
 	folder.mkdir()
 	for file in (sample.path, sample.path.replace(".yade.gz", ".json")):
@@ -49,7 +50,7 @@ def cache(tmp_path, sampleCache):
 
 
 def found(folder):
-	return rve.prepare(grains=30, porosity=0.19, cache=folder)
+	return rve.prepare(**thirty, cache=folder)
 
 
 # ---- cached samples --------------------------------------------------------------------------------------------------------
@@ -91,7 +92,7 @@ def test_a_damaged_cached_scene_is_made_anew_with_a_word_and_found_from_then_on(
 
 
 def test_a_scene_of_another_stress_under_the_key_of_this_one_is_not_taken(cache, sampleCache, capsys):
-	other = rve.prepare(grains=30, porosity=0.19, pressure=150e3, cache=sampleCache)
+	other = rve.prepare(**thirty, pressure=150e3, cache=sampleCache)
 	scene = next(cache.glob("*.yade.gz"))
 	shutil.copy(other.path, scene)
 	assert found(cache).pressure == pytest.approx(100e3, rel=0.01)

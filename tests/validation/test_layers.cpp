@@ -214,13 +214,13 @@ void expectSettlement(const std::string& name, const SettlingColumn& column, dou
 }
 
 /// Thaws two layers one after the other, the one with more ice below or above.
-void thawTwoLayers(bool iceRichBelow)
+void thawTwoLayers(bool iceRichBelow, double spacing)
 {
 	citing("Stefan 1891; Aldrich & Paynter 1953");
 	std::vector<Layer> layers { { 0.4, 0.3, 2.0 }, { 0.6, 0.7, 3.0 } };
 	if (!iceRichBelow) layers = { { 0.4, 0.7, 3.0 }, { 0.6, 0.3, 2.0 } };
 	const std::string name   = std::string("V30 Stefan, ice-rich layer ") + (iceRichBelow ? "second" : "first");
-	Ground<2>         ground = thawingLayers(layers, 0.025, 1.0);
+	Ground<2>         ground = thawingLayers(layers, spacing, 1.0);
 	const double      before = ground.balance().enthalpy;
 	for (const double depth : { 0.3, 0.5, 0.8 }) {
 		marchTo(ground, stefanTime(layers, depth, 1.0));
@@ -245,9 +245,11 @@ void thawTwoLayers(bool iceRichBelow)
 
 } // namespace
 
-TEST(Layers, ThawFromPoorIntoRichIceFollowsStefanInLayers_slow) { thawTwoLayers(true); }
+TEST(Layers, ThawFromRichIntoPoorIceFollowsStefanInLayers) { thawTwoLayers(false, 0.04); }
 
-TEST(Layers, ThawFromRichIntoPoorIceFollowsStefanInLayers) { thawTwoLayers(false); }
+TEST(Layers, ThawFromRichIntoPoorIceFollowsStefanInLayersOnAFineGrid_slow) { thawTwoLayers(false, 0.025); }
+
+TEST(Layers, ThawFromPoorIntoRichIceFollowsStefanInLayers_slow) { thawTwoLayers(true, 0.025); }
 
 TEST(Layers, EachMaterialFreezesByItsOwnCurve)
 {

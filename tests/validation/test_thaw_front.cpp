@@ -86,16 +86,13 @@ Slab withoutFront(Slab s)
 
 } // namespace
 
+// Of the slow tests one layer of each kind.
 TEST(ThawFront, ThinThawedLayerSlidesAsFarAsFrictionLetsIt)
 {
 	expectSlide("along the grid", layer(0.5), 5e-2);
-	expectSlide("along the grid", layer(1.0, 0.25), 5e-2);
-	expectSlide("along the grid", layer(2.0, 0.75), 5e-2);
 	expectSlide("along the grid, psi = phi", dilating(layer(2.0)), 5e-2);
-	expectSlide("along the grid, saturated", wet(layer(0.5)), 5e-2);
 	expectSlide("along the grid, saturated", wet(layer(1.0, 0.25)), 5e-2);
 	expectSlide("front at 45 degrees to the grid", inclined(1.0, 45.0), 1e-1);
-	expectSlide("front at 30 degrees to the grid, saturated", wet(inclined(1.0, 30.0)), 1e-1);
 	// what the front is for: with one velocity the same layer does not slide
 	EXPECT_LT(slideOf(withoutFront(layer(1.0))), 0.05);
 }
@@ -176,8 +173,6 @@ void expectStanding(const Slab& slab, double bound)
 TEST(ThawFront, LayerThatFrictionHoldsStays)
 {
 	expectStanding(dilating(layer(0.5, 0.25)), 1e-3);
-	expectStanding(dilating(layer(1.0, 0.5)), 1e-3);
-	expectStanding(dilating(layer(2.0, 0.25)), 1e-3);
 	expectStanding(layer(1.0, 0.25), 1e-3);
 }
 
@@ -223,8 +218,6 @@ TEST(ThawFront, CohesionHoldsALayerUpToItsClosedFormThickness)
 	Slab s   = layer(2.0);
 	s.length = 120.0;
 	expectCohesionToHold("", s);
-	s = inclined(1.0, 60.0);
-	expectCohesionToHold("front at 60 degrees to the grid, ", s);
 }
 
 // Thin layers on steps: with the stress of the points, which is rough there, half as much cohesion again did not hold them.

@@ -179,12 +179,14 @@ void expectClosedSeasons(const char* law, const Seasons& scene)
 TEST(ThawSettlement, DrainedColumnComesBackToItsHeightAfterEveryWinter)
 {
 	citing("closed cycle; volume of ice and water");
-	Seasons scene;
-	scene.skeleton = elasticOedometer(13.46e6);
-	expectClosedSeasons("elastic", scene);
 	auto soil      = std::make_shared<MohrCoulombSkeleton<2>>();
-	scene.skeleton = soil;
-	expectClosedSeasons("Mohr-Coulomb", scene);
 	soil->cohesion = soil->cohesionFrozen = 0.0;
-	expectClosedSeasons("no cohesion", scene);
+	expectClosedSeasons("no cohesion", { soil });
+}
+
+TEST(ThawSettlement, DrainedColumnOfOtherLawsComesBackToItsHeightAfterEveryWinter_slow)
+{
+	citing("closed cycle; volume of ice and water");
+	expectClosedSeasons("elastic", { elasticOedometer(13.46e6) });
+	expectClosedSeasons("Mohr-Coulomb", { std::make_shared<MohrCoulombSkeleton<2>>() });
 }

@@ -9,6 +9,22 @@ import pytest
 from yade import O
 
 
+# Arguments of talik.rve.prepare for samples that several modules take, so that each is prepared once. Seeds are those whose first packing meets
+# porosity and fabric: a clone without a cache does not search for them.
+thirty = dict(grains=30, porosity=0.19, seed=17)
+forty = dict(grains=40, seed=3)
+sixty = dict(grains=60, porosity=0.19, seed=4)
+sixtyWithoutIce = dict(grains=60, porosity=0.19, seed=5, ice=False)
+hundredWithoutIce = dict(grains=100, seed=8, ice=False)
+spheres = dict(grains=100, dimension=3, seed=6)
+eightySpheres = dict(grains=80, dimension=3, porosity=0.41, seed=3)
+sixtySpheres = dict(grains=60, dimension=3, seed=7)
+rollingDiscs = dict(grains=60, seed=8, etaRoll=0.05)
+rollingSpheres = dict(grains=60, dimension=3, porosity=0.417, etaRoll=0.05)
+rollingDiscsWithMoments = dict(**rollingDiscs, bondRadiusFactor=1.0, momentContribution=0.5)
+ofDimension = {2: dict(grains=100), 3: spheres}
+
+
 @pytest.fixture(autouse=True)
 def emptyScene():
 	"""Every test begins with an empty scene."""

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from fixtures import eightySpheres, rollingDiscs, rollingDiscsWithMoments, rollingSpheres, sixtySpheres
 from yade import Matrix3, O, utils, wrapper
 
 from frozen_pair import block, frozenPair
@@ -68,11 +69,11 @@ def test_factors_of_one_leave_the_bits_of_a_sample_and_thawed_ground_has_none(pa
 
 kinds = {
 	"discs": dict(grains=100),
-	"rolling discs": dict(grains=60, etaRoll=0.05),
-	"discs with moments": dict(grains=60, etaRoll=0.05, bondRadiusFactor=1.0, momentContribution=0.5),
-	"spheres": dict(grains=80, dimension=3),
-	"rolling spheres": dict(grains=60, dimension=3, etaRoll=0.05),
-	"spheres with moments": dict(grains=60, dimension=3, bondRadiusFactor=1.0, momentContribution=0.5),
+	"rolling discs": rollingDiscs,
+	"discs with moments": rollingDiscsWithMoments,
+	"spheres": eightySpheres,
+	"rolling spheres": rollingSpheres,
+	"spheres with moments": dict(**sixtySpheres, bondRadiusFactor=1.0, momentContribution=0.5),
 }
 
 
@@ -114,7 +115,7 @@ def test_what_packed_and_open_samples_differ_by_is_of_second_order_in_the_strain
 	number: over one path that is in proportion to the strain of a step. Round-off would grow with the number of steps."""
 	errors, twins = [], []
 	for steps in (10, 50):
-		sample = rve.pack(rve.prepare(**{**kinds[kind], "grains": 80}, ice=True, cache=sampleCache))
+		sample = rve.pack(rve.prepare(ice=True, cache=sampleCache, **kinds[kind]))
 		sample.freeze(1)
 		twin, opened = withAGrainBeside(sample), wrapper.OpenRveSample(source=sample.open())
 		for each in (sample, twin, opened):

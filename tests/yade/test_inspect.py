@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fixtures import forty
 from yade import Matrix3, O, Vector3, plot, utils, wrapper
 
 import talik
@@ -22,7 +23,7 @@ same = talik._talik.sameObject
 
 @pytest.fixture(scope="module")
 def sample(sampleCache):
-	return talik.rve.pack(rve.prepare(grains=40, cache=sampleCache))
+	return talik.rve.pack(rve.prepare(**forty, cache=sampleCache))
 
 
 def thawingGround(sample, form="packed"):
@@ -396,7 +397,7 @@ def test_a_sample_saved_while_shown_opens_tomorrow_in_another_yade(ice, sample, 
 	if ice:
 		mpm = running(sample)
 	else:
-		frictional = talik.rve.pack(rve.prepare(grains=40, ice=False, cache=sampleCache))
+		frictional = talik.rve.pack(rve.prepare(grains=40, seed=18, ice=False, cache=sampleCache))
 		mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[frictional]))
 		mpm.addPoints(position=[(0.25, 0.25)], volume=0.25, velocity=(0.01, 0))
 		O.reset()
@@ -442,7 +443,7 @@ print("SCRIPT ENDED", flush=True)
 
 @pytest.mark.parametrize("form", forms)
 def test_shown_samples_run_with_all_threads_of_yade_and_yade_may_end_while_one_is_shown(form, sampleCache, tmp_path):
-	file = rve.prepare(grains=40, ice=False, cache=sampleCache).path
+	file = rve.prepare(grains=40, seed=18, ice=False, cache=sampleCache).path
 	output = runScript(tmp_path, meanwhile.format(file=str(file), form=form), "-n", "-j2")
 	assert "THREADS 2" in output
 
@@ -466,7 +467,7 @@ print("SCRIPT ENDED")
 
 
 def test_the_scene_of_an_open_sample_is_refused_where_O_has_more_threads_and_the_copy_that_the_refusal_names_is_shown(sampleCache, tmp_path):
-	output = runScript(tmp_path, fewerThreads.format(file=str(rve.prepare(grains=40, ice=False, cache=sampleCache).path)), "-n", "-j2")
+	output = runScript(tmp_path, fewerThreads.format(file=str(rve.prepare(grains=40, seed=18, ice=False, cache=sampleCache).path)), "-n", "-j2")
 	refusal = re.search("REFUSED (.*)", output).group(1)
 	print(f"\n{refusal}")
 	assert "OpenRveSample.open()" in refusal and "-j1" in refusal
@@ -773,7 +774,7 @@ os._exit(0)
 def test_the_inspector_and_the_3d_view_show_the_sample_behind_a_point_bonds_by_state(sampleCache, tmp_path):
 	from matplotlib import image
 
-	file = rve.prepare(grains=40, cache=sampleCache).path
+	file = rve.prepare(**forty, cache=sampleCache).path
 	script = tmp_path / "view.py"
 	script.write_text(viewScript.format(file=str(file)))
 	command = ["xvfb-run", "-a", "-s", "-screen 0 1024x768x24", "yade", "-x", str(script), str(tmp_path)]

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from fixtures import forty
 from yade import O, wrapper
 
 import talik
@@ -77,7 +78,7 @@ def test_only_the_ice_rich_layer_settles_and_by_its_thaw_strain():
 
 
 def test_ice_rich_ground_settles_with_samples_too(sampleCache):
-	sample = talik.rve.pack(talik.rve.prepare(grains=40, cache=sampleCache))
+	sample = talik.rve.pack(talik.rve.prepare(**forty, cache=sampleCache))
 	mpm = ground(skeleton=wrapper.RveSkeleton(samples=[sample]), heat=wrapper.HeatTransfer(thermalTimeScale=4e6))
 	outline = rectangle(0, 0, 0.1, 1)
 	talik.layers.fill(mpm, {"ice-rich": dict(polygon=outline, temperature=-1, porosity=0.6, material=Material(thawStrain=0.35))})
@@ -230,7 +231,7 @@ def test_what_a_layer_cannot_be_is_refused_by_a_sentence_with_its_name(layer, se
 
 
 def test_layers_with_samples_of_their_own_are_settled_each(sampleCache):
-	samples = [talik.rve.pack(talik.rve.prepare(grains=40, porosity=porosity, cache=sampleCache)) for porosity in (0.18, 0.20)]
+	samples = [talik.rve.pack(talik.rve.prepare(**{**forty, "porosity": porosity}, cache=sampleCache)) for porosity in (0.18, 0.20)]
 	laws = [wrapper.RveSkeleton(samples=[sample]) for sample in samples]
 	mpm = ground(skeleton=None, upper=(0.1, 2.2), gridSpacing=0.1)
 	layers = talik.layers.fill(

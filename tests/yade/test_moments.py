@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from fixtures import ofDimension
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
@@ -156,7 +157,7 @@ def test_melting_ice_takes_its_share_of_the_moment_away_and_new_ice_begins_witho
 def frozen(request, sampleCache):
 	"""A frozen sample whose bonds carry moments, at rest."""
 	dimension, rolling = request.param
-	scene = rve.openScene(rve.prepare(grains=100, dimension=dimension, ice=True, cache=sampleCache))
+	scene = rve.openScene(rve.prepare(**ofDimension[dimension], cache=sampleCache))
 	with talik.inspect(scene):
 		weak = {2: 10e6, 3: 1e6}[dimension]  # some bonds break in 500 steps
 		material = wrapper.MomentIceBondMat(
@@ -260,7 +261,7 @@ def test_time_step_follows_the_section_of_the_bonds_and_wide_ones_come_to_rest(d
 	"""(1 + k (1 + m)) of bending or twisting over sliding, m = lambda^2 a_f/(4 pi) max(1/nu_c, 2), with k = 5 the stiffness of the ice over the grains'."""
 
 	def packed(factor):
-		scene = rve.openScene(rve.prepare(grains=100, dimension=dimension, ice=True, cache=sampleCache))
+		scene = rve.openScene(rve.prepare(**ofDimension[dimension], cache=sampleCache))
 		with talik.inspect(scene):
 			material = wrapper.MomentIceBondMat(young=young, poisson=ratio, frictionAngle=math.atan(friction), density=2650, bondRadiusFactor=factor)
 			for body in O.bodies:

@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+from fixtures import sixty, sixtyWithoutIce
 from yade import Matrix3, O, wrapper
 
 import talik
@@ -16,12 +17,12 @@ from talik import rve
 @pytest.fixture(scope="module")
 def plainFile(sampleCache):
 	"""Grains of YADE's FrictMat, as stock YADE saves them."""
-	return rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache)
+	return rve.prepare(**sixtyWithoutIce, cache=sampleCache)
 
 
 @pytest.fixture(scope="module")
 def icyFile(sampleCache):
-	return rve.prepare(grains=60, porosity=0.19, cache=sampleCache)
+	return rve.prepare(**sixty, cache=sampleCache)
 
 
 def still(sample, saturation=1.0, steps=2000):

@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+from fixtures import sixty, sixtyWithoutIce
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
@@ -20,13 +21,13 @@ def relative(a, b):
 
 @pytest.fixture(scope="module")
 def frictional(sampleCache):
-	return rve.pack(rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache))
+	return rve.pack(rve.prepare(**sixtyWithoutIce, cache=sampleCache))
 
 
 @pytest.fixture(scope="module")
 def icy(sampleCache):
 	"""Grains that can carry ice, with bonds weak enough to break early; without ice yet."""
-	strong = rve.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+	strong = rve.pack(rve.prepare(**sixty, cache=sampleCache))
 	with talik.inspect(strong.open()):
 		O.materials[0].iceTensileStrength = O.materials[0].iceShearStrength = 2e6
 		O.materials[0].tensileStrength = O.materials[0].shearStrength = 1e5

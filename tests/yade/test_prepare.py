@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fixtures import sixty, sixtyWithoutIce, thirty
 from yade import Matrix3, O, utils, wrapper
 
 from talik import output, packing, plots, rve
@@ -86,7 +87,7 @@ def test_the_users_scene_is_left_alone(tmp_path):
 	O.dt = 0.125
 	O.run(3, True)
 	before = (O.sceneToString(), O.iter, O.time, O.dt)
-	rve.prepare(grains=30, porosity=0.19, cache=tmp_path)  # made, not found
+	rve.prepare(**thirty, cache=tmp_path)  # made, not found
 	assert (O.sceneToString(), O.iter, O.time, O.dt) == before
 	O.step()
 	assert O.iter == 4
@@ -98,11 +99,11 @@ def test_a_prepared_sample_is_kept_and_found_again(sampleCache, draftSample, mon
 
 
 def test_a_damaged_cache_entry_is_made_anew(sampleCache, tmp_path):
-	scene = Path(rve.prepare(grains=30, porosity=0.19, cache=sampleCache).path)
+	scene = Path(rve.prepare(**thirty, cache=sampleCache).path)
 	shutil.copy(scene, tmp_path)
 	sheet = tmp_path / scene.name.replace(".yade.gz", ".json")
 	sheet.write_text('{"path": "cut off')
-	made = rve.prepare(grains=30, porosity=0.19, cache=tmp_path)
+	made = rve.prepare(**thirty, cache=tmp_path)
 	assert made.path == str(tmp_path / scene.name) and abs(made.porosity - 0.19) < 0.005
 	assert json.loads(sheet.read_text())["path"] == made.path
 
@@ -201,7 +202,7 @@ def test_an_unwritable_cache_is_named_with_a_remedy():
 	],
 )
 def test_the_saved_scene_holds_the_materials_and_laws_asked_for_without_ice(sampleCache, ice, material, contact, law):
-	sample = rve.prepare(grains=60, porosity=0.19, ice=ice, cache=sampleCache)
+	sample = rve.prepare(**(sixty if ice else sixtyWithoutIce), cache=sampleCache)
 	print(f"\nice={ice}: {sample}")
 	O.load(sample.path)
 	assert type(O.materials[0]).__name__ == material
@@ -211,7 +212,7 @@ def test_the_saved_scene_holds_the_materials_and_laws_asked_for_without_ice(samp
 
 
 def test_attributes_of_the_ice_bond_reach_the_material(sampleCache):
-	sample = rve.prepare(grains=30, porosity=0.19, cache=sampleCache, iceYoung=2e9, iceTensileStrength=30e6)
+	sample = rve.prepare(**thirty, cache=sampleCache, iceYoung=2e9, iceTensileStrength=30e6)
 	O.load(sample.path)
 	assert O.materials[0].iceYoung == 2e9 and O.materials[0].iceTensileStrength == 30e6
 	with pytest.raises(AttributeError, match="iceYuong"):

@@ -12,7 +12,7 @@ column = talik.geometry.rectangle(0, 0, 1, 2)
 
 @pytest.fixture(scope="module")
 def sample():
-	return talik.rve.pack(talik.rve.prepare(grains=60))
+	return talik.rve.pack(talik.rve.prepare(grains=60, seed=3))
 
 
 def restingColumn(temperature=-1.0, **settings):
@@ -32,7 +32,7 @@ def restingColumn(temperature=-1.0, **settings):
 	talik.geometry.fill(
 		mpm,
 		column,
-		pointsPerCell=4,
+		pointsPerCell=1,
 		temperature=temperature,
 		stress=lambda x, y: np.stack([-0.6 * (2 - y) * 19e3, -(2 - y) * 19e3, -0.8 * (2 - y) * 19e3, 0 * y], axis=-1),
 	)

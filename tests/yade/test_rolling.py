@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from fixtures import ofDimension
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
@@ -15,11 +16,10 @@ alphaKr, etaRoll, friction, ratio, young = 1.5, 0.2, 0.5, 0.8, 0.6e9
 gradient = {2: Matrix3(0.6, 1.0, 0, -0.5, -1.0, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}
 
 
-@pytest.fixture(params=[(2, 100), (3, 100)], ids=["discs", "spheres"])
+@pytest.fixture(params=ofDimension.values(), ids=["discs", "spheres"])
 def rough(request, sampleCache):
 	"""A prepared sample, at rest again after its grains became rough."""
-	dimension, grains = request.param
-	scene = rve.openScene(rve.prepare(grains=grains, dimension=dimension, ice=True, cache=sampleCache))
+	scene = rve.openScene(rve.prepare(**request.param, cache=sampleCache))
 	with talik.inspect(scene):
 		material = wrapper.RollingIceBondMat(young=young, poisson=ratio, frictionAngle=math.atan(friction), density=2650, etaRoll=etaRoll, alphaKr=alphaKr)
 		for body in O.bodies:

@@ -2,6 +2,7 @@
 """Samples as benchmarks drive them: many copies at once, and steps under a velocity gradient."""
 
 import pytest
+from fixtures import sixtyWithoutIce
 from yade import Matrix3
 
 import talik
@@ -12,7 +13,7 @@ shear = Matrix3(2e-5, 1e-5, 0, 0, -2e-5, 0, 0, 0, 0)
 
 @pytest.fixture(scope="module")
 def sample(sampleCache):
-	return rve.pack(rve.prepare(grains=60, porosity=0.19, ice=False, cache=sampleCache))
+	return rve.pack(rve.prepare(**sixtyWithoutIce, cache=sampleCache))
 
 
 def test_copies_of_a_group_do_what_a_single_sample_does_with_the_same_bits(sample):

@@ -9,7 +9,7 @@ from talik import calibrate, rve
 
 @pytest.fixture(scope="module")
 def several(sampleCache):
-	return rve.pack(rve.prepare(grains=40, realisations=3, cache=sampleCache))
+	return rve.pack([rve.prepare(grains=40, seed=seed, cache=sampleCache) for seed in (3, 13, 18)])
 
 
 def test_scatter_over_realisations_is_that_of_their_own_tests(several):

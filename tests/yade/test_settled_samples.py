@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from fixtures import sixty
 from yade import O, wrapper
 
 import talik
@@ -14,7 +15,7 @@ load = 20e3
 
 @pytest.fixture(scope="module")
 def packed(sampleCache):
-	return rve.pack(rve.prepare(grains=60, porosity=0.19, cache=sampleCache))
+	return rve.pack(rve.prepare(**sixty, cache=sampleCache))
 
 
 def column(packed, **settings):

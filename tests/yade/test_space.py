@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from fixtures import spheres
 from yade import O, Quaternion, Vector3, utils, wrapper
 
 import talik
@@ -512,7 +513,7 @@ def test_settings_without_sense_and_points_outside_are_named():
 
 
 def test_samples_of_spheres_stand_behind_the_points_and_give_six_stresses(sampleCache, tmp_path):
-	sample = talik.rve.pack(talik.rve.prepare(grains=100, dimension=3, ice=True, cache=sampleCache))
+	sample = talik.rve.pack(talik.rve.prepare(**spheres, cache=sampleCache))
 
 	def scene():
 		O.reset()
@@ -554,7 +555,7 @@ def test_samples_of_spheres_stand_behind_the_points_and_give_six_stresses(sample
 
 @pytest.mark.parametrize("solid", ["terrain", "extruded"])
 def test_samples_of_spheres_are_brought_to_the_weight_above_their_points(solid, sampleCache):
-	sample = talik.rve.pack(talik.rve.prepare(grains=100, dimension=3, ice=True, cache=sampleCache))
+	sample = talik.rve.pack(talik.rve.prepare(**spheres, cache=sampleCache))
 	outline = [(0, 0), (2, 0), (2, 1), (0, 3)]
 	hill = {
 		"terrain": talik.solids.terrain(lambda x, y: 3 - x, base=0.0, lower=(0, 0), upper=(2, 1)),

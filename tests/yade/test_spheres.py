@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from fixtures import spheres
 from yade import Matrix3, O, wrapper
 
 import talik
@@ -15,7 +16,7 @@ young = 0.6e9
 @pytest.fixture(scope="module")
 def prepared(sampleCache):
 	"""100 spheres at 100 kPa, with materials that ice can bond."""
-	return rve.prepare(grains=100, dimension=3, ice=True, cache=sampleCache)
+	return rve.prepare(**spheres, cache=sampleCache)
 
 
 @pytest.fixture
@@ -33,7 +34,7 @@ def test_prepared_spheres_have_the_porosity_and_the_isotropic_stress_asked_for(p
 
 
 def test_a_sample_in_the_cache_is_found_again_and_that_of_discs_is_another(prepared, sampleCache):
-	again = rve.prepare(grains=100, dimension=3, ice=True, cache=sampleCache)
+	again = rve.prepare(**spheres, cache=sampleCache)
 	assert again == prepared
 	assert rve.load(prepared.path).stress == prepared.stress
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fixtures import rollingDiscs, rollingDiscsWithMoments
 from yade import O, wrapper
 
 import talik
@@ -27,7 +28,7 @@ def written(folder, *lines, heading=head):
 
 @pytest.fixture(scope="module")
 def rolling(sampleCache):
-	return rve.pack(rve.prepare(grains=60, ice=True, etaRoll=0.05, cache=sampleCache))
+	return rve.pack(rve.prepare(**rollingDiscs, cache=sampleCache))
 
 
 def test_a_target_is_read_in_any_unit_and_order_and_both_soils_of_the_examples_are(tmp_path):
@@ -122,7 +123,7 @@ def test_an_altered_sample_has_the_friction_and_bonds_asked_for_and_the_grains_i
 
 def test_an_altered_sample_has_the_moments_of_bonds_asked_for(sampleCache):
 	"""Bonds that bending never breaks are stronger in tension and compression than those that it breaks."""
-	carrying = rve.pack(rve.prepare(grains=60, ice=True, etaRoll=0.05, bondRadiusFactor=1.0, momentContribution=0.5, cache=sampleCache))
+	carrying = rve.pack(rve.prepare(**rollingDiscsWithMoments, cache=sampleCache))
 	row, strengths = target.Row(2, 1.0, -10.0, 1e-4, 0.0, {"strength": 1e6}), []
 	for contribution in (0.0, 1.0):
 		other = target.altered(carrying, 0.5, 0.1, bondRadiusFactor=1.5, momentContribution=contribution)

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from fixtures import hundredWithoutIce
 from yade import Matrix3, O, utils, wrapper
 
 import talik
@@ -33,7 +34,7 @@ def relative(a, b):
 
 @pytest.fixture
 def frictional(sampleCache):
-	return rve.pack(rve.prepare(grains=100, ice=False, cache=sampleCache))
+	return rve.pack(rve.prepare(**hundredWithoutIce, cache=sampleCache))
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ instants = 40
 
 @pytest.fixture(scope="module")
 def sample(sampleCache):
-	return rve.pack(rve.prepare(grains=60, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, seed=3, cache=sampleCache))
 
 
 def at(sample, lateral, vertical):

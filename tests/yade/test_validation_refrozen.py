@@ -16,7 +16,7 @@ from talik import calibrate, refrozen, rve
 
 @pytest.fixture(scope="module")
 def samples(sampleCache):
-	return rve.pack(rve.prepare(grains=100, realisations=3, ice=True, cache=sampleCache))
+	return rve.pack([rve.prepare(grains=100, seed=seed, ice=True, cache=sampleCache) for seed in (1, 8, 2001)])
 
 
 def outcomes(samples, past):
