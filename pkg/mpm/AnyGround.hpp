@@ -5,6 +5,7 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/ranks/PartedFile.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 
 #include <string>
@@ -95,6 +96,16 @@ public:
 	virtual std::vector<StateArray> state() = 0;
 	/// To be called after the arrays of state() were overwritten.
 	virtual void stateRestored() = 0;
+
+	// The same where the arrays of points lie in a file and each rank has to do with its own points only:
+	/// Those arrays of state() that are numbers of points by place, the first of it, with what is there of other ranks' points. Then the rest.
+	virtual std::vector<StateArray> pointState()  = 0;
+	virtual std::vector<StateArray> commonState() = 0;
+	/// Writes pointState() of all ranks, array by array; one rank may call it. Returns what it adds to the sum of the file. Throws
+	/// std::runtime_error with the rank and the reason.
+	virtual std::uint64_t writePoints(const FilePlace&) = 0;
+	/// After the arrays of commonState() were overwritten, in place of stateRestored(): each rank reads what it computes.
+	virtual void readPoints(const PartedFile&, std::uint64_t at) = 0;
 
 protected:
 	AnyGround()                                = default;

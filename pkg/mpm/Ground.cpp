@@ -170,15 +170,29 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 
 template <int D> std::vector<StateArray> Ground<D>::state()
 {
-	Parts&                  g = *parts_;
+	parts_->bringPoints();
+	std::vector<StateArray>       list = pointState();
+	const std::vector<StateArray> rest = commonState();
+	list.insert(list.end(), rest.begin(), rest.end());
+	return list;
+}
+
+template <int D> std::vector<StateArray> Ground<D>::pointState()
+{
 	std::vector<StateArray> list;
-	const std::size_t       n = g.points->count();
-	g.bringPoints();
-	PointFields& f = g.points->fields();
+	PointFields&            f = parts_->points->fields();
 	for (std::size_t k = 0; k < f.list().size(); ++k)
 		if (f.list()[k].persistent)
 			for (int c = 0; c < f.list()[k].components; ++c)
-				list.push_back({ f.list()[k].name + "." + std::to_string(c), f.component(static_cast<int>(k), c), n * sizeof(double) });
+				list.push_back({ f.list()[k].name + "." + std::to_string(c), f.component(static_cast<int>(k), c), f.count() * sizeof(double) });
+	return list;
+}
+
+template <int D> std::vector<StateArray> Ground<D>::commonState()
+{
+	Parts&                  g = *parts_;
+	std::vector<StateArray> list;
+	const std::size_t       n = g.points->count();
 	list.push_back({ "id", g.points->idArray().data(), n * sizeof(int) });
 	list.push_back({ "skeleton", g.points->skeletons(), n * sizeof(int) });
 	if (auto* const materials = g.points->materials()) list.push_back({ "material", materials, n * sizeof(*materials) });
@@ -204,10 +218,35 @@ template <int D> void Ground<D>::stateRestored()
 {
 	Parts& g         = *parts_;
 	g.contentSettled = false;
-	if (g.bands) g.bands->allCurrent = true;
 	if (g.bands) g.bands->weigh({});
 	g.points->idsRestored();
 	g.afterReordering();
+}
+
+template <int D> std::uint64_t Ground<D>::writePoints(const FilePlace& place)
+{
+	const Parts& g = *parts_;
+	if (g.bands) return g.bands->write(place);
+	PartSum sum;
+	g.writeOwnPoints(place, sum);
+	return sum.value();
+}
+
+template <int D> void Ground<D>::readPoints(const PartedFile& file, std::uint64_t at)
+{
+	Parts& g = *parts_;
+	if (g.bands) {
+		g.bands->weigh({});
+		g.cutBands();
+		g.bands->allCurrent = false;
+		g.keepOwnPoints();
+	}
+	const std::size_t first = g.points->strips().firstPoint(), end = g.points->strips().endPoint();
+	for (const StateArray& array : pointState()) {
+		file.read(static_cast<double*>(array.data) + first, (end - first) * sizeof(double), at + first * sizeof(double));
+		at += array.bytes;
+	}
+	stateRestored();
 }
 
 // ---- balance ------------------------------------------------------------------------------------------------------------

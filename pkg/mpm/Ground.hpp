@@ -100,6 +100,10 @@ public:
 	void                    setThermalState(int id, double temperature, double pressure) override;
 	std::vector<StateArray> state() override;
 	void                    stateRestored() override;
+	std::vector<StateArray> pointState() override;
+	std::vector<StateArray> commonState() override;
+	std::uint64_t           writePoints(const FilePlace&) override;
+	void                    readPoints(const PartedFile&, std::uint64_t at) override;
 
 private:
 	struct Parts;

@@ -40,6 +40,7 @@ template <int D> void Ground<D>::Parts::startBands()
 		return;
 	}
 	bands                  = std::make_unique<Bands>(talk, [this](const std::string& question) { return answer(question); });
+	bands->writes          = [this](const FilePlace& place, PartSum& sum) { writeOwnPoints(place, sum); };
 	points->strips().bands = bands.get();
 	afterReordering();
 }
@@ -151,6 +152,22 @@ template <int D> void Ground<D>::Parts::takePoints(const std::vector<std::string
 	}
 }
 
+/// Array by array, each with its points in the place that they have among all.
+template <int D> void Ground<D>::Parts::writeOwnPoints(const FilePlace& place, PartSum& sum) const
+{
+	PartedFile        file(place.path, PartedFile::For::writing, place.end);
+	PointFields&      f     = points->fields();
+	const std::size_t first = points->strips().firstPoint(), end = points->strips().endPoint();
+	std::uint64_t     at = place.at + first * sizeof(double);
+	for (std::size_t k = 0; k < f.list().size(); ++k)
+		for (int c = 0; f.list()[k].persistent && c < f.list()[k].components; ++c) {
+			file.write(f.component(static_cast<int>(k), c) + first, (end - first) * sizeof(double), at);
+			at += f.count() * sizeof(double);
+		}
+	file.close();
+	sum.add(file.sum().value());
+}
+
 template <int D> std::string Ground<D>::Parts::answer(const std::string& question) const
 {
 	if (question == askPoints) return ownPoints();
@@ -242,6 +259,8 @@ template void                                 Ground<2>::Parts::meetRanks();
 template void                                 Ground<2>::Parts::keepOwnPart();
 template void                                 Ground<2>::Parts::sortInBands();
 template void                                 Ground<2>::Parts::bringPoints() const;
+template void                                 Ground<2>::Parts::keepOwnPoints() const;
+template void                                 Ground<2>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
 template std::string                          Ground<2>::Parts::firstWords(const std::string&);
 template StableTimeStep                       Ground<2>::Parts::limitsOfRanks() const;
 template typename Ground<2>::Parts::Concerned Ground<2>::Parts::concerned(const std::vector<int>&);
@@ -255,6 +274,8 @@ template void                                 Ground<3>::Parts::meetRanks();
 template void                                 Ground<3>::Parts::keepOwnPart();
 template void                                 Ground<3>::Parts::sortInBands();
 template void                                 Ground<3>::Parts::bringPoints() const;
+template void                                 Ground<3>::Parts::keepOwnPoints() const;
+template void                                 Ground<3>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
 template std::string                          Ground<3>::Parts::firstWords(const std::string&);
 template StableTimeStep                       Ground<3>::Parts::limitsOfRanks() const;
 template typename Ground<3>::Parts::Concerned Ground<3>::Parts::concerned(const std::vector<int>&);

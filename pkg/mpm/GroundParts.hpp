@@ -229,6 +229,7 @@ template <int D> struct Ground<D>::Parts {
 	void        bringPoints() const;
 	std::string answer(const std::string& question) const;
 	std::string ownPoints() const;
+	void        writeOwnPoints(const FilePlace& place, PartSum& sum) const;
 	void        takePoints(const std::vector<std::string>& byRank) const;
 	/// The limits of this rank's points; in words instead if something is wrong.
 	StableTimeStep limitsOfPoints() const;

@@ -25,7 +25,7 @@ void Ranks::pass(const std::vector<Parcel>& going, const std::vector<Parcel>& co
 struct RankTalk::Message {
 	static constexpr std::int32_t meeting = -1;
 
-	std::uint64_t digest   = 0;
+	std::uint64_t digest   = 0;       ///< of the state at a meeting; other than 0 with a question: it is an order
 	std::int32_t  answerer = meeting; ///< number of the answerer who is asked
 	char          text[116] {};       ///< purpose of the meeting, or question
 
@@ -38,6 +38,7 @@ struct RankTalk::Message {
 		std::memcpy(text, words.data(), words.size());
 	}
 	bool asks() const { return answerer != meeting; }
+	bool orders() const { return asks() && digest != 0; }
 	bool saysTheSame(const Message& other) const { return answerer == other.answerer && std::strcmp(text, other.text) == 0; }
 };
 
@@ -48,11 +49,22 @@ std::vector<RankTalk::Message> RankTalk::round(const Message& mine)
 	return messages;
 }
 
+namespace {
+	constexpr char known = '.', unknown = '?'; ///< last letter of an answer: whether there is an answerer
+} // namespace
+
 /// The part of this rank goes to all who ask the same.
-std::vector<std::string> RankTalk::answer(const std::vector<Message>& messages, const Message& question)
+std::vector<std::string> RankTalk::answer(const std::vector<Message>& messages, const Message& question, const std::string& ownOrder)
 {
-	const auto               found = answerers.find(question.answerer);
-	const std::string        own   = found == answerers.end() ? "" : found->second->answerTo(question.text);
+	std::string order;
+	if (question.orders()) {
+		const auto orders = ranks_->exchange(std::vector<std::string>(messages.size(), ownOrder));
+		order             = *std::find_if(orders.begin(), orders.end(), [](const std::string& words) { return !words.empty(); });
+	}
+	const auto  found = answerers.find(question.answerer);
+	std::string own;
+	if (found != answerers.end()) own = question.orders() ? found->second->carryOut(order) : found->second->answerTo(question.text);
+	own.push_back(found == answerers.end() ? unknown : known);
 	std::vector<std::string> toEach(messages.size());
 	for (std::size_t k = 0; k < messages.size(); ++k)
 		if (messages[k].saysTheSame(question)) toEach[k] = own;
@@ -73,14 +85,28 @@ void RankTalk::meet(const std::string& purpose, std::uint64_t digest)
 	}
 }
 
-std::vector<std::string> RankTalk::ask(int answerer, const std::string& words)
+std::vector<std::string> RankTalk::ask(int answerer, const std::string& words) { return answersTo(Message(answerer, words, 0), ""); }
+
+std::vector<std::string> RankTalk::order(int answerer, const std::string& what)
 {
-	const Message mine(answerer, words, 0);
+	return answersTo(Message(answerer, "order of rank " + std::to_string(rank()), 1), what);
+}
+
+std::vector<std::string> RankTalk::answersTo(const Message& mine, const std::string& ownOrder)
+{
 	for (;;) {
 		const auto    messages = round(mine);
 		const Message question = *std::find_if(messages.begin(), messages.end(), [](const Message& message) { return message.asks(); });
-		auto          answers  = answer(messages, question);
-		if (question.saysTheSame(mine)) return answers;
+		auto          answers  = answer(messages, question, question.saysTheSame(mine) ? ownOrder : "");
+		if (!question.saysTheSame(mine)) continue;
+		for (std::size_t k = 0; k < answers.size(); ++k) {
+			if (answers[k].back() == unknown)
+				throw std::runtime_error(
+				        named(int(k)) + " has dropped the ground or the samples that " + named(rank())
+				        + " looks at: let all ranks come to  talik.ranks.meet('looked')  before they begin another scene.");
+			answers[k].pop_back();
+		}
+		return answers;
 	}
 }
 

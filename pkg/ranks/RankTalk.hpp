@@ -104,6 +104,8 @@ public:
 		virtual ~Answerer() = default;
 		/// The part of this rank.
 		virtual std::string answerTo(const std::string& question) const = 0;
+		/// Does what another rank wants done by all, and says what came of it. Must not throw.
+		virtual std::string carryOut(const std::string&) const { return ""; }
 	};
 
 	explicit RankTalk(std::shared_ptr<Ranks> ranks)
@@ -120,6 +122,9 @@ public:
 
 	/// What each rank's answerer of this number says, by rank. purpose and question: at most 100 bytes.
 	std::vector<std::string> ask(int answerer, const std::string& question);
+	/// The same of what each rank's answerer does upon an order, which may be long. Throws std::runtime_error where a rank has none any more, as
+	/// ask() does.
+	std::vector<std::string> order(int answerer, const std::string& what);
 
 	/// Numbers follow from the order, which is the same on all ranks.
 	int  enrol(const Answerer* answerer);
@@ -131,7 +136,8 @@ public:
 private:
 	struct Message;
 	std::vector<Message>     round(const Message& mine);
-	std::vector<std::string> answer(const std::vector<Message>& messages, const Message& question);
+	std::vector<std::string> answer(const std::vector<Message>& messages, const Message& question, const std::string& ownOrder = "");
+	std::vector<std::string> answersTo(const Message& mine, const std::string& ownOrder);
 	void                     requireSame(const std::vector<Message>& messages) const;
 	std::string              named(int rank) const;
 

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 
 using namespace talik;
@@ -231,6 +232,69 @@ TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
 	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
+}
+
+namespace {
+
+/// Points of a ground in a file that all ranks write, and the rest of its state.
+struct Kept {
+	std::string                    file;
+	std::vector<std::vector<char>> common;
+	std::uint64_t                  sum = 0;
+	void                           write(Ground<2>& ground)
+	{
+		std::uint64_t bytes = 0;
+		for (const StateArray& array : ground.pointState())
+			bytes += array.bytes;
+		std::ofstream(file, std::ios::binary).close();
+		sum    = ground.writePoints({ file, 0, bytes });
+		common = copyOf(ground.commonState());
+	}
+	void read(Ground<2>& ground) const
+	{
+		std::size_t k = 0;
+		for (const StateArray& array : ground.commonState())
+			std::copy(common[k].begin(), common[k].end(), static_cast<char*>(array.data)), ++k;
+		ground.readPoints(PartedFile(file, PartedFile::For::reading), 0);
+	}
+};
+
+} // namespace
+
+TEST(GroundBands, WriteTheirPointsIntoOneFileFromWhichAnyNumberOfRanksGoesOn)
+{
+	constexpr int half   = 210;
+	const auto    whole  = slope<2>(all, nullptr);
+	const auto    stepOn = [](Ground<2>& ground, int steps) {
+                for (int k = 0; k < steps; ++k)
+                        ground.step(2e-4);
+	};
+	Kept one { testing::TempDir() + "points1", {}, 0 };
+	stepOn(*whole, half);
+	one.write(*whole);
+	stepOn(*whole, 60);
+	const auto wanted = copyOf(whole->state());
+	for (const int ranks : { 1, 2, 3 }) {
+		Kept              kept { testing::TempDir() + "points of " + std::to_string(ranks), {}, 0 };
+		std::vector<long> different(ranks, -1);
+		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+			const auto ground = slope<2>(all, talk);
+			stepOn(*ground, half);
+			if (talk->rank() == 0) kept.write(*ground); // the others write their part when they come here
+			talk->meet("it is written");
+		});
+		EXPECT_EQ(kept.sum, one.sum);
+		EXPECT_EQ(kept.common, one.common);
+		asRanks(4 - ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+			const auto ground = slope<2>(all, talk);
+			kept.read(*ground);
+			stepOn(*ground, 60);
+			const long bytes = differingBytes(wanted, ground->state());
+			if (talk->rank() == 0) different[0] = bytes;
+		});
+		std::printf("written by %d ranks, gone on with by %d: %ld bytes differ from one rank throughout\n", ranks, 4 - ranks, different[0]);
+		EXPECT_EQ(different[0], 0);
+	}
 }
 
 TEST(GroundBands, AreCutByCostAndStayWhereLittleIsGained)

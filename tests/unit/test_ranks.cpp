@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <numeric>
 #include <pkg/multiscale/samples/BandStore.hpp>
@@ -172,6 +174,24 @@ struct InBands {
 	std::shared_ptr<RankTalk> talk;
 };
 
+/// The states of all samples in a file: one rank plans it, and each writes its own. Returns the bytes where their sum is what it says, else nothing.
+std::string writtenBy(const SampleStore& store, const std::string& path)
+{
+	const auto layout = store.layout();
+	std::ofstream(path, std::ios::binary) << "begun";
+	constexpr std::uint64_t at  = 8;
+	const std::uint64_t     end = at + layout.bytes();
+	std::filesystem::resize_file(path, end);
+	PartSum sum;
+	sum.add(store.writeStates(layout, { path, at, end }));
+	std::ifstream     file(path, std::ios::binary);
+	const std::string bytes(std::istreambuf_iterator<char>(file), {});
+	Checksum          begun, whole;
+	begun.process_bytes(bytes.data(), 5);
+	whole.process_bytes(bytes.data(), bytes.size());
+	return sum.checksum(begun.checksum(), end - 5) == whole.checksum() ? bytes : "";
+}
+
 std::string savedBy(const SampleStore& store)
 {
 	ByteWriter writer;
@@ -188,7 +208,7 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 	const InBands       alone(nullptr);
 	alone.prepare(*one);
 	alone.follow(*one, 0, 60, wanted);
-	const std::string half = savedBy(*one);
+	const std::string half = savedBy(*one), file = testing::TempDir() + "states", inFile = writtenBy(*one, file + "0");
 	alone.follow(*one, 60, 80, wantedLater);
 	const std::string whole = savedBy(*one);
 	for (const int ranks : { 2, 3 }) {
@@ -201,6 +221,10 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 			banded.prepare(store);
 			banded.follow(store, 0, 60, numbers);
 			const bool halfSame = savedBy(store) == half;
+			const auto store60  = store.layout();
+			const auto ofRanks  = file + std::to_string(ranks);
+			const bool fileSame = talk->rank() != 1 || writtenBy(store, ofRanks) == inFile;
+			talk->meet("rank 1 has planned the file, and all have written it");
 			banded.follow(store, 60, 80, later);
 			const bool wholeSame = savedBy(store) == whole;
 
@@ -209,11 +233,16 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 			resumed.own(banded.owners(60 / 7));
 			ByteReader reader(half);
 			resumed.restore(reader);
-			std::vector<double> again;
+			std::vector<double> again, fromFile;
 			banded.follow(resumed, 60, 80, again);
+			BandStore<3> read(packedStore(), talk);
+			banded.prepare(read);
+			read.own(banded.owners(60 / 7));
+			read.restore(store60, PartedFile(ofRanks, PartedFile::For::reading), 8);
+			banded.follow(read, 60, 80, fromFile);
 			const auto rank = std::size_t(talk->rank());
 			same[rank]      = halfSame + 2 * wholeSame + 4 * (numbers == wanted) + 8 * (later == wantedLater) + 16 * (again == wantedLater)
-			        + 32 * (savedBy(resumed) == whole);
+			        + 32 * (savedBy(resumed) == whole) + 64 * fileSame + 128 * (fromFile == wantedLater);
 			owned[rank] = store.sharing()->samples;
 			moved[rank] = store.sharing()->moved;
 		});
@@ -221,10 +250,70 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 		        "%d ranks: %zu numbers and %zu bytes as on one, also resumed; %llu samples went to another rank\n", ranks, wanted.size(), whole.size(),
 		        static_cast<unsigned long long>(moved[0]));
 		for (const int all : same)
-			EXPECT_EQ(all, 63);
+			EXPECT_EQ(all, 255);
 		EXPECT_EQ(std::accumulate(owned.begin(), owned.end(), std::uint64_t(0)), std::uint64_t(samples));
 		EXPECT_GT(moved[0], 20u);
 	}
+}
+
+TEST(Ranks, PartsOfAFileInAnyOrderHaveTheChecksumOfTheWhole)
+{
+	std::string bytes(10007, '\0');
+	for (std::size_t k = 0; k < bytes.size(); ++k)
+		bytes[k] = char(k * k % 251 ^ k / 7);
+	const std::size_t borders[] = { 1234, 1234, 1235, 5000, 9999, bytes.size() };
+	Checksum          begun, whole;
+	begun.process_bytes(bytes.data(), borders[0]);
+	whole.process_bytes(bytes.data(), bytes.size());
+	PartSum sum;
+	for (const int part : { 3, 0, 4, 2, 1 })
+		sum.add(bytes.data() + borders[part], borders[part + 1] - borders[part], bytes.size() - borders[part + 1]);
+	std::printf(
+	        "%s, and of the whole %s\n", hexadecimal(sum.checksum(begun.checksum(), bytes.size() - borders[0])).c_str(),
+	        hexadecimal(whole.checksum()).c_str());
+	EXPECT_EQ(sum.checksum(begun.checksum(), bytes.size() - borders[0]), whole.checksum());
+}
+
+TEST(Ranks, ARankThatLooksBeforeAllReplaceASampleSeesItAsItWas)
+{
+	std::vector<double> before(2, -1), wanted(2, -2);
+	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
+		const InBands       banded(talk);
+		BandStore<3>        store(packedStore(), talk);
+		std::vector<double> numbers;
+		banded.prepare(store);
+		banded.follow(store, 0, 9, numbers);
+		const std::size_t sample = 8; // of rank 1
+		const auto        look   = [&] { return store.measure(sample, "coordinationNumber")[0] + store.measure(sample, "fabric")[0]; };
+		if (talk->rank() == 1) wanted[1] = look();
+		talk->meet("rank 1 has looked alone");
+		if (talk->rank() == 0) before[0] = look();
+		store.beforeReplacing(sample);
+		store.release(sample);
+		store.replaced(sample);
+		talk->meet("the end");
+	});
+	std::printf("rank 0 saw %.6f, and rank 1 before %.6f\n", before[0], wanted[1]);
+	EXPECT_EQ(before[0], wanted[1]);
+}
+
+TEST(Ranks, ARankThatAsksForWhatAnotherHasDroppedIsToldSo)
+{
+	std::string said;
+	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
+		const InBands banded(talk);
+		auto          store = std::make_unique<BandStore<3>>(packedStore(), talk);
+		banded.prepare(*store);
+		if (talk->rank() == 1) store.reset();
+		else try {
+				store->measureAll("fabric");
+			} catch (const std::runtime_error& problem) {
+				said = problem.what();
+			}
+		talk->meet("the end");
+	});
+	std::printf("%s\n", said.c_str());
+	EXPECT_NE(said.find("rank 1 has dropped"), std::string::npos);
 }
 
 TEST(Ranks, ARankMayAskWhileTheOthersGoOn)

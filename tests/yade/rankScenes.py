@@ -4,6 +4,8 @@
 Each scene leaves all that can be asked of its ground in FOLDER/<scene>.npz, and each rank the sentence with which a scene stopped."""
 
 import os
+import resource
+import signal
 import sys
 from pathlib import Path
 
@@ -193,6 +195,47 @@ def asked():
 	return mpm
 
 
+def seenBefore(mpm, points):
+	"""Some samples are replaced, and temperatures set, just after rank 0 looked at them alone; the last rank has looked before, alone."""
+
+	def look():
+		seen = {"before: temperature": np.array(mpm.field("temperature")), "before: fabric": np.array(mpm.field("fabric"))}
+		for point in points:
+			with mpm.inspect(point):
+				seen[f"before: sample {point}"] = np.array([[*body.state.pos, body.shape.radius] for body in O.bodies])
+		return seen
+
+	run(10)
+	other = samples()[1]
+	if talik.ranks.rank == talik.ranks.count - 1:
+		look()
+	talik.ranks.meet("the last rank has looked")
+	if talik.ranks.first:
+		looks.update(look())
+	for point in points:
+		mpm.skeleton.replaceSample(point, other)
+	mpm.setTemperature(-3)
+	run(5)
+	return mpm
+
+
+def replaced():
+	return seenBefore(ground(), (2, 3, 4, 5))
+
+
+def heated():
+	"""The same of temperatures alone."""
+	return seenBefore(ground(), ())
+
+
+def bandsReplaced():
+	return seenBefore(sampledBands(), (2, 100, 190))
+
+
+def bandsHeated():
+	return seenBefore(sampledBands(), ())
+
+
 def bandedGround(space=False, thrown=False):
 	"""Wet ground of a law that thaws from its surface, its upper half pushed sideways; each rank computes a band of its strips."""
 	upright = (0, 0, -9.81) if space else (0, -9.81)
@@ -275,6 +318,41 @@ def bandsCheckpoint():
 
 def bandsResumed():
 	return goOn(talik.resume(folder / "bands.checkpoint"))
+
+
+def bandsThrough():
+	mpm = bandedGround()
+	run(75)
+	return mpm
+
+
+def bandsKept():
+	"""All ranks write a checkpoint in every step. The last rank cannot for a while, which does not stop the run, and then dies while it writes."""
+	mpm = bandedGround()
+	keeper = talik.checkpoint.keep(folder / "kept.checkpoint", every=0)
+	last = talik.ranks.rank == talik.ranks.count - 1
+	run(50)
+	if last:
+		resource.setrlimit(resource.RLIMIT_FSIZE, (8192, resource.RLIM_INFINITY))  # python ignores the signal of it
+	run(3)
+	if last:
+		resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+	if talik.ranks.first:
+		(folder / "kept.txt").write_text(f"{keeper.failures} {keeper.problem}")
+	run(7)
+	if last:
+		signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+		resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+		resource.setrlimit(resource.RLIMIT_FSIZE, (8192, resource.RLIM_INFINITY))
+	run(10)
+	return mpm
+
+
+def bandsKeptResumed():
+	mpm = talik.resume(folder / "kept.checkpoint")
+	O.engines = [mpm]
+	run(75 - O.iter)
+	return mpm
 
 
 def bandsLeft():

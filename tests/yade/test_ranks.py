@@ -77,6 +77,7 @@ def size(states):
 
 
 quick = ["packed", "uneven", "resting", "thawed", "creeping", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
+quick += ["replaced", "heated"]
 
 
 @pytest.fixture(scope="module")
@@ -150,7 +151,7 @@ def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCac
 	assert count == 0
 
 
-inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft"]
+inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft", "bandsReplaced", "bandsHeated"]
 
 
 @pytest.fixture(scope="module")
@@ -182,6 +183,34 @@ def test_a_ground_in_bands_has_the_bits_of_one_rank_and_its_errors_and_checkpoin
 @pytest.mark.parametrize("ranks, threads", [(2, 2), (3, 1), (4, 2)])
 def test_any_number_of_bands_has_the_same_bits_slow(ranks, threads, aloneInBands, sampleCache, tmp_path):
 	checkBands(aloneInBands, sampleCache, tmp_path, ranks, threads)
+
+
+def checkKept(sampleCache, folder, ranks, later):
+	"""A job whose last rank dies while all write leaves the checkpoint before, whole, from which any number of ranks goes on."""
+	folder.mkdir()
+	whole = played(folder / "through", sampleCache, ["bandsThrough"], 1)[0]
+	status, said, complained = ended(started(command(ranks, scenes, folder, sampleCache, "bandsKept")))
+	assert status != 0
+	failures, _, problem = (folder / "kept.txt").read_text().partition(" ")
+	found = talik.checkpoint.describe(folder / "kept.checkpoint")
+	print(f"{ranks} ranks: {failures} failed ({problem}); after the death of a rank the file has {found['bytes']} bytes of step {found['step']}")
+	assert int(failures) == 3 and f"on rank {ranks - 1}" in problem and found["step"] == 59
+	for number in later:
+		(folder / str(number)).mkdir()
+		shutil.copy(folder / "kept.checkpoint", folder / str(number))
+		states = played(folder / str(number), sampleCache, ["bandsKeptResumed"], number)[0]
+		count = differing({"bandsKeptResumed": whole["bandsThrough"]}, states)
+		print(f"gone on by {number} ranks: {count} bytes differ")
+		assert count == 0
+
+
+def test_a_rank_that_dies_while_all_write_leaves_the_former_checkpoint(sampleCache, tmp_path):
+	checkKept(sampleCache, tmp_path / "two", 2, [2])
+
+
+def test_any_number_of_ranks_goes_on_with_what_others_have_left_slow(sampleCache, tmp_path):
+	checkKept(sampleCache, tmp_path / "two", 2, [1, 3])
+	checkKept(sampleCache, tmp_path / "three", 3, [1, 2])
 
 
 samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint"]

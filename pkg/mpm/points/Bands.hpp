@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/ranks/PartedFile.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 
 #include <functional>
@@ -121,6 +122,15 @@ public:
 	std::vector<std::string> ask(const std::string& question) const { return talk_->ask(number_, question); }
 
 	std::string answerTo(const std::string& question) const override { return answer_(question); }
+
+	/// Lets every rank write its part of a file, at its own place behind this one; may be called by one of them only. Returns the sum of all
+	/// parts. Throws std::runtime_error with the rank and the reason.
+	std::uint64_t write(const FilePlace& place) const { return sumOfParts(*talk_, number_, place.text()); }
+	std::string   carryOut(const std::string& place) const override
+	{
+		return partWritten([&](PartSum& sum) { writes(FilePlace::from(place), sum); });
+	}
+	std::function<void(const FilePlace&, PartSum&)> writes;
 
 	/// The points of other bands are current too.
 	bool allCurrent = true;

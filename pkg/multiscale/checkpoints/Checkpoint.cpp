@@ -2,6 +2,7 @@
 #include <core/Scene.hpp>
 #include <lib/factory/ClassFactory.hpp>
 #include <pkg/multiscale/checkpoints/Checkpoint.hpp>
+#include <pkg/multiscale/checkpoints/CheckpointParts.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/ranks/RankTalk.hpp>
@@ -22,9 +23,9 @@ namespace talik {
 using yade::Scene;
 
 namespace {
-	constexpr int         currentFormat = 1;
-	constexpr std::size_t headerLength  = 4096;
-	const char            firstLine[]   = "Talik checkpoint";
+	constexpr int         currentFormat = 2, formatWithoutParts = 1;
+	constexpr std::size_t headerLength = 4096;
+	const char            firstLine[]  = "Talik checkpoint";
 
 	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
 
@@ -111,7 +112,7 @@ namespace {
 	{
 		std::ostringstream text;
 		text << firstLine << "\nformat " << h.format << "\nwritten " << h.written << "\nstep " << h.step << "\ntime " << std::setprecision(17) << h.time
-		     << "\nbytes " << h.bytes << "\nchecksum " << hexadecimal(h.checksum) << "\n";
+		     << "\nbytes " << h.bytes << "\nparts " << h.parts << "\nchecksum " << hexadecimal(h.checksum) << "\n";
 		for (const auto& [name, layout] : h.classes)
 			text << "class " << name << " " << layout << "\n";
 		text << "end\n";
@@ -134,6 +135,7 @@ namespace {
 			else if (key == "step") lines >> h.step;
 			else if (key == "time") lines >> h.time;
 			else if (key == "bytes") lines >> h.bytes;
+			else if (key == "parts") lines >> h.parts;
 			else if (key == "checksum") lines >> std::hex >> h.checksum >> std::dec;
 			else if (key == "written") std::getline(lines >> std::ws, h.written);
 			else if (key == "class") {
@@ -142,7 +144,8 @@ namespace {
 				h.classes[name] = layout;
 			}
 		}
-		if (h.format != currentFormat)
+		if (h.format == formatWithoutParts) h.parts = h.bytes;
+		else if (h.format != currentFormat)
 			refuse(file,
 			       "has format " + std::to_string(h.format) + ", written " + h.written + "; this Talik reads format "
 			               + std::to_string(currentFormat) + ": resume it with the version that wrote it");
@@ -186,7 +189,7 @@ namespace {
 		}
 		if (changed.empty()) return "";
 		std::string tail; // a name may lie across two pieces
-		overScene(stream, h.bytes, [&](const char* data, std::size_t count) {
+		overScene(stream, h.parts, [&](const char* data, std::size_t count) {
 			tail.append(data, count);
 			for (auto& [name, held] : changed)
 				held = held || tail.find("yade::" + name) != std::string::npos;
@@ -216,10 +219,30 @@ std::vector<std::string>& checkpointClasses()
 	return names;
 }
 
+namespace {
+	/// Behind the archive, by each rank what it has. Returns the checksum of the whole.
+	std::uint64_t writeParts(AtomicFile& file, const CheckpointParts& parts, CheckpointHeader& h)
+	{
+		constexpr std::uint64_t page = 4096;
+		h.parts                      = (file.bytes() + page - 1) / page * page;
+		h.bytes                      = h.parts + parts.bytes();
+		file.extend(h.bytes);
+		PartSum sum;
+		try {
+			sum.add(parts.write({ file.path(), headerLength + h.parts, headerLength + h.bytes }));
+		} catch (const std::runtime_error& problem) {
+			file.fail(problem.what());
+		}
+		return sum.checksum(file.checksum(), h.bytes - file.bytes());
+	}
+} // namespace
+
 void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& scene)
 {
-	AtomicFile beside("checkpoint", file, headerLength);
+	AtomicFile      beside("checkpoint", file, headerLength, bool(jobTalk()));
+	CheckpointParts parts;
 	try {
+		const CheckpointParts::Writing  large(parts);
 		const BetweenSteps              whole(*scene);
 		boost::archive::binary_oarchive archive(beside);
 		boost::shared_ptr<Scene>        held = scene;
@@ -229,9 +252,8 @@ void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& sc
 	}
 	if (!beside.flush()) beside.fail(std::strerror(beside.problem()));
 	CheckpointHeader h;
+	h.checksum = writeParts(beside, parts, h);
 	h.format   = currentFormat;
-	h.bytes    = beside.bytes();
-	h.checksum = beside.checksum();
 	h.step     = scene->iter;
 	h.time     = scene->time;
 	h.written  = now();
@@ -272,6 +294,8 @@ boost::shared_ptr<Scene> readCheckpoint(const std::string& file)
 		       "was written " + h.written + " by a Talik in which " + changed + " had other attributes: resume it with that version, or start anew");
 	stream.clear();
 	stream.seekg(headerLength);
+	const CheckpointParts::Source  parts { std::make_shared<PartedFile>(file, PartedFile::For::reading), headerLength + h.parts };
+	const CheckpointParts::Reading large(parts);
 	try {
 		boost::archive::binary_iarchive archive(stream);
 		boost::shared_ptr<Scene>        scene;

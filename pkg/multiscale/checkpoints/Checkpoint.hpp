@@ -11,10 +11,11 @@
 
 namespace talik {
 
-/// First part of a checkpoint, plain text of fixed length; the scene follows in YADE's binary archive.
+/// First part of a checkpoint, plain text of fixed length; the scene follows in YADE's binary archive, and then what is too large for that.
 struct CheckpointHeader {
 	int                                format   = 0;
-	std::uint64_t                      bytes    = 0; ///< of the scene
+	std::uint64_t                      bytes    = 0; ///< that follow
+	std::uint64_t                      parts    = 0; ///< after so many of them, the archive of the scene, parts begin, see CheckpointParts
 	std::uint64_t                      checksum = 0; ///< CRC-64 of these bytes
 	long                               step     = 0; ///< steps done
 	double                             time     = 0; ///< of the scene [s]

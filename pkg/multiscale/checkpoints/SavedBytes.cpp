@@ -92,7 +92,7 @@ namespace {
 	constexpr int attempts = 8;
 } // namespace
 
-AtomicFile::AtomicFile(std::string what, std::string file, std::size_t headerLength)
+AtomicFile::AtomicFile(std::string what, std::string file, std::size_t headerLength, bool named)
         : what_(std::move(what))
         , file_(std::move(file))
         , headerLength_(headerLength)
@@ -100,7 +100,8 @@ AtomicFile::AtomicFile(std::string what, std::string file, std::size_t headerLen
 {
 	std::error_code error;
 	std::filesystem::create_directories(folderOf(file_), error);
-	open();
+	if (named) openNamed();
+	else open();
 	write(std::string(headerLength_, ' ').data(), headerLength_);
 	setp(buffer_.data(), buffer_.data() + buffer_.size());
 }
@@ -134,10 +135,17 @@ void AtomicFile::openNamed()
 	}
 }
 
+std::string AtomicFile::path() const { return beside_.empty() ? "/proc/self/fd/" + std::to_string(descriptor_) : beside_; }
+
+void AtomicFile::extend(std::uint64_t bytes)
+{
+	if (::ftruncate(descriptor_, off_t(headerLength_ + bytes)) != 0) fail(std::strerror(errno));
+}
+
 /// A file without a name cannot take the place of another: it gets one first.
 void AtomicFile::giveName()
 {
-	const std::string present = "/proc/self/fd/" + std::to_string(descriptor_);
+	const std::string present = path();
 	for (int attempt = 0; beside_.empty(); ++attempt) {
 		const std::string name = nameBeside(file_);
 		if (::linkat(AT_FDCWD, present.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) beside_ = name;

@@ -89,12 +89,17 @@ std::string fromBase64(const std::string& text);
 /// there already is written through or removed. Knows how much went through it and its checksum.
 class AtomicFile : public std::streambuf {
 public:
-	/// what: as the file is called in errors. The first headerLength bytes are left out, for commit(). Throws std::runtime_error.
-	AtomicFile(std::string what, std::string file, std::size_t headerLength = 0);
+	/// what: as the file is called in errors. The first headerLength bytes are left out, for commit(). named: it has a name from the beginning,
+	/// by which other processes find it. Throws std::runtime_error.
+	AtomicFile(std::string what, std::string file, std::size_t headerLength = 0, bool named = false);
 	~AtomicFile() override;
 
 	std::uint64_t bytes() const { return bytes_; }
 	std::uint64_t checksum() const { return checksum_.checksum(); }
+	/// By which this process can open it meanwhile, and others where it has a name.
+	std::string path() const;
+	/// So long, with zeros where nobody writes, before others write into it.
+	void extend(std::uint64_t bytes);
 	/// errno of the first write that failed, 0 if none did.
 	int  problem() const { return problem_; }
 	bool flush() { return sync() == 0; }

@@ -453,6 +453,7 @@ void MpmEngine::setTemperature(py::object values)
 			throw std::invalid_argument(
 			        "MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
 	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
+	meetBefore("MpmEngine.setTemperature");
 	begun = true;
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
@@ -462,7 +463,8 @@ void MpmEngine::setTemperature(py::object values)
 
 void MpmEngine::resetDisplacement()
 {
-	auto&     g          = runningGround();
+	auto& g = runningGround();
+	meetBefore("MpmEngine.resetDisplacement");
 	auto&     f          = g.pointFields();
 	const int n          = pointCount();
 	const int dimensions = g.dimension();

@@ -364,6 +364,12 @@ void MpmEngine::sayHowRanksShare()
 	else say(ranks + "each compute all of this ground, which takes as long as on one" + (samplesToShare ? "." : ": it has no samples to share out."));
 }
 
+/// Ranks that look at this ground alone see it as it was before all change it.
+void MpmEngine::meetBefore(const string& change) const
+{
+	if (talik::jobTalk() && (samplesToShare || ground->inBands())) talik::jobTalk()->meet(change);
+}
+
 /// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of bands have no points in common: what they owe each other
 /// is compared by what follows from all of them, the times and the impulses of bodies.
 void MpmEngine::compareRanks()

@@ -77,6 +77,7 @@ public:
 	/// Python waits for the end of the run under way and learns there of an error.
 	static std::atomic<bool> runWaitedFor;
 
+	void preLoad(MpmEngine&);
 	void preSave(MpmEngine&);
 	void postSave(MpmEngine&);
 
@@ -106,6 +107,7 @@ private:
 	void                            followInputs();
 	void                            enrol();
 	void                            restoreSavedState();
+	void                            restoreArrays(talik::ByteReader& reader, const vector<talik::StateArray>& arrays) const;
 	void                            checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
 	void                            takeOver(const vector<shared_ptr<SkeletonLaw>>& before, const std::map<string, string>& state);
 	void                            followAttributes();
@@ -119,6 +121,7 @@ private:
 	bool                            mayBeInBands() const;
 	string                          notInBands() const;
 	void                            sayHowRanksShare();
+	void                            meetBefore(const string& change) const;
 	void                            compareRanks();
 	bool                            leadsTimeStep() const;
 	Real                            timeStepOfOthers();
@@ -153,6 +156,7 @@ private:
 	double                         toleranceInForce = 0;
 	string                         distributeInForce;
 	bool                           samplesToShare = false; ///< between the ranks of the job
+	talik::CheckpointParts::Source parts;                  ///< of a state that was read and has not begun
 
 public:
 	// clang-format off

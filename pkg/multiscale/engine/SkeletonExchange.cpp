@@ -92,6 +92,7 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 	if (laws.empty()) throw std::invalid_argument("MpmEngine.exchangeSkeletons: skeletons is empty: give at least one skeleton law.");
 	const vector<int> numbers = asIndices(skeletonOf, pointCount(), int(laws.size()));
 	checkExchange(laws, numbers);
+	meetBefore("MpmEngine.exchangeSkeletons");
 	const Laws before = activeSkeletons();
 	const auto state  = copyState(running, before, laws);
 	const auto former = std::make_tuple(skeleton, skeletons, points);

@@ -74,6 +74,11 @@ template <int Dim> void BandStore<Dim>::restoreState(ByteReader& reader, const s
 	if (!mine.empty()) held->restoreState(reader, mine);
 }
 
+template <int Dim> bool BandStore<Dim>::wants(const std::vector<std::size_t>& samples) const
+{
+	return std::any_of(samples.begin(), samples.end(), [&](std::size_t sample) { return isMine(sample) || isNobodys(sample); });
+}
+
 // ---- owners ---------------------------------------------------------------------------------------------------------------
 
 template <int Dim> void BandStore<Dim>::own(std::vector<int> ownerOf)
@@ -185,8 +190,8 @@ template <int Dim> void BandStore<Dim>::bookCosts(const std::vector<double>& cos
 
 // ---- looking at samples that other ranks own ------------------------------------------------------------------------------
 
-/// "state <sample>": its state, if it is of this rank and not on all. "origins", "states", "measure <name>": of this rank's samples in their
-/// order the origin, then of each of their states in the order of the first sample that has it what is asked for.
+/// "state <sample>": its state, if it is of this rank and not on all. "origins", "states", "lengths", "measure <name>": of this rank's samples in
+/// their order the origin, then of each of their states in the order of the first sample that has it what is asked for.
 template <int Dim> std::string BandStore<Dim>::answerTo(const std::string& question) const
 {
 	ByteWriter        writer;
@@ -203,6 +208,7 @@ template <int Dim> std::string BandStore<Dim>::answerTo(const std::string& quest
 		if (!told.insert(known[sample].origin).second) continue;
 		ByteWriter part;
 		if (!known[sample].everywhere && what == "states") held->saveState(part, sample);
+		if (!known[sample].everywhere && what == "lengths") part.number(this->lengthOf("", sample));
 		if (!known[sample].everywhere && what == "measure") {
 			const auto values = held->measure(sample, which);
 			part.block(values.data(), values.size() * sizeof(double));
@@ -293,6 +299,16 @@ template <int Dim> void BandStore<Dim>::save(ByteWriter& writer) const
 		if (told.parts[n].empty()) held->saveState(here, told.firstOf[n]);
 		writer.block(told.parts[n].empty() ? here.bytes() : told.parts[n]);
 	}
+}
+
+template <int Dim> std::vector<std::uint64_t> BandStore<Dim>::lengthsOfStates(std::vector<std::uint64_t>& stateOf) const
+{
+	const Told                 told = ask("lengths");
+	std::vector<std::uint64_t> lengths;
+	stateOf.assign(told.stateOf.begin(), told.stateOf.end());
+	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
+		lengths.push_back(this->lengthOf(told.parts[n], told.firstOf[n]));
+	return lengths;
 }
 
 template <int Dim> const SampleStore::Sharing* BandStore<Dim>::sharing() const

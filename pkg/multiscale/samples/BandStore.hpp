@@ -55,9 +55,14 @@ private:
 		double        cost       = 0;
 	};
 
-	std::string   answerTo(const std::string& question) const override;
-	void          fetch(std::size_t sample) const override;
-	bool          isMine(std::size_t sample) const { return ownerOf(sample) == talk->rank(); }
+	std::string answerTo(const std::string& question) const override;
+	void        fetch(std::size_t sample) const override;
+	bool        isMine(std::size_t sample) const override { return ownerOf(sample) == talk->rank(); }
+	bool        isNobodys(std::size_t sample) const override { return ownerOf(sample) == nobody; }
+	bool        wants(const std::vector<std::size_t>& samples) const override;
+
+	std::vector<std::uint64_t> lengthsOfStates(std::vector<std::uint64_t>& stateOf) const override;
+
 	int           ownerOf(std::size_t sample) const { return sample < owner.size() ? owner[sample] : nobody; }
 	void          beginAnew(std::size_t sample) override;
 	std::uint64_t nextOrigin();

@@ -330,7 +330,7 @@ template <int Dim> void DistributedStore<Dim>::dealAgain()
 // ---- looking at samples that other ranks own ------------------------------------------------------------------------------
 
 /// "measure <name>": that of each state of this rank, in order. "state <sample>": its state, if it is of this rank. "states": each of
-/// this rank.
+/// this rank; "lengths": how long they are.
 template <int Dim> std::string DistributedStore<Dim>::answerTo(const std::string& question) const
 {
 	ByteWriter        writer;
@@ -347,9 +347,10 @@ template <int Dim> std::string DistributedStore<Dim>::answerTo(const std::string
 			const auto values = held->measure(sample, which);
 			writer.block(values.data(), values.size() * sizeof(double));
 		} else {
-			ByteWriter state;
-			held->saveState(state, sample);
-			writer.block(state.bytes());
+			ByteWriter part;
+			if (what == "lengths") part.number(this->lengthOf("", sample));
+			else held->saveState(part, sample);
+			writer.block(part.bytes());
 		}
 	}
 	return writer.bytes();
@@ -413,6 +414,17 @@ template <int Dim> void DistributedStore<Dim>::save(ByteWriter& writer) const
 		if (parts[n].empty()) held->saveState(here, numbers.firstOf[n]);
 		writer.block(parts[n].empty() ? here.bytes() : parts[n]);
 	}
+}
+
+template <int Dim> std::vector<std::uint64_t> DistributedStore<Dim>::lengthsOfStates(std::vector<std::uint64_t>& numberOf) const
+{
+	const auto                 numbers = this->numbering();
+	const auto                 parts   = partsOfOwners("lengths");
+	std::vector<std::uint64_t> lengths;
+	numberOf.assign(numbers.stateOf.begin(), numbers.stateOf.end());
+	for (std::size_t n = 0; n < parts.size(); ++n)
+		lengths.push_back(this->lengthOf(parts[n], numbers.firstOf[n]));
+	return lengths;
 }
 
 template <int Dim> const SampleStore::Sharing* DistributedStore<Dim>::sharing() const

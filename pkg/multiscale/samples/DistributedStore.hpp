@@ -40,7 +40,8 @@ private:
 	struct Batch;
 
 	std::string              answerTo(const std::string& question) const override;
-	bool                     isMine(std::size_t sample) const { return stateOf[sample]->owner == talk->rank(); }
+	bool                     isMine(std::size_t sample) const override { return stateOf[sample]->owner == talk->rank(); }
+	bool                     isNobodys(std::size_t sample) const override { return stateOf[sample]->owner == everywhere; }
 	void                     beginAnew(std::size_t sample) override;
 	void                     fetch(std::size_t sample) const override;
 	std::vector<int>         dealt(const std::vector<Request>&) const;
@@ -49,6 +50,8 @@ private:
 	void                     takeOver(const Batch&);
 	void                     dealAgain();
 	std::vector<std::string> partsOfOwners(const std::string& question) const;
+
+	std::vector<std::uint64_t> lengthsOfStates(std::vector<std::uint64_t>& numberOf) const override;
 
 	using StoreOfRanks<Dim>::held;
 	using StoreOfRanks<Dim>::talk;

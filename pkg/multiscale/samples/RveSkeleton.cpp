@@ -248,6 +248,24 @@ talik::PointSamples& RveSkeleton::running() const
 string RveSkeleton::savedState() const { return model ? model->save() : ""; }
 void   RveSkeleton::restoreState(const string& bytes) { running().restore(bytes); }
 
+string RveSkeleton::savedBeside(talik::CheckpointParts& parts) const
+{
+	if (!model) return "";
+	const auto        layout = std::make_shared<talik::SampleStore::Layout>(model->samples().layout());
+	talik::ByteWriter writer;
+	writer.number(
+	        parts.add(layout->bytes(), [store = &model->samples(), layout](const talik::FilePlace& place) { return store->writeStates(*layout, place); }));
+	writer.block(model->saveBeside(*layout));
+	return writer.bytes();
+}
+
+void RveSkeleton::restoreBeside(const string& bytes, const talik::CheckpointParts::Source& source)
+{
+	talik::ByteReader   reader(bytes);
+	const std::uint64_t at = source.at + reader.number();
+	running().restoreBeside(reader.block(), *source.file, at);
+}
+
 shared_ptr<RveSample> RveSkeleton::sample(int id) const
 {
 	const std::size_t number = running().sampleNumber(id);
@@ -271,7 +289,7 @@ void RveSkeleton::replaceSample(int id, const shared_ptr<RveSample>& sample)
 {
 	if (!sample) throw std::invalid_argument("RveSkeleton.replaceSample: the sample is None.");
 	const std::size_t number = running().sampleNumber(id);
-	running().bring(id);
+	running().beforeReplacing(id);
 	withStores([&](const auto& stores) {
 		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
 		if (stores.open) stores.open->setScene(number, sample->open());
@@ -313,12 +331,14 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 	const bool differs = withStores([&](const auto& stores) {
 		constexpr int dim = std::decay_t<decltype(stores)>::dimension;
 		if (stores.open) {
+			running().beforeReplacing(id);
 			stores.open->setScene(number, scene);
 			return true;
 		}
 		const auto former = stores.packed->state(number);
 		auto       state  = std::make_shared<talik::PackedState<dim>>(talik::packScene<dim>(*scene, former.get()));
 		if (state->toBytes() == former->toBytes()) return false;
+		running().beforeReplacing(id);
 		countByHand<dim>(*former, *state);
 		stores.packed->setState(number, state);
 		return true;

@@ -22,6 +22,8 @@ public:
 	bool                changedByHand() const override { return byHand; }
 	string              savedState() const override;
 	void                restoreState(const string&) override;
+	string              savedBeside(talik::CheckpointParts&) const override;
+	void                restoreBeside(const string& bytes, const talik::CheckpointParts::Source&) override;
 	void                followAttributes() override;
 	bool                admitsPoints() const override { return !model; }
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }

@@ -15,7 +15,7 @@
 
 namespace talik {
 namespace {
-	const char archiveMagic[] = "talik samples 4";
+	const char archiveMagic[] = "talik samples 4", besideMagic[] = "talik samples 4 beside";
 
 	constexpr double stressFloor      = 1e3; ///< sigma_ref of the relative error [Pa]
 	constexpr double failingRatio     = 0.3; ///< below it a point deforms plastically: no prediction, a tighter tolerance
@@ -560,6 +560,21 @@ std::string PointSamples::save() const
 	ByteWriter writer;
 	writer.block(archiveMagic);
 	anyStore->save(writer);
+	saveBooks(writer);
+	return writer.bytes();
+}
+
+std::string PointSamples::saveBeside(const SampleStore::Layout& layout) const
+{
+	ByteWriter writer;
+	writer.block(besideMagic);
+	layout.save(writer);
+	saveBooks(writer);
+	return writer.bytes();
+}
+
+void PointSamples::saveBooks(ByteWriter& writer) const
+{
 	writer.number(sampleOf.size());
 	for (const int s : sampleOf)
 		writer.number(std::uint64_t(s + 1));
@@ -575,22 +590,48 @@ std::string PointSamples::save() const
 	for (const int id : changed)
 		writer.number(std::uint64_t(id));
 	if (accuracy) accuracy->save(writer);
-	return writer.bytes();
 }
+
+namespace {
+	void requireMagic(ByteReader& reader, const char* magic)
+	{
+		if (reader.block() != magic)
+			throw std::runtime_error(
+			        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
+	}
+} // namespace
 
 void PointSamples::restore(const std::string& bytes)
 {
 	ByteReader reader(bytes);
-	if (reader.block() != archiveMagic)
-		throw std::runtime_error(
-		        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
+	requireMagic(reader, archiveMagic);
 	ByteReader states = reader; // which are restored when it is known who has which
 	SampleStore::skip(reader);
+	restoreNumbers(reader);
+	anyStore->restore(states);
+	restoreBooks(reader);
+}
+
+void PointSamples::restoreBeside(const std::string& bytes, const PartedFile& file, std::uint64_t at)
+{
+	ByteReader reader(bytes);
+	requireMagic(reader, besideMagic);
+	const auto layout = SampleStore::Layout::from(reader);
+	restoreNumbers(reader);
+	anyStore->restore(layout, file, at);
+	restoreBooks(reader);
+}
+
+void PointSamples::restoreNumbers(ByteReader& reader)
+{
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)
 		s = int(reader.number()) - 1;
 	beginWithOwners();
-	anyStore->restore(states);
+}
+
+void PointSamples::restoreBooks(ByteReader& reader)
+{
 	count.calls = reader.number();
 	count.steps = reader.number();
 	failures.clear();

@@ -70,6 +70,7 @@ public:
 	}
 	/// Before the state behind a point is read: another rank may own it.
 	void                              bring(int id) const { anyStore->bring(sampleNumber(id)); }
+	void                              beforeReplacing(int id) const { anyStore->beforeReplacing(sampleNumber(id)); }
 	const std::map<int, std::string>& blownUp() const { return failures; } ///< by point id
 
 	/// Gives up the samples of points that are not among these.
@@ -77,6 +78,9 @@ public:
 
 	std::string save() const;
 	void        restore(const std::string& bytes);
+	/// The same with the states of the samples in a file of parts, where they take layout.bytes().
+	std::string saveBeside(const SampleStore::Layout& layout) const;
+	void        restoreBeside(const std::string& bytes, const PartedFile& file, std::uint64_t at);
 
 protected:
 	/// What came of the samples that were asked in a step: of this rank, and then of all in the order of their points.
@@ -103,6 +107,10 @@ protected:
 	std::set<int>                   isolated; ///< ids of points that keep their last stress since their sample blew up
 
 private:
+	void saveBooks(ByteWriter&) const;
+	void restoreBooks(ByteReader&);
+	void restoreNumbers(ByteReader&);
+
 	std::shared_ptr<SampleStore> anyStore;
 };
 

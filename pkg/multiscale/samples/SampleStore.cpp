@@ -86,6 +86,88 @@ void SampleStore::skip(ByteReader& reader)
 		reader.pass();
 }
 
+// ---- in a file of parts ---------------------------------------------------------------------------------------------------
+
+std::uint64_t SampleStore::Layout::bytes() const { return std::accumulate(lengths.begin(), lengths.end(), std::uint64_t(0)); }
+
+std::vector<std::size_t> SampleStore::Layout::firstOf() const
+{
+	std::vector<std::size_t> first;
+	for (std::size_t s = 0; s < stateOf.size(); ++s)
+		if (stateOf[s] == first.size()) first.push_back(s);
+	return first;
+}
+
+void SampleStore::Layout::save(ByteWriter& writer) const
+{
+	writer.block(stateOf.data(), stateOf.size() * sizeof(std::uint64_t));
+	writer.block(lengths.data(), lengths.size() * sizeof(std::uint64_t));
+}
+
+SampleStore::Layout SampleStore::Layout::from(ByteReader& reader)
+{
+	Layout layout;
+	for (auto* numbers : { &layout.stateOf, &layout.lengths }) {
+		const std::string bytes = reader.block();
+		numbers->resize(bytes.size() / sizeof(std::uint64_t));
+		std::copy_n(bytes.data(), numbers->size() * sizeof(std::uint64_t), reinterpret_cast<char*>(numbers->data()));
+	}
+	return layout;
+}
+
+SampleStore::Layout SampleStore::layout() const
+{
+	const Numbering numbers = numbering();
+	Layout          layout;
+	layout.stateOf.assign(numbers.stateOf.begin(), numbers.stateOf.end());
+	for (const auto sample : numbers.firstOf) {
+		ByteWriter state;
+		saveState(state, sample);
+		layout.lengths.push_back(state.bytes().size());
+	}
+	return layout;
+}
+
+void SampleStore::writeStates(const Layout& layout, const FilePlace& place, PartSum& sum, const std::function<bool(std::size_t)>& writes) const
+{
+	const auto    firstOf = layout.firstOf();
+	std::uint64_t at      = place.at;
+	PartedFile    file(place.path, PartedFile::For::writing, place.end);
+	for (std::size_t n = 0; n < firstOf.size(); at += layout.lengths[n++]) {
+		if (!writes(firstOf[n])) continue;
+		ByteWriter state;
+		saveState(state, firstOf[n]);
+		if (state.bytes().size() != layout.lengths[n]) throw std::logic_error("the state of a sample has changed while it was written");
+		file.write(state.bytes().data(), state.bytes().size(), at);
+	}
+	file.close();
+	sum.add(file.sum().value());
+}
+
+std::uint64_t SampleStore::writeStates(const Layout& layout, const FilePlace& place) const
+{
+	PartSum sum;
+	writeStates(layout, place, sum, [](std::size_t) { return true; });
+	return sum.value();
+}
+
+void SampleStore::restore(const Layout& layout, const PartedFile& file, std::uint64_t at)
+{
+	std::vector<std::vector<std::size_t>> samplesOf(layout.lengths.size());
+	for (std::size_t s = 0; s < layout.stateOf.size(); ++s)
+		samplesOf.at(layout.stateOf[s]).push_back(s);
+	resize(layout.stateOf.size());
+	for (std::size_t n = 0; n < samplesOf.size(); at += layout.lengths[n++]) {
+		std::string bytes;
+		if (wants(samplesOf[n])) {
+			bytes.resize(layout.lengths[n]);
+			file.read(&bytes[0], bytes.size(), at);
+		}
+		ByteReader state(bytes);
+		restoreState(state, samplesOf[n]);
+	}
+}
+
 namespace {
 	using Costs = std::set<std::pair<double, std::size_t>>; ///< of the states of a rank, and their numbers
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/ranks/PartedFile.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <string>
 #include <vector>
@@ -48,6 +50,21 @@ public:
 	virtual void restore(ByteReader&);
 	/// Passes by what restore() would read.
 	static void skip(ByteReader&);
+	/// The same in a file of parts: states in the order of the first sample that has each.
+	struct Layout {
+		std::vector<std::uint64_t> stateOf, lengths; ///< number of each sample's state, and bytes of each state
+		std::uint64_t              bytes() const;
+		std::vector<std::size_t>   firstOf() const;
+		void                       save(ByteWriter&) const;
+		static Layout              from(ByteReader&);
+	};
+	virtual Layout layout() const;
+	/// Returns what the states add to the sum of the file. Where ranks own samples each writes its own; one rank may call it.
+	virtual std::uint64_t writeStates(const Layout&, const FilePlace&) const;
+	/// Those of whose first sample this is true.
+	void writeStates(const Layout&, const FilePlace&, PartSum&, const std::function<bool(std::size_t sample)>& writes) const;
+	/// Each rank reads what it owns.
+	void restore(const Layout&, const PartedFile&, std::uint64_t at);
 	/// The state of one sample, and back as that of several which share it.
 	virtual void saveState(ByteWriter&, std::size_t sample) const                   = 0;
 	virtual void restoreState(ByteReader&, const std::vector<std::size_t>& samples) = 0;
@@ -58,6 +75,8 @@ public:
 
 	/// Where other ranks own samples: before the state of one is read, and after it was replaced, on all ranks by the same.
 	virtual void bring(std::size_t) {}
+	/// Waits for ranks that look at it alone: they see it as it was.
+	virtual void beforeReplacing(std::size_t) {}
 	virtual void replaced(std::size_t) {}
 	/// How the samples are shared out among the ranks; nothing where they are not.
 	struct Sharing {
@@ -68,6 +87,8 @@ public:
 	virtual const Sharing* sharing() const { return nullptr; }
 
 protected:
+	/// Whether restoreState() needs the state of samples that share it.
+	virtual bool wants(const std::vector<std::size_t>&) const { return true; }
 	/// For each sample the number of its state, in the order of the first sample that has it, and that sample.
 	struct Numbering {
 		std::vector<std::size_t> stateOf, firstOf;

@@ -40,7 +40,25 @@ public:
 		fetch(sample);
 		held->saveState(writer, sample);
 	}
-	void                    bring(std::size_t sample) override { fetch(sample); }
+	void bring(std::size_t sample) override { fetch(sample); }
+	void beforeReplacing(std::size_t sample) override
+	{
+		if (number >= 0) talk->meet("sample " + std::to_string(sample) + " is replaced");
+	}
+	typename SampleStore::Layout layout() const override
+	{
+		typename SampleStore::Layout layout;
+		layout.lengths = lengthsOfStates(layout.stateOf);
+		return layout;
+	}
+	std::uint64_t writeStates(const typename SampleStore::Layout& layout, const FilePlace& place) const override
+	{
+		if (number < 0) return held->writeStates(layout, place); // no rank has a sample of its own
+		ByteWriter order;
+		order.block(place.text());
+		layout.save(order);
+		return sumOfParts(*talk, number, order.bytes());
+	}
 	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions& options) override
 	{
 		const auto& start = held->add(prototype, iceSaturation, options);
@@ -59,6 +77,30 @@ protected:
 	        : held(std::move(here))
 	        , talk(std::move(others))
 	{}
+
+	std::string carryOut(const std::string& order) const override
+	{
+		return partWritten([&](PartSum& sum) {
+			ByteReader reader(order);
+			const auto place  = FilePlace::from(reader.block());
+			const auto writes = [&](std::size_t sample) { return isMine(sample) || (talk->rank() == 0 && isNobodys(sample)); };
+			held->writeStates(SampleStore::Layout::from(reader), place, sum, writes);
+		});
+	}
+	/// This rank owns the sample; no rank does, all have it alike.
+	virtual bool isMine(std::size_t sample) const    = 0;
+	virtual bool isNobodys(std::size_t sample) const = 0;
+	/// Bytes of each state, and the number of that of each sample.
+	virtual std::vector<std::uint64_t> lengthsOfStates(std::vector<std::uint64_t>& stateOf) const = 0;
+	/// From what owners have said of their states: nothing where all have one alike.
+	std::uint64_t lengthOf(const std::string& said, std::size_t sample) const
+	{
+		std::uint64_t length = 0;
+		ByteWriter    here;
+		if (said.empty()) held->saveState(here, sample);
+		else std::memcpy(&length, said.data(), sizeof length);
+		return said.empty() ? here.bytes().size() : length;
+	}
 
 	/// The state of a sample of another rank comes here, if it is not here already.
 	virtual void fetch(std::size_t sample) const = 0;

@@ -5,6 +5,7 @@
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
+#include <pkg/multiscale/checkpoints/CheckpointParts.hpp>
 #include <pkg/multiscale/samples/SampleAccuracy.hpp>
 #include <pkg/python/ScriptValues.hpp>
 
@@ -28,6 +29,9 @@ public:
 	/// What the model keeps beside the fields of the points, as bytes, and back.
 	virtual string savedState() const { return ""; }
 	virtual void   restoreState(const string&) {}
+	/// The same with what is large in a checkpoint behind its archive.
+	virtual string savedBeside(talik::CheckpointParts&) const { return savedState(); }
+	virtual void   restoreBeside(const string& bytes, const talik::CheckpointParts::Source&) { restoreState(bytes); }
 	/// Before every step: what may be changed while the ground runs comes into force.
 	virtual void followAttributes() {}
 	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.
