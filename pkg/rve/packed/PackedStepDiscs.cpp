@@ -109,7 +109,8 @@ namespace HWY_NAMESPACE {
 		}
 
 		template <bool Bonded, bool Moments, bool Periodic>
-		HWY_INLINE ContactForces<Many, Many> respond(PackedStepView<2>& view, const Place<2>& p, const Constants& c, const Gathered& g)
+		HWY_INLINE ContactForces<Many, Many> respond(
+		        PackedStepView<2>& shared, const PackedStepView<2>& view, const Place<2>& p, const Constants& c, const Gathered& g)
 		{
 			PackedBlock<2>&           block = p.pair();
 			const Many                sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
@@ -126,7 +127,7 @@ namespace HWY_NAMESPACE {
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
 				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment, bendBonds<Moments>(view, p),
-				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
+				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, forces); });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
@@ -173,28 +174,31 @@ namespace HWY_NAMESPACE {
 
 		struct DiscLoops {
 			template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
-			static HWY_NOINLINE void contacts(PackedStepView<2>& view, const PackedPairs<2> pairs)
+			static HWY_NOINLINE void contacts(PackedStepView<2>& shared, const PackedPairs<2> pairs)
 			{
-				const Constants c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
+				const PackedStepView<2> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
+				const Constants         c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
 				const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
 				const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
                                         if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
                                         // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
-                                        scatter<Periodic, Rolling, Moments>(view, p, gathered, respond<Bonded, Moments, Periodic>(view, p, c, gathered));
+                                        scatter<Periodic, Rolling, Moments>(
+                                                view, p, gathered, respond<Bonded, Moments, Periodic>(shared, view, p, c, gathered));
 				};
 				inPipeline(pairs, gatherAt, finish);
 			}
 
-			template <bool Jumps, bool Stress> static void integrate(PackedStepView<2>& view)
+			template <bool Jumps, bool Stress> static void integrate(PackedStepView<2>& shared)
 			{
-				const double* l       = view.prevVelGrad;
-				const double  jump[4] = { view.nextVelGrad[0] - l[0], view.nextVelGrad[1] - l[1], view.nextVelGrad[2] - l[2],
-					                  view.nextVelGrad[3] - l[3] };
-				const Many    lxx = splat(l[0]), lxy = splat(l[1]), lyx = splat(l[2]), lyy = splat(l[3]);
-				const Many    jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
-				const Many    spinJump = splat(-0.5 * (jump[1] - jump[2]));
-				const Many    dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
-				Quad          sxx, sxy, syx, syy, fluctuation;
+				const PackedStepView<2> view    = shared; // as in contacts()
+				const double*           l       = view.prevVelGrad;
+				const double            jump[4] = { view.nextVelGrad[0] - l[0], view.nextVelGrad[1] - l[1], view.nextVelGrad[2] - l[2],
+					                            view.nextVelGrad[3] - l[3] };
+				const Many              lxx = splat(l[0]), lxy = splat(l[1]), lyx = splat(l[2]), lyy = splat(l[3]);
+				const Many              jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
+				const Many              spinJump = splat(-0.5 * (jump[1] - jump[2]));
+				const Many              dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
+				Quad                    sxx, sxy, syx, syy, fluctuation;
 				for (std::size_t i = 0; i < view.grains; i += 4)
 					for (std::size_t part = 0; part < Quad::parts; ++part) {
 						const std::size_t g         = i + part * laneCount;
@@ -231,12 +235,12 @@ namespace HWY_NAMESPACE {
 						store(MulAdd(dt, w, load(angle)), angle);
 						store(Mul(w, radius), view.rim + g);
 					}
-				view.maxFluctuationSquare = fluctuation.largest();
+				shared.maxFluctuationSquare = fluctuation.largest();
 				if (!Stress) return;
-				view.virial[0] = sxx.sum();
-				view.virial[1] = sxy.sum();
-				view.virial[2] = syx.sum();
-				view.virial[3] = syy.sum();
+				shared.virial[0] = sxx.sum();
+				shared.virial[1] = sxy.sum();
+				shared.virial[2] = syx.sum();
+				shared.virial[3] = syy.sum();
 			}
 		};
 

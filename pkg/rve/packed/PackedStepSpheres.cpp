@@ -218,7 +218,9 @@ namespace HWY_NAMESPACE {
 		}
 
 		template <bool Bonded, bool Periodic, bool Rolling, bool Moments>
-		HWY_INLINE void respond(PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, ResponseOf<Rolling || Moments>& r)
+		HWY_INLINE void respond(
+		        PackedStepView<3>& shared, const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g,
+		        ResponseOf<Rolling || Moments>& r)
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
@@ -243,7 +245,7 @@ namespace HWY_NAMESPACE {
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
 				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment, bendBonds<Moments>(view, p, c, n, turn),
-				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(view, Periodic, 4 * p.block + p.lane, failed, forces); });
+				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, forces); });
 				store3(f.iceShear, ice.iceShear, p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
@@ -286,24 +288,26 @@ namespace HWY_NAMESPACE {
 
 		struct SphereLoops {
 			template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
-			static HWY_NOINLINE void contacts(PackedStepView<3>& view, const PackedPairs<3> pairs)
+			static HWY_NOINLINE void contacts(PackedStepView<3>& shared, const PackedPairs<3> pairs)
 			{
-				const Constants c { { splat(view.friction), splat(view.bondFriction) },
-					            splat(view.stiffnessRatio * view.dt),
-					            splat(view.dt),
-					            splat(0.5 * view.dt) };
+				const PackedStepView<3> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
+				const Constants         c { { splat(view.friction), splat(view.bondFriction) },
+                                                    splat(view.stiffnessRatio * view.dt),
+                                                    splat(view.dt),
+                                                    splat(0.5 * view.dt) };
 				using Response = ResponseOf<Rolling || Moments>;
 				inStages<Gathered, Response, Bonded, Rolling>(
 				        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
 				        [&](const Place<3>& p, const Gathered& g, Response& r)
-				                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(view, p, c, g, r); },
+				                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(shared, view, p, c, g, r); },
 				        [&](const Place<3>& p, const Gathered& g, const Response& r)
 				                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
 			}
 
-			template <bool Jumps, bool Stress> static void integrate(PackedStepView<3>& view)
+			template <bool Jumps, bool Stress> static void integrate(PackedStepView<3>& shared)
 			{
-				double leap[9], leapOfSpin[3];
+				const PackedStepView<3> view = shared; // as in contacts()
+				double                  leap[9], leapOfSpin[3];
 				for (int k = 0; k < 9; ++k)
 					leap[k] = view.nextVelGrad[k] - view.prevVelGrad[k];
 				for (int d = 0; d < 3; ++d)
@@ -342,9 +346,9 @@ namespace HWY_NAMESPACE {
 						putColumns<Layout::row>({ velocity.x, velocity.y, velocity.z, rim.y }, row + Layout::velocity);
 						putColumns<Layout::row>({ w.x, w.y, w.z, rim.z }, row + Layout::spin);
 					}
-				view.maxFluctuationSquare = fluctuation.largest();
+				shared.maxFluctuationSquare = fluctuation.largest();
 				for (int k = 0; Stress && k < 9; ++k)
-					view.virial[k] = virial[k].sum();
+					shared.virial[k] = virial[k].sum();
 			}
 		};
 
