@@ -92,10 +92,10 @@ def _thawStrain(text):
 	return text if text == fullThawStrain else float(text)
 
 
-def runCase(case, options, days=None):
+def runCase(case, options, ofCase=None):
 	"""Runs a case as its command line says, and prints what it came to. Returns the (last) ThawSlump, a single one stays in O; None when drawn anew.
 
-	days  of the thaw, in place of the preset's"""
+	ofCase  {name of a value of the preset: what the case has in its place}, or None"""
 	if options.resume:
 		slump = ThawSlump.resumed(options.output)
 		if options.days is not None:
@@ -110,7 +110,7 @@ def runCase(case, options, days=None):
 			page.draw(folders[label], case.outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(case, presetOf(options, days), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(case, presetOf(options, ofCase), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"])
 				slump.presetName = options.preset
 				slump.run()
 		if talik.ranks.first:  # the files are its own
@@ -144,12 +144,12 @@ def groundOf(options, setting):
 	)
 
 
-def presetOf(options, days):
-	preset = presets[options.preset]
+def presetOf(options, ofCase):
+	preset = replace(presets[options.preset], **(ofCase or {}))
 	return replace(
 		preset,
 		gridSpacing=preset.lawGridSpacing if lawAlone(options) and preset.lawGridSpacing else preset.gridSpacing,
-		days=options.days or days or preset.days,
+		days=options.days or preset.days,
 		grains=options.grains or preset.grains,
 		realisations=options.realisations,
 		seed=options.seed,

@@ -122,7 +122,8 @@ class ThawSlump:
 				sample.thawedStrength = strength
 				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
 			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
-			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, strainTolerance=p.strainTolerance, **self._slipOf(several, cohesion)), {}
+			asked = {"strainTolerance": p.strainTolerance, "maxInertialNumber": p.maxInertialNumber}
+			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, **asked, **self._slipOf(several, cohesion)), {}
 		self.thawed["friction measured [-]"] = calibrate.thawedFriction(several)
 		calibration = calibrate.calibrate(several, friction=self.thawed["friction measured [-]"], **p.calibration)
 		self.calibrationSeconds = calibration.seconds

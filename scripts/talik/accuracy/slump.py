@@ -43,7 +43,14 @@ scene = {
 def slump(settings, folder):
 	"""ThawSlump as the settings say; what they do not name is that of `standard` and `scene`."""
 	s = {**standard, **scene, **settings}
-	preset = thawslump.Preset(s["grid spacing"], s["grains"], s["days of heat"], strainTolerance=s["sample tolerance"], realisations=s["realisations"])
+	preset = thawslump.Preset(
+		s["grid spacing"],
+		s["grains"],
+		s["days of heat"],
+		strainTolerance=s["sample tolerance"],
+		maxInertialNumber=s["inertial number"],
+		realisations=s["realisations"],
+	)
 	ground = thawslump.Ground(
 		thermalTimeScale=s["thermal time scale"],
 		bulkModulus=s["bulk modulus of water"],
@@ -57,10 +64,8 @@ def slump(settings, folder):
 	case = thawslump.ThawSlump(s["scene"], preset, folder, ground, skeleton=s["skeleton"])
 	case.mpm.courantNumber, case.mpm.transfer = s["time-step fraction"], s["transfer"]
 	case.mpm.tolerance = s["tolerance"]
-	if s["skeleton"] == "samples":
-		case.skeleton.maxInertialNumber = s["inertial number"]
-		if s["sample tolerance"] == 0:
-			case.skeleton.saturationTolerance = 0
+	if s["skeleton"] == "samples" and s["sample tolerance"] == 0:
+		case.skeleton.saturationTolerance = 0
 	return case
 
 
