@@ -110,7 +110,9 @@ def runCase(case, options, ofCase=None):
 			page.draw(folders[label], case.outline, bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
-				slump = ThawSlump(case, presetOf(options, ofCase), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"])
+				slump = ThawSlump(
+					case, presetOf(options, ofCase), folders[label], groundOf(options, setting), not options.no_thaw, skeleton=setting["skeleton"]
+				)
 				slump.presetName = options.preset
 				slump.run()
 		if talik.ranks.first:  # the files are its own

@@ -2,7 +2,6 @@
 """The slump thawed from its surface against an independent column, its own bonds and balances: every day one run of 40 days with 40 grains in
 a sample for all tests, the preset draft among the slow ones."""
 
-
 import numpy as np
 import pytest
 from thaw_column import ThawColumn
