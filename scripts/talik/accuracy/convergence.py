@@ -26,7 +26,7 @@ from talik.accuracy import slump
 from talik.accuracy.problem import Stopwatch, key
 
 moved = 0.1  # displacement of ground that counts as moved [m]
-historyLength = 30  # states of a run that are kept, for the picture
+historyLength = 30  # states of a run that are kept for the picture, beside those of the table
 motionAllowed = 10  # times the motion of a run at constant scale; a calendar that still has not come to its end stops there
 
 
@@ -205,7 +205,7 @@ def march(settings):
 			looks.append((day, *motion(mpm)))
 	every = max(1, days // historyLength)
 	return {
-		"history": [[_rounded(value) for value in look] for look in looks if look[0] % every == 0 or look[0] == days],
+		"history": [[_rounded(value) for value in look] for look in looks if look[0] % every == 0 or look[0] in (*case.tableDays, days)],
 		"firstEvent": _rounded(firstEvent(mpm, looks, settings["follows motion"])),
 		"cpu": watch.cpu,
 		"wall": watch.wall,
