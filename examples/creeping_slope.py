@@ -29,13 +29,13 @@ parser.add_argument("--output", default="output/creeping_slope", help="folder fo
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
-presets = {"test": (1.0, 28.0, 0.5), "draft": (1.0, 36.0, 2.0), "standard": (0.5, 36.0, 2.0)}
-spacing, length, motion = presets[options.preset]  # [m], [m], [s of motion]
+presets = {"test": (1.0, 28.0, 0.5, 0.03), "draft": (1.0, 36.0, 2.0, 0.01), "standard": (0.5, 36.0, 2.0, 0.01)}
+spacing, length, motion, relaxed = presets[options.preset]  # [m], [m], [s of motion], part of the stress of a bond that a call of the creep test relaxes
 thickness, slope, temperature, years = 4.0, math.radians(75), -1.0, 0.5
 
 (frozen,) = creep.frozenSamples(grains=100, realisations=1)
 ice = wrapper.IceCreep()
-test = creep.creepTest(frozen, ice, (None, -1 / math.tan(slope), 1.0), stress=60e3, strain=0.05, calls=40000)
+test = creep.creepTest(frozen, ice, (None, -1 / math.tan(slope), 1.0), stress=60e3, strain=0.05, relaxed=relaxed, calls=40000)
 ofBonds = ice.rateFactorAt(-10) * test.stress**ice.exponent
 factor = test.secondaryRate() / ofBonds
 law = wrapper.IceCreep(rateFactor=ice.rateFactor / factor)

@@ -23,7 +23,7 @@ parser.add_argument("--output", default="output/ice_rich_layer", help="folder fo
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
-h = {"test": 0.25, "draft": 0.125, "standard": 0.0625}[options.preset]  # grid spacing [m]
+h, scale = {"test": (0.25, 1e7), "draft": (0.125, 4e6), "standard": (0.0625, 4e6)}[options.preset]  # grid spacing [m], calendar over motion [-]
 width, depth, warm = 8.0, 2.5, 5.0  # [m, degC]
 lens = [(2.5, 1.25), (3.25, 1.0), (4.75, 1.0), (5.5, 1.25), (4.75, 1.75), (3.25, 1.75)]
 strain = talik.layers.thawStrain(porosity=0.7, thawedPorosity=0.5)
@@ -33,7 +33,7 @@ mpm = MpmEngine(
 	upper=(width, depth + 2 * h),
 	gravity=(0, -9.81),
 	damping=0.3,
-	heat=HeatTransfer(thermalTimeScale=4e6),
+	heat=HeatTransfer(thermalTimeScale=scale),
 	freezing=FreezingCurve(width=0.2),
 	skeleton=MohrCoulombSkeleton(young=1e7, youngFrozen=5e7, frictionAngle=28, cohesion=500, cohesionFrozen=2e5),
 	boundaries=[RollerBoundary(region=side) for side in ("left", "right", "bottom")] + [SurfaceTemperature(region="surface", temperature=warm)],

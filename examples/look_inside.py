@@ -16,7 +16,7 @@ import talik
 from talik import output, packing, plots
 from talik.running import runUntil
 
-presets = {"test": (40, 1.0), "draft": (150, 6.0)}  # grains of a sample, end time [s]
+presets = {"test": (40, 0.6), "draft": (150, 6.0)}  # grains of a sample, end time [s]
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")

@@ -29,7 +29,7 @@ class Preset:
 	days: float  # of thaw
 
 
-presets = {"test": Preset(1.8, 80, 45.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
+presets = {"test": Preset(1.8, 80, 20.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
 skeletons = ("samples", "MohrCoulomb")
 
 frozen, warm, porosity = -5.0, 10.0, 0.4  # [degC], [-]

@@ -16,7 +16,7 @@ import talik
 from talik.accuracy import convergence, convergencecommand, convergencepage, study
 
 root = Path(__file__).resolve().parents[2]
-law = {"skeleton": "MohrCoulomb", "thawed cohesion": 2000.0}
+law = {"skeleton": "MohrCoulomb", "thawed cohesion": 2000.0, "grains": 60}
 few = [
 	convergence.Sweep("time-step", (1, 1 / 2), law, quick=2),
 	convergence.Sweep("motion-tolerance", (0.05, 0.025), law, {"calendar": convergence.constantScale}),
