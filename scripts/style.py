@@ -5,6 +5,7 @@
 	scripts/style.py         # names what differs, ends with 1 if anything does
 	scripts/style.py --fix   # formats
 	scripts/style.py --known FILE  # leaves out Python that was found good before; FILE keeps what was
+	scripts/style.py --recent 10   # of Python only what the last 10 commits or the work tree changed
 
 Versions of clang-format lay out differently; the style is that of Debian 12 (version 14). With another one C++ is not checked.
 """
@@ -116,7 +117,18 @@ class Known:
 
 	def keep(self, paths):
 		if self.path:
-			self.path.write_text("\n".join(map(self.digest, paths)))
+			self.path.write_text("\n".join(sorted(self.kept | set(map(self.digest, paths)))))
+
+
+def changedOf(paths, commits):
+	"""Those that the last commits or the work tree changed; all of them where git does not know."""
+	asked = (["log", f"-{commits}", "--name-only", "--format="], ["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"])
+	try:
+		told = [subprocess.run(["git", *words], capture_output=True, text=True, check=True, cwd=root).stdout for words in asked]
+	except (OSError, subprocess.CalledProcessError):
+		return paths
+	names = set("".join(told).split())
+	return [path for path in paths if str(path.relative_to(root)) in names]
 
 
 def defects(python):
@@ -144,10 +156,11 @@ def main():
 	parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 	parser.add_argument("--fix", action="store_true", help="format the files")
 	parser.add_argument("--known", metavar="FILE", help="leave out the files of Python that were found good before, and keep here which were")
+	parser.add_argument("--recent", metavar="COMMITS", type=int, help="of Python only what so many last commits or the work tree changed")
 	options = parser.parse_args()
 	fix, known = options.fix, Known(options.known)
 	python, cpp = sources(".py"), sources(".cpp", ".hpp", ".inc")
-	changed = known.unknown(python)
+	changed = known.unknown(python if options.recent is None else changedOf(python, options.recent))
 	program = clangFormat()
 	if program is None:
 		print(f"C++ is not checked: there is no clang-format {clangFormatVersion}")
@@ -158,7 +171,7 @@ def main():
 	good.append(not changed or not defects(changed))
 	print(f"{len(changed)} of {len(python)} files of Python and {len(cpp)} of C++ read")
 	if all(good):
-		known.keep(python)
+		known.keep(changed)
 	return 0 if all(good) else 1
 
 

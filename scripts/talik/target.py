@@ -242,8 +242,8 @@ def altered(sample, friction, etaRoll, **bonds):
 	bonds  attributes of IceBondMat: iceYoung, iceTensileStrength, iceShearStrength [Pa]; of MomentIceBondMat bondRadiusFactor and
 		   momentContribution [-]
 
-	>>> rolling = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19, ice=True, etaRoll=0.05))
-	>>> other = talik.target.altered(rolling, friction=0.6, etaRoll=0.1, iceYoung=5e9)"""
+	>>> rolling = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19, ice=True, etaRoll=0.1))
+	>>> other = talik.target.altered(rolling, friction=0.6, etaRoll=0.2, iceYoung=5e9)"""
 	with talik.inspect(sample.open()) as scene:
 		packing.setFriction(friction)
 		for material in O.materials:
@@ -392,7 +392,7 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	moments           bonds carry moments (MomentIceBondMat): their radius and their share in the strength are fitted, too
 
 	>>> rows = [talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 25.0})]
-	>>> found = talik.target.fit(rows, grains=30, porosity=0.19, steps=1, strain=1e-3)"""
+	>>> found = talik.target.fit(rows, grains=30, steps=1, strain=1e-3)"""
 	from tqdm import tqdm
 
 	names = fitted(rows, moments)
