@@ -90,12 +90,7 @@ template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const
 	Parts& g = *parts_;
 	if (!g.bands) return g.batch(skeleton);
 	g.bringPoints();
-	g.skeletonPlacesOfAll.resize(g.settings.skeletons.size());
-	std::vector<int>& places = g.skeletonPlacesOfAll[skeleton];
-	places.clear();
-	for (int p = 0; p < g.points->count(); ++p)
-		if (g.points->skeletons()[p] == skeleton) places.push_back(p);
-	return g.batch(places);
+	return g.batch(g.placesOfAll(skeleton));
 }
 
 template <int D> void Ground<D>::startSkeleton(int skeleton)

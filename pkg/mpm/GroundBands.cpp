@@ -24,16 +24,16 @@ template <int D> bool Ground<D>::inBands() const { return parts_->bands != nullp
 template <int D> std::string Ground<D>::Parts::refusalOfBands() const
 {
 	const int strips = points->strips().count(), least = Bands::leastStrips;
-	for (const auto& boundary : settings.boundaries)
-		if (boundary->usesNodes()) return boundary->name() + " sees the nodes of its region, which is not done in bands: choose 'samples'.";
 	if (strips < least * talk->count())
 		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells, and each of "
 		        + std::to_string(talk->count()) + " ranks needs " + std::to_string(least) + ": choose 'samples', or run it on fewer ranks.";
 	return "";
 }
 
+/// Once it is known which points each strip has. Collective.
 template <int D> void Ground<D>::Parts::startBands()
 {
+	if (!talk) return;
 	const std::string refusal = refusalOfBands();
 	if (!refusal.empty()) {
 		if (bandsRequired) throw std::invalid_argument("distribute is 'ground': " + refusal);
@@ -42,7 +42,9 @@ template <int D> void Ground<D>::Parts::startBands()
 	bands                  = std::make_unique<Bands>(talk, [this](const std::string& question) { return answer(question); });
 	bands->writes          = [this](const FilePlace& place, PartSum& sum) { writeOwnPoints(place, sum); };
 	points->strips().bands = bands.get();
-	afterReordering();
+	bands->allCurrent      = false;
+	talk->meet("the beginning of a ground in bands");
+	cutBands();
 }
 
 template <int D> void Ground<D>::Parts::cutBands()
@@ -77,6 +79,74 @@ template <int D> void Ground<D>::Parts::chooseRows()
 	};
 	limit(reached, bands->touched(false));
 	limit(around, bands->touched(true));
+}
+
+template <int D> std::pair<int, int> Ground<D>::Parts::shownRange() const
+{
+	if (!bands) return { 0, grid.nodeCount() };
+	const int strip = Strips::rows * grid.nodeStride(points->strips().axis);
+	return { bands->firstStrip() * strip, bands->rank() + 1 == bands->count() ? grid.nodeCount() : bands->endStrip() * strip };
+}
+
+namespace {
+	template <class T> void appendBytes(std::string& bytes, const std::vector<T>& values)
+	{
+		bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+	}
+	template <class T> void takeBytes(const char*& from, std::size_t count, std::vector<T>& values)
+	{
+		const std::size_t before = values.size();
+		values.resize(before + count);
+		std::memcpy(static_cast<void*>(values.data() + before), from, count * sizeof(T));
+		from += count * sizeof(T);
+	}
+} // namespace
+
+/// Every rank sees the nodes of all in the order of one: nodes follow each other by rows, as bands do.
+template <int D> void Ground<D>::Parts::showNodesOfAll(const LookingBoundary& looking)
+{
+	BoundaryNodes<D>& shown  = boundaryNodes;
+	const bool        normal = !settings.boundaries[looking.index]->takesVolumes();
+	std::string       own;
+	appendBytes(own, shownNodes);
+	for (const auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
+		appendBytes(own, *vectors);
+	for (const auto* numbers : { &shown.temperature, &shown.pressure })
+		appendBytes(own, *numbers);
+	const std::size_t ofNode = sizeof(int) + (1 + normal + bool(motion)) * sizeof(Vec<D>) + (bool(heat) + bool(water)) * sizeof(double);
+	shownNodes.clear();
+	for (auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
+		vectors->clear();
+	for (auto* numbers : { &shown.temperature, &shown.pressure })
+		numbers->clear();
+	for (const std::string& bytes : bands->say(own)) {
+		const std::size_t count = bytes.size() / ofNode;
+		const char*       from  = bytes.data();
+		takeBytes(from, count, shownNodes);
+		takeBytes(from, count, shown.position);
+		if (normal) takeBytes(from, count, shown.normal);
+		if (motion) takeBytes(from, count, shown.velocity);
+		if (heat) takeBytes(from, count, shown.temperature);
+		if (water) takeBytes(from, count, shown.pressure);
+	}
+	shown.slot.clear();
+	std::size_t k = 0; // slots follow the nodes, too
+	for (const int node : shownNodes) {
+		while (k < shown.slots && nodeOfSlot(looking, k) < node)
+			++k;
+		shown.slot.push_back(k < shown.slots && nodeOfSlot(looking, k) == node ? static_cast<int>(k) : -1);
+	}
+}
+
+/// Ranks work out the gifts of a boundary each for themselves.
+template <int D> void Ground<D>::Parts::requireSameGifts(const Boundary<D>& boundary)
+{
+	const auto digests = bands->byRank(boundary.digest());
+	for (std::size_t rank = 1; rank < digests.size(); ++rank)
+		if (digests[rank] != digests[0])
+			throw std::runtime_error(
+			        boundary.name() + " gives other values on rank " + std::to_string(rank)
+			        + " than on rank 0: let its function follow from its argument alone, or choose distribute='none'.");
 }
 
 template <int D> void Ground<D>::Parts::meetRanks()
@@ -255,6 +325,9 @@ template void                                 Ground<2>::Parts::startBands();
 template void                                 Ground<2>::Parts::cutBands();
 template void                                 Ground<2>::Parts::followBands(bool);
 template void                                 Ground<2>::Parts::chooseRows();
+template std::pair<int, int>                  Ground<2>::Parts::shownRange() const;
+template void                                 Ground<2>::Parts::showNodesOfAll(const LookingBoundary&);
+template void                                 Ground<2>::Parts::requireSameGifts(const Boundary<2>&);
 template void                                 Ground<2>::Parts::meetRanks();
 template void                                 Ground<2>::Parts::keepOwnPart();
 template void                                 Ground<2>::Parts::sortInBands();
@@ -270,6 +343,9 @@ template void                                 Ground<3>::Parts::startBands();
 template void                                 Ground<3>::Parts::cutBands();
 template void                                 Ground<3>::Parts::followBands(bool);
 template void                                 Ground<3>::Parts::chooseRows();
+template std::pair<int, int>                  Ground<3>::Parts::shownRange() const;
+template void                                 Ground<3>::Parts::showNodesOfAll(const LookingBoundary&);
+template void                                 Ground<3>::Parts::requireSameGifts(const Boundary<3>&);
 template void                                 Ground<3>::Parts::meetRanks();
 template void                                 Ground<3>::Parts::keepOwnPart();
 template void                                 Ground<3>::Parts::sortInBands();

@@ -7,9 +7,14 @@ namespace talik {
 
 template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const std::vector<int>& places) const
 {
+	return batch(places.data(), static_cast<int>(places.size()));
+}
+
+template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const int* places, int count) const
+{
 	SkeletonBatch<D> b;
-	b.count = static_cast<int>(places.size());
-	b.place = places.data();
+	b.count = count;
+	b.place = places;
 	b.id    = points->ids();
 	for (int c = 0; c < D * D; ++c)
 		b.gradient[c] = motion->gradient[c];
@@ -75,6 +80,16 @@ template <int D> void Ground<D>::Parts::listSkeletons()
 		skeletonUsed[points->skeletons()[p]] = 1;
 }
 
+template <int D> const std::vector<int>& Ground<D>::Parts::placesOfAll(int skeleton)
+{
+	skeletonPlacesOfAll.resize(settings.skeletons.size());
+	std::vector<int>& places = skeletonPlacesOfAll[skeleton];
+	places.clear();
+	for (int p = 0; p < points->count(); ++p)
+		if (points->skeletons()[p] == skeleton) places.push_back(p);
+	return places;
+}
+
 template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
 {
 	if (motion) motion->nodes.clear(first, last);
@@ -132,19 +147,23 @@ template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)
 		mean[p] -= water->pressure[p];
 }
 
-template SkeletonBatch<2> Ground<2>::Parts::batch(const std::vector<int>&) const;
-template std::string      Ground<2>::Parts::whereabouts(int) const;
-template void             Ground<2>::Parts::sort();
-template void             Ground<2>::Parts::afterReordering(bool);
-template void             Ground<2>::Parts::clearNodes();
-template void             Ground<2>::Parts::locateInCells();
-template void             Ground<2>::Parts::useMeanStress(int, int);
-template SkeletonBatch<3> Ground<3>::Parts::batch(const std::vector<int>&) const;
-template std::string      Ground<3>::Parts::whereabouts(int) const;
-template void             Ground<3>::Parts::sort();
-template void             Ground<3>::Parts::afterReordering(bool);
-template void             Ground<3>::Parts::clearNodes();
-template void             Ground<3>::Parts::locateInCells();
-template void             Ground<3>::Parts::useMeanStress(int, int);
+template SkeletonBatch<2>        Ground<2>::Parts::batch(const std::vector<int>&) const;
+template SkeletonBatch<2>        Ground<2>::Parts::batch(const int*, int) const;
+template std::string             Ground<2>::Parts::whereabouts(int) const;
+template const std::vector<int>& Ground<2>::Parts::placesOfAll(int);
+template void                    Ground<2>::Parts::sort();
+template void                    Ground<2>::Parts::afterReordering(bool);
+template void                    Ground<2>::Parts::clearNodes();
+template void                    Ground<2>::Parts::locateInCells();
+template void                    Ground<2>::Parts::useMeanStress(int, int);
+template SkeletonBatch<3>        Ground<3>::Parts::batch(const std::vector<int>&) const;
+template SkeletonBatch<3>        Ground<3>::Parts::batch(const int*, int) const;
+template std::string             Ground<3>::Parts::whereabouts(int) const;
+template const std::vector<int>& Ground<3>::Parts::placesOfAll(int);
+template void                    Ground<3>::Parts::sort();
+template void                    Ground<3>::Parts::afterReordering(bool);
+template void                    Ground<3>::Parts::clearNodes();
+template void                    Ground<3>::Parts::locateInCells();
+template void                    Ground<3>::Parts::useMeanStress(int, int);
 
 } // namespace talik

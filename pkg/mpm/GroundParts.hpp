@@ -63,9 +63,11 @@ template <int D> struct Clock {
 };
 
 template <int D> struct Ground<D>::Parts {
-	GroundSettings<D>          settings;
-	std::vector<PointInput<D>> inputs;
-	bool                       ready = false;
+	GroundSettings<D>                    settings;
+	std::vector<PointInput<D>>           inputs;
+	int                                  given = 0; ///< points, and each of them
+	std::function<PointInput<D>(int id)> point;
+	bool                                 ready = false;
 
 	Grid<D>                            grid;
 	std::unique_ptr<MaterialPoints<D>> points;
@@ -93,6 +95,7 @@ template <int D> struct Ground<D>::Parts {
 	};
 	std::vector<LookingBoundary> lookingBoundaries;
 	BoundaryNodes<D>             boundaryNodes; ///< what they see
+	std::vector<int>             shownNodes;    ///< their numbers
 
 	std::vector<std::vector<int>> skeletonPlaces;       ///< of this rank's points
 	std::vector<char>             skeletonUsed;         ///< it has points, on any rank
@@ -130,11 +133,17 @@ template <int D> struct Ground<D>::Parts {
 	// ---- setting up -----------------------------------------------------------------------------------------------------
 	void   declareFields();
 	void   placePoints();
+	void   bindEffects();
+	void   fillPoints();
+	void   beginSkeletons();
+	double initialMass() const;
 	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
 	void   shareRecords();
 	void   checkFreeSurface();
 	void   listSkeletons();
-	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
+	/// Of the points of a skeleton on all ranks.
+	const std::vector<int>& placesOfAll(int skeleton);
+	double                  fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	/// True if a boundary acts where the ground faces bodies.
 	bool facesBodies() const;
 	bool hasContent() const { return settings.heat || settings.water; }
@@ -202,7 +211,14 @@ template <int D> struct Ground<D>::Parts {
 	}
 
 	// ---- ranks ----------------------------------------------------------------------------------------------------------
-	void        startBands();
+	void startBands();
+	/// Numbers by place become known to all ranks, for sums in the order of one; until keepOwnPoints().
+	template <class... Arrays> void showAll(Arrays*... arrays) const
+	{
+		if (bands) (void)std::initializer_list<int> { (arrays ? bands->shareByPoint(arrays) : void(), 0)... };
+	}
+	/// The first words that any rank has; empty if none has.
+	std::string wordsOfAny(const std::string& own) { return bands ? firstWords(own) : own; }
 	std::string refusalOfBands() const;
 	void        cutBands();
 	/// What skeleton laws keep behind points goes where these are; moved: see SkeletonModel.
@@ -277,17 +293,25 @@ template <int D> struct Ground<D>::Parts {
 	void finishTemperature();
 	void updateTemperature();
 	void showNodes();
-	void pushByBoundaries();
-	void solveMomentum();
-	void seep();
-	void gatherFromGrid();
-	void addDivergence(const WeightBlock<D>& w);
-	void finishPaths();
-	void levelCells();
-	void findCellPressure();
-	void closeThawStrain();
+	void showNode(const LookingBoundary& looking, int slot, int node);
+	/// Nodes of the boundary that this rank computes, and those that other ranks show.
+	void showNodesOfAll(const LookingBoundary& looking);
+	void requireSameGifts(const Boundary<D>& boundary);
+	int  nodeOfSlot(const LookingBoundary& looking, std::size_t slot) const;
+	/// Nodes that this rank shows to the others: the rows of its strips.
+	std::pair<int, int> shownRange() const;
+	void                pushByBoundaries();
+	void                solveMomentum();
+	void                seep();
+	void                gatherFromGrid();
+	void                addDivergence(const WeightBlock<D>& w);
+	void                finishPaths();
+	void                levelCells();
+	void                findCellPressure();
+	void                closeThawStrain();
 	/// What a skeleton law throws to end the run after this step, or null.
 	std::exception_ptr updateSkeletons();
+	void               askByStrips(int skeleton);
 	void               measureMotion();
 	double             signalSpeed(int place, double modulus) const;
 	double             advectionStep(int place) const;
@@ -317,6 +341,7 @@ template <int D> struct Ground<D>::Parts {
 	void        sort();
 
 	SkeletonBatch<D>     batch(int skeleton) const { return batch(skeletonPlaces[skeleton]); }
+	SkeletonBatch<D>     batch(const int* places, int count) const;
 	SkeletonBatch<D>     batch(const std::vector<int>& places) const;
 	double               largestModulus() const;
 	double               liquidDensity() const { return settings.mixtureOf(0).liquid.density; }

@@ -213,12 +213,12 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 	}
 }
 
-template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const std::vector<PointInput<D>>& inputs)
+template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, int count, const std::function<PointInput<D>(int)>& point)
 {
-	if (inputs.empty()) throw std::invalid_argument("points = 0: the scene has no material points; add some before the start");
-	const auto name = [](std::size_t id, const char* attribute) { return "point " + std::to_string(id) + "." + attribute; };
-	for (std::size_t id = 0; id < inputs.size(); ++id) {
-		const PointInput<D>& in = inputs[id];
+	if (count == 0) throw std::invalid_argument("points = 0: the scene has no material points; add some before the start");
+	const auto name = [](int id, const char* attribute) { return "point " + std::to_string(id) + "." + attribute; };
+	for (int id = 0; id < count; ++id) {
+		const PointInput<D> in = point(id);
 		for (int a = 0; a < D; ++a) {
 			requireSetting(
 			        in.position[a] >= grid.lower()[a] && in.position[a] <= grid.upper()[a], name(id, "position") + "[" + std::to_string(a) + "]",
@@ -257,9 +257,9 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 
 template void checkSettings(const GroundSettings<2>&);
 template void checkBoundaries(const GroundSettings<2>&, const Grid<2>&);
-template void checkPoints(const GroundSettings<2>&, const Grid<2>&, const std::vector<PointInput<2>>&);
+template void checkPoints(const GroundSettings<2>&, const Grid<2>&, int, const std::function<PointInput<2>(int)>&);
 template void checkSettings(const GroundSettings<3>&);
 template void checkBoundaries(const GroundSettings<3>&, const Grid<3>&);
-template void checkPoints(const GroundSettings<3>&, const Grid<3>&, const std::vector<PointInput<3>>&);
+template void checkPoints(const GroundSettings<3>&, const Grid<3>&, int, const std::function<PointInput<3>(int)>&);
 
 } // namespace talik

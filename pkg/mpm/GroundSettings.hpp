@@ -226,6 +226,6 @@ struct StateArray {
 
 template <int D> void checkSettings(const GroundSettings<D>& settings);
 template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid);
-template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, const std::vector<PointInput<D>>& points);
+template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, int count, const std::function<PointInput<D>(int id)>& point);
 
 } // namespace talik

@@ -51,9 +51,7 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 {
 	for (int a = 0; a < D; ++a)
 		points->position(a)[p] = in.position[a];
-	points->volume()[p]    = in.volume;
-	points->skeletons()[p] = in.skeleton;
-	if (points->materials()) points->materials()[p] = static_cast<std::uint16_t>(in.material);
+	points->volume()[p] = in.volume;
 	if (motion) {
 		for (int a = 0; a < D; ++a)
 			motion->velocity[a][p] = in.velocity[a];
@@ -69,19 +67,14 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 	if (content) content->fill(p, in.porosity, in.temperature, in.pressure, fill, contentOf());
 }
 
-template <int D> void Ground<D>::Parts::placePoints()
+template <int D> void Ground<D>::Parts::bindEffects()
 {
-	const int n = static_cast<int>(inputs.size());
-	points->allocate(n);
-	if (settings.materials.size() > 1) points->distinguishMaterials();
+	const int n = points->count();
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
 	if (bodies && facesBodies()) bodies->allocateFaces(grid);
 	if (affine) affine->bind(*points);
-	if (record) {
-		record->bind(*points);
-		record->start(n);
-	}
+	if (record) record->bind(*points);
 	if (heat) heat->bind(*points, grid);
 	if (content) {
 		content->bind(*points);
@@ -102,25 +95,59 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (cells) cells->allocate(grid, n);
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
-	if (std::any_of(inputs.begin(), inputs.end(), [](const auto& in) { return !std::isnan(in.poreFill); }))
-		for (const auto& in : inputs)
-			pointFill.push_back(std::isnan(in.poreFill) ? settings.usedPoreFill() : in.poreFill);
-	for (int id = 0; id < n; ++id)
-		fillPoint(id, inputs[id], fillOf(id));
-	sort();
+}
+
+/// Each rank of a ground in bands fills its own points, at the places that these have among all.
+template <int D> void Ground<D>::Parts::fillPoints()
+{
+	const int n = points->count();
+	for (int id = 0; id < n; ++id) {
+		const double fill = point(id).poreFill;
+		if (std::isnan(fill)) continue;
+		if (pointFill.empty()) pointFill.assign(n, settings.usedPoreFill());
+		pointFill[id] = fill;
+	}
+	points->strips().parallel = n >= settings.parallelFrom;
+	points->arrange(grid, [&](int id) { return point(id).position; });
+	for (int p = 0; p < n; ++p) {
+		const PointInput<D> in = point(points->id(p));
+		points->skeletons()[p] = in.skeleton;
+		if (points->materials()) points->materials()[p] = static_cast<std::uint16_t>(in.material);
+	}
+	startBands();
+	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
+		fillPoint(p, point(points->id(p)), fillOf(points->id(p)));
+	clock.range = ActiveRange::of(grid, *points);
+	afterReordering();
+}
+
+template <int D> void Ground<D>::Parts::placePoints()
+{
+	points->allocate(given);
+	if (settings.materials.size() > 1) points->distinguishMaterials();
+	bindEffects();
+	fillPoints();
+	const int n = points->count(), first = points->strips().firstPoint(), end = points->strips().endPoint();
 	bad.assign(points->strips().count(), -1);
 	ledger = StepLedger<D>(grid);
 	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.reset(n);
 	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
+	if (record) record->start(first, end);
 	if (content) {
-		const int failed = content->update(0, n, contentOf());
-		if (failed < n) throw std::invalid_argument(whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed, heat.get()));
+		const int   failed = content->update(first, end, contentOf());
+		std::string words;
+		if (failed < end) words = whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed, heat.get());
+		words = wordsOfAny(words);
+		if (!words.empty()) throw std::invalid_argument(words);
 	}
-	if (heat) heat->chooseSmoothing(grid, n);
+	if (heat) {
+		showAll(heat->heatCapacity, heat->volume, heat->conductivity);
+		heat->chooseSmoothing(grid, n);
+	}
 	if (front && hasThawStrain()) front->settleTogether();
-	if (front) front->start();
-	if (thawStrain) thawStrain->start(n);
+	if (front) front->start(first, end);
+	if (thawStrain) thawStrain->start(first, end);
 }
 
 /// Nodal numbers of heat lie in the records of other effects as far as these have columns for them, so that one pass over the points serves all.
@@ -144,14 +171,18 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	if (!surface) return;
 	clearNodes();
 	locateInCells();
-	scatter([&](const WeightBlock<D>& w) { surface->map(w); }, [&](SharedRows& rows) { rows.nodes(surface->nodes); });
+	scatter([&](const WeightBlock<D>& w) { surface->map(w); },
+	        [&](SharedRows& rows) {
+		        rows.beyond = true;
+		        rows.nodes(surface->nodes);
+	        });
 	surface->collect(grid, *cells, around);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		// a cavity may come later, with the body that makes it, and a body may come from outside
-		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies
-		    || !surface->patch(b).nodes.empty())
-			continue;
+		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies) continue;
+		const bool found = !surface->patch(b).nodes.empty();
+		if (bands ? bands->anyOf(found) : found) continue;
 		throw std::invalid_argument(
 		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
 		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall "
@@ -163,7 +194,39 @@ template <int D> double Ground<D>::Parts::largestModulus() const
 {
 	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
 		settings.skeletons[k]->tangentModulus(batch(k), scratch.data());
-	return *std::max_element(scratch.begin(), scratch.end());
+	const Strips& strips  = points->strips();
+	double        largest = 0.0;
+	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p)
+		largest = std::max(largest, scratch[p]);
+	if (bands)
+		for (const double ofRank : bands->byRank(largest))
+			largest = std::max(largest, ofRank);
+	return largest;
+}
+
+template <int D> void Ground<D>::Parts::beginSkeletons()
+{
+	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
+		SkeletonModel<D>& model = *settings.skeletons[k];
+		if (!bands || !model.beginsWithAll()) {
+			model.initialise(batch(k));
+			continue;
+		}
+		if (content) showAll(content->iceSaturation);
+		model.initialise(batch(placesOfAll(k)));
+	}
+}
+
+/// In the order of places, whatever ranks there are.
+template <int D> double Ground<D>::Parts::initialMass() const
+{
+	if (!motion) return 0.0;
+	showAll(motion->mass);
+	if (water) showAll(content->waterMass, content->iceMass);
+	double sum = 0.0;
+	for (int p = 0; p < points->count(); ++p)
+		sum += motion->mass[p] + (water ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0);
+	return sum;
 }
 
 template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
@@ -173,6 +236,12 @@ template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
 	return static_cast<int>(parts_->inputs.size()) - 1;
 }
 
+template <int D> void Ground<D>::takePoints(int count, std::function<PointInput<D>(int)> point)
+{
+	parts_->given = count;
+	parts_->point = std::move(point);
+}
+
 template <int D> void Ground<D>::initialise()
 {
 	Parts& g = *parts_;
@@ -180,33 +249,34 @@ template <int D> void Ground<D>::initialise()
 	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
 	checkSettings(g.settings);
 	checkBoundaries(g.settings, g.grid);
-	checkPoints(g.settings, g.grid, g.inputs);
+	if (!g.point) takePoints(static_cast<int>(g.inputs.size()), [&g](int id) { return g.inputs[id]; });
+	checkPoints(g.settings, g.grid, g.given, g.point);
 	g.shape = makeShapeFunction<D>(g.settings.shapeFunction);
 	g.declareFields();
 	g.placePoints();
 	g.checkFreeSurface();
 	if (g.motion) {
-		for (std::size_t k = 0; k < g.settings.skeletons.size(); ++k)
-			g.settings.skeletons[k]->initialise(g.batch(k));
+		g.beginSkeletons();
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		if (g.water) g.water->chooseLargestConductivity(g.content->smallestReferencePorosity());
 		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.reached, g.grid, g.settings.heatFraction);
-		for (int p = 0; p < g.points->count(); ++p)
-			g.clock.initialMass += g.motion->mass[p]
-			        + (g.water ? g.content->waterMass[p] - (g.content->iceMass ? g.content->iceMass[p] : 0.0) : 0.0);
+		g.clock.initialMass = g.initialMass();
 	}
 	g.useScale();
-	for (int p = 0; g.water && p < g.points->count(); ++p)
+	for (int p = g.points->strips().firstPoint(); g.water && p < g.points->strips().endPoint(); ++p)
 		g.water->drag[p] /= g.content->seepageScale(p);
+	g.point = nullptr;
 	g.inputs.clear();
 	g.inputs.shrink_to_fit();
+	if (g.bands) g.keepOwnPoints();
 	g.ready = true;
-	if (g.talk) g.startBands();
 }
 
 template int  Ground<2>::addPoint(const PointInput<2>&);
+template void Ground<2>::takePoints(int, std::function<PointInput<2>(int)>);
 template void Ground<2>::initialise();
 template int  Ground<3>::addPoint(const PointInput<3>&);
+template void Ground<3>::takePoints(int, std::function<PointInput<3>(int)>);
 template void Ground<3>::initialise();
 
 } // namespace talik

@@ -71,6 +71,12 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 	cost.time(CostMeter::heat, [&] { finishTemperature(); });
 }
 
+template <int D> int Ground<D>::Parts::nodeOfSlot(const LookingBoundary& looking, std::size_t slot) const
+{
+	const bool volume = settings.boundaries[looking.index]->takesVolumes();
+	return volume ? looking.shares[slot].node : surface->patch(looking.index).nodes[slot].node;
+}
+
 /// Boundaries whose gifts follow the state of their nodes see it, before anything of the step is booked.
 template <int D> void Ground<D>::Parts::showNodes()
 {
@@ -78,37 +84,47 @@ template <int D> void Ground<D>::Parts::showNodes()
 	shown.time              = calendarEnd();
 	for (const LookingBoundary& looking : lookingBoundaries) {
 		Boundary<D>& boundary = *settings.boundaries[looking.index];
-		const bool   volume   = boundary.takesVolumes();
-		shown.slots           = volume ? looking.shares.size() : surface->patch(looking.index).nodes.size();
+		shown.slots           = boundary.takesVolumes() ? looking.shares.size() : surface->patch(looking.index).nodes.size();
 		shown.slot.clear();
+		shownNodes.clear();
 		for (auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
 			vectors->clear();
 		for (auto* numbers : { &shown.temperature, &shown.pressure })
 			numbers->clear();
+		const auto range = shownRange();
 		for (std::size_t k = 0; k < shown.slots; ++k) {
-			const int     node   = volume ? looking.shares[k].node : surface->patch(looking.index).nodes[k].node;
-			const double* moving = motion ? motion->nodes[node] : nullptr;
-			if (!((moving ? moving[motion->massAt] : heat->nodes[node][0]) > 0.0)) continue;
-			Vec<D>     x, v;
-			const auto at = grid.nodeOf(node);
-			for (int a = 0; a < D; ++a) {
-				x[a] = grid.nodePosition(a, at[a]);
-				v[a] = moving ? moving[motion->momentumAt + a] / moving[motion->massAt] : 0.0;
-			}
-			shown.slot.push_back(static_cast<int>(k));
-			shown.position.push_back(x);
-			if (moving) shown.velocity.push_back(v);
-			if (heat) shown.temperature.push_back(heatRests ? heat->reference : heat->mapped[node][0]);
-			if (water) shown.pressure.push_back(water->pressureAtNode(node));
-			if (volume) continue;
-			Vec<D>       normal = surface->patch(looking.index).nodes[k].area;
-			const double area   = lengthOf<D>(normal);
-			for (int a = 0; a < D && area > 0.0; ++a)
-				normal[a] /= area;
-			shown.normal.push_back(normal);
+			const int node = nodeOfSlot(looking, k);
+			if (node >= range.first && node < range.second) showNode(looking, static_cast<int>(k), node);
 		}
+		if (bands) showNodesOfAll(looking);
 		boundary.lookAt(shown);
+		if (bands) requireSameGifts(boundary);
 	}
+}
+
+template <int D> void Ground<D>::Parts::showNode(const LookingBoundary& looking, int slot, int node)
+{
+	BoundaryNodes<D>& shown  = boundaryNodes;
+	const double*     moving = motion ? motion->nodes[node] : nullptr;
+	if (!((moving ? moving[motion->massAt] : heat->nodes[node][0]) > 0.0)) return;
+	Vec<D>     x, v;
+	const auto at = grid.nodeOf(node);
+	for (int a = 0; a < D; ++a) {
+		x[a] = grid.nodePosition(a, at[a]);
+		v[a] = moving ? moving[motion->momentumAt + a] / moving[motion->massAt] : 0.0;
+	}
+	shown.slot.push_back(slot);
+	shownNodes.push_back(node);
+	shown.position.push_back(x);
+	if (moving) shown.velocity.push_back(v);
+	if (heat) shown.temperature.push_back(heatRests ? heat->reference : heat->mapped[node][0]);
+	if (water) shown.pressure.push_back(water->pressureAtNode(node));
+	if (settings.boundaries[looking.index]->takesVolumes()) return;
+	Vec<D>       normal = surface->patch(looking.index).nodes[slot].area;
+	const double area   = lengthOf<D>(normal);
+	for (int a = 0; a < D && area > 0.0; ++a)
+		normal[a] /= area;
+	shown.normal.push_back(normal);
 }
 
 template <int D> void Ground<D>::Parts::pushByBoundaries()
@@ -618,13 +634,38 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 	throw std::runtime_error(bands ? firstWords(words) : words);
 }
 
+/// One strip after the other, so that what the law sees at once does not depend on the ranks. One that fails ends the step on all of them.
+template <int D> void Ground<D>::Parts::askByStrips(int skeleton)
+{
+	const Strips&           strips = points->strips();
+	const std::vector<int>& places = skeletonPlaces[skeleton];
+	std::string             words;
+	try {
+		auto from = places.begin();
+		for (int s = strips.begin(); s < strips.end(); ++s) {
+			const auto to = std::lower_bound(from, places.end(), strips.first[s + 1]);
+			if (from == to) continue;
+			SkeletonBatch<D> ofStrip = batch(places.data() + (from - places.begin()), static_cast<int>(to - from));
+			ofStrip.strip            = s;
+			settings.skeletons[skeleton]->updateStress(ofStrip);
+			from = to;
+		}
+	} catch (const std::exception& problem) {
+		words = problem.what();
+	}
+	words = wordsOfAny(words);
+	if (!words.empty()) throw std::runtime_error(words);
+}
+
 template <int D> std::exception_ptr Ground<D>::Parts::updateSkeletons()
 {
 	std::exception_ptr stop;
 	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
 		cost.timeSkeleton(static_cast<int>(k), [&] {
 			try {
-				if (skeletonUsed[k]) settings.skeletons[k]->updateStress(batch(k));
+				if (!skeletonUsed[k]) return;
+				if (settings.skeletons[k]->seesStrips()) askByStrips(static_cast<int>(k));
+				else settings.skeletons[k]->updateStress(batch(k));
 			} catch (const StopAfterStep&) {
 				stop = std::current_exception();
 			}
@@ -693,7 +734,9 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
 template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
 template void                                        Ground<2>::Parts::useScale();
+template int                                         Ground<2>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;
 template void                                        Ground<3>::Parts::useScale();
+template int                                         Ground<3>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;
 template void                                        Ground<2>::beginStep(double);
 template void                                        Ground<2>::p2g();
 template void                                        Ground<2>::solveNodes();

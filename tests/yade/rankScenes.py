@@ -320,6 +320,61 @@ def bandsResumed():
 	return goOn(talik.resume(folder / "bands.checkpoint"))
 
 
+def softLaw(step):
+	"""Of products of matrices and functions whose last bits may depend on how many points they see at once."""
+	stiffness = np.diag([4e6, 4e6, 4e6, 2e6]) + np.array([[0, 1, 1, 0], [1, 0, 1, 0], [1, 1, 0, 0], [0, 0, 0, 0]]) * 2e6
+	step.state[:, 0] += np.tanh(np.abs(step.strain).sum(axis=1))
+	step.stress += np.exp(step.iceSaturation)[:, None] * (step.strain @ stiffness)
+
+
+def bandsOfScripts():
+	"""A law and boundaries in Python: on the surface, which the ground leaves and thaws, and in a disc across the border of two bands."""
+	mpm = bandedGround()
+	mpm.skeleton = wrapper.PythonSkeleton(law=softLaw, modulus=3e7, states=["strained"], canFail=False)
+	mpm.boundaries = mpm.boundaries + [
+		wrapper.PythonBoundary(region="surface", function=lambda nodes: 200 - 5.67e-8 * ((nodes.temperature + 273.15) ** 4 - 260**4)),
+		wrapper.PythonBoundary(region="surface", gives="traction", function=lambda nodes: -200 * nodes.velocity - 50 * nodes.normal),
+		wrapper.PythonBoundary(
+			region="disc", lower=(2.4, 0.7), upper=(4, 2.3), function=lambda nodes: 10 * np.sin(nodes.position[:, 0]) + nodes.pressure * 1e-4
+		),
+	]
+	run(230)
+	return mpm
+
+
+def bandsShaken():
+	"""Dry ground, a law in Python for the half of it, and a box that is shaken by the mean velocity in it."""
+	mpm = bandedGround()
+	mpm.water, mpm.boundaries = None, mpm.boundaries[:2]
+	function = lambda nodes: np.zeros_like(nodes.velocity) - 5 * nodes.velocity.mean(axis=0)
+	mpm.boundaries = mpm.boundaries + [wrapper.PythonBoundary(region="box", lower=(1, 0.5), upper=(5, 2), gives="acceleration", function=function)]
+	scripted = wrapper.PythonSkeleton(law=softLaw, modulus=3e7, states=["strained"], canFail=False)
+	mpm.exchangeSkeletons([mpm.skeleton, scripted], [int(k % 3 == 0) for k in range(mpm.pointCount)])
+	run(230)
+	return mpm
+
+
+def bandsLawFails():
+	"""A law that fails at one point, of one band; what is left of the ground is not looked at."""
+
+	def failing(step):
+		if O.iter == 12 and (step.id == 40).any():
+			raise ValueError("there is no such soil")
+		softLaw(step)
+
+	mpm = bandedGround()
+	mpm.skeleton = wrapper.PythonSkeleton(law=failing, modulus=3e7, states=["strained"], canFail=False)
+	sentence = ""
+	try:
+		run(30)
+	except RuntimeError as problem:
+		sentence = f"{O.iter} {problem}"
+	(folder / f"bandsLawFails.{talik.ranks.rank}.txt").write_text(sentence)
+	mpm = bandedGround()
+	run(1)
+	return mpm
+
+
 def bandsThrough():
 	mpm = bandedGround()
 	run(75)

@@ -44,16 +44,40 @@ def ended(process, timeout=300):
 	return process.returncode, said, complained
 
 
+class Job:
+	"""Scenes that are played by so many ranks, from its making on."""
+
+	def __init__(self, folder, cache, names, ranks, threads=1):
+		folder.mkdir(exist_ok=True)
+		self.folder, self.names, self.ranks = folder, names, ranks
+		self._process = started(command(ranks, scenes, folder, cache, *names, threads=threads))
+
+	def end(self):
+		"""Waits for it: states by scene, and what was said."""
+		if self._process is None:
+			return self
+		status, self.said, self.complained = ended(self._process)
+		assert status == 0, self.said + self.complained
+		self._process, self.states = None, {}
+		for name in self.names:
+			with np.load(self.folder / f"{name}.npz") as file:
+				self.states[name] = {key: file[key] for key in file.files}
+		return self
+
+	def of(self, names):
+		return {name: self.states[name] for name in names}
+
+	def sentences(self, name):
+		"""With which a scene stopped, on each rank."""
+		return [(self.folder / f"{name}.{rank}.txt").read_text() for rank in range(self.ranks)]
+
+	def told(self, what):
+		"""How often the job said that its ranks share something out."""
+		return self.complained.count(f"Talik: {self.ranks} ranks share out the {what} of this ground (MpmEngine.distribute).")
+
+
 def played(folder, cache, names, ranks, threads=1):
-	"""{scene: state}, and what was said."""
-	folder.mkdir(exist_ok=True)
-	status, said, complained = ended(started(command(ranks, scenes, folder, cache, *names, threads=threads)))
-	assert status == 0, said + complained
-	states = {}
-	for name in names:
-		with np.load(folder / f"{name}.npz") as file:
-			states[name] = {key: file[key] for key in file.files}
-	return states, said, complained
+	return Job(folder, cache, names, ranks, threads).end()
 
 
 def differing(one, other):
@@ -78,260 +102,29 @@ def size(states):
 
 quick = ["packed", "uneven", "resting", "thawed", "creeping", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
 quick += ["replaced", "heated"]
-
-
-@pytest.fixture(scope="module")
-def alone(tmp_path_factory, sampleCache):
-	folder = tmp_path_factory.mktemp("alone")
-	return (folder, *played(folder, sampleCache, quick, 1)[:2])
-
-
-@pytest.fixture(scope="module")
-def pair(tmp_path_factory, sampleCache, alone):
-	folder = tmp_path_factory.mktemp("pair")
-	return (folder, *played(folder, sampleCache, quick, 2))
-
-
-# ---- the same bits --------------------------------------------------------------------------------------------------------
-
-
-def test_two_ranks_have_the_bits_of_one_in_every_field_sample_and_history(alone, pair):
-	states, (_, other, said, _) = alone[1], pair
-	count = differing(states, other)
-	broken, melted = np.nansum(states["packed"]["bondsBroken"]), np.nansum(states["thawed"]["bondsMelted"])
-	print(f"ranks: 2 against 1, {len(states)} scenes, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
-	print(f"bonds broken {broken:.0f} in one scene, melted {melted:.0f} in another")
-	assert count == 0 and broken > 0 and melted > 0 and len(job.findall(said)) == len(quick)
-
-
-def test_samples_move_between_ranks_and_no_rank_owns_all(pair):
-	moved = {name: (int(states), float(balance)) for name, states, balance, _ in job.findall(pair[2])}
-	print(f"states moved and balance by scene: {moved}")
-	assert moved["uneven"][0] > 0
-	assert all(0.5 <= balance <= 1 for _, balance in moved.values())
-
-
-def test_a_blow_up_stops_all_ranks_after_the_same_step_with_the_same_sentence(alone, pair):
-	sentences = {(alone[0] / "blowUp.0.txt").read_text(), *((pair[0] / f"blowUp.{rank}.txt").read_text() for rank in (0, 1))}
-	print(sentences)
-	assert len(sentences) == 1 and "point 6 blew up" in sentences.pop()
-	assert (alone[0] / "blown" / "point6.yade").stat().st_size == pytest.approx((pair[0] / "blown" / "point6.yade").stat().st_size, abs=200)
-
-
-def test_a_checkpoint_of_two_ranks_has_the_bytes_of_one_and_one_rank_goes_on_with_it(alone, pair, sampleCache, tmp_path):
-	files = [(folder / "ground.checkpoint").read_bytes()[4096:] for folder in (alone[0], pair[0])]
-	print(f"checkpoints of {len(files[0])} and {len(files[1])} bytes; {sum(a != b for a, b in zip(*files))} differ")
-	shutil.copy(pair[0] / "ground.checkpoint", tmp_path)
-	states, *_ = played(tmp_path, sampleCache, ["resumed"], 1)
-	assert differing({"resumed": alone[1]["checkpoint"]}, states) == 0
-	assert files[0] == files[1]
-
-
-def test_three_ranks_with_two_threads_each_have_the_bits_of_one_slow(alone, sampleCache, tmp_path):
-	shutil.copy(alone[0] / "ground.checkpoint", tmp_path)
-	states, *_ = played(tmp_path, sampleCache, ["resumed", *quick], 3, threads=2)
-	resumed = {"checkpoint": states.pop("resumed")}
-	count = differing(alone[1], states) + differing({"checkpoint": alone[1]["checkpoint"]}, resumed)
-	print(f"ranks: 3 with 2 threads against 1 with 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
-	assert count == 0
-
-
-@pytest.mark.parametrize("ranks, threads", [(1, 2), (2, 2), (3, 1)])
-def test_any_number_of_ranks_and_threads_has_the_same_bits_slow(ranks, threads, alone, sampleCache, tmp_path):
-	states, *_ = played(tmp_path, sampleCache, quick, ranks, threads)
-	count = differing(alone[1], states)
-	print(f"ranks: {ranks} with {threads} threads against 1 with 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
-	assert count == 0
-
-
-def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCache, tmp_path):
-	alone, together = (played(tmp_path / str(ranks), sampleCache, ["openSamples"], ranks)[0] for ranks in (1, 3))
-	count = differing(alone, together)
-	print(f"ranks: open samples, 3 against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
-	assert count == 0
-
-
 inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft", "bandsReplaced", "bandsHeated"]
-
-
-@pytest.fixture(scope="module")
-def aloneInBands(tmp_path_factory, sampleCache):
-	folder = tmp_path_factory.mktemp("aloneInBands")
-	return folder, played(folder, sampleCache, inBands, 1)[0]
-
-
-def checkBands(aloneInBands, sampleCache, tmp_path, ranks, threads):
-	folder, states = aloneInBands
-	other, _, complained = played(tmp_path, sampleCache, inBands, ranks, threads)
-	count = differing(states, other)
-	print(f"ranks: ground in bands, {ranks} with {threads} threads against 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
-	assert count == 0
-	assert complained.count(f"Talik: {ranks} ranks share out the strips of this ground (MpmEngine.distribute).") == len(inBands)
-	sentences = {(folder / "bandsLeft.0.txt").read_text(), *((tmp_path / f"bandsLeft.{rank}.txt").read_text() for rank in range(ranks))}
-	print(sentences)
-	assert len(sentences) == 1 and "left the grid's box" in sentences.pop()
-	assert (folder / "bands.checkpoint").read_bytes()[4096:] == (tmp_path / "bands.checkpoint").read_bytes()[4096:]
-
-
-def test_a_ground_in_bands_has_the_bits_of_one_rank_and_its_errors_and_checkpoints(aloneInBands, sampleCache, tmp_path):
-	checkBands(aloneInBands, sampleCache, tmp_path, 2, 1)
-	shutil.copy(aloneInBands[0] / "bands.checkpoint", tmp_path)
-	states = played(tmp_path, sampleCache, ["bandsResumed"], 2)[0]
-	assert differing({"bandsResumed": aloneInBands[1]["bandsCheckpoint"]}, states) == 0
-
-
-@pytest.mark.parametrize("ranks, threads", [(2, 2), (3, 1), (4, 2)])
-def test_any_number_of_bands_has_the_same_bits_slow(ranks, threads, aloneInBands, sampleCache, tmp_path):
-	checkBands(aloneInBands, sampleCache, tmp_path, ranks, threads)
-
-
-def checkKept(sampleCache, folder, ranks, later):
-	"""A job whose last rank dies while all write leaves the checkpoint before, whole, from which any number of ranks goes on."""
-	folder.mkdir()
-	whole = played(folder / "through", sampleCache, ["bandsThrough"], 1)[0]
-	status, said, complained = ended(started(command(ranks, scenes, folder, sampleCache, "bandsKept")))
-	assert status != 0
-	failures, _, problem = (folder / "kept.txt").read_text().partition(" ")
-	found = talik.checkpoint.describe(folder / "kept.checkpoint")
-	print(f"{ranks} ranks: {failures} failed ({problem}); after the death of a rank the file has {found['bytes']} bytes of step {found['step']}")
-	assert int(failures) == 3 and f"on rank {ranks - 1}" in problem and found["step"] == 59
-	for number in later:
-		(folder / str(number)).mkdir()
-		shutil.copy(folder / "kept.checkpoint", folder / str(number))
-		states = played(folder / str(number), sampleCache, ["bandsKeptResumed"], number)[0]
-		count = differing({"bandsKeptResumed": whole["bandsThrough"]}, states)
-		print(f"gone on by {number} ranks: {count} bytes differ")
-		assert count == 0
-
-
-def test_a_rank_that_dies_while_all_write_leaves_the_former_checkpoint(sampleCache, tmp_path):
-	checkKept(sampleCache, tmp_path / "two", 2, [2])
-
-
-def test_any_number_of_ranks_goes_on_with_what_others_have_left_slow(sampleCache, tmp_path):
-	checkKept(sampleCache, tmp_path / "two", 2, [1, 3])
-	checkKept(sampleCache, tmp_path / "three", 3, [1, 2])
-
-
+inBands += ["bandsOfScripts", "bandsShaken", "bandsLawFails", "bandsThrough"]
 samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint"]
+everything = [*quick, *inBands, *samplesInBands]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def background(tmp_path_factory, sampleCache):
+	"""All scenes on one rank and on two, which begin beside the tests that do not need them."""
+	return [Job(tmp_path_factory.mktemp(f"of{ranks}"), sampleCache, everything, ranks) for ranks in (1, 2)]
 
 
 @pytest.fixture(scope="module")
-def aloneWithSamplesInBands(tmp_path_factory, sampleCache):
-	folder = tmp_path_factory.mktemp("aloneWithSamplesInBands")
-	return folder, played(folder, sampleCache, samplesInBands, 1)[0]
+def alone(background):
+	return background[0].end()
 
 
-def checkSamplesOfBands(alone, sampleCache, folder, ranks, threads):
-	states, said, complained = played(folder, sampleCache, samplesInBands, ranks, threads)
-	count = differing(alone[1], states)
-	whole = states["bandsOfSamples"]
-	broken, melted = np.nansum(whole["bondsBroken"]), np.nansum(whole["bondsMelted"])
-	moved = {name: int(number) for name, number, *_ in job.findall(said)}
-	print(f"ranks: samples in bands, {ranks} with {threads} threads against 1, {size(states)} numbers | {count} | 0 | {count} | 0 | exact")
-	print(f"bonds broken {broken:.0f}, melted {melted:.0f}; samples that went to another rank: {moved}")
-	assert count == 0 and broken > 0 and melted > 0
-	assert all(moved[name] > 0 for name in samplesInBands)
-	assert complained.count(f"Talik: {ranks} ranks share out the strips of this ground (MpmEngine.distribute).") == len(samplesInBands)
-	sentences = {(alone[0] / "bandsBlowUp.0.txt").read_text(), *((folder / f"bandsBlowUp.{rank}.txt").read_text() for rank in range(ranks))}
-	print(sentences)
-	assert len(sentences) == 1 and "[170] The sample of point 170 blew up" in sentences.pop()
-	kept = [(place / "blownInBands" / "point170.yade").stat().st_size for place in (alone[0], folder)]
-	assert kept[0] == pytest.approx(kept[1], abs=200)
-	assert (alone[0] / "samplesOfBands.checkpoint").read_bytes()[4096:] == (folder / "samplesOfBands.checkpoint").read_bytes()[4096:]
-
-
-def checkResumed(alone, written, sampleCache, folder, ranks):
-	folder.mkdir()
-	shutil.copy(written / "samplesOfBands.checkpoint", folder)
-	states = played(folder, sampleCache, ["bandsOfSamplesResumed"], ranks)[0]
-	assert differing({"bandsOfSamplesResumed": alone[1]["bandsOfSamplesCheckpoint"]}, states) == 0
-
-
-def test_samples_in_bands_go_with_their_points_and_have_the_bits_of_one_rank(aloneWithSamplesInBands, sampleCache, tmp_path):
-	checkSamplesOfBands(aloneWithSamplesInBands, sampleCache, tmp_path / "two", 2, 1)
-	checkResumed(aloneWithSamplesInBands, tmp_path / "two", sampleCache, tmp_path / "one", 1)
-
-
-@pytest.mark.parametrize("ranks, threads", [(2, 2), (3, 1), (3, 2), (4, 1), (4, 2)])
-def test_samples_of_any_number_of_bands_have_the_same_bits_slow(ranks, threads, aloneWithSamplesInBands, sampleCache, tmp_path):
-	checkSamplesOfBands(aloneWithSamplesInBands, sampleCache, tmp_path / "run", ranks, threads)
-	checkResumed(aloneWithSamplesInBands, tmp_path / "run", sampleCache, tmp_path / "resumed", 6 - ranks)
-
-
-def test_samples_of_spheres_in_bands_have_the_bits_of_one_rank_slow(sampleCache, tmp_path):
-	alone, *others = (played(tmp_path / str(ranks), sampleCache, ["bandsOfSpheres"], ranks)[0] for ranks in (1, 2, 4))
-	for ranks, states in zip((2, 4), others):
-		count = differing(alone, states)
-		print(f"ranks: samples of spheres in bands, {ranks} against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
-		assert count == 0
-
-
-def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
-	(tmp_path / "scene.py").write_text(refusing)
-	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
-	print(said, complained)
-	for what in ("a law in Python", "samples that run open"):
-		assert f"this ground has {what}, which bands do not serve: choose samples or none" in said
-	assert "choose automatic, samples, ground or none" in said
-
-
-def test_ranks_take_bands_of_a_large_ground_of_a_law_by_themselves_and_of_no_other(tmp_path):
-	(tmp_path / "scene.py").write_text(large)
-	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
-	told = [line for line in complained.splitlines() if line.startswith("Talik:")]
-	print(told, said)
-	strips, whole = "Talik: 2 ranks share out the strips of this ground", "Talik: 2 ranks each compute all of this ground"
-	assert [line.split(" (")[0].split(",")[0] for line in told] == [strips, whole, strips, strips, whole]
-
-
-large = """
-import numpy as np
-import talik
-from yade import O, wrapper
-def run(size, **attributes):
-	mpm = wrapper.MpmEngine(**{"gridSpacing": 0.5, "lower": (0, 0), "upper": (160, 160), "skeleton": wrapper.ElasticSkeleton(), **attributes})
-	position = np.stack(np.meshgrid(*[np.arange(0.125, size, 0.25)] * 2), axis=-1).reshape(-1, 2)
-	mpm.addPoints(position=position + 1, volume=0.0625, porosity=0.4, temperature=-1.0)
-	O.engines = [wrapper.ForceResetter(), mpm]
-	O.run(1, True)
-run(80)
-run(20)
-run(80, bodies=wrapper.BodyContact())
-run(80, gravity=(0, -1), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), materials=[wrapper.GroundMaterial(thawStrain=0.1)])
-run(80, skeleton=wrapper.PythonSkeleton(law=lambda step: None, modulus=1e7))
-"""
-
-
-refusing = """
-import talik
-from yade import O, wrapper
-ofPython = wrapper.PythonSkeleton(law=lambda step: None, modulus=1e7)
-openSamples = wrapper.RveSkeleton(form="open")
-for attributes in (
-	{"distribute": "halves"},
-	{"distribute": "ground", "skeleton": ofPython},
-	{"distribute": "ground", "skeleton": openSamples},
-):
-	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(8, 16), **{"skeleton": wrapper.ElasticSkeleton(), **attributes})
-	mpm.addPoints(position=[[1.1, 1.1]], volume=0.1, porosity=0.4)
-	O.engines = [mpm]
-	try:
-		O.run(1, True)
-	except Exception as problem:
-		print(problem, flush=True)
-"""
+@pytest.fixture(scope="module")
+def pair(background):
+	return background[1].end()
 
 
 # ---- one voice ------------------------------------------------------------------------------------------------------------
-
-
-def test_one_rank_speaks_and_says_how_the_work_is_shared(pair):
-	_, _, said, complained = pair
-	told = [line for line in complained.splitlines() if line.startswith("Talik:")]
-	print(told)
-	assert [match[0] for match in job.findall(said)] == quick
-	assert told.count("Talik: 2 ranks share out the samples of this ground (MpmEngine.distribute).") == len(quick)
 
 
 writing = """
@@ -358,18 +151,19 @@ print("the script printed this", flush=True)
 """
 
 
-def test_the_command_of_the_pages_runs(tmp_path):
+@pytest.mark.parametrize("which", [0, pytest.param(1, id="1_slow")])
+def test_the_commands_of_the_pages_run(which, tmp_path):
 	root = here.parents[1]
 	pages = [root / "README.md", root / "CHANGELOG.md", root / "pkg" / "ranks" / "README.md", Path(talik.ranks.__file__)]
 	found = {command for page in pages for command in re.findall(r"mpirun -n \d .* scene\.py", page.read_text())}
 	(tmp_path / "scene.py").write_text("import talik\nprint('RANKS', talik.ranks.count, flush=True)\n")
 	options = ["--oversubscribe", *(["--allow-run-as-root"] if os.geteuid() == 0 else [])]
-	for line in sorted(found):
-		name, *words = line.split()
-		status, said, complained = ended(started([name, *options, *words], cwd=tmp_path))
-		print(f"{line}: {re.findall('RANKS.*', said)}")
-		assert status == 0 and re.findall(r"RANKS (\d+)", said) == ["2"], complained
 	assert len(found) == 2
+	line = sorted(found)[which]
+	name, *words = line.split()
+	status, said, complained = ended(started([name, *options, *words], cwd=tmp_path))
+	print(f"{line}: {re.findall('RANKS.*', said)}")
+	assert status == 0 and re.findall(r"RANKS (\d+)", said) == ["2"], complained
 
 
 def test_rank_0_alone_prints_draws_looks_and_writes(tmp_path, sampleCache):
@@ -456,7 +250,7 @@ def test_a_rank_that_is_killed_ends_the_job(rank, tmp_path, sampleCache):
 	assert seconds < 10 and status != 0
 
 
-def test_ctrl_c_ends_the_job(tmp_path, sampleCache):
+def test_ctrl_c_ends_the_job_slow(tmp_path, sampleCache):
 	process = endlessRun(tmp_path, sampleCache)
 	ranks = pids(tmp_path, process)
 	time.sleep(0.5)
@@ -588,6 +382,260 @@ def test_a_yade_that_is_alone_makes_no_call_of_mpi(tmp_path, sampleCache):
 	status, said, complained = ended(started(command(1, script)))
 	print(re.search("STARTED.*", said).group(0))
 	assert status == 0 and "STARTED False 1 False" in said
+
+
+# ---- where a ground is shared out ------------------------------------------------------------------------------------------
+
+
+def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
+	(tmp_path / "scene.py").write_text(refusing)
+	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
+	print(said, complained)
+	assert "this ground has samples that run open, which bands do not serve: choose samples or none" in said
+	assert "PythonBoundary gives other values on rank 1 than on rank 0: let its function follow from its argument alone" in said
+	assert "choose automatic, samples, ground or none" in said
+
+
+@pytest.mark.parametrize("rounds", [[0, 1], pytest.param([2, 3, 4], id="of bodies, of ice, of a script_slow")])
+def test_ranks_take_bands_of_a_large_ground_of_a_law_by_themselves_and_of_no_other(rounds, tmp_path):
+	(tmp_path / "scene.py").write_text(large + "".join(f"rounds[{k}]()\n" for k in rounds))
+	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
+	told = [line for line in complained.splitlines() if line.startswith("Talik:")]
+	print(told, said)
+	strips, whole = "Talik: 2 ranks share out the strips of this ground", "Talik: 2 ranks each compute all of this ground"
+	wanted = [strips, whole, strips, strips, whole]
+	assert [line.split(" (")[0].split(",")[0] for line in told] == [wanted[k] for k in rounds]
+
+
+large = """
+import numpy as np
+import talik
+from yade import O, wrapper
+def run(size, **attributes):
+	mpm = wrapper.MpmEngine(**{"gridSpacing": 0.5, "lower": (0, 0), "upper": (160, 160), "skeleton": wrapper.ElasticSkeleton(), **attributes})
+	position = np.stack(np.meshgrid(*[np.arange(0.125, size, 0.25)] * 2), axis=-1).reshape(-1, 2)
+	mpm.addPoints(position=position + 1, volume=0.0625, porosity=0.4, temperature=-1.0)
+	O.engines = [wrapper.ForceResetter(), mpm]
+	O.run(1, True)
+ice = {"heat": wrapper.HeatTransfer(), "freezing": wrapper.FreezingCurve(), "materials": [wrapper.GroundMaterial(thawStrain=0.1)]}
+rounds = [
+	lambda: run(80),
+	lambda: run(20),
+	lambda: run(80, bodies=wrapper.BodyContact()),
+	lambda: run(80, gravity=(0, -1), **ice),
+	lambda: run(80, skeleton=wrapper.PythonSkeleton(law=lambda step: None, modulus=1e7)),
+]
+"""
+
+
+refusing = """
+import talik
+from yade import O, wrapper
+byRank = wrapper.PythonBoundary(region="surface", function=lambda nodes: 0 * nodes.temperature + talik.ranks.rank)
+openSamples = wrapper.RveSkeleton(form="open")
+for attributes in (
+	{"distribute": "halves"},
+	{"distribute": "ground", "skeleton": openSamples},
+	{"distribute": "ground", "heat": wrapper.HeatTransfer(), "boundaries": [byRank]},
+):
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(8, 16), **{"skeleton": wrapper.ElasticSkeleton(), **attributes})
+	mpm.addPoints(position=[[1.1, 1.1], [1.4, 1.1]], volume=0.1, porosity=0.4)
+	O.engines = [mpm]
+	try:
+		O.run(1, True)
+	except Exception as problem:
+		print(problem, flush=True)
+"""
+
+
+wide = """
+import numpy as np
+import talik
+from pathlib import Path
+from yade import O, wrapper
+def resident(entry):
+	line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(entry))
+	return int(line.split()[1]) / 1024
+position = np.stack(np.meshgrid(np.arange(0.0625, 155, 0.125), np.arange(0.0625, 20, 0.125)), axis=-1).reshape(-1, 2)
+temperature = np.where(position[:, 1] > 15, 0.5, -1.0)
+mpm = wrapper.MpmEngine(
+	gridSpacing=0.25, lower=(-1, 0), upper=(160, 24), gravity=(0, -9.81), distribute="ground",
+	skeleton=wrapper.MohrCoulombSkeleton(young=2e6, youngFrozen=2e8, cohesion=1e3, cohesionFrozen=1e5),
+	heat=wrapper.HeatTransfer(thermalTimeScale=1e5), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(),
+	boundaries=[wrapper.FixedBoundary(region="bottom"), wrapper.SurfaceTemperature(region="surface", temperature=5), wrapper.DrainedBoundary(region="surface")],
+)
+before = resident("VmRSS")
+mpm.addPoints(position=position, volume=0.125**2, porosity=0.4, temperature=temperature)
+O.engines = [mpm]
+mpm.initialise()
+highest = resident("VmHWM") - before
+O.run(3, True)
+Path({file!r} + str(talik.ranks.rank)).write_text(f"{{highest}} {{resident('VmHWM') - before}} {{resident('VmRSS') - before}} {{len(position)}}")
+"""
+
+
+def test_no_rank_holds_the_whole_ground_from_its_beginning_on_slow(tmp_path):
+	highest = {}
+	for ranks in (1, 2, 4):
+		script = tmp_path / f"of{ranks}.py"
+		script.write_text(wide.format(file=str(tmp_path / f"{ranks}.")))
+		status, said, complained = ended(started(command(ranks, script)))
+		assert status == 0, said + complained
+		found = np.array([np.loadtxt(tmp_path / f"{ranks}.{rank}") for rank in range(ranks)])
+		setup, steps, rest, points = found.max(axis=0)
+		print(
+			f"{points:.0f} points, memory of the largest of {ranks} ranks: {setup:.0f} MB at most until it is set up, {steps:.0f} in the steps, {rest:.0f} then"
+		)
+		assert setup < 1.1 * steps
+		highest[ranks] = steps
+	assert highest[2] < 0.75 * highest[1] and highest[4] < 0.6 * highest[1]
+
+
+# ---- the same bits --------------------------------------------------------------------------------------------------------
+
+
+def checkBits(alone, other, names, what):
+	count = differing(alone.of(names), other.of(names))
+	print(f"ranks: {what}, {other.ranks} against 1, {size(alone.of(names))} numbers | {count} | 0 | {count} | 0 | exact")
+	assert count == 0
+	broken, melted = np.nansum(alone.states[names[0]].get("bondsBroken", 0)), sum(np.nansum(its.get("bondsMelted", 0)) for its in alone.of(names).values())
+	print(f"bonds broken {broken:.0f} in one scene, melted {melted:.0f} in all")
+	return broken > 0 and melted > 0
+
+
+def checkStop(alone, other, name, part):
+	sentences = {*alone.sentences(name), *other.sentences(name)}
+	print(sentences)
+	assert len(sentences) == 1 and part in sentences.pop()
+
+
+def checkFile(alone, other, name):
+	"""The same bytes behind the header, which has a date."""
+	files = [(job.folder / name).read_bytes()[4096:] for job in (alone, other)]
+	print(f"{name}: {len(files[0])} and {len(files[1])} bytes; {sum(a != b for a, b in zip(*files))} differ")
+	assert files[0] == files[1]
+
+
+def checkKeptSample(alone, other, file):
+	"""The sample that blew up, as rank 0 has kept it."""
+	sizes = [(job.folder / file).stat().st_size for job in (alone, other)]
+	assert sizes[0] == pytest.approx(sizes[1], abs=200)
+
+
+def checkSamples(alone, other):
+	assert checkBits(alone, other, quick, "samples")
+	checkStop(alone, other, "blowUp", "point 6 blew up")
+	checkKeptSample(alone, other, "blown/point6.yade")
+	checkFile(alone, other, "ground.checkpoint")
+
+
+def checkBands(alone, other):
+	checkBits(alone, other, inBands, "ground in bands")
+	checkStop(alone, other, "bandsLawFails", "there is no such soil; the step has ended half way")
+	checkStop(alone, other, "bandsLeft", "left the grid's box")
+	checkFile(alone, other, "bands.checkpoint")
+
+
+def checkSamplesOfBands(alone, other):
+	assert checkBits(alone, other, samplesInBands, "samples in bands")
+	checkStop(alone, other, "bandsBlowUp", "[170] The sample of point 170 blew up")
+	checkKeptSample(alone, other, "blownInBands/point170.yade")
+	checkFile(alone, other, "samplesOfBands.checkpoint")
+	moved = {name: int(number) for name, number, *_ in job.findall(other.said) if name in samplesInBands}
+	print(f"samples that went to another rank: {moved}")
+	assert other.ranks == 1 or all(moved[name] > 0 for name in samplesInBands)
+
+
+def test_two_ranks_have_the_bits_of_one_in_every_field_sample_and_history(alone, pair):
+	checkSamples(alone, pair)
+	assert len(job.findall(pair.said)) == len(everything)
+
+
+def test_samples_move_between_ranks_and_no_rank_owns_all(pair):
+	moved = {name: (int(states), float(balance)) for name, states, balance, _ in job.findall(pair.said) if name in quick}
+	print(f"states moved and balance by scene: {moved}")
+	assert moved["uneven"][0] > 0
+	assert all(0.5 <= balance <= 1 for _, balance in moved.values())
+
+
+def test_one_rank_speaks_and_says_how_the_work_is_shared(pair):
+	again = everything.count("bandsLawFails")  # that scene has two grounds
+	print([line for line in pair.complained.splitlines() if line.startswith("Talik:")])
+	assert [match[0] for match in job.findall(pair.said)] == everything
+	assert (pair.told("samples"), pair.told("strips")) == (len(quick), len(inBands) + again + len(samplesInBands))
+
+
+def test_a_ground_in_bands_has_the_bits_of_one_rank_and_its_errors_and_checkpoints(alone, pair):
+	checkBands(alone, pair)
+
+
+def test_samples_in_bands_go_with_their_points_and_have_the_bits_of_one_rank(alone, pair):
+	checkSamplesOfBands(alone, pair)
+
+
+resumed = {"resumed": "checkpoint", "bandsResumed": "bandsCheckpoint", "bandsOfSamplesResumed": "bandsOfSamplesCheckpoint", "bandsKeptResumed": "bandsThrough"}
+files = ["ground.checkpoint", "bands.checkpoint", "samplesOfBands.checkpoint", "kept.checkpoint"]
+
+
+def checkResumed(alone, cache, folder, written, ranks):
+	"""So many ranks go on with the checkpoints in a folder; they end as the run that went through."""
+	folder.mkdir()
+	for file in files:
+		shutil.copy(written / file, folder)
+	states = played(folder, cache, list(resumed), ranks).states
+	for name, through in resumed.items():
+		count = differing({name: alone.states[through]}, {name: states[name]})
+		print(f"{name}, by {ranks} ranks: {count} bytes differ")
+		assert count == 0
+
+
+def keep(cache, folder, ranks):
+	"""A job whose last rank dies while all write leaves the checkpoint before, whole."""
+	status, said, complained = ended(started(command(ranks, scenes, folder, cache, "bandsKept")))
+	assert status != 0
+	failures, _, problem = (folder / "kept.txt").read_text().partition(" ")
+	found = talik.checkpoint.describe(folder / "kept.checkpoint")
+	print(f"{ranks} ranks: {failures} failed ({problem}); after the death of a rank the file has {found['bytes']} bytes of step {found['step']}")
+	assert int(failures) == 3 and f"on rank {ranks - 1}" in problem and found["step"] == 59
+
+
+def test_a_rank_that_dies_while_all_write_leaves_the_former_checkpoint_and_one_rank_goes_on(alone, pair, sampleCache, tmp_path):
+	keep(sampleCache, pair.folder, 2)
+	checkResumed(alone, sampleCache, tmp_path / "later", pair.folder, 1)
+
+
+@pytest.mark.parametrize("ranks, threads, later", [(1, 2, 0), (2, 2, 3), (3, 1, 1), (3, 2, 2), (4, 1, 2), (4, 2, 3)])
+def test_any_number_of_ranks_and_threads_has_the_same_bits_slow(ranks, threads, later, alone, sampleCache, tmp_path):
+	other = played(tmp_path / "run", sampleCache, everything, ranks, threads)
+	checkSamples(alone, other)
+	checkBands(alone, other)
+	checkSamplesOfBands(alone, other)
+	if ranks > 1:
+		keep(sampleCache, other.folder, ranks)
+		checkResumed(alone, sampleCache, tmp_path / "later", other.folder, later)
+
+
+def test_several_ranks_go_on_with_the_checkpoints_of_one_slow(alone, pair, sampleCache, tmp_path):
+	if not (pair.folder / "kept.checkpoint").exists():
+		keep(sampleCache, pair.folder, 2)
+	shutil.copy(pair.folder / "kept.checkpoint", alone.folder)
+	for ranks in (2, 3):
+		checkResumed(alone, sampleCache, tmp_path / str(ranks), alone.folder, ranks)
+
+
+def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCache, tmp_path):
+	alone, together = (played(tmp_path / str(ranks), sampleCache, ["openSamples"], ranks).states for ranks in (1, 3))
+	count = differing(alone, together)
+	print(f"ranks: open samples, 3 against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
+	assert count == 0
+
+
+def test_samples_of_spheres_in_bands_have_the_bits_of_one_rank_slow(sampleCache, tmp_path):
+	alone, *others = (played(tmp_path / str(ranks), sampleCache, ["bandsOfSpheres"], ranks).states for ranks in (1, 2, 4))
+	for ranks, states in zip((2, 4), others):
+		count = differing(alone, states)
+		print(f"ranks: samples of spheres in bands, {ranks} against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
+		assert count == 0
 
 
 def test_the_benchmark_measures_equal_bits_and_its_record_is_replayed_slow(tmp_path):

@@ -161,8 +161,8 @@ struct TemperatureNode {
 
 /// State of the nodes of a boundary that asks for it, in this step; only those that have ground.
 template <int D> struct BoundaryNodes {
-	std::size_t         slots = 0;   ///< nodes of the surface or volume of the boundary, those without ground included
-	std::vector<int>    slot;        ///< which of them a node is
+	std::size_t         slots = 0;   ///< nodes of the surface or volume of the boundary, those without ground included; of this rank
+	std::vector<int>    slot;        ///< which of them a node is; -1 for one that another rank computes
 	std::vector<Vec<D>> position;    ///< [m]
 	std::vector<Vec<D>> normal;      ///< outward, of unit length; empty in a volume
 	std::vector<Vec<D>> velocity;    ///< of the grains, at the beginning of the step [m/s]; empty in ground at rest
@@ -227,6 +227,8 @@ public:
 	/// True if what it gives follows the state of each node: lookAt() comes before heat and loads in each step.
 	virtual bool usesNodes() const { return false; }
 	virtual void lookAt(const BoundaryNodes<D>&) {}
+	/// Of what came of it, where that may differ between ranks that see the same.
+	virtual std::uint64_t digest() const { return 0; }
 	/// What it gives to node k of its surface or volume.
 	virtual SurfaceHeat heatAt(double time, std::size_t) const { return heat(time); }
 	virtual double      temperatureAt(double time, std::size_t) const { return temperature(time); }

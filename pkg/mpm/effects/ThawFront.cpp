@@ -120,9 +120,9 @@ void ThawFront<D>::bind(
 	nodes_.clear();
 }
 
-template <int D> void ThawFront<D>::start()
+template <int D> void ThawFront<D>::start(int first, int end)
 {
-	for (int p = 0; p < points_->count(); ++p)
+	for (int p = first; p < end; ++p)
 		side_[p] = iceSaturation_[p] > settings_.thawedBelow ? 1.0 : 0.0;
 }
 

@@ -46,7 +46,7 @@ public:
 	/// In ground that loses volume as it thaws: thawed ground that rests on frozen ground moves with it along the normal.
 	void settleTogether() { settles_ = true; }
 	/// Sides of all points at the start of the scene.
-	void start();
+	void start(int first, int end);
 	/// Only points of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(int firstPoint, int endPoint);
 

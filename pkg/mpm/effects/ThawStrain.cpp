@@ -37,10 +37,10 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, SolidMotion
 	changed_.reserve(points.count());
 }
 
-template <int D> void ThawStrain<D>::start(int count)
+template <int D> void ThawStrain<D>::start(int first, int end)
 {
-	std::copy_n(iceSaturation_, count, frozenSaturation_);
-	std::copy_n(points_->volume(), count, lastVolume_);
+	std::copy(iceSaturation_ + first, iceSaturation_ + end, frozenSaturation_ + first);
+	std::copy(points_->volume() + first, points_->volume() + end, lastVolume_ + first);
 }
 
 template <int D> typename ThawStrain<D>::Sharing& ThawStrain<D>::sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }

@@ -24,7 +24,7 @@ public:
 	ThawStrain(PointFields& fields, const GroundSettings<D>& settings);
 	void bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* iceSaturation, int cells);
 	/// Takes the ice that the points have now as that of the frozen ground.
-	void start(int count);
+	void start(int first, int end);
 
 	/// Adds the room that ice has left and the change of volume since the last step; cells null: every point by itself. range: of the cells.
 	void release(const CellMeans<D>* cells, const ActiveRange& range);

@@ -132,6 +132,8 @@ public:
 	}
 	std::function<void(const FilePlace&, PartSum&)> writes;
 
+	/// Whether the numbers of the point at a place are current here.
+	bool has(int place) const { return allCurrent || (place >= firstPoint() && place < endPoint()); }
 	/// The points of other bands are current too.
 	bool allCurrent = true;
 	/// Points of the band of a rank.

@@ -18,10 +18,10 @@ public:
 		for (int c = 0; c < D * D; ++c)
 			f[c] = points.fields().component(handle, c);
 	}
-	void start(int count)
+	void start(int first, int end)
 	{
 		for (int i = 0; i < D; ++i)
-			std::fill(f[i * D + i], f[i * D + i] + count, 1.0);
+			std::fill(f[i * D + i] + first, f[i * D + i] + end, 1.0);
 	}
 	/// gradient: Delta t dv_i/dx_j at [i*D+j] of the points first .. last-1.
 	void accumulate(int first, int last, const std::array<double*, D * D>& gradient)

@@ -30,15 +30,14 @@ namespace {
 	/// so that the loops over nodes may keep the support in registers; it changes in the middle of a cell.
 	template <int D> class Order {
 	public:
-		Order(const Grid<D>& grid, const std::array<const double*, D>& position)
+		explicit Order(const Grid<D>& grid)
 		        : grid_(grid)
-		        , position_(position)
 		{}
-		int of(int p) const
+		int of(const Vec<D>& x) const
 		{
 			int number = 0;
 			for (int a = 0; a < D; ++a) {
-				const double cells = (position_[a][p] - grid_.lower()[a]) * grid_.inverseSpacing();
+				const double cells = (x[a] - grid_.lower()[a]) * grid_.inverseSpacing();
 				if (D == 2) {
 					number += std::clamp(static_cast<int>(cells), 0, grid_.cells(a) - 1) * grid_.cellStride(a);
 					continue;
@@ -63,27 +62,38 @@ namespace {
 		}
 
 	private:
-		const Grid<D>&               grid_;
-		std::array<const double*, D> position_;
+		const Grid<D>& grid_;
 	};
 } // namespace
 
-template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
+/// Strips, and from_, the order of all points, which are at these positions.
+template <int D> template <class At> void MaterialPoints<D>::findStrips(const Grid<D>& grid, At&& at)
 {
-	const int                          n = count();
-	const std::array<const double*, D> x = positions();
-	const Order<D>                     order(grid, x);
+	const int      n = count();
+	const Order<D> order(grid);
 	strips_.axis     = grid.slowAxis();
 	const int strips = (grid.cells(strips_.axis) + Strips::rows - 1) / Strips::rows;
 	number_.resize(n);
 	for (int p = 0; p < n; ++p)
-		number_[p] = order.of(p);
+		number_[p] = order.of(at(p));
 	strips_.first.assign(strips + 1, 0);
 	for (int p = 0; p < n; ++p)
 		++strips_.first[order.stripOf(number_[p]) + 1];
 	std::partial_sum(strips_.first.begin(), strips_.first.end(), strips_.first.begin());
 	findOrder(0, order.ofStrip(strips));
+}
 
+template <int D> void MaterialPoints<D>::arrange(const Grid<D>& grid, const std::function<Vec<D>(int)>& at)
+{
+	findStrips(grid, at);
+	id_.swap(from_);
+	idsRestored();
+}
+
+template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
+{
+	const int n = count();
+	findStrips(grid, [&](int p) { return this->at(p); });
 	const auto reorder = [&](auto& values, auto& scratch) {
 		scratch.resize(n);
 		for (int k = 0; k < n; ++k)
@@ -175,16 +185,13 @@ namespace {
 
 template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands& bands, const double* cost, const std::function<void()>& cut)
 {
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = position(a);
-	const Order<D>      order(grid, x);
+	const Order<D>      order(grid);
 	const int           first = strips_.firstPoint(), end = strips_.endPoint();
 	std::vector<int>    counts(strips_.count(), 0);
 	std::vector<double> costs(strips_.count(), 0.0);
 	number_.resize(end - first);
 	for (int p = first; p < end; ++p) {
-		const int strip = order.stripOf(number_[p - first] = order.of(p));
+		const int strip = order.stripOf(number_[p - first] = order.of(at(p)));
 		++counts[strip];
 		costs[strip] += cost[p];
 	}

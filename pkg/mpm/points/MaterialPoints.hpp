@@ -116,6 +116,8 @@ public:
 	/// Gives points materials, 0 so far; after allocate().
 	void distinguishMaterials();
 
+	/// Before the first sorting: gives the points, of which only this is known, the places that sort() would give them, and cuts them into strips.
+	void arrange(const Grid<D>& grid, const std::function<Vec<D>(int id)>& at);
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
 	/// same support.
 	void sort(const Grid<D>& grid);
@@ -137,6 +139,7 @@ private:
 	std::vector<int>           id_, place_, skeleton_;
 	std::vector<int>           number_, from_, start_, scratch_;
 	void                       findOrder(int firstNumber, int endNumber);
+	template <class At> void   findStrips(const Grid<D>& grid, At&& at);
 	std::vector<std::uint16_t> material_, materialScratch_; ///< empty in ground of one material
 	Strips                     strips_;
 	long                       order_ = 0;

@@ -29,6 +29,7 @@ struct SkeletonPoints {
 	const double* volume        = nullptr; ///< current volume [m^D]
 	const double* temperature   = nullptr; ///< [degC]; nullptr in ground without heat
 	double        naturalTime   = 0;       ///< time of slow processes that passes in this step [s]
+	int           strip         = 0;       ///< whose points these are, for a model that sees strips
 };
 
 /// What the model of some points reads and writes besides.
@@ -71,6 +72,8 @@ public:
 
 	/// Called once, after the fields exist and initial stresses are set.
 	virtual void initialise(const SkeletonBatch<D>&) {}
+	/// In bands it has to see the points of all ranks there, of which only the ice saturation is that of its rank; it sets those of this one.
+	virtual bool beginsWithAll() const { return false; }
 
 	/// In a ground in bands, when they were cut: by the ids of the points of all ranks in the order of places it knows whose they are. What it
 	/// keeps behind points goes with them to their rank. moved: false where all ranks have the same, or what they have is replaced next; true in
@@ -80,6 +83,9 @@ public:
 		(void)ids;
 		(void)moved;
 	}
+
+	/// updateStress() is called for the points of one strip after the other, as it is on any number of ranks, and may throw on one of them.
+	virtual bool seesStrips() const { return false; }
 
 	/// Adds what these points have cost beyond the ground itself since it was asked last, in steps of a point of the ground: bands follow the cost.
 	virtual void addCost(const SkeletonPoints&, double* costByPlace) { (void)costByPlace; }

@@ -79,19 +79,23 @@ namespace {
 		InDimension(const MpmEngine& engine, bool goesOn)
 		        : inside(settingsOf<D>(engine))
 		{
-			const auto laws = engine.activeSkeletons();
-			for (int id = 0; id < engine.points.count(); ++id) {
-				talik::PointInput<D> point = engine.points.point<D>(id);
-				const bool           given = !std::isnan(point.stress[0]), hasLaw = point.skeleton >= 0 && point.skeleton < int(laws.size());
+			const auto  laws   = engine.activeSkeletons();
+			const auto& points = engine.points;
+			for (int id = 0; id < points.count(); ++id) {
+				const talik::PointInput<D> point = points.point<D>(id);
+				const bool given = !std::isnan(point.stress[0]), hasLaw = point.skeleton >= 0 && point.skeleton < int(laws.size());
 				if (given && !goesOn && engine.motion && hasLaw && laws[point.skeleton]->beginsWithOwnStress())
 					throw std::invalid_argument(
 					        "MpmEngine.addPoints: stress of point " + std::to_string(id) + " is given, but its "
 					        + laws[point.skeleton]->getClassName()
 					        + " begins with the stress of its sample: leave stress out, and bring the samples to it by "
 					          "talik.slope.settle or depthBands.");
-				if (!given) point.stress.fill(0);
-				inside.addPoint(point);
 			}
+			inside.takePoints(points.count(), [&points](int id) {
+				talik::PointInput<D> point = points.point<D>(id);
+				if (std::isnan(point.stress[0])) point.stress.fill(0);
+				return point;
+			});
 		}
 
 		talik::AnyGround&       ground() override { return inside; }

@@ -77,7 +77,7 @@ void MpmEngine::addPoints(py::dict arrays)
 	}
 	more.add(arrays);
 	if (more.dimension() != 0) requireDimension(more.dimension());
-	points = more;
+	points = std::move(more);
 	if (points.dimension() != 0) dimension = points.dimension();
 	if (ground) discardGround();
 }
@@ -323,16 +323,16 @@ void MpmEngine::shareAmongRanks()
 	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
 		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
 	const auto& talk = talik::jobTalk();
-	const auto  what = !talk || distribute == "none" ? SkeletonLaw::Shared::nothing
-	         : distribute == "ground"                ? SkeletonLaw::Shared::ground
-	                                                 : SkeletonLaw::Shared::samples;
-	if (talk && distribute == "ground" && !notInBands().empty())
-		throw std::invalid_argument(
-		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands() + ", which bands do not serve: choose samples or none.");
-	samplesToShare = false;
+	const auto  what = distribute == "ground" ? SkeletonLaw::Shared::ground
+	         : !talk || distribute == "none"  ? SkeletonLaw::Shared::nothing
+	                                          : SkeletonLaw::Shared::samples;
+	samplesToShare   = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())
 			samplesToShare = (law && law->shareAmongRanks(what)) || samplesToShare;
+	if (talk && distribute == "ground" && !notInBands().empty())
+		throw std::invalid_argument(
+		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands() + ", which bands do not serve: choose samples or none.");
 }
 
 /// What this ground has that bands do not serve.

@@ -215,9 +215,9 @@ public:
 		((string,distribute,"automatic",,"What the ranks of mpirun share out. samples: each sample of RveSkeleton has one rank as its owner, and every rank computes "
 				"the whole ground; results are those of one rank, bit for bit. ground: each rank has a band of strips of four rows of cells, two strips at least, computes "
 				"and holds what is there, and exchanges rows with its neighbours, bit for bit as one rank; bands follow the cost of points and samples. Samples go with "
-				"their points and have to be packed; laws in Python and boundaries that see their nodes are refused. Bodies of YADE are on all ranks. none: every rank "
-				"computes everything. automatic: samples where there are some, ground from 100 000 points on where there are none and nothing forbids it, else none, "
-				"which is said once. Without mpirun it has no effect."))
+				"their points and have to be packed; a law in Python is called for the points of one strip after the other. Bodies of YADE are on all ranks. none: every "
+				"rank computes everything. automatic: samples where there are some, ground from 100 000 points on where there are none and no law in Python, else none, "
+				"which is said once. Without mpirun it has no effect but on laws in Python."))
 		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, "
 				"seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))

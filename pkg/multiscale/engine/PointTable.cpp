@@ -4,6 +4,7 @@
 #include <boost/python/numpy.hpp>
 #include <cmath>
 #include <core/Scene.hpp>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
@@ -30,7 +31,17 @@ namespace {
 			 { "velocity", dimension, 0 }, { "poreFill", 1, none } };
 	}
 
-	/// The numbers of one column for all points, from a scalar, a row of components, or an array with a row per point.
+	/// What is the same for all points is held once.
+	void holdOnce(std::vector<double>& column, std::size_t width)
+	{
+		const std::size_t bytes = width * sizeof(double);
+		for (std::size_t at = width; at < column.size(); at += width)
+			if (std::memcmp(column.data(), column.data() + at, bytes) != 0) return;
+		column.resize(width);
+		column.shrink_to_fit();
+	}
+
+	/// The numbers of one column, once or for each point, from a scalar, a row of components, or an array with a row per point.
 	std::vector<double> columnFrom(const py::object& values, const Column& column, int points, int dimension)
 	{
 		const np::ndarray array = asArray(std::string("addPoints: ") + column.name, values);
@@ -47,9 +58,8 @@ namespace {
 			        + (std::string(column.name) != "stress" ? "."
 			                   : dimension == 2             ? ", in the order of field('stress'): xx, yy, zz, xy."
 			                                                : ", in the order of field('stress'): xx, yy, zz, yz, xz, xy."));
-		std::vector<double> numbers(std::size_t(points) * components);
-		for (std::size_t k = 0; k < numbers.size(); ++k)
-			numbers[k] = data[uniform ? k % components : k];
+		std::vector<double> numbers(data, data + size);
+		holdOnce(numbers, components);
 		return numbers;
 	}
 
@@ -89,18 +99,16 @@ void PointTable::add(const py::dict& arrays)
 	py::list unknown = arrays.keys();
 	unknown.remove("position");
 	std::vector<std::vector<double>> columns { columnFrom(arrays["position"], { "position", dimension, 0 }, points, dimension) };
-	std::vector<int>                 widths { dimension };
 	for (const Column& column : optionalColumns(dimension)) {
-		widths.push_back(column.components);
 		if (!arrays.has_key(column.name)) {
-			columns.emplace_back(std::size_t(points) * column.components, column.byDefault);
+			columns.emplace_back(column.components, column.byDefault);
 			continue;
 		}
 		columns.push_back(columnFrom(arrays[column.name], column, points, dimension));
 		unknown.remove(column.name);
 		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back(), "skeleton", "the number of a law in skeletons");
 	}
-	std::vector<double> materials(points, 0.0);
+	std::vector<double> materials { 0.0 };
 	if (arrays.has_key("material")) {
 		materials = columnFrom(arrays["material"], { "material", 1, 0 }, points, dimension);
 		unknown.remove("material");
@@ -118,32 +126,97 @@ void PointTable::add(const py::dict& arrays)
 	const bool several = !materials_.empty() || std::any_of(materials.begin(), materials.end(), [](double m) { return m != 0.0; });
 	if (several) {
 		materials_.resize(count(), 0);
-		materials_.insert(materials_.end(), materials.begin(), materials.end());
+		for (int p = 0; p < points; ++p)
+			materials_.push_back(int(materials[materials.size() == 1 ? 0 : p]));
 	}
 	dimension_ = dimension;
-	for (int p = 0; p < points; ++p)
-		for (std::size_t c = 0; c < columns.size(); ++c) {
-			const auto first = columns[c].begin() + long(p) * widths[c];
-			numbers_.insert(numbers_.end(), first, first + widths[c]);
-		}
+	columns_.resize(columns.size());
+	for (std::size_t c = 0; c < columns.size(); ++c)
+		append(c, columns[c], points);
+	count_ += points;
+}
+
+std::size_t PointTable::width(std::size_t column) const
+{
+	constexpr std::size_t stress[] = { stressSize<2>, stressSize<3> };
+	switch (column) {
+		case 0:
+		case 7: return std::size_t(dimension_); // position, velocity
+		case 6: return stress[dimension_ - 2];
+		default: return 1;
+	}
+}
+
+/// A row for each point.
+void PointTable::expand(std::size_t column)
+{
+	Numbers&          numbers = columns_[column];
+	const std::size_t size    = width(column);
+	if (numbers.size() != size) return;
+	numbers.reserve(size * std::size_t(count_));
+	for (std::size_t k = size; k < size * std::size_t(count_); ++k)
+		numbers.push_back(numbers[k - size]);
+}
+
+void PointTable::append(std::size_t column, const Numbers& more, int points)
+{
+	Numbers&          numbers = columns_[column];
+	const std::size_t size    = width(column);
+	if (count_ == 0) {
+		numbers = more;
+		return;
+	}
+	const bool once = numbers.size() == size && more.size() == size;
+	if (once && std::memcmp(numbers.data(), more.data(), size * sizeof(double)) == 0) return;
+	expand(column);
+	for (std::size_t k = 0; k < size * std::size_t(points); ++k)
+		numbers.push_back(more[more.size() == size ? k % size : k]);
+}
+
+void PointTable::setSkeleton(int id, int number)
+{
+	if (skeleton(id) == number) return;
+	expand(ofSkeleton);
+	columns_[ofSkeleton][std::size_t(id)] = number;
+}
+
+/// Of an archive of a former version.
+void PointTable::takeRows(const Numbers& rows)
+{
+	constexpr std::size_t columns = 9;
+	std::size_t           row     = 0;
+	count_                        = 0;
+	columns_.clear();
+	if (dimension_ == 0) return;
+	for (std::size_t c = 0; c < columns; ++c)
+		row += width(c);
+	count_ = int(rows.size() / row);
+	columns_.assign(columns, {});
+	for (std::size_t c = 0, first = 0; c < columns; first += width(c++)) {
+		for (std::size_t at = first; at < rows.size(); at += row)
+			columns_[c].insert(columns_[c].end(), rows.begin() + long(at), rows.begin() + long(at + width(c)));
+		holdOnce(columns_[c], width(c));
+	}
 }
 
 template <int D> PointInput<D> PointTable::point(int id) const
 {
-	const double* from = row(id);
-	const auto    next = [&] { return *from++; };
+	std::size_t column = 0;
+	const auto  next   = [&] { return number(column++, id); };
+	const auto  fill   = [&](auto& components) {
+                for (std::size_t c = 0; c < components.size(); ++c)
+                        components[c] = number(column, id, int(c));
+                ++column;
+	};
 	PointInput<D> p;
-	for (double& x : p.position)
-		x = next();
+	fill(p.position);
 	p.volume      = next();
 	p.porosity    = next();
 	p.temperature = next();
 	p.pressure    = next();
 	p.skeleton    = int(next());
-	for (double& s : p.stress)
-		s = next();
-	for (double& v : p.velocity)
-		v = next();
+	fill(p.stress);
+	fill(p.velocity);
 	p.poreFill = next();
 	p.material = material(id);
 	return p;
@@ -155,10 +228,12 @@ template PointInput<3> PointTable::point<3>(int) const;
 std::uint64_t PointTable::digest() const
 {
 	Checksum checksum;
-	for (const double number : numbers_) {
-		const double plain = std::isnan(number) ? none : number;
-		checksum.process_bytes(&plain, sizeof plain);
-	}
+	for (int id = 0; id < count_; ++id)
+		for (std::size_t column = 0; column < columns_.size(); ++column)
+			for (std::size_t c = 0; c < width(column); ++c) {
+				const double value = number(column, id, int(c)), plain = std::isnan(value) ? none : value;
+				checksum.process_bytes(&plain, sizeof plain);
+			}
 	if (!materials_.empty()) checksum.process_bytes(materials_.data(), materials_.size() * sizeof(int));
 	return checksum.checksum();
 }

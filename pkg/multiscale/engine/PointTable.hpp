@@ -2,6 +2,7 @@
 #pragma once
 #include <boost/python/numpy.hpp>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <lib/base/Math.hpp>
 #include <lib/serialization/Serializable.hpp>
@@ -10,13 +11,15 @@
 
 namespace talik {
 
-/// Material points as a script added them, in the plane or in space: a row of numbers each, in the order of
-/// x y (z) volume porosity temperature pressure skeleton stress velocity poreFill; beside it the material.
+/// Material points as a script added them, in the plane or in space, in columns: x y (z), volume, porosity, temperature, pressure, skeleton, stress,
+/// velocity, poreFill; beside them the material. A column that is the same for all points is held once.
 class PointTable {
+	using Numbers = std::vector<double>;
+
 public:
 	int  dimension() const { return dimension_; } ///< 2 or 3; 0 without points
-	int  count() const { return dimension_ == 0 ? 0 : int(numbers_.size()) / width(); }
-	bool empty() const { return numbers_.empty(); }
+	int  count() const { return count_; }
+	bool empty() const { return count_ == 0; }
 
 	/// Adds the points of a dictionary of scalars and arrays, see MpmEngine.addPoints. Throws std::invalid_argument and leaves the
 	/// table as it is if something is missing, unknown, or not as long as position.
@@ -24,30 +27,61 @@ public:
 
 	template <int D> PointInput<D> point(int id) const;
 
-	double position(int id, int axis) const { return row(id)[axis]; }
-	double volume(int id) const { return row(id)[dimension_]; }
-	double porosity(int id) const { return row(id)[dimension_ + 1]; }
-	int    skeleton(int id) const { return int(row(id)[dimension_ + 4]); }
+	double position(int id, int axis) const { return number(0, id, axis); }
+	double volume(int id) const { return number(1, id); }
+	double porosity(int id) const { return number(2, id); }
+	int    skeleton(int id) const { return int(number(ofSkeleton, id)); }
 	int    material(int id) const { return materials_.empty() ? 0 : materials_[id]; }
-	void   setSkeleton(int id, int number) { numbers_[std::size_t(id) * width() + dimension_ + 4] = number; }
+	void   setSkeleton(int id, int number);
 
 	/// Bit by bit, but for numbers that are none: archives of text keep only that.
 	std::uint64_t digest() const;
 
-	template <class Archive> void serialize(Archive& ar, unsigned)
+	/// Former archives have rows of numbers behind the dimension, and so have those of an empty table: what its class looks like is unchanged.
+	template <class Archive> void save(Archive& ar, unsigned) const
 	{
-		ar& boost::serialization::make_nvp("dimension", dimension_);
-		ar& boost::serialization::make_nvp("numbers", numbers_);
+		const int     marked = -dimension_;
+		const Numbers none;
+		ar&           boost::serialization::make_nvp("dimension", marked);
+		if (marked == 0) ar& boost::serialization::make_nvp("numbers", none);
+		else {
+			ar& boost::serialization::make_nvp("count", count_);
+			ar& boost::serialization::make_nvp("columns", columns_);
+		}
 		ar& boost::serialization::make_nvp("materials", materials_);
 	}
+	template <class Archive> void load(Archive& ar, unsigned)
+	{
+		Numbers    rows;
+		ar&        boost::serialization::make_nvp("dimension", dimension_);
+		const bool inRows = dimension_ >= 0;
+		dimension_        = std::abs(dimension_);
+		if (inRows) ar& boost::serialization::make_nvp("numbers", rows);
+		else {
+			ar& boost::serialization::make_nvp("count", count_);
+			ar& boost::serialization::make_nvp("columns", columns_);
+		}
+		ar& boost::serialization::make_nvp("materials", materials_);
+		if (inRows) takeRows(rows);
+	}
+	BOOST_SERIALIZATION_SPLIT_MEMBER()
 
 private:
-	int           width() const { return 2 * dimension_ + (dimension_ == 2 ? stressSize<2> : stressSize<3>)+6; }
-	const double* row(int id) const { return numbers_.data() + std::size_t(id) * width(); }
+	static constexpr int ofSkeleton = 5;
 
-	int                 dimension_ = 0;
-	std::vector<double> numbers_;
-	std::vector<int>    materials_; ///< empty: all have material 0
+	std::size_t width(std::size_t column) const;
+	double      number(std::size_t column, int id, int component = 0) const
+	{
+		const Numbers& numbers = columns_[column];
+		return numbers[(numbers.size() == width(column) ? 0 : std::size_t(id) * width(column)) + std::size_t(component)];
+	}
+	void takeRows(const Numbers& rows);
+	void expand(std::size_t column);
+	void append(std::size_t column, const Numbers& more, int points);
+
+	int                  dimension_ = 0, count_ = 0;
+	std::vector<Numbers> columns_;
+	std::vector<int>     materials_; ///< empty: all have material 0
 };
 
 /// A Python value as an array of doubles; std::invalid_argument names the argument of MpmEngine otherwise.

@@ -206,10 +206,11 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		if (id >= int(prototypeOf.size()) || prototypeOf[id] < 0)
 			throw std::invalid_argument(
 			        "RveSkeleton.sampleOf has no number for point " + std::to_string(id) + ": give one number per point, or none at all.");
-		const double iceSaturation      = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
-		sampleOf[id]                    = int(store->size());
-		const SampleStart<Dim>& start   = store->add(prototypeOf[id], iceSaturation, schedule.update);
-		const auto              tangent = compact<Dim>(start.tangent);
+		const double iceSaturation    = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
+		sampleOf[id]                  = int(store->size());
+		const SampleStart<Dim>& start = store->add(prototypeOf[id], iceSaturation, schedule.update);
+		if (bands && !bands->has(place)) continue;
+		const auto tangent = compact<Dim>(start.tangent);
 		for (int c = 0; c < tangentSize<Dim>; ++c)
 			a.tangent[c][place] = tangent[c];
 		a.setAccumulated(place, Matrix::Zero());
@@ -222,6 +223,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		if (accuracy) accuracy->begin(place);
 	}
 	count.points = placeOf.size();
+	if (bands) banded->own(owners(store->size()));
 }
 
 template <int Dim> bool SampleSkeleton<Dim>::isDue(const Arrays& a, int place, double iceSaturation) const

@@ -126,6 +126,7 @@ public:
 
 	void declareFields(PointFields&, const std::string& prefix) override;
 	void initialise(const SkeletonBatch<Dim>&) override;
+	bool beginsWithAll() const override { return true; } // samples are numbered alike on all ranks
 	void updateStress(const SkeletonBatch<Dim>&) override;
 	void tangentModulus(const SkeletonBatch<Dim>&, double* modulus) const override;
 

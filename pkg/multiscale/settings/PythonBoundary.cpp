@@ -2,6 +2,7 @@
 #include <core/Scene.hpp>
 #include <pkg/multiscale/settings/GroundBoundaries.hpp>
 #include <pkg/python/PythonFunction.hpp>
+#include <pkg/ranks/RankTalk.hpp>
 
 namespace py = boost::python;
 
@@ -78,9 +79,12 @@ public:
 	Vec<D> tractionAt(double, const Vec<D>&, std::size_t k) const override { return given_[k]; }
 	Vec<D> accelerationAt(std::size_t k) const override { return given_[k]; }
 
+	std::uint64_t digest() const override { return digest_; }
+
 	void lookAt(const BoundaryNodes<D>& nodes) override
 	{
 		given_.assign(nodes.slots, Vec<D> {});
+		digest_ = 0;
 		if (nodes.slot.empty()) return;
 		const PythonLock held;
 		try {
@@ -121,14 +125,18 @@ private:
 		const auto numbers = numbersOfShape(returned, what, width == 1 ? py::make_tuple(nodes.slot.size()) : py::make_tuple(nodes.slot.size(), D));
 		if (rowNotFinite(numbers) >= 0) throw std::domain_error(std::string("gave a ") + what + " that is not finite");
 		if (gift_ == Gift::temperature) requireTemperatures(numbersOf(numbers), nodes.slot.size());
+		Digest all;
+		all.add(numbersOf(numbers), nodes.slot.size() * width * sizeof(double));
+		digest_ = all.value();
 		for (std::size_t k = 0; k < nodes.slot.size(); ++k)
-			std::copy_n(numbersOf(numbers) + k * width, width, given_[nodes.slot[k]].begin());
+			if (nodes.slot[k] >= 0) std::copy_n(numbersOf(numbers) + k * width, width, given_[nodes.slot[k]].begin());
 	}
 
 	const Gift                        gift_;
 	const std::string                 function_;
 	const std::shared_ptr<py::object> call_;
 	std::vector<Vec<D>>               given_; ///< to each node of the surface or volume, in this step
+	std::uint64_t                     digest_ = 0;
 };
 
 } // namespace talik

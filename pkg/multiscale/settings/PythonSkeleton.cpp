@@ -39,6 +39,7 @@ struct LawOfScript {
 	bool                        canFail;
 	std::vector<std::string>    states;
 	std::vector<double>         statesAtStart;
+	bool                        byStrips;
 };
 
 /// Asks a function of Python for the stress of all points at once.
@@ -71,6 +72,8 @@ public:
 			modulus[b.place[k]] = script_.modulus;
 	}
 
+	bool seesStrips() const override { return script_.byStrips; }
+
 	void updateStress(const SkeletonBatch<D>& b) override
 	{
 		const PythonLock held;
@@ -96,11 +99,13 @@ private:
 
 	void show(const SkeletonBatch<D>& b)
 	{
-		if (!arrays_ || arrays_->id.shape(0) != b.count) {
-			arrays_.reset();
-			arrays_ = endingUnderLock(new LawArrays<D>(b.count, states()));
+		if (arrays_.size() <= std::size_t(b.strip)) arrays_.resize(std::size_t(b.strip) + 1);
+		auto& ofStrip = arrays_[std::size_t(b.strip)];
+		if (!ofStrip || ofStrip->id.shape(0) != b.count) {
+			ofStrip.reset();
+			ofStrip = endingUnderLock(new LawArrays<D>(b.count, states()));
 		}
-		LawArrays<D>& a        = *arrays_;
+		LawArrays<D>& a        = *ofStrip;
 		double *const gradient = numbersOf(a.gradient), *const strain = numbersOf(a.strain), *const stress = numbersOf(a.stress);
 		double *const state = numbersOf(a.state), *const ice = numbersOf(a.iceSaturation);
 		double *const temperature = numbersOf(a.temperature), *const volume = numbersOf(a.volume);
@@ -128,7 +133,7 @@ private:
 
 	void ask(const SkeletonBatch<D>& b)
 	{
-		LawArrays<D>& a = *arrays_;
+		LawArrays<D>& a = *arrays_[std::size_t(b.strip)];
 		py::dict      named;
 		TALIK_PUT_MEMBERS(named, a, (gradient)(strain)(stress)(state)(iceSaturation)(volume)(id))
 		named["temperature"]      = b.temperature ? py::object(a.temperature) : py::object();
@@ -159,8 +164,10 @@ private:
 			to[b.place[k]] = first[k * width + component];
 	}
 
-	const LawOfScript                script_;
-	std::shared_ptr<LawArrays<D>>    arrays_;
+	const LawOfScript script_;
+	/// Of all points, or of those of each strip.
+	std::vector<std::shared_ptr<LawArrays<D>>> arrays_;
+
 	PointFields*                     fields_ = nullptr;
 	std::vector<PointFields::Handle> states_;
 };
@@ -177,12 +184,21 @@ public:
 		require(modulus > 0, "modulus", modulus, "give the largest modulus that the law may have in confined compression, in Pa, above 0.");
 		checkStates();
 		const auto function = law.forRun("PythonSkeleton.law");
-		return std::make_shared<talik::PythonSkeleton<D>>(talik::LawOfScript { law.name(), function, modulus, canFail, states, statesAtStart });
+		return std::make_shared<talik::PythonSkeleton<D>>(
+		        talik::LawOfScript { law.name(), function, modulus, canFail, states, statesAtStart, byStrips });
 	}
-	/// It sees all its points at once, and functions of NumPy do not give the bits of many points for a part of them.
-	string notInBands(int) const override { return "a law in Python"; }
+	/// Functions of NumPy do not give the bits of many points for a part of them: it sees the points of a strip, whichever ranks there are, where
+	/// the script says so, even on one rank.
+	bool shareAmongRanks(Shared what) override
+	{
+		byStrips = what == Shared::ground;
+		return false;
+	}
+	string notInBands(int) const override { return byStrips ? "" : "a law in Python"; }
 
 private:
+	bool byStrips = false;
+
 	void checkStates() const
 	{
 		std::set<string> names;
@@ -210,7 +226,8 @@ public:
 			"and duration, calendar time of the step [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
 			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 80 ns per point and step, of which NumPy takes half, and doubles "
 			"the time of a dry step; a step costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints "
-			"have the states and the name of the function, from which it is imported again. Not shared out in bands of mpirun.",
+			"have the states and the name of the function, from which it is imported again. With MpmEngine.distribute='ground' the "
+			"function sees the points of one strip of the ground after the other, on any number of ranks, and has to keep in state what it remembers of points.",
 		((talik::PythonFunction,law,,,"Function of one argument, or an object that can be called so, or the name of one as 'module:name', which is imported."))
 		((Real,modulus,NaN,,"Largest modulus of the law in confined compression, lambda+2G of an elastic one [Pa], > 0. It sets the time step: a law that is "
 				"stiffer makes the run unstable."))
