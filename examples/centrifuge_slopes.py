@@ -367,7 +367,7 @@ parser.add_argument(
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
-base, days = {"test": (Assumptions(length=3.0), 6), "draft": (Assumptions(), 45)}[options.preset]
+base, days = {"test": (Assumptions(length=3.0), 4), "draft": (Assumptions(), 45)}[options.preset]
 base = replace(base, **dict(map(assumed, options.assume)))
 if not 0 < base.friction < 1:
 	raise SystemExit(

@@ -129,13 +129,27 @@ TEST(ThawFront, MeanOfALayerOnAFrontInclinedToTheGridSlides_slow)
 		        1e-1);
 }
 
+namespace {
+
+void expectSlideWith(const std::string& shape, VelocityTransfer transfer)
+{
+	expectSlide(shape + ", " + velocityTransferNames()[static_cast<int>(transfer)], withTransfer(layer(1.0, 0.25), transfer, shape), 5e-2);
+}
+
+} // namespace
+
 TEST(ThawFront, EveryTransferAndShapeFunctionLetsTheLayerSlide)
 {
-	for (const char* shape : { "quadraticBSpline", "gimp" })
-		for (const VelocityTransfer transfer : { VelocityTransfer::flip, VelocityTransfer::apic, VelocityTransfer::tpic })
-			expectSlide(
-			        std::string(shape) + ", " + velocityTransferNames()[static_cast<int>(transfer)],
-			        withTransfer(layer(1.0, 0.25), transfer, shape), 5e-2);
+	expectSlideWith("quadraticBSpline", VelocityTransfer::flip);
+	expectSlideWith("quadraticBSpline", VelocityTransfer::apic);
+	expectSlideWith("gimp", VelocityTransfer::tpic);
+}
+
+TEST(ThawFront, OtherPairsOfTransferAndShapeFunctionLetTheLayerSlide_slow)
+{
+	expectSlideWith("quadraticBSpline", VelocityTransfer::tpic);
+	expectSlideWith("gimp", VelocityTransfer::flip);
+	expectSlideWith("gimp", VelocityTransfer::apic);
 }
 
 namespace {
@@ -231,10 +245,12 @@ TEST(ThawFront, CohesionHoldsALayerOnAnInclinedFront_slow)
 		}
 }
 
-TEST(ThawFront, BlockThatFreezesToItsBaseWhileItSlidesStops)
+namespace {
+
+void expectToStop(const std::vector<double>& fronts)
 {
 	citing("Davis 1968");
-	for (const double above : { 0.0, 0.25, 0.5, 0.75 }) {
+	for (const double above : fronts) {
 		const Slab   s    = layer(2.0, above);
 		const double half = 0.5 * s.depth(), first = 0.3, last = 0.5, end = 1.0;
 		const auto   freePath = [&](double t) { return 0.5 * s.acceleration() * t * t; };
@@ -257,6 +273,12 @@ TEST(ThawFront, BlockThatFreezesToItsBaseWhileItSlidesStops)
 		expectSmall(row("path when it is frozen too over a t^2/2"), gone / (freePath(end) - freePath(last)), 1e-2);
 	}
 }
+
+} // namespace
+
+TEST(ThawFront, BlockThatFreezesToItsBaseWhileItSlidesStops) { expectToStop({ 0.0, 0.75 }); }
+
+TEST(ThawFront, BlockThatFreezesToItsBaseWhileItSlidesStopsWhereverTheFrontLies_slow) { expectToStop({ 0.25, 0.5 }); }
 
 namespace {
 

@@ -190,8 +190,8 @@ def test_outside_yade_the_import_fails_with_a_sentence():
 	"expectation, words",
 	[
 		("NormPhys.kn=40", ["NormPhys.kn lies at byte", "instead of 40"]),
-		("Scene.size=64", ["Scene.size occupies about", "instead of 64"]),
-		("Cell.homoDeform=8", ["Cell.homoDeform", "instead of 8"]),
+		pytest.param("Scene.size=64", ["Scene.size occupies about", "instead of 64"], id="size_slow"),
+		pytest.param("Cell.homoDeform=8", ["Cell.homoDeform", "instead of 8"], id="member_slow"),
 	],
 )
 def test_a_yade_that_differs_is_refused_by_version_class_and_member_and_goes_on_undamaged(tmp_path, expectation, words):
@@ -253,7 +253,7 @@ print("DRAWN", Gl1_IceBondPhys.maxForce > 0, O.interactions[0, 1].phys.normalFor
 	assert "DRAWN True True" in output
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", [pytest.param(2, id="2_slow"), 3])
 def test_the_ground_is_drawn_in_the_3d_view_beside_the_bodies_at_rest_and_while_it_runs(dimension, tmp_path):
 	output, _ = runScript(
 		tmp_path,

@@ -441,7 +441,7 @@ print("SCRIPT ENDED", flush=True)
 """
 
 
-@pytest.mark.parametrize("form", forms)
+@pytest.mark.parametrize("form", ["packed", pytest.param("open", id="open_slow")])
 def test_shown_samples_run_with_all_threads_of_yade_and_yade_may_end_while_one_is_shown(form, sampleCache, tmp_path):
 	file = rve.prepare(grains=40, seed=18, ice=False, cache=sampleCache).path
 	output = runScript(tmp_path, meanwhile.format(file=str(file), form=form), "-n", "-j2")

@@ -371,7 +371,9 @@ def plate(z, half, **state):
 	return [utils.facet([corners[0], corners[1], corners[2]], **state), utils.facet([corners[0], corners[2], corners[3]], **state)]
 
 
-@pytest.mark.parametrize("kind", ["sphere", pytest.param("box", id="box_slow"), "turned box", pytest.param("clump", id="clump_slow")])
+@pytest.mark.parametrize(
+	"kind", [pytest.param("sphere", id="sphere_slow"), pytest.param("box", id="box_slow"), "turned box", pytest.param("clump", id="clump_slow")]
+)
 def test_a_body_comes_to_rest_on_the_ground_that_bears_its_weight(kind):
 	bed()
 	if kind == "clump":
@@ -553,7 +555,7 @@ def test_samples_of_spheres_stand_behind_the_points_and_give_six_stresses(sample
 		assert len(O.bodies) == 100
 
 
-@pytest.mark.parametrize("solid", ["terrain", "extruded"])
+@pytest.mark.parametrize("solid", ["terrain", pytest.param("extruded", id="extruded_slow")])
 def test_samples_of_spheres_are_brought_to_the_weight_above_their_points(solid, sampleCache):
 	sample = talik.rve.pack(talik.rve.prepare(**spheres, cache=sampleCache))
 	outline = [(0, 0), (2, 0), (2, 1), (0, 3)]
