@@ -56,7 +56,7 @@ class Job:
 		"""Waits for it: states by scene, and what was said."""
 		if self._process is None:
 			return self
-		status, self.said, self.complained = ended(self._process)
+		status, self.said, self.complained = ended(self._process, timeout=900)
 		assert status == 0, self.said + self.complained
 		self._process, self.states = None, {}
 		for name in self.names:
