@@ -17,6 +17,7 @@ from thawslump import page, shearband
 atRest = 5e-3  # ground that has moved less has not yet moved [m]
 plateau = 1.5  # width of the column far from the face [m]
 failed = 0.05  # deviatoric strain of ground that has failed
+spread = 0.5  # over which the freezing curve spreads the front: ground ahead of it that is partly thawed counts, too [m]
 
 
 def air(time):
@@ -131,14 +132,14 @@ def test_front_on_a_fine_column_of_the_same_ground_is_within_five_per_cent():
 
 
 def test_behind_the_front_there_is_no_ice_and_no_bond(thawing):
-	h, frames = thawing.preset.gridSpacing, thawing.frames.frames
+	frames = thawing.frames.frames
 	start = initialPosition(frames[0])
 	column = start[:, 0] < plateau
 	for frame in frames[1:]:
 		thawed = frame["temperature"] > 0
 		melted = frame["skeleton0.sampleIceSaturation"] <= shearband.meltSaturation
 		front = thawedDepth(frame, column, plateau, frames[0]["iceSaturation"].max())
-		behind = column & (4 - start[:, 1] < front - h)
+		behind = column & (4 - start[:, 1] < front - spread)
 		print(f"t = {frame['time']:5.2f} s: {thawed.sum()} points thawed, {melted.sum()} samples without bonds, front on the plateau {front:.2f} m")
 		assert not frame["iceSaturation"][thawed | behind].any()
 		assert not frame["bondsIntact"][thawed | behind | melted].any()
