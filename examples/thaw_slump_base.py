@@ -28,7 +28,7 @@ from thawslump import Case, commandline  # noqa: E402
 
 # in place of the values of the presets: a thaw of four times as many days, at draft on the cells and with the samples that this leaves time for
 ofCase = {
-	"draft": dict(days=600.0, gridSpacing=0.5, strainTolerance=2e-5, maxInertialNumber=5e-3),
+	"draft": dict(days=600.0, gridSpacing=0.5, strainTolerance=2e-5, stressTolerance=0.05, maxInertialNumber=5e-3),
 	"standard": dict(days=600.0),
 	"paper": dict(days=600.0),
 }

@@ -122,7 +122,7 @@ class ThawSlump:
 				sample.thawedStrength = strength
 				sample.thawStrain = g.thawStrain if g.thawStrain != fullThawStrain else sample.statistics()["porosity"]
 			samples, sampleOf = slope.depthBands(position, self.outline, several, frozenDensity, p.bandThickness, g.lateralRatio, seed=p.seed)
-			asked = {"strainTolerance": p.strainTolerance, "maxInertialNumber": p.maxInertialNumber}
+			asked = {name: getattr(p, name) for name in ("strainTolerance", "stressTolerance", "maxInertialNumber")}
 			return wrapper.RveSkeleton(samples=samples, sampleOf=sampleOf, **asked, **self._slipOf(several, cohesion)), {}
 		self.thawed["friction measured [-]"] = calibrate.thawedFriction(several)
 		calibration = calibrate.calibrate(several, friction=self.thawed["friction measured [-]"], **p.calibration)
