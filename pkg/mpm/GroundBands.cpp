@@ -114,11 +114,7 @@ template <int D> void Ground<D>::Parts::showNodesOfAll(const LookingBoundary& lo
 	for (const auto* numbers : { &shown.temperature, &shown.pressure })
 		appendBytes(own, *numbers);
 	const std::size_t ofNode = sizeof(int) + (1 + normal + bool(motion)) * sizeof(Vec<D>) + (bool(heat) + bool(water)) * sizeof(double);
-	shownNodes.clear();
-	for (auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
-		vectors->clear();
-	for (auto* numbers : { &shown.temperature, &shown.pressure })
-		numbers->clear();
+	forgetShownNodes();
 	for (const std::string& bytes : bands->say(own)) {
 		const std::size_t count = bytes.size() / ofNode;
 		const char*       from  = bytes.data();
@@ -129,7 +125,6 @@ template <int D> void Ground<D>::Parts::showNodesOfAll(const LookingBoundary& lo
 		if (heat) takeBytes(from, count, shown.temperature);
 		if (water) takeBytes(from, count, shown.pressure);
 	}
-	shown.slot.clear();
 	std::size_t k = 0; // slots follow the nodes, too
 	for (const int node : shownNodes) {
 		while (k < shown.slots && nodeOfSlot(looking, k) < node)

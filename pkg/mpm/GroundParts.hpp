@@ -293,6 +293,7 @@ template <int D> struct Ground<D>::Parts {
 	void finishTemperature();
 	void updateTemperature();
 	void showNodes();
+	void forgetShownNodes();
 	void showNode(const LookingBoundary& looking, int slot, int node);
 	/// Nodes of the boundary that this rank computes, and those that other ranks show.
 	void showNodesOfAll(const LookingBoundary& looking);

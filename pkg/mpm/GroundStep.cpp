@@ -77,6 +77,16 @@ template <int D> int Ground<D>::Parts::nodeOfSlot(const LookingBoundary& looking
 	return volume ? looking.shares[slot].node : surface->patch(looking.index).nodes[slot].node;
 }
 
+template <int D> void Ground<D>::Parts::forgetShownNodes()
+{
+	boundaryNodes.slot.clear();
+	shownNodes.clear();
+	for (auto* vectors : { &boundaryNodes.position, &boundaryNodes.normal, &boundaryNodes.velocity })
+		vectors->clear();
+	for (auto* numbers : { &boundaryNodes.temperature, &boundaryNodes.pressure })
+		numbers->clear();
+}
+
 /// Boundaries whose gifts follow the state of their nodes see it, before anything of the step is booked.
 template <int D> void Ground<D>::Parts::showNodes()
 {
@@ -85,12 +95,7 @@ template <int D> void Ground<D>::Parts::showNodes()
 	for (const LookingBoundary& looking : lookingBoundaries) {
 		Boundary<D>& boundary = *settings.boundaries[looking.index];
 		shown.slots           = boundary.takesVolumes() ? looking.shares.size() : surface->patch(looking.index).nodes.size();
-		shown.slot.clear();
-		shownNodes.clear();
-		for (auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
-			vectors->clear();
-		for (auto* numbers : { &shown.temperature, &shown.pressure })
-			numbers->clear();
+		forgetShownNodes();
 		const auto range = shownRange();
 		for (std::size_t k = 0; k < shown.slots; ++k) {
 			const int node = nodeOfSlot(looking, k);
@@ -734,8 +739,10 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
 template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
 template void                                        Ground<2>::Parts::useScale();
+template void                                        Ground<2>::Parts::forgetShownNodes();
 template int                                         Ground<2>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;
 template void                                        Ground<3>::Parts::useScale();
+template void                                        Ground<3>::Parts::forgetShownNodes();
 template int                                         Ground<3>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;
 template void                                        Ground<2>::beginStep(double);
 template void                                        Ground<2>::p2g();
