@@ -1,17 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Style of the sources: clang-format for C++, black with tabs and flake8 (its F) for Python, at most 160 characters a line.
+"""Style of the sources: clang-format for C++, black with tabs and pyflakes for Python, at most 160 characters a line.
 
 	scripts/style.py         # names what differs, ends with 1 if anything does
 	scripts/style.py --fix   # formats
-	scripts/style.py --known FILE  # leaves out Python that was found good before; FILE keeps what was
-	scripts/style.py --recent 10   # of Python only what the last 10 commits or the work tree changed
 
 Versions of clang-format lay out differently; the style is that of Debian 12 (version 14). With another one C++ is not checked.
 """
 
 import argparse
-import hashlib
+import ast
+import gc
 import io
 import re
 import shutil
@@ -21,6 +20,7 @@ import tokenize
 from pathlib import Path
 
 import black
+from pyflakes import checker, messages
 
 root = Path(__file__).resolve().parents[1]
 folders = "plugin pkg scripts examples tests".split()
@@ -28,6 +28,7 @@ longestLine = 160
 indent = "    "
 clangFormatVersion = 14
 consoleNames = "O utils yade getStress".split()  # what YADE's console knows beside its classes
+passedOver = {"__init__.py": messages.UnusedImport, "conftest.py": messages.RedefinedWhileUnused}  # what such files are made for
 
 
 def sources(*endings):
@@ -98,80 +99,37 @@ def tooLong(path):
 	return lines
 
 
-class Known:
-	"""What was found good before, by a digest of the file, of this script and of the programs that judge; black takes most of the time of a check."""
-
-	def __init__(self, path):
-		self.path = path and Path(path)
-		self.kept = set(self.path.read_text().split()) if path and self.path.exists() else set()
-		programs = [black.__version__, sys.version, Path(__file__).read_text()]
-		if path:
-			programs.append(subprocess.run([sys.executable, "-m", "flake8", "--version"], capture_output=True, text=True).stdout)
-		self.judges = "\n".join(programs).encode()
-
-	def digest(self, path):
-		return hashlib.sha256(b"\0".join([self.judges, str(path.relative_to(root)).encode(), path.read_bytes()])).hexdigest()
-
-	def unknown(self, paths):
-		return [path for path in paths if self.digest(path) not in self.kept] if self.path else paths
-
-	def keep(self, paths):
-		if self.path:
-			self.path.write_text("\n".join(sorted(self.kept | set(map(self.digest, paths)))))
-
-
-def changedOf(paths, commits):
-	"""Those that the last commits or the work tree changed; all of them where git does not know."""
-	asked = (["log", f"-{commits}", "--name-only", "--format="], ["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"])
-	try:
-		told = [subprocess.run(["git", *words], capture_output=True, text=True, check=True, cwd=root).stdout for words in asked]
-	except (OSError, subprocess.CalledProcessError):
-		return paths
-	names = set("".join(told).split())
-	return [path for path in paths if str(path.relative_to(root)) in names]
-
-
-def defects(python):
-	"""What flake8 finds. Names of classes may be unknown to it: they are those of YADE's console."""
-	command = [
-		sys.executable,
-		"-m",
-		"flake8",
-		"--isolated",
-		"--select=F,E9",
-		"--builtins=" + ",".join(consoleNames),
-		"--per-file-ignores=__init__.py:F401,conftest.py:F811",
-		*python,
+def defects(path):
+	"""What pyflakes finds in a file. Names of classes may be unknown to it: they are those of YADE's console."""
+	text = path.read_text()
+	lines = text.splitlines()
+	found = [
+		message
+		for message in checker.Checker(ast.parse(text, str(path)), filename=str(path.relative_to(root)), builtins=consoleNames).messages
+		if "# noqa" not in lines[message.lineno - 1]
+		and not isinstance(message, passedOver.get(path.name, ()))
+		and not (isinstance(message, messages.UndefinedName) and message.message_args[0][0].isupper())
 	]
-	found = subprocess.run(command, capture_output=True, text=True, cwd=root)
-	if found.stderr:
-		raise SystemExit(found.stderr)
-	lines = [line for line in found.stdout.splitlines() if not re.search(r"F821 undefined name '[A-Z]", line)]
-	for line in lines:
-		print(line)
-	return lines
+	for message in found:
+		print(message)
+	return found
 
 
 def main():
+	gc.disable()  # black's trees point both ways; to look for what can be thrown away takes a fifth of the time
 	parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 	parser.add_argument("--fix", action="store_true", help="format the files")
-	parser.add_argument("--known", metavar="FILE", help="leave out the files of Python that were found good before, and keep here which were")
-	parser.add_argument("--recent", metavar="COMMITS", type=int, help="of Python only what so many last commits or the work tree changed")
-	options = parser.parse_args()
-	fix, known = options.fix, Known(options.known)
+	fix = parser.parse_args().fix
 	python, cpp = sources(".py"), sources(".cpp", ".hpp", ".inc")
-	changed = known.unknown(python if options.recent is None else changedOf(python, options.recent))
 	program = clangFormat()
 	if program is None:
 		print(f"C++ is not checked: there is no clang-format {clangFormatVersion}")
-	good = [holdsStyle(path, formattedPython(path), fix) for path in changed]
+	good = [holdsStyle(path, formattedPython(path), fix) for path in python]
 	if program and not allFormatted(program, cpp):
 		good += [holdsStyle(path, formattedCpp(program, path), fix) for path in cpp]
 	good += [not tooLong(path) for path in python + cpp]
-	good.append(not changed or not defects(changed))
-	print(f"{len(changed)} of {len(python)} files of Python and {len(cpp)} of C++ read")
-	if all(good):
-		known.keep(changed)
+	good += [not defects(path) for path in python]
+	print(f"{len(python)} files of Python and {len(cpp)} of C++ read")
 	return 0 if all(good) else 1
 
 
