@@ -59,6 +59,12 @@ def softened(factor=1):
 	return {"bulk modulus of water": factor * thawslump.softened["bulkModulus"], "frozen modulus": factor * thawslump.softened["frozenModulus"]}
 
 
+def followed(preset):
+	"""Settings that follow samples as a preset of the slumps does: how often they are asked, and how fast they move."""
+	chosen = thawslump.presets[preset]
+	return {"sample tolerance": chosen.strainTolerance, "stress tolerance": chosen.stressTolerance, "inertial number": chosen.maxInertialNumber}
+
+
 @dataclass(frozen=True)
 class Knob:
 	label: str  # with its unit
@@ -78,6 +84,7 @@ knobs = {
 	"inertial-number": Knob("inertial number", lambda value: {"inertial number": value}),
 	"grains": Knob("grains", lambda value: {"grains": value}),
 	"realisations": Knob("realisations", lambda value: {"realisations": value}, phrase="{} realisations"),
+	"sampling": Knob("samples followed as in", followed, str, "samples followed as in {}"),
 	"sample-tolerance": Knob("sample tolerance", lambda value: {"sample tolerance": value}),
 }
 
@@ -124,6 +131,8 @@ def _sampleSweeps(cohesion):
 	return (
 		Sweep("grid-spacing", (0.5, 0.25), samples),
 		Sweep("grid-spacing", (0.5, 0.25), samples, flowing),
+		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", "calendar": constantScale}),
+		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", **flowing}),
 		Sweep("pic-time", (1.0, 4.0), samples),
 		Sweep("inertial-number", (5e-3, 1e-3), samples, quick=2 if cohesion else 0),
 		Sweep("sample-tolerance", (2e-5, 5e-6, 1.25e-6), samples),

@@ -50,6 +50,7 @@ def slump(settings, folder):
 		strainTolerance=s["sample tolerance"],
 		maxInertialNumber=s["inertial number"],
 		realisations=s["realisations"],
+		stressTolerance=s.get("stress tolerance", thawslump.Preset.stressTolerance),
 	)
 	ground = thawslump.Ground(
 		thermalTimeScale=s["thermal time scale"],
