@@ -185,6 +185,18 @@ TEST(RandomSearch, HastenedWaterThatFlowsAlongAThawFrontIsNoSlipAndMakesNoEnergy
 	expectSmall("hastened water along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
 }
 
+/// Found by the search (plane, seed 900530): liquid whose drag is weak, because its seepage is hastened four millionfold, jumped with the solid of
+/// its side. Its flow did work on the jump that nobody gave, 0.2 of all that was turned over.
+TEST(RandomSearch, LiquidThatDragDoesNotHoldFlowsOnWhenTheSidesOfAThawFrontJump)
+{
+	RandomScene<2> scene(900530);
+	scene.start();
+	Watch watch(*scene.ground, scene.outside());
+	watch.run(scene.steps, 25);
+	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+	expectSmall("liquid that flows on along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
+}
+
 /// Found by the search (plane, seed 802391): at a node on a wall that a trace of thawed ground touches, the shear stress of that ground along the
 /// wall's normal pushed it, with the area of the front, to 86 km/s in a step.
 TEST(RandomSearch, TraceOfThawedGroundAtANodeOnAWallIsNotPushedAlongTheWallsNormal)

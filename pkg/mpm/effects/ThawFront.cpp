@@ -460,7 +460,8 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, StepLedger
 		const double*   inner   = result(slot_[m.inner]);
 		double*         wall    = result(slot_[m.wall()]);
 		StepAccount<D>& account = ledger.ofNode(m.wall());
-		const double    mass[2] = { on[massAt] + on[liquidMassAt], on[thawedMassAt] + on[thawedLiquidMassAt] };
+		const double    follows = meetings_[slot_[m.inner]].follows;
+		const double    mass[2] = { on[massAt] + follows * on[liquidMassAt], on[thawedMassAt] + follows * on[thawedLiquidMassAt] };
 		for (int side = 0; side < 2; ++side)
 			for (int a = 0; a < D; ++a) {
 				if (m.sign[a] > 0.0) continue;
@@ -468,7 +469,7 @@ template <int D> void ThawFront<D>::leadWalls(const Mirrors& mirrors, StepLedger
 				const double v  = -m.lead * inner[at + velocityAt];
 				wall[at + velocityAt] += v;
 				wall[at + gainAt] += v;
-				if (water_) wall[at + liquidGainAt] += v;
+				if (water_) wall[at + liquidGainAt] += follows * v;
 				account.impulse[a] += mass[side] * v;
 				account.wallWork += mass[side] * v * (m.velocity[a] + m.change[a]);
 			}
@@ -505,6 +506,15 @@ template <int D> Vec<D> ThawFront<D>::areaAround(int node, const Vec<D>& own, co
 	return sum;
 }
 
+/// Part of a change of the solid's velocity that implicit drag gives to the liquid of a node within the step. Liquid that drag does not
+/// hold flows on: if it jumped with the solid, its flow along the front would do work on the jump that nobody gave.
+template <int D> double ThawFront<D>::followingLiquid(int node, double dt) const
+{
+	if (!water_) return 0.0;
+	const double drag = dt * water_->nodes[node][PoreWater<D>::dragAt], sum = drag + water_->nodes[node][PoreWater<D>::massAt];
+	return sum > 0.0 ? drag / sum : 0.0;
+}
+
 /// Normal, area and the motion that each side would have without the other.
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
@@ -530,11 +540,15 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	m.normal            = statesStrength(m) ? areaAround(node, own, constraints) : own;
 	const double length = lengthOf<D>(m.normal);
 	if (!(length > 0.0)) return;
-	m.meets              = true;
-	m.frozenVolume       = r[volumeAt];
-	m.inside             = r[volumeAt] >= insideShare * volume_[node];
-	const double mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
-	m.reducedMass        = mass[0] * mass[1] / (mass[0] + mass[1]);
+	m.meets               = true;
+	m.frozenVolume        = r[volumeAt];
+	m.inside              = r[volumeAt] >= insideShare * volume_[node];
+	const double mass[2]  = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
+	const double together = mass[0] * mass[1] / (mass[0] + mass[1]);
+	m.follows             = followingLiquid(node, dt);
+	for (int side = 0; side < 2; ++side)
+		m.moved[side] = m.solid[side] + m.follows * m.liquid[side];
+	m.reducedMass = m.moved[0] * m.moved[1] / (m.moved[0] + m.moved[1]);
 	for (int a = 0; a < D; ++a) {
 		m.normal[a] /= length;
 		if (constraints.solidFixed(node, a)) continue;
@@ -542,7 +556,7 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		const double parting     = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
 		// of the skeletons: the thawed side holds more water, and does not slide because that flows
 		m.jump[a] = r[thawedMomentumAt + a] / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
-		m.pressing -= m.reducedMass * parting * m.normal[a];
+		m.pressing -= together * parting * m.normal[a];
 	}
 	m.resting  = settles_ && rests(m, dt);
 	m.cohesion = r[cohesionAt] / r[thawedVolumeAt];
@@ -744,7 +758,6 @@ template <int D> void ThawFront<D>::correct(int slot)
 	const double* r    = record(slot);
 	double*       out  = result(slot);
 	const double  kept = motion_->kept, keptLiquid = water_ ? water_->kept : 0.0;
-	const double  mass[2] = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
 	Vec<D>        departure[2], liquidDeparture[2];
 	for (int a = 0; a < D; ++a) {
 		const double common   = (r[momentumAt + a] + r[thawedMomentumAt + a]) / (m.solid[0] + m.solid[1]);
@@ -760,14 +773,14 @@ template <int D> void ThawFront<D>::correct(int slot)
 	}
 	for (int side = 0; side < 2; ++side) {
 		double*      s     = out + side * sideSize;
-		const double share = (side == 0 ? -mass[1] : mass[0]) / (mass[0] + mass[1]);
+		const double share = (side == 0 ? -m.moved[1] : m.moved[0]) / (m.moved[0] + m.moved[1]);
 		// along the normal of sides that stay together points take the acceleration of the node, as anywhere else
 		const double along       = m.together ? dot<D>(departure[side], m.normal) : 0.0;
 		const double liquidAlong = m.together ? dot<D>(liquidDeparture[side], m.normal) : 0.0;
 		for (int a = 0; a < D; ++a) {
 			s[velocityAt + a] = share * m.jump[a];
 			s[gainAt + a]     = s[velocityAt + a] - kept * (departure[side][a] - along * m.normal[a]);
-			if (water_) s[liquidGainAt + a] = s[velocityAt + a] - keptLiquid * (liquidDeparture[side][a] - liquidAlong * m.normal[a]);
+			if (water_) s[liquidGainAt + a] = m.follows * s[velocityAt + a] - keptLiquid * (liquidDeparture[side][a] - liquidAlong * m.normal[a]);
 		}
 	}
 	const double opened = dot<D>(m.jump, m.normal), perThickness = 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_);

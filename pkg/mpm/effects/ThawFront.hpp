@@ -31,8 +31,8 @@ namespace talik {
 ///               what makes the tangential velocities equal; where the law of the thawed points states no strength, their shear stress at
 ///               the reaction in place of their own normal stress, eq. (20.2a).
 /// To points whose law states no strength the jump [v] of the tangential velocity goes back as strain, eq. (20.3): the sample of the thawed
-/// points decides the slip, and feels it. Both phases of a side jump together; temperature, pressure and the velocity of the water through
-/// the grains have one value on a node.
+/// points decides the slip, and feels it. The liquid of a side jumps as far as drag takes it along within the step, eq. (20.4); temperature,
+/// pressure and the velocity of the water through the grains have one value on a node.
 /// Multi-field contact after Bardenhagen et al. (2000), with the friction taken from the points in place of a coefficient.
 template <int D> class ThawFront {
 public:
@@ -120,7 +120,9 @@ private:
 		Vec<D>                normal {};           ///< from frozen to thawed
 		double                area         = 0.0;  ///< [m^(D-1)]
 		double                frozenVolume = 0.0;  ///< [m^D]
-		double                reducedMass  = 0.0;  ///< [kg]
+		double                follows      = 0.0;  ///< part of a jump of the solid that drag gives to the liquid within the step [-]
+		std::array<double, 2> moved {};            ///< mass of a side that jumps: its solid, and its liquid as far as it follows [kg]
+		double                reducedMass = 0.0;   ///< of these [kg]
 		Vec<D>                jump {};             ///< velocity of the thawed side less that of the frozen one [m/s]
 		Vec<D>                traction {};         ///< of the thawed points on the front [Pa]
 		double                friction  = 0.0;     ///< of the thawed points [-]; larger than any where their law states no strength
@@ -153,6 +155,7 @@ private:
 	bool          leads(const typename Mirrors::value_type& mirror) const;
 	void          pushAhead(const Mirrors& mirrors, double dt);
 	void          leadWalls(const Mirrors& mirrors, StepLedger<D>& ledger);
+	double        followingLiquid(int node, double dt) const;
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
