@@ -29,11 +29,16 @@ parser.add_argument("--output", default="output/creeping_slope", help="folder fo
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
-presets = {"test": (1.0, 28.0, 0.5, 0.03), "draft": (1.0, 36.0, 2.0, 0.01), "standard": (0.5, 36.0, 2.0, 0.01)}
-spacing, length, motion, relaxed = presets[options.preset]  # [m], [m], [s of motion], part of the stress of a bond that a call of the creep test relaxes
+presets = {
+	"test": (1.0, 28.0, 0.5, 0.03, dict(grains=40, seed=3)),
+	"draft": (1.0, 36.0, 2.0, 0.01, dict(grains=100)),
+	"standard": (0.5, 36.0, 2.0, 0.01, dict(grains=100)),
+}
+# [m], [m], [s of motion], part of the stress of a bond that a call of the creep test relaxes, what the sample is prepared from
+spacing, length, motion, relaxed, prepared = presets[options.preset]
 thickness, slope, temperature, years = 4.0, math.radians(75), -1.0, 0.5
 
-(frozen,) = creep.frozenSamples(grains=100, realisations=1)
+(frozen,) = creep.frozenSamples(**prepared, realisations=1)
 ice = wrapper.IceCreep()
 test = creep.creepTest(frozen, ice, (None, -1 / math.tan(slope), 1.0), stress=60e3, strain=0.05, relaxed=relaxed, calls=40000)
 ofBonds = ice.rateFactorAt(-10) * test.stress**ice.exponent

@@ -270,49 +270,56 @@ TEST(Bodies, AWallThatPushesBearsThePressureOfRankineLayerByLayer_slow) { expect
 
 // The wall is there when ground and water are put beside it, and bears K_0 gamma' H^2/2 + gamma_w H^2/2 from the first step on, also where
 // a rough floor keeps the ground from following a wall that gives way.
-TEST(Bodies, AWallBesideAFixedFloorBearsGroundAtRestAndWater)
+namespace {
+
+void expectWallAtRest(int cells)
 {
 	citing("K_0 gamma' H^2/2 + gamma_w H^2/2");
 	constexpr double height = 3.0, g = 9.81, porosity = 0.4, poisson = 0.3, rest = poisson / (1.0 - poisson);
 	const double     buoyant = (1.0 - porosity) * (2650.0 - 1000.0) * g, water = 1000.0 * g;
-	for (const int cells : { 6, 12 })
-		for (const bool wet : { false, true }) {
-			const double      h = height / cells;
-			GroundSettings<2> s;
-			s.upper       = { 6.0 + h, height + 2 * h };
-			s.gridSpacing = h;
-			s.mixture     = withoutExpansion();
-			s.motion.emplace();
-			s.motion->gravity      = { 0.0, -g };
-			s.motion->localDamping = 0.3;
-			s.bodies.emplace();
-			if (wet) {
-				s.water.emplace();
-				s.water->state.liquidBulkModulus            = 2.2e7;
-				s.water->permeability.referenceConductivity = 1e-4;
-			}
-			addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
-			addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
-			auto elastic          = std::make_shared<ElasticSkeleton<2>>();
-			elastic->youngModulus = 1e7;
-			elastic->poissonRatio = poisson;
-			s.skeletons.push_back(elastic);
-			Ground<2>    ground(s);
-			const double effective = wet ? buoyant : (1.0 - porosity) * 2650.0 * g;
-			fillBox(ground, { 0.0, 0.0 }, { 6.0, height }, [&](PointInput<2>& p) {
-				const double depth = height - p.position[1], vertical = -effective * depth;
-				p.porosity = porosity;
-				p.stress   = { rest * vertical, vertical, rest * vertical, 0.0 };
-				p.pressure = wet ? water * depth : 0.0;
-			});
-			ground.initialise();
-			ground.bodies()->bodies = { smoothPlane(6.0, 0) };
-			const double force      = moveBody(ground, 0, 0.0, 1.0, 0.3);
-			char         label[80];
-			std::snprintf(label, sizeof label, "wall beside a fixed floor, %s, %d cells: force [N/m]", wet ? "saturated" : "dry", cells);
-			expectRelative(label, force, 0.5 * height * height * (rest * effective + (wet ? water : 0.0)), 0.03);
+	for (const bool wet : { false, true }) {
+		const double      h = height / cells;
+		GroundSettings<2> s;
+		s.upper       = { 6.0 + h, height + 2 * h };
+		s.gridSpacing = h;
+		s.mixture     = withoutExpansion();
+		s.motion.emplace();
+		s.motion->gravity      = { 0.0, -g };
+		s.motion->localDamping = 0.3;
+		s.bodies.emplace();
+		if (wet) {
+			s.water.emplace();
+			s.water->state.liquidBulkModulus            = 2.2e7;
+			s.water->permeability.referenceConductivity = 1e-4;
 		}
+		addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
+		addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
+		auto elastic          = std::make_shared<ElasticSkeleton<2>>();
+		elastic->youngModulus = 1e7;
+		elastic->poissonRatio = poisson;
+		s.skeletons.push_back(elastic);
+		Ground<2>    ground(s);
+		const double effective = wet ? buoyant : (1.0 - porosity) * 2650.0 * g;
+		fillBox(ground, { 0.0, 0.0 }, { 6.0, height }, [&](PointInput<2>& p) {
+			const double depth = height - p.position[1], vertical = -effective * depth;
+			p.porosity = porosity;
+			p.stress   = { rest * vertical, vertical, rest * vertical, 0.0 };
+			p.pressure = wet ? water * depth : 0.0;
+		});
+		ground.initialise();
+		ground.bodies()->bodies = { smoothPlane(6.0, 0) };
+		const double force      = moveBody(ground, 0, 0.0, 1.0, 0.3);
+		char         label[80];
+		std::snprintf(label, sizeof label, "wall beside a fixed floor, %s, %d cells: force [N/m]", wet ? "saturated" : "dry", cells);
+		expectRelative(label, force, 0.5 * height * height * (rest * effective + (wet ? water : 0.0)), 0.03);
+	}
 }
+
+} // namespace
+
+TEST(Bodies, AWallBesideAFixedFloorBearsGroundAtRestAndWater) { expectWallAtRest(6); }
+
+TEST(Bodies, AWallOfMoreCellsBesideAFixedFloorBearsGroundAtRestAndWater_slow) { expectWallAtRest(12); }
 
 // Ground of +4 degC between walls, air of -15 degC: a wall that is a body shades the ground behind it as an insulated side of the box does.
 TEST(Bodies, AWallShadesTheGroundThatItTouchesFromTheAir)
@@ -412,34 +419,40 @@ RigidBody<2> still(const RigidShape<2>& shape, const Vec<2>& position, const Vec
 
 } // namespace
 
-TEST(Bodies, APlateOfGivenTemperatureSendsTheHeatOfItsResistanceAndTheGroundsInSeriesThroughALayer)
+namespace {
+
+void expectHeatOfAPlate(const char* shape)
 {
 	citing("Fourier, resistances in series");
 	constexpr double height = 1.0;
 	constexpr int    cells  = 20;
 	const double     h      = height / cells;
-	for (const char* shape : { "quadraticBSpline", "gimp" })
-		for (const double share : { 0.0, 1.0, 4.0 }) { // of the ground's own resistance
-			auto         s     = heatedSettings(h, { h, height + 2 * h }, 3e6);
-			const double kappa = conductivityOf(s), own = height / kappa;
-			s.shapeFunction = shape;
-			s.skeletons     = { elasticOedometer(1e7) };
-			standOnRollers(s);
-			addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), cold);
-			addBoundary<BodyTemperature<2>>(s, std::vector<int> { 3 }, warm, share * own);
-			Ground<2> ground(s);
-			fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = cold; });
-			ground.initialise();
-			ground.bodies()->bodies       = { smoothPlane(height, 1) };
-			ground.bodies()->bodies[0].id = ground.bodies()->bodies[0].group = 3;
-			marchTo(ground, 4.0);
-			char label[100];
-			std::snprintf(label, sizeof label, "plate of 10 degC, R = %.0f L/kappa, %s: heat flow through the layer [W/m2]", share, shape);
-			expectRelative(
-			        label, kappa * slopeOf(valuesOf(ground, "position", 1), valuesOf(ground, "temperature")), (warm - cold) / ((1.0 + share) * own),
-			        0.02);
-		}
+	for (const double share : { 0.0, 1.0, 4.0 }) { // of the ground's own resistance
+		auto         s     = heatedSettings(h, { h, height + 2 * h }, 3e6);
+		const double kappa = conductivityOf(s), own = height / kappa;
+		s.shapeFunction = shape;
+		s.skeletons     = { elasticOedometer(1e7) };
+		standOnRollers(s);
+		addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), cold);
+		addBoundary<BodyTemperature<2>>(s, std::vector<int> { 3 }, warm, share * own);
+		Ground<2> ground(s);
+		fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = cold; });
+		ground.initialise();
+		ground.bodies()->bodies       = { smoothPlane(height, 1) };
+		ground.bodies()->bodies[0].id = ground.bodies()->bodies[0].group = 3;
+		marchTo(ground, 4.0);
+		char label[100];
+		std::snprintf(label, sizeof label, "plate of 10 degC, R = %.0f L/kappa, %s: heat flow through the layer [W/m2]", share, shape);
+		expectRelative(
+		        label, kappa * slopeOf(valuesOf(ground, "position", 1), valuesOf(ground, "temperature")), (warm - cold) / ((1.0 + share) * own), 0.02);
+	}
 }
+
+} // namespace
+
+TEST(Bodies, APlateOfGivenTemperatureSendsTheHeatOfItsResistanceAndTheGroundsInSeriesThroughALayer) { expectHeatOfAPlate("quadraticBSpline"); }
+
+TEST(Bodies, APlateSendsItsHeatThroughALayerWithGimp_slow) { expectHeatOfAPlate("gimp"); }
 
 namespace {
 

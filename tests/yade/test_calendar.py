@@ -159,7 +159,7 @@ def test_tables_in_seconds_of_motion_or_in_days_are_warned_of(times, warned, cap
 	assert (told.count("\n") == 0 and "WallTemperature.times ends at" in told and "talik.day" in told) if warned else "talik.day" not in told
 
 
-@pytest.mark.parametrize("conductivity, own", [(1e-4, float("nan")), (1e-4, 4e6), (1.0, float("nan"))])
+@pytest.mark.parametrize("conductivity, own", [(1e-4, float("nan")), pytest.param(1e-4, 4e6, id="own scale_slow"), (1.0, float("nan"))])
 def test_hastened_sand_and_gravel_run_dry_above_without_an_impossible_state(conductivity, own, capfd):
 	"""A slope thaws for half a year in 4 s of motion; its water falls to the base within the first of them. What is not there does not flow."""
 	O.reset()
