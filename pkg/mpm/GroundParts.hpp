@@ -308,6 +308,7 @@ template <int D> struct Ground<D>::Parts {
 	void                addDivergence(const WeightBlock<D>& w);
 	void                finishPaths();
 	void                levelCells();
+	int                 updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample);
 	void                findCellPressure();
 	void                closeThawStrain();
 	/// What a skeleton law throws to end the run after this step, or null.

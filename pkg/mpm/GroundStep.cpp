@@ -592,6 +592,27 @@ template <int D> void Ground<D>::Parts::findCellPressure()
 	});
 }
 
+/// Returns the place of the first point in an impossible state, or last.
+template <int D> int Ground<D>::Parts::updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample)
+{
+	using Block                 = typename PoreContent<D>::Block;
+	const auto             of   = contentOf();
+	const CostMeter::Entry pays = content->iceMass ? CostMeter::freezing : heat ? CostMeter::heat : CostMeter::water;
+
+	const auto findState = [&](Block& b, int& reached) { reached = content->findTemperature(b, of); };
+	const auto findRest  = [&](Block& b, int reached) {
+                if (reached == b.end()) content->findCoefficientsAndPressure(b, of, cells, clock.dt);
+	};
+	const PassPart state { true, pays, findState }, rest { true, water ? CostMeter::water : CostMeter::heat, findRest };
+	return content->inBlocks(first, last, [&](Block& b) {
+		int reached = 0;
+		sample.beginBlock();
+		state.run(sample, b, reached);
+		rest.run(sample, b, reached);
+		return reached;
+	});
+}
+
 template <int D> void Ground<D>::updateStrainAndPressure()
 {
 	Parts& g = *parts_;
@@ -618,7 +639,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	        PassPart { bool(g.record), CostMeter::record,
 	                   [&](int, int first, int last, Sample&) { g.record->accumulate(first, last, g.motion->gradient); } },
 	        PassPart { bool(g.content), CostMeter::freezing, [&](int strip, int first, int last, Sample& sample) {
-		                  const int failed = g.content->update(first, last, g.contentOf(), cells, g.clock.dt, sample);
+		                  const int failed = g.updateContent(first, last, cells, sample);
 		                  if (failed < last) g.bad[strip] = failed;
 	                  } });
 	if (g.cellPressure()) g.cost.time(CostMeter::water, [&] { g.findCellPressure(); });

@@ -17,20 +17,6 @@ namespace {
 	constexpr double smallestPorosity = 1e-3;
 } // namespace
 
-/// Some consecutive points of one material with what is known only during an update.
-template <int D> struct PoreContent<D>::Block {
-	int             first, count;
-	const Material* of;
-	double          temperature[blockSize];
-	double          temperatureBefore[blockSize];
-	double          poreVolume[blockSize];
-	double          liquidSaturation[blockSize];
-	double          saturationBefore[blockSize];
-	double          iceBefore[blockSize];
-	double          ice[blockSize];
-	double          capacity[blockSize];
-};
-
 template <int D>
 PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settings)
         : settings_(&settings)
@@ -365,43 +351,35 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 	return b.first + b.count;
 }
 
-template <int D> int PoreContent<D>::update(int first, int last, const Effects& of)
+template <int D> int PoreContent<D>::findTemperature(Block& b, const Effects& of) const
 {
-	std::array<double, CostMeter::entries> unused {};
-	CostMeter::Sample                      sample(unused);
-	return update(first, last, of, nullptr, 0.0, sample);
+	load(b, of.heat);
+	findPoreVolume(b);
+	if (of.heat) solveTemperature(b, *of.heat);
+	const int bad = firstImpossible(b);
+	if (bad < b.end() || !of.heat) return bad;
+	std::copy_n(b.temperature, b.count, of.heat->temperature + b.first);
+	findPoreVolume(b);
+	if (iceMass && of.water) exchangePhaseMomentum(b, *of.motion, *of.water);
+	return bad;
 }
 
-template <int D> int PoreContent<D>::update(int first, int last, const Effects& of, const CellMeans<D>* cells, double dt, CostMeter::Sample& sample)
+template <int D> void PoreContent<D>::findCoefficientsAndPressure(const Block& b, const Effects& of, const CellMeans<D>* cells, double dt)
 {
-	const CostMeter::Entry thermal = iceMass ? CostMeter::freezing : of.heat ? CostMeter::heat : CostMeter::water;
-	Block                  b;
-	for (int start = first; start < last; start += b.count) {
-		sample.beginBlock();
-		b.first = start;
-		choosePoints(b, last);
-		load(b, of.heat);
-		findPoreVolume(b);
-		if (of.heat) solveTemperature(b, *of.heat);
-		const int bad = firstImpossible(b);
-		if (bad < start + b.count) return bad;
-		if (of.heat) {
-			std::copy_n(b.temperature, b.count, of.heat->temperature + start);
-			findPoreVolume(b);
-			if (iceMass && of.water) exchangePhaseMomentum(b, *of.motion, *of.water);
-		}
-		sample.lap(thermal);
-		updateCoefficients(b, of.heat, of.water);
-		if (!of.water) {
-			sample.lap(CostMeter::heat);
-			continue;
-		}
-		if (lastVolume_) updatePressureRate(b, *of.water);
-		else if (cells) collectPressure(b, *cells, *of.water, dt);
-		else updatePressure(b, *of.water);
-		sample.lap(CostMeter::water);
-	}
-	return last;
+	updateCoefficients(b, of.heat, of.water);
+	if (!of.water) return;
+	if (lastVolume_) updatePressureRate(b, *of.water);
+	else if (cells) collectPressure(b, *cells, *of.water, dt);
+	else updatePressure(b, *of.water);
+}
+
+template <int D> int PoreContent<D>::update(int first, int last, const Effects& of)
+{
+	return inBlocks(first, last, [&](Block& b) {
+		const int reached = findTemperature(b, of);
+		if (reached == b.end()) findCoefficientsAndPressure(b, of, nullptr, 0.0);
+		return reached;
+	});
 }
 
 template <int D> std::string PoreContent<D>::whyImpossible(int p, const HeatTransfer<D>* heat) const

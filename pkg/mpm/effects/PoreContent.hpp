@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
@@ -31,12 +30,40 @@ public:
 	/// Masses and enthalpy of a point of given porosity, temperature and pressure; its derived state follows from update().
 	void fill(int place, double porosity, double temperature, double pressure, double poreFill, const Effects& of);
 
-	/// State of points first .. last after their volume, water mass and enthalpy changed. Returns the place of the first point in
-	/// an impossible state (no pore space, no liquid left, enthalpy out of range), or last.
+	struct Material;
+	/// Some consecutive points of one material with what is known only during an update.
+	struct Block {
+		int             first, count;
+		const Material* of;
+		double          temperature[blockSize];
+		double          temperatureBefore[blockSize];
+		double          poreVolume[blockSize];
+		double          liquidSaturation[blockSize];
+		double          saturationBefore[blockSize];
+		double          iceBefore[blockSize];
+		double          ice[blockSize];
+		double          capacity[blockSize];
+
+		int end() const { return first + count; }
+	};
+	/// work(block) for points first .. last in turn, until it returns a place before the end of its block. Returns that place, or last.
+	template <class Work> int inBlocks(int first, int last, Work&& work) const
+	{
+		Block b;
+		for (b.first = first; b.first < last; b.first += b.count) {
+			choosePoints(b, last);
+			if (const int reached = work(b); reached < b.end()) return reached;
+		}
+		return last;
+	}
+	/// Temperature and ice after volume, water mass and enthalpy changed. Returns the place of the first point in an impossible state (no pore space,
+	/// no liquid left, enthalpy out of range), or the end of the block.
+	int findTemperature(Block& b, const Effects& of) const;
+	/// Porosity, conductivity, drag and pressure, after findTemperature().
 	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
 	/// PoreWater::shareCellPressure and, in the step dt, PoreWater::levelPoints (call within MaterialPoints::strips().scatter).
-	/// sample: of the time that each effect takes.
-	int update(int first, int last, const Effects& of, const CellMeans<D>* cells, double dt, CostMeter::Sample& sample);
+	void findCoefficientsAndPressure(const Block& b, const Effects& of, const CellMeans<D>* cells, double dt);
+	/// Both, where every point has a pressure of its own. Returns as findTemperature(), or last.
 	int update(int first, int last, const Effects& of);
 	/// Why a point is in an impossible state; heat may be null.
 	std::string whyImpossible(int place, const HeatTransfer<D>* heat) const;
@@ -54,7 +81,6 @@ public:
 	double* iceMass       = nullptr; ///< nullptr without freezing
 	double* iceSaturation = nullptr;
 
-private:
 	/// What one material has of its own, for loops over points of it.
 	struct Material {
 		MixtureProperties mixture;
@@ -62,8 +88,9 @@ private:
 		Permeability      permeability;
 		double            seepageScale = 1.0; ///< f_H in this step [-]
 	};
-	const Material& of(int place) const { return materials_[points_->material(place)]; }
-	struct Block;
+
+private:
+	const Material&               of(int place) const { return materials_[points_->material(place)]; }
 	void                          choosePoints(Block& b, int last) const;
 	void                          load(Block& b, const HeatTransfer<D>* heat) const;
 	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
