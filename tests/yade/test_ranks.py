@@ -604,7 +604,7 @@ def test_a_rank_that_dies_while_all_write_leaves_the_former_checkpoint_and_one_r
 	checkResumed(alone, sampleCache, tmp_path / "later", pair.folder, 1)
 
 
-@pytest.mark.parametrize("ranks, threads, later", [(1, 2, 0), (2, 2, 3), (3, 1, 1), (3, 2, 2), (4, 1, 2), (4, 2, 3)])
+@pytest.mark.parametrize("ranks, threads, later", [(1, 2, 0), (2, 2, 3), (3, 1, 1), (4, 2, 2)])
 def test_any_number_of_ranks_and_threads_has_the_same_bits_slow(ranks, threads, later, alone, sampleCache, tmp_path):
 	other = played(tmp_path / "run", sampleCache, everything, ranks, threads)
 	checkSamples(alone, other)
