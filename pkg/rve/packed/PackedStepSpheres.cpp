@@ -62,6 +62,11 @@ namespace HWY_NAMESPACE {
 			Kept       distance, inverse;
 		};
 
+		/// How some pairs move in the step: turn of the contact, as it carries forces along, and what reduces its shear force.
+		struct Moved {
+			KeptVector turn, increment;
+		};
+
 		/// What a contact gives the sums; Turning: moments that are not those of forces.
 		template <bool Turning> struct ResponseOf {
 			Kept       normal;
@@ -217,10 +222,8 @@ namespace HWY_NAMESPACE {
 			return { Add(ofBonds.x, ofRolling.x), Add(ofBonds.y, ofRolling.y), Add(ofBonds.z, ofRolling.z) };
 		}
 
-		template <bool Bonded, bool Periodic, bool Rolling, bool Moments>
-		HWY_INLINE void respond(
-		        PackedStepView<3>& shared, const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g,
-		        ResponseOf<Rolling || Moments>& r)
+		template <bool Periodic>
+		HWY_INLINE void move(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Moved& m)
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
@@ -228,14 +231,24 @@ namespace HWY_NAMESPACE {
 			const Columns   w     = gatherColumns<false>(view, p, Layout::spin, plus);
 			const Vector    velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
 			const Many      sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
-			const Many      overlap = Sub(sum, g.distance());
 			// the branch of the last step is l - dt v: from it the turn of the normal follows, to the last place
 			const Many   inverse = g.inverse(), turning = Mul(c.step, inverse), stretch = Mul(sum, inverse);
-			const Vector across    = cross(n, velocity);
-			const Many   bend      = MulAdd(Mul(turning, dot(velocity, n)), turning, turning);
-			const Vector turn      = mulAdd(bend, across, scaled(n, Mul(c.halfStep, dot(n, spin))));
-			const Vector slip      = cross(n, NegMulAdd(stretch, across, rim));
-			const Vector increment = scaled(slip, Mul(c.shearStep, stiffness));
+			const Vector across = cross(n, velocity);
+			const Many   bend   = MulAdd(Mul(turning, dot(velocity, n)), turning, turning);
+			const Vector slip   = cross(n, NegMulAdd(stretch, across, rim));
+			m.turn              = mulAdd(bend, across, scaled(n, Mul(c.halfStep, dot(n, spin))));
+			m.increment         = scaled(slip, Mul(c.shearStep, stiffness));
+		}
+
+		template <bool Bonded, bool Periodic, bool Rolling, bool Moments>
+		HWY_INLINE void respond(
+		        PackedStepView<3>& shared, const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, const Moved& m,
+		        ResponseOf<Rolling || Moments>& r)
+		{
+			const Vector    n = g.n(), turn = m.turn(), increment = m.increment();
+			PackedBlock<3>& block     = p.pair();
+			const Many      stiffness = load(block.stiffness + p.lane);
+			const Many      overlap   = Sub(load(block.sumRadius + p.lane), g.distance());
 			const Vector before = load3(block.shear, p.lane), shear = crossAdd(turn, before, before);
 			Forces       f;
 			if constexpr (Bonded) {
@@ -245,7 +258,11 @@ namespace HWY_NAMESPACE {
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
 				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment, bendBonds<Moments>(view, p, c, n, turn),
-				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, forces); });
+				        [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
+					        Forces reported = forces; // of its own: the address of those at hand would keep them in memory
+					        reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, reported);
+					        forces = reported;
+				        });
 				store3(f.iceShear, ice.iceShear, p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
@@ -296,10 +313,11 @@ namespace HWY_NAMESPACE {
                                                     splat(view.dt),
                                                     splat(0.5 * view.dt) };
 				using Response = ResponseOf<Rolling || Moments>;
-				inStages<Gathered, Response, Bonded, Rolling>(
+				inStages<Gathered, Moved, Response, Bonded, Rolling>(
 				        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
-				        [&](const Place<3>& p, const Gathered& g, Response& r)
-				                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(shared, view, p, c, g, r); },
+				        [&](const Place<3>& p, const Gathered& g, Moved& m) HWY_ATTR TALIK_INLINED { move<Periodic>(view, p, c, g, m); },
+				        [&](const Place<3>& p, const Gathered& g, const Moved& m, Response& r)
+				                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(shared, view, p, c, g, m, r); },
 				        [&](const Place<3>& p, const Gathered& g, const Response& r)
 				                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
 			}

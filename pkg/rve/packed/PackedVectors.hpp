@@ -185,12 +185,13 @@ namespace HWY_NAMESPACE {
 
 		/// The same for work that is too long for two places to be under way at once: each of three stages is done for a few places before the next
 		/// one begins.
-		template <class Gathered, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Respond, class Scatter>
-		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Respond respond, Scatter scatter)
+		template <class Gathered, class Moved, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Move, class Respond, class Scatter>
+		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Move move, Respond respond, Scatter scatter)
 		{
-			constexpr std::size_t chunk = 8;
+			constexpr std::size_t chunk = 12;
 			const std::size_t     end   = 4 / laneCount * pairs.blocks;
 			Gathered              gathered[chunk];
+			Moved                 moved[chunk];
 			Response              responses[chunk];
 			bool                  idle[chunk];
 			const auto place = [&](std::size_t k) HWY_ATTR { return Place<Dim> { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
@@ -200,7 +201,9 @@ namespace HWY_NAMESPACE {
 					gather(place(from + k), gathered[k]);
 				for (std::size_t k = 0; k < count; ++k)
 					if (!(idle[k] = passedOver<Bonded, Rolling>(place(from + k), gathered[k].distance())))
-						respond(place(from + k), gathered[k], responses[k]);
+						move(place(from + k), gathered[k], moved[k]);
+				for (std::size_t k = 0; k < count; ++k)
+					if (!idle[k]) respond(place(from + k), gathered[k], moved[k], responses[k]);
 				for (std::size_t k = 0; k < count; ++k)
 					if (!idle[k]) scatter(place(from + k), gathered[k], responses[k]);
 			}
