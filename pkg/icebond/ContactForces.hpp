@@ -166,7 +166,6 @@ namespace HWY_NAMESPACE {
 		const auto                   intact = Lt(contact.floor, zero);
 		ContactForces<Number, Shear> f;
 		f.overlap          = overlap;
-		f.increment        = increment;
 		f.trialNormal      = Sub(Mul(contact.stiffness, overlap), contact.offset);
 		f.normal           = Max(f.trialNormal, contact.floor);
 		const Number limit = MulAdd(IfThenElse(intact, friction.bonded, friction.free), Max(f.trialNormal, zero), contact.cohesion);
@@ -181,7 +180,9 @@ namespace HWY_NAMESPACE {
 			const auto slides = AndNot(Or(opened, intact), shared); // a broken bond whose ice still carries
 			f.iceShear        = IfThenElse(slides, slidIce(f.iceShear, f.shear, f.trialShear), f.iceShear);
 			const auto failed = Or(opened, AndNot(slides, shared));
-			if (holdsSomewhere(overlap, failed)) settle(failed, f);
+			if (!holdsSomewhere(overlap, failed)) return f;
+			f.increment = increment; // asked for by what settles a bond only
+			settle(failed, f);
 		}
 		return f;
 	}

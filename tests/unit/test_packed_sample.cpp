@@ -549,6 +549,7 @@ TEST(CompactSample, keepsStateAndNeighbourListsToTheLastBit)
 		ASSERT_TRUE(compact.expand(stateAgain, listsAgain));
 		EXPECT_TRUE(stateAgain.toBytes() == state.toBytes());
 		EXPECT_EQ(listsAgain.inside, lists.inside);
+		EXPECT_EQ(listsAgain.slack, lists.slack);
 		EXPECT_EQ(listsAgain.first, lists.first);
 		EXPECT_EQ(listsAgain.second, lists.second);
 		EXPECT_EQ(listsAgain.cellDist, lists.cellDist);

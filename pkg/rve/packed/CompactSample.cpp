@@ -13,6 +13,9 @@ namespace {
 	constexpr unsigned bondBits = 4;
 	static_assert((PackedContacts<2>::iceSpringUncut | 3) < 1 << bondBits, "every bond fits");
 
+	constexpr unsigned slackBits = 4;
+	static_assert(PackedLists<2>::largestSlack < 1 << slackBits, "every slack fits");
+
 	/// Bits of an index that its low byte does not hold: 0, 1, 2, 4 or 8, so that a whole number of them fills a byte.
 	unsigned highBits(std::size_t largest)
 	{
@@ -172,6 +175,7 @@ template <int Dim> template <class Stream, class State, class Lists> void Compac
 	indices(c.second, unlisted);
 	indices(lists.first, pairs);
 	indices(lists.second, pairs);
+	stream.bitsOf(lists.slack, listed ? grainCount : 0, slackBits, 0);
 	stream.array(c.cellDist, unlisted, listed ? 0 : contactsInside);
 	stream.array(lists.cellDist, pairs - pairsInside);
 	stream.bitsOf(c.bond, bonds, bondBits, 0);

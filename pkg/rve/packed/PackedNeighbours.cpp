@@ -157,7 +157,7 @@ inline void NeighbourSearch<Dim>::testPair(const Wrapped& a, const Wrapped& b, c
 		const double branch = b.x[d] + shift[d] - a.x[d];
 		square += branch * branch;
 	}
-	const double limit = a.radius + b.radius + skin;
+	const double limit = a.radius + b.radius;
 	if (square <= limit * limit) keepPair(a, b, cells);
 }
 
@@ -242,16 +242,15 @@ template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* hSize, dou
 
 template <int Dim>
 void NeighbourSearch<Dim>::build(
-        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, double wantedSkin,
-        std::vector<std::uint64_t>& innerKeys, std::vector<std::uint64_t>& periodicKeys)
+        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, std::vector<std::uint64_t>& innerKeys,
+        std::vector<std::uint64_t>& periodicKeys)
 {
 	inner    = &innerKeys;
 	periodic = &periodicKeys;
-	skin     = wantedSkin;
 	inner->clear();
 	periodic->clear();
 	wrap(positions, stride, radii, grains, hSize);
-	const double reach = 2 * *std::max_element(radii, radii + grains) + skin;
+	const double reach = 2 * *std::max_element(radii, radii + grains);
 	const Grid   grid  = chooseGrid(reach);
 	if (grid.usable) {
 		fillBins(grid);

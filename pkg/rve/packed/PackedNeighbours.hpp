@@ -43,30 +43,33 @@ template <int Dim> struct PairKey {
 /// How much of the skin of neighbour lists is used up.
 template <int Dim> struct PackedListUse {
 	double referenceCell[Dim * Dim]; ///< cell vectors in columns when the lists were built, row-major [m]
-	double skin    = 0;              ///< [m]
-	double travel  = 0;              ///< bound of any grain's deviation from the affine motion since then [m]
+	double skin    = 0;              ///< of a grain whose slack is one [m]
+	double travel  = 0;              ///< bound of any grain's deviation from the affine motion since then, over its slack [m]
 	double stretch = 0;              ///< bound of any length's relative shortening since then [-]
 };
 
 /// Neighbour lists that outlive a stay in a workspace: pairs inside the cell, then pairs across it, each in the order of their keys.
 /// The contacts of the state are among them in the same order: a pair that is no contact has its grains exchanged, first > second.
 template <int Dim> struct PackedLists : PackedListUse<Dim> {
+	std::vector<std::uint8_t>                 slack; ///< of each grain, exponent of two: 2^slack skins lie around it
 	std::vector<std::uint16_t>                first, second;
 	std::vector<std::array<std::int8_t, Dim>> cellDist;   ///< of the pairs across the cell: entry k - inside for pair k
 	std::size_t                               inside = 0; ///< number of pairs that do not cross the cell
+
+	static constexpr unsigned largestSlack = 15; ///< parked in four bits
 
 	std::size_t size() const { return first.size(); }
 	bool        contact(std::size_t k) const { return first[k] < second[k]; }
 };
 
-/// Periodic search for all pairs closer than r_1 + r_2 + skin. Keeps its buffers.
+/// Periodic search for all pairs closer than r_1 + r_2. Keeps its buffers.
 template <int Dim> class NeighbourSearch {
 public:
-	/// positions: `grains` rows of `stride` doubles, unwrapped; hSize row-major with cell vectors in columns.
+	/// positions: `grains` rows of `stride` doubles, unwrapped; radii with the skins; hSize row-major with cell vectors in columns.
 	/// Keys of pairs inside the cell (c = 0) and across it, each sorted. Throws std::runtime_error when a cell distance leaves -127..127.
 	void build(
-	        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, double skin,
-	        std::vector<std::uint64_t>& inner, std::vector<std::uint64_t>& periodic);
+	        const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize, std::vector<std::uint64_t>& inner,
+	        std::vector<std::uint64_t>& periodic);
 
 private:
 	struct Grid {
@@ -90,7 +93,6 @@ private:
 	void testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift);
 	void keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells);
 
-	double                               skin = 0;
 	std::array<double, Dim * Dim>        inverse {};
 	std::vector<Wrapped>                 wrapped, binned, facing, faced;
 	std::vector<std::array<double, Dim>> reduced;

@@ -212,7 +212,8 @@ namespace HWY_NAMESPACE {
 						ay            = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
 						Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
 						const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
-						fluctuation.part[part] = Max(fluctuation.part[part], MulAdd(fx, fx, Mul(fy, fy)));
+						fluctuation.part[part] = Max(
+						        fluctuation.part[part], Mul(load(view.inverseSlackSquare + g), MulAdd(fx, fx, Mul(fy, fy))));
 						if (Jumps) {
 							vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
 							vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));

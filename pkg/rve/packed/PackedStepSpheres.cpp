@@ -69,8 +69,7 @@ namespace HWY_NAMESPACE {
 
 		/// What a contact gives the sums; Turning: moments that are not those of forces.
 		template <bool Turning> struct ResponseOf {
-			Kept       normal;
-			KeptVector shear;
+			Kept normal;
 		};
 		template <> struct ResponseOf<true> : ResponseOf<false> {
 			KeptVector moment; ///< of rolling and of bonds, on the second grain
@@ -106,7 +105,7 @@ namespace HWY_NAMESPACE {
 		template <bool Periodic, bool Turning>
 		HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const ResponseOf<Turning>& f)
 		{
-			const Vector n = g.n(), shear = f.shear(), m = cross(n, shear);
+			const Vector n = g.n(), shear = load3(p.pair().shear, p.lane), m = cross(n, shear);
 			const Many   normal = f.normal();
 			const Many   half = Mul(splat(0.5), g.distance()), difference = load(p.pair().halfDifference + p.lane);
 			Vector       ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
@@ -222,8 +221,7 @@ namespace HWY_NAMESPACE {
 			return { Add(ofBonds.x, ofRolling.x), Add(ofBonds.y, ofRolling.y), Add(ofBonds.z, ofRolling.z) };
 		}
 
-		template <bool Periodic>
-		HWY_INLINE void move(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Moved& m)
+		template <bool Periodic> HWY_INLINE void move(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Moved& m)
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
@@ -249,8 +247,8 @@ namespace HWY_NAMESPACE {
 			PackedBlock<3>& block     = p.pair();
 			const Many      stiffness = load(block.stiffness + p.lane);
 			const Many      overlap   = Sub(load(block.sumRadius + p.lane), g.distance());
-			const Vector before = load3(block.shear, p.lane), shear = crossAdd(turn, before, before);
-			Forces       f;
+			const Vector    before = load3(block.shear, p.lane), shear = crossAdd(turn, before, before);
+			Forces          f;
 			if constexpr (Bonded) {
 				PackedIceBlock<3>&          ice   = p.ice();
 				const Vector                ofIce = load3(ice.iceShear, p.lane);
@@ -270,7 +268,6 @@ namespace HWY_NAMESPACE {
 			store3(f.shear, block.shear, p.lane);
 			if constexpr (Rolling || Moments) r.moment = momentOf<Rolling, Moments>(view, p, c, n, turn, f.normal);
 			r.normal = f.normal;
-			r.shear  = f.shear;
 		}
 
 		/// A 3x3 matrix, the same in every lane.
@@ -350,7 +347,8 @@ namespace HWY_NAMESPACE {
 						                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
 						Vector       velocity  = mulAdd(dt, a, v);
 						const Vector carried   = Sub(velocity, meanField);
-						fluctuation.part[part] = Max(fluctuation.part[part], dot(carried, carried));
+						fluctuation.part[part] = Max(
+						        fluctuation.part[part], Mul(load(view.inverseSlackSquare + g), dot(carried, carried)));
 						if (Jumps) velocity = jump.timesAdd(x, velocity);
 						const Vector position = mulAdd(dt, velocity, x);
 						if (Stress) addVirial(virial, part, force, position);

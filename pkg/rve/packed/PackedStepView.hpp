@@ -90,7 +90,8 @@ template <int Dim> struct PackedStepView {
 	const double*       minusInverseMass;
 	const double*       inverseInertia; ///< spheres: with a minus, as their moments are summed up
 	const double*       radius;
-	std::size_t         grains; ///< rows that are integrated; a multiple of four
+	const double*       inverseSlackSquare; ///< see PackedLists
+	std::size_t         grains;             ///< rows that are integrated; a multiple of four
 
 	PackedPairs<Dim> inner, periodic;
 
@@ -110,7 +111,7 @@ template <int Dim> struct PackedStepView {
 
 	int    sampleStress;         ///< 1: this step forms the virial and the sums of shiftForce
 	double virial[Dim * Dim];    ///< sum G (x) x over grains
-	double maxFluctuationSquare; ///< of the step, |v - L x|^2
+	double maxFluctuationSquare; ///< of the step, (|v - L x| / slack)^2
 
 	/// Whether the velocity gradient changes in this step.
 	bool    jumps() const { return !std::equal(nextVelGrad, nextVelGrad + Dim * Dim, prevVelGrad); }

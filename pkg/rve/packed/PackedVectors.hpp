@@ -183,9 +183,10 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		/// The same for work that is too long for two places to be under way at once: each of three stages is done for a few places before the next
+		/// The same for work that is too long for two places to be under way at once: each stage is done for a few places before the next
 		/// one begins.
-		template <class Gathered, class Moved, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Move, class Respond, class Scatter>
+		template <
+		        class Gathered, class Moved, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Move, class Respond, class Scatter>
 		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Move move, Respond respond, Scatter scatter)
 		{
 			constexpr std::size_t chunk = 12;

@@ -72,6 +72,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>&
 	minusInverseMass.assign(rows / 4, zero);
 	inverseInertia.assign(rows / 4, zero);
 	radius.assign(rows / 4, zero);
+	inverseSlackSquare.assign(rows / 4, zero);
 	reference.assign(rows, zero);
 	bind();
 	for (std::size_t g = 0; g < grainCount; ++g) {
@@ -140,20 +141,21 @@ template <int Dim> void PackedWorkspace<Dim>::bind()
 		pairs.moments = lanes.moments.data();
 		return pairs;
 	};
-	view.motion           = motion.data()->value;
-	view.rim              = rim.empty() ? nullptr : rim.data()->value;
-	view.force            = forcesOf(motion, force);
-	view.turning          = turning.data();
-	view.minusInverseMass = minusInverseMass.data()->value;
-	view.inverseInertia   = inverseInertia.data()->value;
-	view.radius           = radius.data()->value;
-	view.grains           = rowCount;
-	view.inner            = pairsOf(innerLanes, false);
-	view.periodic         = pairsOf(periodicLanes, true);
-	view.shiftMotion      = shiftMotion.empty() ? nullptr : shiftMotion.data()->value;
-	view.shiftForce       = shiftMotion.empty() ? nullptr : forcesOf(shiftMotion, shiftForce);
-	view.shiftCell        = shiftCell.data();
-	view.shifts           = shiftCell.size() / Dim;
+	view.motion             = motion.data()->value;
+	view.rim                = rim.empty() ? nullptr : rim.data()->value;
+	view.force              = forcesOf(motion, force);
+	view.turning            = turning.data();
+	view.minusInverseMass   = minusInverseMass.data()->value;
+	view.inverseInertia     = inverseInertia.data()->value;
+	view.radius             = radius.data()->value;
+	view.inverseSlackSquare = inverseSlackSquare.data()->value;
+	view.grains             = rowCount;
+	view.inner              = pairsOf(innerLanes, false);
+	view.periodic           = pairsOf(periodicLanes, true);
+	view.shiftMotion        = shiftMotion.empty() ? nullptr : shiftMotion.data()->value;
+	view.shiftForce         = shiftMotion.empty() ? nullptr : forcesOf(shiftMotion, shiftForce);
+	view.shiftCell          = shiftCell.data();
+	view.shifts             = shiftCell.size() / Dim;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, PackedLists<Dim>* lists) const

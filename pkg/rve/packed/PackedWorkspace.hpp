@@ -109,6 +109,10 @@ private:
 
 	void     refreshLists();
 	void     rebuildLists(double leastSkin = 0);
+	void     chooseSkins(double leastSkin);
+	void     findPairs();
+	void     adoptSlack();
+	double   fluctuation(std::size_t grain) const;
 	void     adoptKeys();
 	void     lanesChanged();
 	void     formKeys(bool periodic);
@@ -155,7 +159,7 @@ private:
 	std::size_t                         grainCount = 0, rowCount = 0;
 	double                              largestRadius = 0, smallestRadius = 0, averageRadius = 0;
 
-	Rows                            motion, rim, force, minusInverseMass, inverseInertia, radius, reference;
+	Rows                            motion, rim, force, minusInverseMass, inverseInertia, radius, inverseSlackSquare, reference;
 	std::vector<PackedTurning<Dim>> turning;
 	Rows                            shiftMotion, shiftForce;
 	std::vector<std::int8_t>        shiftCell;
@@ -164,6 +168,8 @@ private:
 	double                          iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;
+	std::vector<std::uint8_t>  slack;
+	std::vector<double>        reach; ///< radii with the skins
 	std::vector<std::uint64_t> sortBuffer;
 	std::vector<std::uint32_t> sortCounts;
 	bool                       listsValid = false, referenceKnown = false;

@@ -8,8 +8,9 @@
 namespace talik {
 
 namespace {
-	/// Skin of the neighbour lists over the mean radius: rebuilds against pairs carried along in vain.
-	constexpr double skinOverRadius = 0.04;
+	// Skins of the neighbour lists: rebuilds against pairs carried along in vain. They are made to last for so many steps at the speed of
+	// now, within bounds over the mean radius.
+	constexpr double stepsOfLists = 800, leastSkinOverRadius = 0.001, largestSkinOverRadius = 0.02;
 } // namespace
 
 // ---------------------------------------------------------------------------------------------- lanes
@@ -85,7 +86,9 @@ template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::siz
 template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Dim>& contacts, const PackedLists<Dim>& lists)
 {
 	use            = lists;
+	slack          = lists.slack;
 	referenceKnown = false;
+	adoptSlack();
 	shiftCell.clear();
 	std::size_t k = 0, contact = 0;
 	for (const bool crosses : { false, true }) {
@@ -172,6 +175,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 template <int Dim> void PackedWorkspace<Dim>::storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const
 {
 	static_cast<PackedListUse<Dim>&>(lists) = use;
+	lists.slack                             = slack;
 	lists.inside                            = innerLanes.pairs;
 	lists.first.resize(innerLanes.pairs + periodicLanes.pairs);
 	lists.second.resize(lists.first.size());
@@ -201,13 +205,10 @@ template <int Dim> void PackedWorkspace<Dim>::predictedCell(double* h) const
 		h[k] = view.hSize[k] + view.dt * h[k];
 }
 
-// A pair outside the list was farther apart than r_1 + r_2 + skin. Since then the cell has shortened no length by more than the
-// factor 1 - stretch, and no grain has left the affine motion by more than `travel`; both are bounds, so no contact is ever missed and
-// results cannot depend on when the list was built.
-template <int Dim> bool PackedWorkspace<Dim>::listsExhausted() const
-{
-	return !(2 * use.travel + (2 * largestRadius + use.skin) * use.stretch * 1.01 < use.skin);
-}
+// A pair outside the list was farther apart than r_1 + r_2 + (slack_1 + slack_2) skin. Since then the cell has shortened no length by more
+// than the factor 1 - stretch, and no grain has left the affine motion by more than slack times `travel`; both are bounds, so no contact is
+// ever missed and results cannot depend on when the list was built. Of all pairs the largest radii with a slack of one come first.
+template <int Dim> bool PackedWorkspace<Dim>::listsExhausted() const { return !(use.travel + (largestRadius + use.skin) * use.stretch * 1.01 < use.skin); }
 
 template <int Dim> void PackedWorkspace<Dim>::accumulateTravel()
 {
@@ -216,7 +217,7 @@ template <int Dim> void PackedWorkspace<Dim>::accumulateTravel()
 	use.stretch += dt * strainRate<Dim>(view.velGrad);
 }
 
-/// Largest deviation from the affine motion since the lists were built, exactly.
+/// Largest deviation from the affine motion since the lists were built, over the slack, exactly.
 template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
 {
 	Matrix now, before;
@@ -236,7 +237,7 @@ template <int Dim> double PackedWorkspace<Dim>::measuredTravel() const
 				u -= deformation(d, e) * x0[4 * g + e];
 			square += u * u;
 		}
-		largest = std::max(largest, square);
+		largest = std::max(largest, square * view.inverseSlackSquare[g]);
 	}
 	return std::sqrt(largest);
 }
@@ -246,7 +247,7 @@ template <int Dim> void PackedWorkspace<Dim>::refreshLists()
 	if (listsValid && !listsExhausted()) return;
 	if (listsValid && referenceKnown) {
 		const double measured = measuredTravel();
-		if (measured < use.travel && 2 * measured + (2 * largestRadius + use.skin) * use.stretch * 1.01 < 0.7 * use.skin) {
+		if (measured < use.travel && measured + (largestRadius + use.skin) * use.stretch * 1.01 < 0.7 * use.skin) {
 			use.travel = measured * (1 + 1e-9);
 			return;
 		}
@@ -261,10 +262,60 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 	formKeys(false);
 	formKeys(true);
 	predictedCell(use.referenceCell);
-	use.skin = std::max(skinOverRadius * averageRadius, leastSkin);
+	chooseSkins(leastSkin);
 	std::swap(innerLanes, oldInner);
 	std::swap(periodicLanes, oldPeriodic);
-	search.build(view.motion, PackedLayout<Dim>::row, view.radius, grainCount, use.referenceCell, use.skin, innerLanes.keys, periodicLanes.keys);
+	findPairs();
+	adoptKeys();
+	for (std::size_t g = 0; g < grainCount; ++g)
+		for (int d = 0; d < Dim; ++d)
+			reference[g].value[d] = view.position(g)[d];
+	referenceKnown = true;
+	use.travel = use.stretch = 0;
+}
+
+/// Speed at which a grain leaves the affine motion [m/s].
+template <int Dim> double PackedWorkspace<Dim>::fluctuation(std::size_t grain) const
+{
+	double square = 0;
+	for (int d = 0; d < Dim; ++d) {
+		double v = view.velocity(grain)[d];
+		for (int e = 0; e < Dim; ++e)
+			v -= view.velGrad[d * Dim + e] * view.position(grain)[e];
+		square += v * v;
+	}
+	return std::sqrt(square);
+}
+
+/// The skin follows the strain rate, the slack of a grain its speed: the few that fly about between others make no lists longer.
+template <int Dim> void PackedWorkspace<Dim>::chooseSkins(double leastSkin)
+{
+	const double time = stepsOfLists * view.dt, largest = largestSkinOverRadius * averageRadius;
+	const double strained = time * largestRadius * std::max(strainRate<Dim>(view.velGrad), strainRate<Dim>(view.nextVelGrad));
+	use.skin              = std::max(std::min(std::max(strained, leastSkinOverRadius * averageRadius), largest), 0.5 * leastSkin);
+	slack.resize(grainCount);
+	for (std::size_t g = 0; g < grainCount; ++g) {
+		const double wanted = std::min(use.skin + time * fluctuation(g), largest);
+		slack[g]            = 0;
+		for (double skin = use.skin; skin < wanted && slack[g] < PackedLists<Dim>::largestSlack; skin *= 2)
+			++slack[g];
+	}
+	adoptSlack();
+}
+
+template <int Dim> void PackedWorkspace<Dim>::adoptSlack()
+{
+	for (std::size_t g = 0; g < grainCount; ++g)
+		inverseSlackSquare.data()->value[g] = std::ldexp(1., -2 * slack[g]);
+}
+
+/// Keys of the pairs within reach, and of bonds that have opened wider.
+template <int Dim> void PackedWorkspace<Dim>::findPairs()
+{
+	reach.resize(grainCount);
+	for (std::size_t g = 0; g < grainCount; ++g)
+		reach[g] = view.radius[g] + std::ldexp(use.skin, slack[g]);
+	search.build(view.motion, PackedLayout<Dim>::row, reach.data(), grainCount, use.referenceCell, innerLanes.keys, periodicLanes.keys);
 	for (const bool crosses : { false, true }) {
 		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
 		sortPairKeys(keys, sortBuffer, sortCounts);
@@ -272,12 +323,6 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 		if (carriesBonds) keepDistantBonds(crosses ? oldPeriodic : oldInner, keys, keys);
 		if (keys.size() > found) sortPairKeys(keys, sortBuffer, sortCounts);
 	}
-	adoptKeys();
-	for (std::size_t g = 0; g < grainCount; ++g)
-		for (int d = 0; d < Dim; ++d)
-			reference[g].value[d] = view.position(g)[d];
-	referenceKnown = true;
-	use.travel = use.stretch = 0;
 }
 
 /// Lanes for the keys, with the history of the previous ones.
