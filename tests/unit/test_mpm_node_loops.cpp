@@ -104,7 +104,48 @@ public:
 			keep(number, count);
 		loops.gatherNumber(weights_, records_.data(), one);
 		keep(one, count);
+		keepFront(loops, keep);
 		return all;
+	}
+
+	/// Some points bring to a third of the nodes and gather from them; in some supports no node has a record.
+	template <class Keep> void keepFront(const NodeLoops<D>& loops, Keep&& keep) const
+	{
+		using Loops = NodeLoops<D>;
+		std::vector<int> slot(grid_.nodeCount(), -1);
+		int              records = 0;
+		for (int node = 0; node < grid_.nodeCount() / 2; node += 1 + node % 5)
+			slot[node] = records++;
+		const int  size = D == 2 ? 32 : 48;
+		const auto map  = [&](auto columns, auto loop) {
+                        using Numbered = decltype(columns);
+                        typename Loops::template Shares<Numbered> shares;
+                        for (int k = 0; k < count; k += 1 + k % 3) {
+                                auto& share = shares.next(k);
+                                for (int i = 0; i < Numbered::size; ++i)
+                                        share.value[i] = fields_[i][k];
+                                for (int a = 0; a < D; ++a)
+                                        for (int i = 0; i < Numbered::size - Numbered::straight; ++i)
+                                                share.slope[a][i] = fields_[8 * a + i][k + 1];
+                        }
+                        Numbers copy(records_.begin(), records_.begin() + size * records);
+                        loop(weights_, shares, { slot.data(), copy.data(), size });
+                        keep(copy.data(), copy.size());
+		};
+		map(typename Columns::Frozen(), loops.mapFrozen);
+		map(typename Columns::Thawed(), loops.mapThawed);
+		map(typename Columns::Pores(), loops.mapPores);
+		const typename Loops::template SomeRecords<const double> some { slot.data(), records_.data(), size };
+		for (int k = 0; k < count; ++k) {
+			typename Loops::FrontSums sums {};
+			const auto                keepSums = [&] { keep(reinterpret_cast<const double*>(&sums), sizeof(sums) / sizeof(double)); };
+			loops.gatherFrozen(weights_, k, some, sums);
+			keepSums();
+			for (const bool strains : { false, true }) {
+				loops.gatherThawed(weights_, k, some, strains, sums);
+				keepSums();
+			}
+		}
 	}
 
 private:

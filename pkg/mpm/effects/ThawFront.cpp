@@ -213,8 +213,12 @@ template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange&
 	markNodes(range, mirrors, freeLiquid);
 	markNear();
 	meetings_.resize(nodes_.size());
-	records_.assign(nodes_.size() * recordSize, 0.0);
-	results_.assign(nodes_.size() * resultSize, 0.0);
+	records_.assign(nodes_.size(), {});
+	results_.assign(nodes_.size(), {});
+	normals_.assign(nodes_.size(), {});
+	for (Result& result : results_)
+		for (const int side : { 0, sideSize })
+			result.number[side + Side::present] = 1.0;
 	work_.assign(nodes_.size(), 0.0);
 }
 
@@ -224,7 +228,7 @@ template <int D> void ThawFront<D>::shareMapped(const Grid<D>& grid, SharedRows&
 	rowStarts_.resize(count + 1);
 	for (int r = 0; r <= count; ++r)
 		rowStarts_[r] = static_cast<int>(std::lower_bound(nodes_.begin(), nodes_.end(), r * row) - nodes_.begin());
-	rows.someNodes(records_.data(), recordSize, rowStarts_);
+	rows.someNodes(records_.empty() ? nullptr : records_[0].number, recordSize, rowStarts_);
 }
 
 template <int D> void ThawFront<D>::exceptFromMeans(CellMeans<D>& cells, int first, int last) const
@@ -254,11 +258,18 @@ template <int D> void ThawFront<D>::setStrength(int place, const std::optional<S
 template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
 {
 	if (!present()) return;
+	typename Loops::template Shares<Frozen> frozenShares;
+	typename Loops::template Shares<Thawed> thawedShares;
+	typename Loops::template Shares<Pores>  poreShares;
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
 		if (water_) mappedLiquid_[p] = liquidMass(p);
-		frozen(p) ? addFrozen(w, k) : addThawed(w, k);
+		if (frozen(p)) bringFrozen(p, frozenShares.next(k));
+		else {
+			bringThawed(p, thawedShares.next(k));
+			if (water_) bringPores(w, k, poreShares.next(k));
+		}
 		if (!affine) continue;
 		const int at = frozen(p) ? momentumAt : thawedMomentumAt;
 		affine->overMomenta(grid, w, k, motion_->mass[p], [&](int node, const Vec<D>& momentum) {
@@ -267,55 +278,45 @@ template <int D> void ThawFront<D>::map(const Grid<D>& grid, const WeightBlock<D
 				record(slot_[node])[at + i] += momentum[i];
 		});
 	}
+	const typename Loops::template SomeRecords<double> records { slot_.data(), records_[0].number, recordSize };
+	nodeLoops<D>().mapFrozen(w, frozenShares, records);
+	nodeLoops<D>().mapThawed(w, thawedShares, records);
+	nodeLoops<D>().mapPores(w, poreShares, records);
 }
 
-template <int D> void ThawFront<D>::addFrozen(const WeightBlock<D>& w, int k)
+template <int D> void ThawFront<D>::bringFrozen(int p, typename Loops::template Shares<Frozen>::Share& share) const
 {
-	const int    p = w.first + k;
 	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0, volume = motion_->volume[p];
 	double       mean = 0.0;
 	for (int i = 0; i < D; ++i)
 		mean += motion_->stress[i][p];
-	const double replace = motion_->meanStress ? motion_->meanStress[p] - mean * (1.0 / D) : 0.0;
-	overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
-		if (slot_[node] < 0) return;
-		double* r = record(slot_[node]);
-		r[massAt] += s * m;
-		r[liquidMassAt] += s * ml;
-		r[volumeAt] += s * volume;
-		for (int i = 0; i < D; ++i) {
-			r[momentumAt + i] += s * m * motion_->velocity[i][p];
-			if (water_) r[liquidMomentumAt + i] += s * ml * water_->velocity[i][p];
-			r[areaAt + i] += volume * g[i];
-			double f = replace * g[i];
-			for (int j = 0; j < D; ++j)
-				f += motion_->stress[stressIndex<D>(i, j)][p] * g[j];
-			r[forceAt + i] -= volume * f;
-		}
-	});
+	const double replace            = motion_->meanStress ? motion_->meanStress[p] - mean * (1.0 / D) : 0.0;
+	share.value[Frozen::mass]       = m;
+	share.value[Frozen::liquidMass] = ml;
+	share.value[Frozen::volume]     = volume;
+	for (int i = 0; i < D; ++i) {
+		share.value[Frozen::momentum + i] = m * motion_->velocity[i][p];
+		if (water_) share.value[Frozen::liquidMomentum + i] = ml * water_->velocity[i][p];
+		for (int a = 0; a < D; ++a)
+			share.slope[a][Frozen::force - Frozen::straight + i] = -volume * (motion_->stress[stressIndex<D>(i, a)][p] + (i == a ? replace : 0.0));
+		share.slope[i][Frozen::area - Frozen::straight + i] = volume;
+	}
 }
 
-template <int D> void ThawFront<D>::addThawed(const WeightBlock<D>& w, int k)
+template <int D> void ThawFront<D>::bringThawed(int p, typename Loops::template Shares<Thawed>::Share& share) const
 {
-	const int    p      = w.first + k;
-	const double volume = motion_->volume[p], pressure = water_ ? water_->pressure[p] : 0.0;
-	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0;
-	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
-		if (slot_[node] < 0) return;
-		double* r = record(slot_[node]);
-		r[thawedVolumeAt] += s * volume;
-		r[thawedMassAt] += s * m;
-		for (int i = 0; i < D; ++i)
-			r[thawedMomentumAt + i] += s * m * motion_->velocity[i][p];
-		r[frictionAt] += s * volume * friction_[p];
-		r[cohesionAt] += s * volume * cohesion_[p];
-		r[pressureAt] += s * volume * pressure;
-		r[modulusAt] += s * volume * modulus_[p];
-		r[thawedLiquidMassAt] += s * ml;
-		for (int c = 0; c < stressSize<D>; ++c)
-			r[stressAt + c] += s * volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
-	});
-	if (water_) addPoreForce(w, k);
+	const double volume = motion_->volume[p], m = motion_->mass[p], pressure = water_ ? water_->pressure[p] : 0.0;
+	share.value[Thawed::volume] = volume;
+	share.value[Thawed::mass]   = m;
+	for (int i = 0; i < D; ++i)
+		share.value[Thawed::momentum + i] = m * motion_->velocity[i][p];
+	share.value[Thawed::liquidMass] = water_ ? liquidMass(p) : 0.0;
+	share.value[Thawed::friction]   = volume * friction_[p];
+	share.value[Thawed::cohesion]   = volume * cohesion_[p];
+	share.value[Thawed::pressure]   = volume * pressure;
+	share.value[Thawed::modulus]    = volume * modulus_[p];
+	for (int c = 0; c < stressSize<D>; ++c)
+		share.value[Thawed::stress + c] = volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
 }
 
 /// Mass of water that fills the volume of a thawed point where its pores are full [kg]: what it would bear of its weight if it were still.
@@ -330,23 +331,24 @@ template <int D> double ThawFront<D>::fullMass(int p) const
 /// Part of a point that front nodes hold.
 template <int D> double ThawFront<D>::frontShare(const WeightBlock<D>& w, int k) const
 {
-	double share = 0.0;
-	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { share += slot_[node] < 0 ? 0.0 : s; });
+	const int* const slots = slot_.data() + w.base[k];
+	double           share = 0.0;
+	for (int row = 0; row < supportRows<D>; ++row) {
+		double along = 0.0;
+		for (int n = 0; n < supportNodes; ++n)
+			along += slots[w.offset[row * supportNodes + n]] < 0 ? 0.0 : w.value[0][n][k];
+		share += w.row(0, row)[k] * along;
+	}
 	return share;
 }
 
-template <int D> void ThawFront<D>::addPoreForce(const WeightBlock<D>& w, int k)
+template <int D> void ThawFront<D>::bringPores(const WeightBlock<D>& w, int k, typename Loops::template Shares<Pores>::Share& share) const
 {
-	const int    p    = w.first + k;
-	const double mass = fullMass(p), content = motion_->volume[p] * water_->pressure[p], held = motion_->volume[p] * (1.0 - frontShare(w, k));
-	overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
-		if (slot_[node] < 0) return;
-		double* r = record(slot_[node]);
-		r[fullMassAt] += s * mass;
-		r[heldVolumeAt] += s * held;
-		for (int i = 0; i < D; ++i)
-			r[poreForceAt + i] += content * g[i];
-	});
+	const int p                    = w.first + k;
+	share.value[Pores::fullMass]   = fullMass(p);
+	share.value[Pores::heldVolume] = motion_->volume[p] * (1.0 - frontShare(w, k));
+	for (int a = 0; a < D; ++a)
+		share.slope[a][Pores::force + a] = motion_->volume[p] * water_->pressure[p];
 }
 
 template <int D> void ThawFront<D>::push(const WeightBlock<D>& w, int k, const Vec<D>& force)
@@ -423,8 +425,17 @@ template <int D> void ThawFront<D>::unfold(const Mirrors& mirrors, StepLedger<D>
 			account.impulse[a] += turned;
 			account.wallWork += turned * (m.velocity[a] + m.change[a]);
 		}
-		for (int at = 0; at < resultSize; ++at)
-			result(slot_[m.ghost])[at] = m.sign[at % D] * inner[at];
+		double* const ghost = result(slot_[m.ghost]);
+		for (int a = 0; a < D; ++a) {
+			for (const int at : { velocityAt, gainAt, liquidGainAt })
+				for (const int side : { 0, sideSize })
+					ghost[side + at + a] = m.sign[a] * inner[side + at + a];
+			for (const int at : { SlipStrain::at + SlipStrain::slip, SlipStrain::at + SlipStrain::lacking })
+				for (int b = 0; b < D; ++b)
+					ghost[at + a * D + b] = m.sign[a] * m.sign[b] * inner[at + a * D + b];
+			normals_[slot_[m.ghost]][a] = m.sign[a] * normals_[slot_[m.inner]][a];
+		}
+		ghost[Slip::at + Slip::limit] = inner[Slip::at + Slip::limit];
 	}
 }
 
@@ -787,12 +798,26 @@ template <int D> void ThawFront<D>::correct(int slot)
 	// sides that do not press do not shear each other
 	const bool   strains = !statesStrength(m);
 	const double fed = strains && m.inside && m.reaction > 0.0 ? perThickness : 0.0, lacking = strains ? lackingPressure(m) : 0.0;
-	for (int a = 0; a < D; ++a) {
-		out[slipAt + a]    = (m.jump[a] - opened * m.normal[a]) * fed;
-		out[lackingAt + a] = lacking * m.normal[a];
-		out[limitAt + a]   = (lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area) * m.normal[a];
-		out[normalAt + a]  = m.normal[a];
-	}
+	normals_[slot]              = m.normal;
+	out[Slip::at + Slip::limit] = lacking == 0.0 ? unlimited : settlingStress * m.reaction / m.area;
+	double* const strain        = out + SlipStrain::at;
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j) {
+			strain[SlipStrain::slip + i * D + j]    = (m.jump[i] - opened * m.normal[i]) * fed * m.normal[j];
+			strain[SlipStrain::lacking + i * D + j] = lacking * m.normal[i] * m.normal[j];
+		}
+}
+
+/// Velocity of the thawed side along the front.
+template <int D> void ThawFront<D>::giveSlip(int slot)
+{
+	double* const out = result(slot);
+	Vec<D>        jump;
+	for (int a = 0; a < D; ++a)
+		jump[a] = out[sideSize + velocityAt + a] - out[velocityAt + a];
+	const double opened = dot<D>(jump, normals_[slot]);
+	for (int a = 0; a < D; ++a)
+		out[Slip::at + Slip::velocity + a] = jump[a] - opened * normals_[slot][a];
 }
 
 template <int D>
@@ -821,6 +846,8 @@ void ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors&
 	});
 	leadWalls(mirrors, ledger);
 	unfold(mirrors, ledger);
+	strains_ = std::any_of(meetings_.begin(), meetings_.end(), [](const Meeting& m) { return m.meets && !statesStrength(m); });
+	overSlots([&](int slot) { giveSlip(slot); });
 	for (int slot = 0; slot < count; ++slot)
 		for (int side = 0; side < 2; ++side)
 			for (int a = 0; a < D; ++a) {
@@ -854,65 +881,17 @@ namespace {
 	}
 } // namespace
 
-/// Sums of the results of front nodes over the support of a point.
-template <int D> struct ThawFront<D>::AtPoint {
-	double side[sideSize]               = {}; ///< of its own side
-	double gradient[D][D]               = {}; ///< of velocity component i along axis j at [j][i]
-	double product[D][limitAt - slipAt] = {}; ///< slip and lacking times component j of the normal at [j]
-	Vec<D> slipping {};
-	double limit = 0.0, weight = 0.0;
-	double slip(int i, int j) const { return product[j][i]; }
-	double lacking(int i, int j) const { return product[j][lackingAt - slipAt + i]; }
-};
-
-template <int D> typename ThawFront<D>::AtPoint ThawFront<D>::sum(const WeightBlock<D>& w, int k, bool thawed) const
-{
-	AtPoint   sums;
-	const int offset = thawed ? sideSize : 0;
-	overNodes<D>(
-	        w, k, [&](int node, double s, const Vec<D>& g) __attribute__((always_inline)) {
-		        if (slot_[node] < 0) return;
-		        const double* const r = result(slot_[node]);
-#pragma GCC unroll 1
-		        for (int c = 0; c < sideSize; ++c)
-			        sums.side[c] += s * r[offset + c];
-		        for (int j = 0; j < D; ++j)
-			        for (int i = 0; i < D; ++i)
-				        sums.gradient[j][i] += r[offset + velocityAt + i] * g[j];
-		        if (!thawed) return;
-		        sums.weight += s;
-		        double opened = 0.0;
-		        for (int i = 0; i < D; ++i)
-			        opened += (r[sideSize + velocityAt + i] - r[velocityAt + i]) * r[normalAt + i];
-		        for (int i = 0; i < D; ++i) {
-			        sums.limit += s * r[limitAt + i] * r[normalAt + i];
-			        sums.slipping[i] += s * (r[sideSize + velocityAt + i] - r[velocityAt + i] - opened * r[normalAt + i]);
-		        }
-		        for (int j = 0; j < D; ++j)
-#pragma GCC unroll 1
-			        for (int c = 0; c < limitAt - slipAt; ++c)
-				        sums.product[j][c] += s * r[slipAt + c] * r[normalAt + j];
-	        });
-	return sums;
-}
-
 template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine)
 {
 	if (!present()) return;
+	const typename Loops::template SomeRecords<const double> records { slot_.data(), results_[0].number, resultSize };
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!near(p)) continue;
-		const bool    thawed     = !frozen(p);
-		const AtPoint sums       = sum(w, k, thawed);
-		double        slip[D][D] = {};
-		if (thawed) {
-			for (int i = 0; i < D; ++i)
-				for (int j = 0; j < D; ++j)
-					slip[i][j] = sums.slip(i, j);
-			limitStrain(slip, sums.limit / (sums.weight * modulus_[p] * dt));
-			// water holds the normal stress by itself; what grains gained would be taken off its pressure
-			if (!water_) lead(p, dt, sums, slip);
-		}
+		const bool                thawed = !frozen(p);
+		typename Loops::FrontSums sums;
+		if (thawed) nodeLoops<D>().gatherThawed(w, k, records, strains_, sums);
+		else nodeLoops<D>().gatherFrozen(w, k, records, sums);
 		for (int i = 0; i < D; ++i) {
 			const double velocity = sums.side[velocityAt + i];
 			motion_->velocity[i][p] += sums.side[gainAt + i];
@@ -920,25 +899,45 @@ template <int D> void ThawFront<D>::gather(const Grid<D>& grid, const WeightBloc
 			if (water_) water_->velocity[i][p] += sums.side[liquidGainAt + i] * (mappedLiquid_[p] / liquidMass(p));
 			motion_->position[i][p] += dt * velocity;
 			motion_->displacement[i][p] += dt * velocity;
-			for (int j = 0; j < D; ++j) {
+			for (int j = 0; j < D; ++j)
 				motion_->gradient[i * D + j][p] += dt * sums.gradient[j][i];
-				strain_[i * D + j][p] = dt * slip[i][j];
-			}
 		}
-		slip_[p] += dt * lengthOf<D>(sums.slipping);
+		if (thawed) takeSlip(p, dt, sums);
 		if (affine)
 			affine->addGradient(
 			        grid, w, k, [&](int node) { return slot_[node] < 0 ? nullptr : result(slot_[node]) + (thawed ? sideSize : 0) + velocityAt; });
 	}
 }
 
-/// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
-template <int D> void ThawFront<D>::lead(int p, double dt, const AtPoint& sums, double (&slip)[D][D])
+/// Path of a thawed point along the front, and the strain that it gets for it.
+template <int D> void ThawFront<D>::takeSlip(int p, double dt, const typename Loops::FrontSums& sums)
 {
-	const double settling = sums.limit / sums.weight; // settlingStress times the reaction per area [Pa]
-	double       pressure = 0.0, square = 0.0;
+	Vec<D> slipping;
+	for (int i = 0; i < D; ++i)
+		slipping[i] = sums.slip[Slip::velocity + i];
+	slip_[p] += dt * lengthOf<D>(slipping);
+	double slip[D][D] = {};
+	if (strains_) {
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				slip[i][j] = sums.strain[SlipStrain::slip + i * D + j];
+		limitStrain(slip, sums.slip[Slip::limit] / (sums.side[Side::present] * modulus_[p] * dt));
+		// water holds the normal stress by itself; what grains gained would be taken off its pressure
+		if (!water_) lead(p, dt, sums, slip);
+	}
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j)
+			strain_[i * D + j][p] = dt * slip[i][j];
+}
+
+/// Strain along the normal that brings what the points lack in pressure, no more than they slip: what stands has no need of it.
+template <int D> void ThawFront<D>::lead(int p, double dt, const typename Loops::FrontSums& sums, double (&slip)[D][D])
+{
+	const double        settling = sums.slip[Slip::limit] / sums.side[Side::present]; // settlingStress times the reaction per area [Pa]
+	const double* const lacking  = sums.strain + SlipStrain::lacking;
+	double              pressure = 0.0, square = 0.0;
 	for (int i = 0; i < D; ++i) {
-		pressure += sums.lacking(i, i);
+		pressure += lacking[i * D + i];
 		for (int j = 0; j < D; ++j)
 			square += slip[i][j] * slip[i][j];
 	}
@@ -950,7 +949,7 @@ template <int D> void ThawFront<D>::lead(int p, double dt, const AtPoint& sums, 
 	led_[p] += strain;
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
-			slip[i][j] += strain * sums.lacking(i, j) / (pressure * dt);
+			slip[i][j] += strain * lacking[i * D + j] / (pressure * dt);
 }
 
 template <int D> void ThawFront<D>::addSlip(int first, int last)

@@ -2,15 +2,16 @@
 #pragma once
 
 #include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/kernels/NodeLoops.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/mpm/StepLedger.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <optional>
 #include <vector>
@@ -96,19 +97,34 @@ public:
 	const double* correction(int node, int place) const;
 
 private:
+	using Loops      = NodeLoops<D>;
+	using Columns    = NodeColumns<D>;
+	using Frozen     = typename Columns::Frozen;
+	using Thawed     = typename Columns::Thawed;
+	using Pores      = typename Columns::Pores;
+	using Side       = typename Columns::Side;
+	using Slip       = typename Columns::Slip;
+	using SlipStrain = typename Columns::SlipStrain;
 	/// Of the frozen side: mass, momentum, liquid mass, liquid momentum, force, volume, area vector; of the thawed: volume, mass, momentum, liquid
 	/// mass, and volume times friction, cohesion, pore pressure, tangent modulus and total stress; in ground with water also the mass of water that
 	/// fills it where its pores are full, the force of pore pressure, and the volume that nodes of thawed ground alone hold. Momenta contain those of
 	/// affine velocities: the sides would otherwise hand them to each other in every step, and slide faster than friction lets them.
-	static constexpr int massAt = 0, momentumAt = 1, liquidMassAt = 1 + D, liquidMomentumAt = 2 + D, forceAt = 2 + 2 * D, volumeAt = 2 + 3 * D,
-	                     areaAt = 3 + 3 * D, thawedVolumeAt = 3 + 4 * D, thawedMassAt = 4 + 4 * D, thawedMomentumAt = 5 + 4 * D,
-	                     thawedLiquidMassAt = 5 + 5 * D, frictionAt = 6 + 5 * D, cohesionAt = 7 + 5 * D, pressureAt = 8 + 5 * D, modulusAt = 9 + 5 * D,
-	                     stressAt = 10 + 5 * D, fullMassAt = stressAt + stressSize<D>, poreForceAt = fullMassAt + 1, heldVolumeAt = poreForceAt + D,
-	                     recordSize = heldVolumeAt + 1;
-	/// Of each side, frozen first: correction of the velocity, of what points gain of it, and of what their liquid gains; then the rate of
-	/// slip strain [1/s], pressure that is lacking [Pa], how far it may be led back [Pa], both along the normal, and the normal.
-	static constexpr int velocityAt = 0, gainAt = D, liquidGainAt = 2 * D, sideSize = 3 * D, slipAt = 2 * sideSize, lackingAt = slipAt + D,
-	                     limitAt = lackingAt + D, normalAt = limitAt + D, resultSize = normalAt + D;
+	static constexpr int massAt = Frozen::mass, momentumAt = Frozen::momentum, liquidMassAt = Frozen::liquidMass, liquidMomentumAt = Frozen::liquidMomentum,
+	                     forceAt = Frozen::force, volumeAt = Frozen::volume, areaAt = Frozen::area, thawedVolumeAt = Thawed::at + Thawed::volume,
+	                     thawedMassAt = Thawed::at + Thawed::mass, thawedMomentumAt = Thawed::at + Thawed::momentum,
+	                     thawedLiquidMassAt = Thawed::at + Thawed::liquidMass, frictionAt = Thawed::at + Thawed::friction,
+	                     cohesionAt = Thawed::at + Thawed::cohesion, pressureAt = Thawed::at + Thawed::pressure, modulusAt = Thawed::at + Thawed::modulus,
+	                     stressAt = Thawed::at + Thawed::stress, fullMassAt = Pores::at + Pores::fullMass, poreForceAt = Pores::at + Pores::force,
+	                     heldVolumeAt = Pores::at + Pores::heldVolume;
+	/// Of each side, frozen first, what NodeColumns::Side names, then Slip and SlipStrain.
+	static constexpr int velocityAt = Side::velocity, gainAt = Side::gain, liquidGainAt = Side::liquidGain, sideSize = Side::size;
+	struct alignas(64) Record {
+		double number[Pores::at + Pores::size];
+	};
+	struct alignas(64) Result {
+		double number[SlipStrain::at + SlipStrain::size];
+	};
+	static constexpr int recordSize = sizeof(Record) / sizeof(double), resultSize = sizeof(Result) / sizeof(double);
 	/// Both sides at a front node.
 	struct Meeting {
 		std::array<double, 2> solid {}, liquid {}; ///< masses of the frozen and the thawed side [kg]
@@ -136,10 +152,10 @@ private:
 		double                impulse   = 0.0;     ///< along the normal, on the thawed side [N s]
 	};
 
-	double*       record(int slot) { return records_.data() + static_cast<std::size_t>(slot) * recordSize; }
-	const double* record(int slot) const { return records_.data() + static_cast<std::size_t>(slot) * recordSize; }
-	double*       result(int slot) { return results_.data() + static_cast<std::size_t>(slot) * resultSize; }
-	const double* result(int slot) const { return results_.data() + static_cast<std::size_t>(slot) * resultSize; }
+	double*       record(int slot) { return records_[slot].number; }
+	const double* record(int slot) const { return records_[slot].number; }
+	double*       result(int slot) { return results_[slot].number; }
+	const double* result(int slot) const { return results_[slot].number; }
 	bool          near(int place) const { return near_[cell_[place]]; }
 	bool          frozen(int place) const { return side_[place] != 0.0; }
 	double        liquidMass(int place) const { return waterMass_[place] - iceMass_[place]; }
@@ -147,9 +163,9 @@ private:
 	void          markCells(const Grid<D>& grid, int first, int last);
 	void          markNodes(const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 	void          markNear();
-	void          addFrozen(const WeightBlock<D>& w, int k);
-	void          addThawed(const WeightBlock<D>& w, int k);
-	void          addPoreForce(const WeightBlock<D>& w, int k);
+	void          bringFrozen(int place, typename Loops::template Shares<Frozen>::Share& share) const;
+	void          bringThawed(int place, typename Loops::template Shares<Thawed>::Share& share) const;
+	void          bringPores(const WeightBlock<D>& w, int k, typename Loops::template Shares<Pores>::Share& share) const;
 	void          fold(const Mirrors& mirrors, double dt);
 	void          unfold(const Mirrors& mirrors, StepLedger<D>& ledger);
 	bool          leads(const typename Mirrors::value_type& mirror) const;
@@ -173,9 +189,9 @@ private:
 	double        slide(int slot, double dt);
 	double        lackingPressure(const Meeting& meeting) const;
 	void          correct(int slot);
-	struct AtPoint;
-	TALIK_PROCESSOR_VERSIONS AtPoint sum(const WeightBlock<D>& w, int k, bool thawed) const;
-	void                             lead(int place, double dt, const AtPoint& sums, double (&slip)[D][D]);
+	void          giveSlip(int slot);
+	void          takeSlip(int place, double dt, const typename Loops::FrontSums& sums);
+	void          lead(int place, double dt, const typename Loops::FrontSums& sums, double (&slip)[D][D]);
 
 	template <class Work> void overBeside(int node, Work&& work) const;
 
@@ -210,7 +226,11 @@ private:
 	PagedArray<double>                 modulus_, friction_, cohesion_; ///< by place, of thawed points near the front [Pa], [-], [Pa]
 	std::vector<std::array<double, 4>> folded_;       ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
 	PagedArray<double>                 mappedLiquid_; ///< by place, liquid mass of points near the front when it was mapped [kg]
-	std::vector<double>                records_, results_, work_;
+	std::vector<Record>                records_;
+	std::vector<Result>                results_;
+	std::vector<Vec<D>>                normals_;         ///< by front node
+	bool                               strains_ = false; ///< thawed points get slip as strain
+	std::vector<double>                work_;
 };
 
 extern template class ThawFront<2>;

@@ -76,6 +76,43 @@ template <int D> struct NodeLoops {
 		double*                      exchange;
 	};
 	void (*seep)(const WeightBlock<D>& w, const Seepage& s);
+
+	/// Records of size numbers that some nodes have: slot[node] is the place of that of a node, or -1.
+	template <class Number> struct SomeRecords {
+		const int* slot;
+		Number*    first;
+		int        size;
+	};
+	/// What some points of a block, in its order, bring to the numbers Numbers of such records: S value, and dS/dx_a slope[a] to those that
+	/// take slopes.
+	template <class Numbers> struct Shares {
+		struct Share {
+			int    point; ///< in the block
+			double value[Numbers::size];
+			double slope[D][Numbers::size > Numbers::straight ? Numbers::size - Numbers::straight : 1];
+		};
+		int    count = 0;
+		Share  of[blockSize];
+		Share& next(int point)
+		{
+			of[count]       = {};
+			of[count].point = point;
+			return of[count++];
+		}
+	};
+	void (*mapFrozen)(const WeightBlock<D>& w, const Shares<typename Columns::Frozen>& shares, const SomeRecords<double>& records);
+	void (*mapThawed)(const WeightBlock<D>& w, const Shares<typename Columns::Thawed>& shares, const SomeRecords<double>& records);
+	void (*mapPores)(const WeightBlock<D>& w, const Shares<typename Columns::Pores>& shares, const SomeRecords<double>& records);
+
+	/// What one point gathers from records Side, Slip and SlipStrain.
+	struct FrontSums {
+		double side[Columns::Side::size];
+		double gradient[D][4]; ///< of velocity component i along axis a at [a][i]
+		double slip[Columns::Slip::size], strain[Columns::SlipStrain::size];
+	};
+	/// Sums of point k of a block on the frozen side: side and gradient. On the thawed side slip too, and strain if there is any.
+	void (*gatherFrozen)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, FrontSums& sums);
+	void (*gatherThawed)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, bool strains, FrontSums& sums);
 };
 
 /// The loops that all ground uses: the vector version for this processor, unless others were chosen.

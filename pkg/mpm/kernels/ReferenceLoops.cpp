@@ -2,6 +2,8 @@
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/kernels/NodeLoops.hpp>
 
+#include <algorithm>
+
 namespace talik {
 
 namespace {
@@ -205,6 +207,72 @@ namespace {
 		}
 	}
 
+	template <class Numbers, int D>
+	void mapSome(
+	        const WeightBlock<D>& w, const typename NodeLoops<D>::template Shares<Numbers>& shares,
+	        const typename NodeLoops<D>::template SomeRecords<double>& records)
+	{
+		for (int k = 0; k < shares.count; ++k) {
+			const auto& share = shares.of[k];
+			overNodes<D>(w, share.point, [&](int node, double s, const Vec<D>& g) {
+				if (records.slot[node] < 0) return;
+				double* r = records.first + static_cast<long>(records.slot[node]) * records.size + Numbers::at;
+				for (int i = 0; i < Numbers::size; ++i)
+					r[i] += s * share.value[i];
+				for (int i = Numbers::straight; i < Numbers::size; ++i)
+					for (int a = 0; a < D; ++a)
+						r[i] += g[a] * share.slope[a][i - Numbers::straight];
+			});
+		}
+	}
+
+	/// Adds S numbers [first, first + n) of the records of the support.
+	template <int D>
+	void addSome(const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records, int first, int n, double* sums)
+	{
+		std::fill(sums, sums + n, 0.0);
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
+			for (int i = 0; i < n && records.slot[node] >= 0; ++i)
+				sums[i] += s * records.first[static_cast<long>(records.slot[node]) * records.size + first + i];
+		});
+	}
+
+	template <int D>
+	void gatherSide(
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records, int first,
+	        typename NodeLoops<D>::FrontSums& sums)
+	{
+		using Side = typename NodeColumns<D>::Side;
+		addSome<D>(w, k, records, first, Side::size, sums.side);
+		for (auto& along : sums.gradient)
+			std::fill(along, along + 4, 0.0);
+		overNodes<D>(w, k, [&](int node, double, const Vec<D>& g) {
+			for (int a = 0; a < D && records.slot[node] >= 0; ++a)
+				for (int i = 0; i < 4; ++i)
+					sums.gradient[a][i] += g[a]
+					        * records.first[static_cast<long>(records.slot[node]) * records.size + first + Side::velocity + i];
+		});
+	}
+
+	template <int D>
+	void gatherFrozen(
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records,
+	        typename NodeLoops<D>::FrontSums& sums)
+	{
+		gatherSide<D>(w, k, records, 0, sums);
+	}
+
+	template <int D>
+	void gatherThawed(
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records, bool strains,
+	        typename NodeLoops<D>::FrontSums& sums)
+	{
+		using C = NodeColumns<D>;
+		gatherSide<D>(w, k, records, C::Side::size, sums);
+		addSome<D>(w, k, records, C::Slip::at, C::Slip::size, sums.slip);
+		if (strains) addSome<D>(w, k, records, C::SlipStrain::at, C::SlipStrain::size, sums.strain);
+	}
+
 } // namespace
 
 template <int D> const NodeLoops<D>& referenceLoops()
@@ -222,7 +290,12 @@ template <int D> const NodeLoops<D>& referenceLoops()
 		                          &flowHeat<D>,
 		                          &flowPressure<D>,
 		                          &flowHeatAndPressure<D>,
-		                          &seep<D> };
+		                          &seep<D>,
+		                          &mapSome<typename Columns::Frozen, D>,
+		                          &mapSome<typename Columns::Thawed, D>,
+		                          &mapSome<typename Columns::Pores, D>,
+		                          &gatherFrozen<D>,
+		                          &gatherThawed<D> };
 	return loops;
 }
 

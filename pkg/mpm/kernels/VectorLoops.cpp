@@ -151,15 +151,38 @@ namespace HWY_NAMESPACE {
 			[[gnu::always_inline]] long at(int row, int column) const { return number[row * supportNodes + column]; }
 		};
 
-		/// The record of the base node of point k.
-		template <int D> HWY_INLINE double* baseOf(const WeightBlock<D>& w, int k, double* nodes, int recordSize)
-		{
-			return nodes + static_cast<long>(w.base[k]) * recordSize;
-		}
-		template <int D> HWY_INLINE const double* baseOf(const WeightBlock<D>& w, int k, const double* nodes, int recordSize)
-		{
-			return nodes + static_cast<long>(w.base[k]) * recordSize;
-		}
+		/// The records of the support of a point; Number is double or const double. Rows for which any() is false are left out.
+		template <int D, class Number> struct AllRecords {
+			Number*           base;
+			const Offsets<D>& offsets;
+			AllRecords(const WeightBlock<D>& w, int k, Number* nodes, int recordSize, const Offsets<D>& at)
+			        : base(nodes + static_cast<long>(w.base[k]) * recordSize)
+			        , offsets(at)
+			{}
+			[[gnu::always_inline]] Number* at(int row, int column) const { return base + offsets.at(row, column); }
+			static constexpr bool          any(int) { return true; }
+		};
+
+		/// Where some nodes have a record. The others share `none`: zeros, or numbers that nobody reads.
+		template <int D, class Number> struct ChosenRecords {
+			Number* record[supportCount<D>];
+			bool    present[supportRows<D>], anywhere = false;
+			ChosenRecords(const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<Number>& some, Number* none)
+			{
+				const int* const slots = some.slot + w.base[k];
+				for (int row = 0; row < supportRows<D>; ++row) {
+					present[row] = false;
+					for (int n = row * supportNodes; n < (row + 1) * supportNodes; ++n) {
+						const int slot = slots[w.offset[n]];
+						record[n]      = slot < 0 ? none : some.first + static_cast<long>(slot) * some.size;
+						present[row] |= slot >= 0;
+					}
+					anywhere |= present[row];
+				}
+			}
+			Number* at(int row, int column) const { return record[row * supportNodes + column]; }
+			bool    any(int row) const { return present[row]; }
+		};
 
 		/// What a point gives to each record of its support: S value + sum_a dS/dx_a slope[a].
 		template <int D, class Value, class Slope> struct Share {
@@ -170,39 +193,44 @@ namespace HWY_NAMESPACE {
 
 		/// Adds the shares of the points first .. last - 1, which have one base. The records of some rows stay in registers while all these
 		/// points add to them: every record has one order of its sum, however long the run. What the nodes of a row share is formed once.
-		template <class Record, int D, class Value, class Slope>
-		HWY_INLINE void scatter(
-		        const WeightBlock<D>& w, int first, int last, const Offsets<D>& offsets, double* base, const Share<D, Value, Slope>* shares)
+		/// Points k = first .. last - 1 are those with number pointAt(k) in the block and give shareAt(k) to the numbers from column on.
+		template <class Record, int D, class Records, class ShareAt, class PointAt>
+		HWY_INLINE void scatter(const WeightBlock<D>& w, int first, int last, const Records& records, int column, ShareAt&& shareAt, PointAt&& pointAt)
 		{
 			constexpr int rows = D == 2 ? 1 : supportNodes;
 #pragma GCC unroll 3
 			for (int firstRow = 0; firstRow < supportRows<D>; firstRow += rows) {
+				bool any = false;
+#pragma GCC unroll 3
+				for (int row = 0; row < rows; ++row)
+					any |= records.any(firstRow + row);
+				if (!any) continue;
 				Record record[rows][supportNodes];
 #pragma GCC unroll 3
 				for (int row = 0; row < rows; ++row)
 #pragma GCC unroll 3
-					for (int column = 0; column < supportNodes; ++column)
-						load(base + offsets.at(firstRow + row, column), record[row][column]);
+					for (int n = 0; n < supportNodes; ++n)
+						load(records.at(firstRow + row, n) + column, record[row][n]);
 				for (int k = first; k < last; ++k) {
-					const FirstAxis               s(w, k);
-					const Share<D, Value, Slope>& share = shares[k - first];
+					const int       p = pointAt(k);
+					const FirstAxis s(w, p);
+					const auto&     share = shareAt(k);
 #pragma GCC unroll 3
 					for (int row = 0; row < rows; ++row) {
-						const double shared   = w.row(0, firstRow + row)[k];
-						auto         rowValue = added(share.slope[1], w.row(1, firstRow + row)[k], scaled(share.value, shared));
-						if constexpr (D == 3) rowValue = added(share.slope[2], w.row(2, firstRow + row)[k], rowValue);
+						const double shared   = w.row(0, firstRow + row)[p];
+						auto         rowValue = added(share.slope[1], w.row(1, firstRow + row)[p], scaled(share.value, shared));
+						if constexpr (D == 3) rowValue = added(share.slope[2], w.row(2, firstRow + row)[p], rowValue);
 						const auto rowSlope = scaled(share.slope[0], shared);
 #pragma GCC unroll 3
-						for (int column = 0; column < supportNodes; ++column)
-							record[row][column] = added(
-							        rowSlope, s.slope[column], added(rowValue, s.value[column], record[row][column]));
+						for (int n = 0; n < supportNodes; ++n)
+							record[row][n] = added(rowSlope, s.slope[n], added(rowValue, s.value[n], record[row][n]));
 					}
 				}
 #pragma GCC unroll 3
 				for (int row = 0; row < rows; ++row)
 #pragma GCC unroll 3
-					for (int column = 0; column < supportNodes; ++column)
-						store(record[row][column], base + offsets.at(firstRow + row, column));
+					for (int n = 0; n < supportNodes; ++n)
+						store(record[row][n], records.at(firstRow + row, n) + column);
 			}
 		}
 
@@ -212,10 +240,13 @@ namespace HWY_NAMESPACE {
 		HWY_INLINE void scatterBlock(const WeightBlock<D>& w, double* nodes, int recordSize, ShareOf&& shareOf)
 		{
 			const Offsets<D> at(w, recordSize);
+			const auto       own = [](int k) { return k; };
 			if constexpr (D == 2) {
 				for (int k = 0; k < w.count; ++k) {
 					const auto share = shareOf(k);
-					scatter<Record>(w, k, k + 1, at, baseOf(w, k, nodes, recordSize), &share);
+					scatter<Record>(
+					        w, k, k + 1, AllRecords<D, double>(w, k, nodes, recordSize, at), 0, [&](int) -> const auto& { return share; },
+					        own);
 				}
 			} else {
 				decltype(shareOf(0)) shares[blockSize];
@@ -224,7 +255,9 @@ namespace HWY_NAMESPACE {
 				for (int k = 0, end = 0; k < w.count; k = end) {
 					while (end < w.count && w.base[end] == w.base[k])
 						++end;
-					scatter<Record>(w, k, end, at, baseOf(w, k, nodes, recordSize), shares + k);
+					scatter<Record>(
+					        w, k, end, AllRecords<D, double>(w, k, nodes, recordSize, at),
+					        0, [&](int of) -> const auto& { return shares[of]; }, own);
 				}
 			}
 		}
@@ -233,7 +266,8 @@ namespace HWY_NAMESPACE {
 		template <class Record, int D> struct Sums {
 			Record value, slope[D];
 		};
-		template <class Record, int D> HWY_INLINE Sums<Record, D> gather(const WeightBlock<D>& w, int k, const Offsets<D>& offsets, const double* base)
+		template <class Record, int D, class Records>
+		HWY_INLINE Sums<Record, D> gather(const WeightBlock<D>& w, int k, const Records& records, int column = 0)
 		{
 			const FirstAxis s(w, k);
 			Sums<Record, D> sums;
@@ -242,15 +276,16 @@ namespace HWY_NAMESPACE {
 				clear(slope);
 #pragma GCC unroll 3
 			for (int row = 0; row < supportRows<D>; ++row) {
+				if (!records.any(row)) continue;
 				Record rowSum, rowSlope;
 				clear(rowSum);
 				clear(rowSlope);
 #pragma GCC unroll 3
-				for (int column = 0; column < supportNodes; ++column) {
+				for (int n = 0; n < supportNodes; ++n) {
 					Record record;
-					load(base + offsets.at(row, column), record);
-					rowSum   = added(record, s.value[column], rowSum);
-					rowSlope = added(record, s.slope[column], rowSlope);
+					load(records.at(row, n) + column, record);
+					rowSum   = added(record, s.value[n], rowSum);
+					rowSlope = added(record, s.slope[n], rowSlope);
 				}
 				sums.value    = added(rowSum, w.row(0, row)[k], sums.value);
 				sums.slope[0] = added(rowSlope, w.row(0, row)[k], sums.slope[0]);
@@ -324,11 +359,11 @@ namespace HWY_NAMESPACE {
 			constexpr int    behind = Solved::size - 4, v = Solved::velocity - behind;
 			const Offsets<D> at(w, Solved::size);
 			for (int k = 0; k < w.count; ++k) {
-				const double*             base = baseOf(w, k, nodes, Solved::size);
-				const Sums<Numbers<4>, D> sums = gather<Numbers<4>>(w, k, at, base + behind);
-				double                    change[4], value[4], slope[D][4];
+				const AllRecords<D, const double> records(w, k, nodes, Solved::size, at);
+				const Sums<Numbers<4>, D>         sums = gather<Numbers<4>>(w, k, records, behind);
+				double                            change[4], value[4], slope[D][4];
 				store(sums.value, value);
-				if constexpr (behind > 0) store(gather<Numbers<4>>(w, k, at, base).value, change);
+				if constexpr (behind > 0) store(gather<Numbers<4>>(w, k, records).value, change);
 				for (int a = 0; a < D; ++a)
 					store(sums.slope[a], slope[a]);
 				for (int i = 0; i < D; ++i) {
@@ -377,7 +412,7 @@ namespace HWY_NAMESPACE {
 			const Offsets<D> at(w, n);
 			for (int k = 0; k < w.count; ++k) {
 				double record[n];
-				store(gather<Numbers<n>>(w, k, at, baseOf(w, k, nodes, n)).value, record);
+				store(gather<Numbers<n>>(w, k, AllRecords<D, const double>(w, k, nodes, n, at)).value, record);
 				for (int i = 0; i < n; ++i)
 					sums[i][k] = record[i];
 			}
@@ -387,7 +422,7 @@ namespace HWY_NAMESPACE {
 		{
 			const Offsets<D> at(w, 1);
 			for (int k = 0; k < w.count; ++k)
-				store(gather<Numbers<1>>(w, k, at, baseOf(w, k, nodes, 1)).value, sums + k);
+				store(gather<Numbers<1>>(w, k, AllRecords<D, const double>(w, k, nodes, 1, at)).value, sums + k);
 		}
 
 		void mapSurface(const WeightBlock<3>& w, const double* volume, const double* conductivity, double* nodes)
@@ -419,7 +454,7 @@ namespace HWY_NAMESPACE {
 			using Driving = typename NodeColumns<D>::Driving;
 			const Offsets<D> at(w, Driving::size);
 			for (int k = 0; k < w.count; ++k) {
-				const Sums<Numbers<4>, D> sums = gather<Numbers<4>>(w, k, at, baseOf(w, k, nodes, Driving::size));
+				const Sums<Numbers<4>, D> sums = gather<Numbers<4>>(w, k, AllRecords<D, const double>(w, k, nodes, Driving::size, at));
 				double                    record[4];
 				for (int a = 0; a < D; ++a) {
 					store(sums.slope[a], record);
@@ -435,7 +470,7 @@ namespace HWY_NAMESPACE {
 		{
 			const Offsets<D> at(w, 1);
 			for (int k = 0; k < w.count; ++k) {
-				const Sums<Numbers<1>, D> sums = gather<Numbers<1>>(w, k, at, baseOf(w, k, nodes, 1));
+				const Sums<Numbers<1>, D> sums = gather<Numbers<1>>(w, k, AllRecords<D, const double>(w, k, nodes, 1, at));
 				for (int a = 0; a < D; ++a)
 					store(sums.slope[a], &g.temperatureSlope[a][k]);
 				store(sums.value, &g.temperature[k]);
@@ -559,6 +594,102 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
+		/// n neighbouring numbers.
+		template <int n> HWY_INLINE Numbers<n> loaded(const double* from)
+		{
+			Numbers<n> q;
+			load(from, q);
+			return q;
+		}
+
+		/// Eight numbers at once that take S alone, or four where no more are left.
+		template <class Columns, int first, int D>
+		HWY_INLINE void scatterStraight(
+		        const WeightBlock<D>& w, int begin, int end, const ChosenRecords<D, double>& records,
+		        const typename NodeLoops<D>::template Shares<Columns>& shares)
+		{
+			if constexpr (first < Columns::straight) {
+				constexpr int n = HWY_MIN(8, Columns::straight - first);
+				scatter<Numbers<n>>(
+				        w, begin, end, records, Columns::at + first, [&](int k) { return shareOf<D>(loaded<n>(shares.of[k].value + first)); },
+				        [&](int k) { return shares.of[k].point; });
+				scatterStraight<Columns, first + n>(w, begin, end, records, shares);
+			}
+		}
+
+		template <class Columns, int D>
+		void mapSome(
+		        const WeightBlock<D>& w, const typename NodeLoops<D>::template Shares<Columns>& shares,
+		        const typename NodeLoops<D>::template SomeRecords<double>& some)
+		{
+			constexpr int sloping                              = Columns::size - Columns::straight;
+			double        nobodys[Columns::at + Columns::size] = {};
+			const auto    pointAt                              = [&](int k) { return shares.of[k].point; };
+			for (int k = 0, end = 0; k < shares.count; k = end) {
+				while (end < shares.count && w.base[pointAt(end)] == w.base[pointAt(k)])
+					++end;
+				const ChosenRecords<D, double> records(w, pointAt(k), some, nobodys);
+				if (!records.anywhere) continue;
+				scatterStraight<Columns, 0>(w, k, end, records, shares);
+				if constexpr (sloping > 0)
+					scatter<Numbers<sloping>>(
+					        w, k, end, records, Columns::at + Columns::straight,
+					        [&](int of) {
+						        const auto&                                  from = shares.of[of];
+						        Share<D, Numbers<sloping>, Numbers<sloping>> share { loaded<sloping>(from.value + Columns::straight),
+							                                                     {} };
+						        for (int a = 0; a < D; ++a)
+							        load(from.slope[a], share.slope[a]);
+						        return share;
+					        },
+					        pointAt);
+			}
+		}
+
+		/// What stands for the records that nodes without one would have.
+		constexpr double zeros[64] = {};
+
+		/// Sums of n numbers from column on.
+		template <int n, int D>
+		HWY_INLINE void gatherSome(const WeightBlock<D>& w, int k, const ChosenRecords<D, const double>& records, int column, double* to)
+		{
+			constexpr int together = HWY_MIN(8, n);
+			store(gather<Numbers<together>>(w, k, records, column).value, to);
+			if constexpr (n > together) gatherSome<n - together>(w, k, records, column + together, to + together);
+		}
+
+		template <int D>
+		HWY_INLINE void gatherSide(
+		        const WeightBlock<D>& w, int k, const ChosenRecords<D, const double>& records, int first, typename NodeLoops<D>::FrontSums& sums)
+		{
+			using Side                         = typename NodeColumns<D>::Side;
+			const Sums<Numbers<4>, D> velocity = gather<Numbers<4>>(w, k, records, first + Side::velocity);
+			store(velocity.value, sums.side);
+			for (int a = 0; a < D; ++a)
+				store(velocity.slope[a], sums.gradient[a]);
+			gatherSome<Side::size - 4>(w, k, records, first + 4, sums.side + 4);
+		}
+
+		template <int D>
+		void gatherFrozen(
+		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& some,
+		        typename NodeLoops<D>::FrontSums& sums)
+		{
+			gatherSide(w, k, ChosenRecords<D, const double>(w, k, some, zeros), 0, sums);
+		}
+
+		template <int D>
+		void gatherThawed(
+		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& some, bool strains,
+		        typename NodeLoops<D>::FrontSums& sums)
+		{
+			using Columns = NodeColumns<D>;
+			const ChosenRecords<D, const double> records(w, k, some, zeros);
+			gatherSide(w, k, records, Columns::Side::size, sums);
+			gatherSome<Columns::Slip::size>(w, k, records, Columns::Slip::at, sums.slip);
+			if (strains) gatherSome<Columns::SlipStrain::size>(w, k, records, Columns::SlipStrain::at, sums.strain);
+		}
+
 	} // namespace
 
 	template <int D> const NodeLoops<D>& versionOfNodeLoops()
@@ -577,7 +708,12 @@ namespace HWY_NAMESPACE {
 			                          &flowHeat<D>,
 			                          &flowPressure<D>,
 			                          &flowHeatAndPressure<D>,
-			                          &seep<D> };
+			                          &seep<D>,
+			                          &mapSome<typename Columns::Frozen, D>,
+			                          &mapSome<typename Columns::Thawed, D>,
+			                          &mapSome<typename Columns::Pores, D>,
+			                          &gatherFrozen<D>,
+			                          &gatherThawed<D> };
 		return loops;
 	}
 	const NodeLoops<2>& loopsOfPlane() { return versionOfNodeLoops<2>(); }
