@@ -127,7 +127,12 @@ namespace HWY_NAMESPACE {
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
 				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment, bendBonds<Moments>(view, p),
-				        [&](auto failed, auto& forces) HWY_ATTR { reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, forces); });
+				        [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
+					        ContactForces<Many, Many> reported
+					                = forces; // of its own: the address of those at hand would keep them in memory
+					        reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, reported);
+					        forces = reported;
+				        });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
