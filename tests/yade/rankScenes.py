@@ -229,7 +229,7 @@ def heated():
 
 
 def bandsReplaced():
-	return seenBefore(sampledBands(), (2, 50, 95))
+	return seenBefore(sampledBands(), (2, 100, 190))
 
 
 def bandsHeated():
@@ -434,7 +434,7 @@ def sampledBands(space=False, **ofSkeleton):
 		distribute="ground",
 		**{name: getattr(mpm, name) for name in ("damping", "energyLedger", "skeleton", "heat", "freezing", "water", "boundaries")},
 	)
-	sides = [np.arange(0.0625, length, 0.125) for length in ((6.5, 0.25, 0.5) if space else (6.5, 0.25))]
+	sides = [np.arange(0.0625, length, 0.125) for length in ((6.5, 0.25, 0.5) if space else (6.5, 0.5))]
 	position = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
 	velocity = np.zeros_like(position)
 	velocity[:, 0] = 10 + 12 * position[:, -1]
@@ -450,11 +450,11 @@ def bandsOfSamples():
 	run(210)
 	if talik.ranks.first:
 		mpm.mostBroken(3)
-		mpm.skeleton.sample(50)
+		mpm.skeleton.sample(100)
 	run(3)
 	mpm.setTemperature(np.where(mpm.field("position")[:, 0] > 3, 1.0, -1.0))
-	mpm.skeleton.replaceSample(3, mpm.skeleton.sample(95))
-	with mpm.inspect(75, live=True):
+	mpm.skeleton.replaceSample(3, mpm.skeleton.sample(190))
+	with mpm.inspect(150, live=True):
 		O.bodies[3].state.vel = (1e-3, 0, 0)
 	run(40)
 	mpm.setTemperature(-2)
@@ -491,7 +491,7 @@ def bandsExchanged():
 
 
 def bandsBlowUp():
-	return blownUp(sampledBands(blowUpFolder=str(folder / "blownInBands")), "bandsBlowUp", point=85, stepsAfter=220)
+	return blownUp(sampledBands(blowUpFolder=str(folder / "blownInBands")), "bandsBlowUp", point=170, stepsAfter=220)
 
 
 def bandsOfSamplesCheckpoint():

@@ -538,8 +538,8 @@ def checkBands(alone, other):
 
 def checkSamplesOfBands(alone, other):
 	assert checkBits(alone, other, samplesInBands, "samples in bands")
-	checkStop(alone, other, "bandsBlowUp", "[85] The sample of point 85 blew up")
-	checkKeptSample(alone, other, "blownInBands/point85.yade")
+	checkStop(alone, other, "bandsBlowUp", "[170] The sample of point 170 blew up")
+	checkKeptSample(alone, other, "blownInBands/point170.yade")
 	checkFile(alone, other, "samplesOfBands.checkpoint")
 	moved = {name: int(number) for name, number, *_ in job.findall(other.said) if name in samplesInBands}
 	print(f"samples that went to another rank: {moved}")
