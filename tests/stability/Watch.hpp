@@ -98,7 +98,9 @@ private:
 		const double turned  = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
 		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(b.wallWork)
 		        + std::abs(brought);
-		turnedOver_          = std::max({ turnedOver_, turned, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });
+		// of ground at rest the height of every point is rounded in every step
+		const double rounded = 1e-10 * std::abs(b.gravityEnergy);
+		turnedOver_          = std::max({ turnedOver_, turned, rounded, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });
 		figures_.kineticPeak = std::max(figures_.kineticPeak, b.kineticEnergy);
 		if (turnedOver_ > 0.0) figures_.energyCreated = std::max(figures_.energyCreated, (held + spent) / turnedOver_);
 		if (!std::isfinite(held + spent)) figures_.finite = false;

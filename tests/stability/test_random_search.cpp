@@ -197,6 +197,20 @@ TEST(RandomSearch, LiquidThatDragDoesNotHoldFlowsOnWhenTheSidesOfAThawFrontJump)
 	expectSmall("liquid that flows on along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
 }
 
+/// Found by the search (plane, seeds 2005197 and 3003856): the jump of two sides that fly apart was that of their solids, by which both phases
+/// jumped. Their liquid did not have it, because affine velocities are those of the solid. The sides pushed each other ever faster.
+TEST(RandomSearch, SidesOfAThawFrontThatFlyApartDoNotPushEachOther)
+{
+	for (const std::uint64_t seed : { 2005197, 3003856 }) {
+		RandomScene<2> scene(seed);
+		scene.start();
+		Watch watch(*scene.ground, scene.outside());
+		watch.run(scene.steps, 25);
+		EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+		expectSmall("sides that fly apart, seed " + std::to_string(seed) + ": energy from nowhere", watch.figures().energyCreated, 0.01);
+	}
+}
+
 /// Found by the search (plane, seed 802391): at a node on a wall that a trace of thawed ground touches, the shear stress of that ground along the
 /// wall's normal pushed it, with the area of the front, to 86 km/s in a step.
 TEST(RandomSearch, TraceOfThawedGroundAtANodeOnAWallIsNotPushedAlongTheWallsNormal)

@@ -526,6 +526,18 @@ template <int D> double ThawFront<D>::followingLiquid(int node, double dt) const
 	return sum > 0.0 ? drag / sum : 0.0;
 }
 
+/// What the liquid of the sides does to the jump of their solids, eq. (20.1). The force that drives the liquid of the node is divided by mass.
+template <int D> double ThawFront<D>::jumpByDrag(int slot, int axis, double dt) const
+{
+	const Meeting& m      = meetings_[slot];
+	const int      node   = nodes_[slot];
+	const double*  all    = water_->nodes[node];
+	const double   frozen = record(slot)[liquidMomentumAt + axis], thawed = all[PoreWater<D>::momentumAt + axis] - frozen;
+	const double   mass    = m.liquid[0] + m.liquid[1];
+	const double   flowing = mass > 0.0 ? (1.0 - m.follows) * dt * water_->force[node][axis] / mass : 0.0;
+	return (m.follows * thawed - m.liquid[1] * flowing) / m.moved[1] - (m.follows * frozen - m.liquid[0] * flowing) / m.moved[0];
+}
+
 /// Normal, area and the motion that each side would have without the other.
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
@@ -563,10 +575,10 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 	for (int a = 0; a < D; ++a) {
 		m.normal[a] /= length;
 		if (constraints.solidFixed(node, a)) continue;
-		const double frozenForce = r[forceAt + a];
-		const double parting     = (all[M::forceAt + a] - frozenForce) / mass[1] - frozenForce / mass[0];
-		// of the skeletons: the thawed side holds more water, and does not slide because that flows
-		m.jump[a] = r[thawedMomentumAt + a] / m.solid[1] - r[momentumAt + a] / m.solid[0] + dt * parting;
+		const double force[2] = { r[forceAt + a], all[M::forceAt + a] - r[forceAt + a] };
+		const double parting  = force[1] / mass[1] - force[0] / mass[0];
+		m.jump[a]             = (r[thawedMomentumAt + a] + dt * force[1]) / m.moved[1] - (r[momentumAt + a] + dt * force[0]) / m.moved[0];
+		if (water_) m.jump[a] += jumpByDrag(slot, a, dt);
 		m.pressing -= together * parting * m.normal[a];
 	}
 	m.resting  = settles_ && rests(m, dt);

@@ -22,7 +22,7 @@ namespace talik {
 /// front nodes. With one velocity a thawed layer thinner than the reach of the shape functions moves with its frozen base.
 ///
 /// The solved velocity of a node is that of both sides together. Here each side's balance without the other gives the velocity at
-/// which it would move, and the force between the sides changes it: M_F d_F + M_T d_T = 0 are the corrections that the points of
+/// which it would move, eq. (20.1), and the force between the sides changes it: M_F d_F + M_T d_T = 0 are the corrections that the points of
 /// each side see. At a front node with normal n (from F to T) and area A, both from sum_F V grad S,
 ///   normal:     the sides share their normal velocity where they press, R >= 0 being the reaction; they part when they move away from
 ///               each other faster than the unloading of R/A moves their surfaces, R/(A Z) with Z the impedance of the thawed points,
@@ -32,7 +32,7 @@ namespace talik {
 ///               what makes the tangential velocities equal; where the law of the thawed points states no strength, their shear stress at
 ///               the reaction in place of their own normal stress, eq. (20.2a).
 /// To points whose law states no strength the jump [v] of the tangential velocity goes back as strain, eq. (20.3): the sample of the thawed
-/// points decides the slip, and feels it. The liquid of a side jumps as far as drag takes it along within the step, eq. (20.4); temperature,
+/// points decides the slip, and feels it. The liquid of a side jumps as far as drag takes it along within the step, eq. (20.1); temperature,
 /// pressure and the velocity of the water through the grains have one value on a node.
 /// Multi-field contact after Bardenhagen et al. (2000), with the friction taken from the points in place of a coefficient.
 template <int D> class ThawFront {
@@ -172,6 +172,7 @@ private:
 	void          pushAhead(const Mirrors& mirrors, double dt);
 	void          leadWalls(const Mirrors& mirrors, StepLedger<D>& ledger);
 	double        followingLiquid(int node, double dt) const;
+	double        jumpByDrag(int slot, int axis, double dt) const;
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
