@@ -31,6 +31,7 @@ template <int D> void Ground<D>::Parts::findFlows()
 	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(); });
 	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
 		const auto share = [&](SharedRows& rows) {
+			rows.beyond = water && front; // sides meet there with the force on their liquid
 			if (water) rows.nodes(water->force);
 			if (conducts) heat->shareConducted(rows);
 		};
