@@ -159,7 +159,7 @@ template <int D> double Ground<D>::Parts::longestPath()
 		Vec<D> most {}, notFinite {};
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a) {
-				const double speed = std::fabs(motion->solved[i][D + a]);
+				const double speed = std::fabs(motion->solved[i][motion->velocityAt + a]);
 				most[a]            = speed > most[a] ? speed : most[a];
 				notFinite[a] += speed - speed;
 			}
@@ -193,7 +193,7 @@ template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) con
 	overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
 		const double* jump = front ? front->correction(node, p) : nullptr;
 		for (int a = 0; a < D; ++a)
-			next[a] += clock.dt * s * (motion->solved[node][D + a] + (jump ? jump[a] : 0.0));
+			next[a] += clock.dt * s * (motion->solved[node][motion->velocityAt + a] + (jump ? jump[a] : 0.0));
 	});
 	// rounding may differ from that of the step itself
 	constexpr double rounding = 1e-13;

@@ -157,12 +157,17 @@ template <int D> void Ground<D>::Parts::shareRecords()
 	if (!heat) return;
 	if (motion && Columns::Moving::carriesHeat) {
 		motion->nodes.shareColumns(heat->nodes, Columns::Moving::capacity);
-		heat->carriedByMotion();
+		heat->carriedAlong();
 	}
+	if (motion && Columns::Solved::carriesRise) motion->solved.shareColumns(heat->rise, Columns::Solved::rise);
 	if (!water) return heat->receiveInOneRecord(grid);
 	water->nodal.shareColumns(heat->nodal, Columns::Driving::temperature);
 	water->force.shareColumns(heat->energy, Columns::Driven::heat);
 	water->force.shareColumns(heat->noise, Columns::Driven::unseen);
+	if (Columns::Liquid::carriesHeat) {
+		water->nodes.shareColumns(heat->nodes, Columns::Liquid::capacity);
+		heat->carriedAlong();
+	}
 	if (Columns::Gathered::carriesRise) water->exchange.shareColumns(heat->rise, Columns::Gathered::rise);
 }
 

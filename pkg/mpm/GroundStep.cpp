@@ -476,6 +476,7 @@ template <int D> void Ground<D>::Parts::findFront()
 
 template <int D> void Ground<D>::Parts::mapToGrid()
 {
+	using Columns               = NodeColumns<D>;
 	const bool          average = averaging(), conducts = heat && !heatRests;
 	const double* const share = conducts ? heat->carriedShare() : nullptr;
 	inBlocks(
@@ -494,11 +495,16 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 			                   for (int p = w.first; p < w.first + w.count; ++p)
 				                   motion->meanStress[p] = cells->mean(p, motion->meanStress[p]);
 		                   else if (water) useMeanStress(w.first, w.count);
-		                   motion->map(w, share, share ? heat->temperature : nullptr, share ? heat->reference : 0.0);
+		                   if (share && Columns::Moving::carriesHeat) motion->map(w, share, heat->temperature, heat->reference);
+		                   else motion->map(w);
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(grid, w, affine.get()); } },
-	        PassPart { bool(water), CostMeter::water, [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells()); } },
+	        PassPart { bool(water), CostMeter::water,
+	                   [&](const WeightBlock<D>& w, double*) {
+		                   if (share && Columns::Liquid::carriesHeat) water->map(w, averagingCells(), share, heat->reference);
+		                   else water->map(w, averagingCells());
+	                   } },
 	        PassPart { conducts, CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }
@@ -539,7 +545,8 @@ template <int D> void Ground<D>::Parts::addDivergence(const WeightBlock<D>& w)
 
 template <int D> void Ground<D>::Parts::gatherFromGrid()
 {
-	const bool average = averaging(), conducts = heat && !heatRests, inRecordOfWater = conducts && water && NodeColumns<D>::Gathered::carriesRise;
+	const bool average = averaging(), conducts = heat && !heatRests, inRecordOfWater = conducts && water && NodeColumns<D>::Gathered::carriesRise,
+	           inRecordOfMotion = conducts && motion && NodeColumns<D>::Solved::carriesRise;
 	inBlocks(
 	        [&](SharedRows& rows) {
 		        if (!average) return;
@@ -553,8 +560,10 @@ template <int D> void Ground<D>::Parts::gatherFromGrid()
 	                   [&](const WeightBlock<D>& w, double* gained) {
 		                   water->gather(w, content->waterMass, heat ? heat->enthalpy : nullptr, averagingCells(), inRecordOfWater ? gained : nullptr);
 	                   } },
-	        PassPart { conducts, CostMeter::heat, [&](const WeightBlock<D>& w, double* gained) { heat->gather(w, inRecordOfWater ? gained : nullptr); } },
-	        PassPart { bool(motion), CostMeter::motion, [&](const WeightBlock<D>& w, double*) { motion->gather(w, clock.dt); } },
+	        PassPart { bool(motion), CostMeter::motion,
+	                   [&](const WeightBlock<D>& w, double* gained) { motion->gather(w, clock.dt, inRecordOfMotion ? gained : nullptr); } },
+	        PassPart { conducts, CostMeter::heat,
+	                   [&](const WeightBlock<D>& w, double* gained) { heat->gather(w, inRecordOfWater || inRecordOfMotion ? gained : nullptr); } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->gather(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->gather(grid, w, clock.dt, affine.get()); } },
 	        PassPart { average, CostMeter::cells, [&](const WeightBlock<D>& w, double*) { addDivergence(w); } });

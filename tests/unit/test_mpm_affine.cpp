@@ -100,9 +100,9 @@ template <int D> double adjointError(const std::string& shape)
 	double power = 0.0, size = 0.0;
 	for (int i = 0; i < g.grid.nodeCount(); ++i)
 		for (int a = 0; a < D; ++a) {
-			const double u            = g.uniform(-1.0, 1.0);
-			g.motion.solved[i][a]     = u;
-			g.motion.solved[i][D + a] = u;
+			const double u                              = g.uniform(-1.0, 1.0);
+			g.motion.solved[i][a]                       = u;
+			g.motion.solved[i][g.motion.velocityAt + a] = u;
 			power += g.motion.nodes[i][g.motion.momentumAt + a] * u;
 			size += std::abs(g.motion.nodes[i][g.motion.momentumAt + a] * u);
 		}
@@ -138,7 +138,7 @@ template <int D> double linearFieldError(VelocityTransfer transfer, const std::s
 	};
 	for (int node = 0; node < g.grid.nodeCount(); ++node)
 		for (int i = 0; i < D; ++i)
-			g.motion.solved[node][i] = g.motion.solved[node][D + i] = field(i, [&](int j) { return g.nodePosition(node, j); });
+			g.motion.solved[node][i] = g.motion.solved[node][g.motion.velocityAt + i] = field(i, [&](int j) { return g.nodePosition(node, j); });
 	g.gather();
 	double worst = 0.0;
 	for (int p = 0; p < g.points.count(); ++p)

@@ -88,7 +88,8 @@ public:
 					s.velocity[a] = at(3 + a);
 				loops.seep(weights_, s);
 			});
-		typename Loops::MotionGather m { records_.data(), {}, {}, {}, {}, 0.97, 0.1 };
+		double                       rise[blockSize] {};
+		typename Loops::MotionGather m { records_.data(), {}, {}, {}, {}, 0.97, 0.1, Columns::Solved::carriesRise ? rise : nullptr };
 		for (int a = 0; a < D; ++a) {
 			m.velocity[a]     = at(7 + a);
 			m.position[a]     = at(10 + a);
@@ -97,6 +98,7 @@ public:
 		for (int c = 0; c < D * D; ++c)
 			m.gradient[c] = at(27 + c);
 		loops.gatherMotion(weights_, m);
+		keep(rise, count);
 		for (const Numbers& field : f)
 			keep(field.data(), field.size());
 		loops.gatherExchange(weights_, records_.data(), gathered);

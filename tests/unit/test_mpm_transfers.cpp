@@ -102,10 +102,10 @@ template <int D> struct RandomGround {
 			work(w);
 		}
 	}
-	void randomVelocities(NodeField<2 * D>& nodes)
+	void randomVelocities(NodeField<NodeColumns<D>::Solved::size>& nodes)
 	{
 		for (int i = 0; i < grid.nodeCount(); ++i)
-			for (int a = 0; a < 2 * D; ++a)
+			for (int a = 0; a < nodes.size; ++a)
 				nodes[i][a] = uniform(-1.0, 1.0);
 	}
 };
@@ -131,7 +131,7 @@ template <int D> double stressPairError()
 	double power = 0.0, size = 0.0;
 	for (int i = 0; i < g.grid.nodeCount(); ++i)
 		for (int a = 0; a < D; ++a) {
-			const double part = g.motion.nodes[i][g.motion.forceAt + a] * g.motion.solved[i][D + a];
+			const double part = g.motion.nodes[i][g.motion.forceAt + a] * g.motion.solved[i][g.motion.velocityAt + a];
 			power += part;
 			size += std::abs(part);
 		}

@@ -22,7 +22,7 @@ public:
 	HeatTransfer(PointFields& fields, const HeatSettings& settings, bool freezing);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 	/// Its numbers are mapped along by motion, whose record holds them.
-	void carriedByMotion() { carried_ = true; }
+	void carriedAlong() { carried_ = true; }
 	/// Where no water has a record for both, conducted heat and noise lie in one record of its own.
 	void receiveInOneRecord(const Grid<D>& grid);
 
@@ -57,16 +57,16 @@ public:
 		const auto keep = [&](auto&... fields) { (fields.keepOnly(first, last), ...); };
 		keep(nodes, capacity, mapped, nodal, energy, noise, rise, moments, volumes, received_);
 	}
-	/// Adds shares and their heat of a block to the nodes, unless motion maps them along.
+	/// Adds shares and their heat of a block to the nodes, unless motion or water maps them along.
 	void map(const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
 	void nodalTemperature(
 	        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
-	/// Shares, for motion to map along with the temperature, or null.
+	/// Shares, for motion or water to map along with the temperature, or null.
 	const double* carriedShare() const { return carried_ ? share : nullptr; }
 	/// Conduction of a step as the loops over nodes see it.
 	typename NodeLoops<D>::HeatFlow flow(double dt) const;
-	/// What map() adds to, but for records of motion.
+	/// What map() adds to, but for records of motion or water.
 	void shareMapped(SharedRows& rows)
 	{
 		rows.nodes(nodes);

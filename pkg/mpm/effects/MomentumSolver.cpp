@@ -301,9 +301,9 @@ template <int D> template <bool Damped> void MomentumSolver<D>::solveDry(const A
 					damping_[i][a] = dampingOf(alpha, f, v);
 					f += damping_[i][a];
 				}
-				const double change = dt * f * inverse;
-				out[D + a]          = v + change;
-				out[a]              = chi * change + (1.0 - chi) * (v + change);
+				const double change        = dt * f * inverse;
+				out[motion.velocityAt + a] = v + change;
+				out[a]                     = chi * change + (1.0 - chi) * (v + change);
 			}
 		}
 	});
@@ -321,7 +321,8 @@ template <int D> template <bool Damped> void MomentumSolver<D>::solveTwoPhase(co
 			const bool    wet = ml > smallestLiquidShare * ms;
 			if (!(ms > 0.0)) {
 				for (int a = 0; a < D; ++a) {
-					motion.solved[i][a] = motion.solved[i][D + a] = water.solved[i][a] = water.flux[i][a] = water.start[i][a] = 0.0;
+					motion.solved[i][a] = motion.solved[i][motion.velocityAt + a] = water.solved[i][a] = water.flux[i][a]
+					        = water.start[i][a]                                                        = 0.0;
 					if constexpr (Damped) damping_[i][a] = 0.0; // not that of the ground which was here before
 				}
 				continue;
@@ -338,11 +339,11 @@ template <int D> template <bool Damped> void MomentumSolver<D>::solveTwoPhase(co
 				}
 				const PhaseAccelerations acc = wet ? coupled(vs, vl, f, water.force[i][a]) : PhaseAccelerations { f * perBoth, f * perBoth };
 				const double             vs1 = vs + dt * acc.solid, vl1 = vl + dt * acc.liquid;
-				motion.solved[i][D + a] = vs1;
-				motion.solved[i][a]     = chi * dt * acc.solid + (1.0 - chi) * vs1;
-				water.solved[i][a]      = chiLiquid * dt * acc.liquid + (1.0 - chiLiquid) * vl1;
-				water.flux[i][a]        = vl1;
-				water.start[i][a]       = vl;
+				motion.solved[i][motion.velocityAt + a] = vs1;
+				motion.solved[i][a]                     = chi * dt * acc.solid + (1.0 - chi) * vs1;
+				water.solved[i][a]                      = chiLiquid * dt * acc.liquid + (1.0 - chiLiquid) * vl1;
+				water.flux[i][a]                        = vl1;
+				water.start[i][a]                       = vl;
 			}
 		}
 	});
@@ -357,8 +358,8 @@ template <int D> void MomentumSolver<D>::constrainDry(const ActiveRange& range, 
 		if (!(r[motion.massAt] > 0.0)) continue;
 		for (int a = 0; a < D; ++a) {
 			if (!constraints_.solidFixed(i, a)) continue;
-			motion.solved[i][D + a] = 0.0;
-			motion.solved[i][a]     = -chi * r[motion.momentumAt + a] / r[motion.massAt];
+			motion.solved[i][motion.velocityAt + a] = 0.0;
+			motion.solved[i][a]                     = -chi * r[motion.momentumAt + a] / r[motion.massAt];
 		}
 	}
 }
@@ -376,7 +377,7 @@ template <int D> void MomentumSolver<D>::constrainLiquid(SolidMotion<D>& motion,
 		if (!constraints_.solidFixed(i, a) || constraints_.liquidTied(i, a)) continue;
 		const double vs     = r[motion.massAt] > 0.0 ? r[motion.momentumAt + a] / r[motion.massAt] : 0.0;
 		const double vl     = water.start[i][a];
-		const double vs1    = motion.solved[i][D + a];
+		const double vs1    = motion.solved[i][motion.velocityAt + a];
 		const double change = dt * (water.force[i][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dq);
 		water.flux[i][a]    = vl + change;
 		water.solved[i][a]  = chiLiquid * change + (1.0 - chiLiquid) * (vl + change);
@@ -396,9 +397,9 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(const ActiveRange& ra
 			if (!fixed && !tied) continue;
 			const double ms = r[motion.massAt], ml = water.nodes[i][water.massAt];
 			const double vs = r[motion.momentumAt + a] / ms, vl = water.start[i][a];
-			const double common     = fixed ? 0.0 : vs + dt * r[motion.forceAt + a] / (ms + ml);
-			motion.solved[i][D + a] = common;
-			motion.solved[i][a]     = chi * (common - vs) + (1.0 - chi) * common;
+			const double common                     = fixed ? 0.0 : vs + dt * r[motion.forceAt + a] / (ms + ml);
+			motion.solved[i][motion.velocityAt + a] = common;
+			motion.solved[i][a]                     = chi * (common - vs) + (1.0 - chi) * common;
 			if (!tied) continue;
 			water.flux[i][a]   = common;
 			water.solved[i][a] = chiLiquid * (common - vl) + (1.0 - chiLiquid) * common;
@@ -415,13 +416,13 @@ template <int D> void MomentumSolver<D>::carry(const ActiveRange& range, SolidMo
 		if (!range.holds(c.node)) continue;
 		const double* r = motion.nodes[c.node];
 		if (!(r[motion.massAt] > 0.0)) continue;
-		const double w                    = moving_[c.moving].endOf(c.axis);
-		const double ahead                = c.inner >= 0 && motion.nodes[c.inner][motion.massAt] > 0.0 ? moving_[c.moving].lead : 0.0;
-		const double before               = r[motion.momentumAt + c.axis] / r[motion.massAt],
-		             v                    = ahead == 0.0 ? w : w - ahead * (motion.solved[c.inner][D + c.axis] - w);
-		motion.solved[c.node][D + c.axis] = v;
-		motion.solved[c.node][c.axis]     = chi * (v - before) + (1.0 - chi) * v;
-		damping_[c.node][c.axis]          = 0.0;
+		const double w                                    = moving_[c.moving].endOf(c.axis);
+		const double ahead                                = c.inner >= 0 && motion.nodes[c.inner][motion.massAt] > 0.0 ? moving_[c.moving].lead : 0.0;
+		const double before                               = r[motion.momentumAt + c.axis] / r[motion.massAt],
+		             v                                    = ahead == 0.0 ? w : w - ahead * (motion.solved[c.inner][motion.velocityAt + c.axis] - w);
+		motion.solved[c.node][motion.velocityAt + c.axis] = v;
+		motion.solved[c.node][c.axis]                     = chi * (v - before) + (1.0 - chi) * v;
+		damping_[c.node][c.axis]                          = 0.0;
 		if (!water || !constraints_.liquidTied(c.node, c.axis)) continue;
 		water->flux[c.node][c.axis]   = v;
 		water->solved[c.node][c.axis] = water->kept * (v - water->start[c.node][c.axis]) + (1.0 - water->kept) * v;
@@ -440,8 +441,9 @@ template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidM
 		if (!range.holds(m.inner)) continue;
 		const auto takenBy = [&](double kept, int a) { return kept * m.change[a] + (1.0 - kept) * (m.velocity[a] + m.change[a]); };
 		for (int a = 0; a < D; ++a) {
-			motion.solved[m.ghost][a]     = m.sign[a] * motion.solved[m.inner][a] + m.added(a, takenBy(motion.kept, a));
-			motion.solved[m.ghost][D + a] = m.sign[a] * motion.solved[m.inner][D + a] + m.added(a, m.velocity[a] + m.change[a]);
+			motion.solved[m.ghost][a]                     = m.sign[a] * motion.solved[m.inner][a] + m.added(a, takenBy(motion.kept, a));
+			motion.solved[m.ghost][motion.velocityAt + a] = m.sign[a] * motion.solved[m.inner][motion.velocityAt + a]
+			        + m.added(a, m.velocity[a] + m.change[a]);
 		}
 		if (!water) continue;
 		for (int a = 0; a < D; ++a) {
@@ -455,7 +457,7 @@ template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidM
 			if (!(rl[W::massAt] > 0.0)) continue;
 			const double chiLiquid    = water->kept;
 			const double vl           = rl[W::momentumAt + a] / rl[W::massAt];
-			const double vs1          = motion.solved[m.ghost][D + a];
+			const double vs1          = motion.solved[m.ghost][motion.velocityAt + a];
 			const double change       = dt * (water->force[m.ghost][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dt * rl[W::dragAt]);
 			water->start[m.ghost][a]  = vl;
 			water->flux[m.ghost][a]   = vl + change;
@@ -469,7 +471,8 @@ template <int D> void MomentumSolver<D>::findFlux(const ActiveRange& range, cons
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				water.flux[i][a] = water.nodal[i][PoreWater<D>::Driving::liquidFraction] * (water.flux[i][a] - motion.solved[i][D + a]);
+				water.flux[i][a] = water.nodal[i][PoreWater<D>::Driving::liquidFraction]
+				        * (water.flux[i][a] - motion.solved[i][motion.velocityAt + a]);
 	});
 }
 
@@ -491,7 +494,7 @@ void MomentumSolver<D>::keepAccount(
 		StepAccount<D>& account = ledger.ofNode(load.node);
 		for (int a = 0; a < D; ++a) {
 			account.impulse[a] += dt * load.force[a];
-			account.loadWork += dt * load.force[a] * motion.solved[load.node][D + a];
+			account.loadWork += dt * load.force[a] * motion.solved[load.node][motion.velocityAt + a];
 		}
 	}
 	const bool damped = motion.settings->localDamping > 0.0;
@@ -503,7 +506,7 @@ void MomentumSolver<D>::keepAccount(
 			for (int a = 0; a < D; ++a) {
 				if (damped) {
 					if (!isWall_[i]) sum.impulse[a] += dt * damping_[i][a];
-					sum.dampingDissipation -= dt * damping_[i][a] * motion.solved[i][D + a];
+					sum.dampingDissipation -= dt * damping_[i][a] * motion.solved[i][motion.velocityAt + a];
 				}
 				if (keepWorks && water && water->nodal[i][PoreWater<D>::Driving::liquidFraction] > 0.0) {
 					const double w = water->flux[i][a] / water->nodal[i][PoreWater<D>::Driving::liquidFraction];
@@ -526,7 +529,7 @@ void MomentumSolver<D>::keepWallWork(const ActiveRange& range, const SolidMotion
 		if (!(r[motion.massAt] > 0.0)) continue;
 		double impulse = r[motion.massAt] * motion.solved[c.node][c.axis] - keep * r[motion.momentumAt + c.axis] - dt * r[motion.forceAt + c.axis];
 		if (rl) impulse += rl[PoreWater<D>::massAt] * water->solved[c.node][c.axis] - keepLiquid * rl[PoreWater<D>::momentumAt + c.axis];
-		ledger.ofNode(c.node).wallWork += impulse * motion.solved[c.node][D + c.axis];
+		ledger.ofNode(c.node).wallWork += impulse * motion.solved[c.node][motion.velocityAt + c.axis];
 	}
 	for (const Folded& f : folded_) {
 		const auto& m    = mirrors_[f.mirror];
@@ -534,7 +537,7 @@ void MomentumSolver<D>::keepWallWork(const ActiveRange& range, const SolidMotion
 		for (int a = 0; a < D; ++a) {
 			const double impulse = f.solidMass * motion.solved[m.ghost][a] + (water ? f.liquidMass * water->solved[m.ghost][a] : 0.0)
 			        - f.momentumLeft[a] - dt * f.force[a];
-			work += m.added(a, impulse * moving_[m.moving].endOf(a)) + dt * f.pushed[a] * motion.solved[m.inner][D + a];
+			work += m.added(a, impulse * moving_[m.moving].endOf(a)) + dt * f.pushed[a] * motion.solved[m.inner][motion.velocityAt + a];
 		}
 	}
 }

@@ -14,14 +14,16 @@ template <int D> struct NodeColumns {
 		static constexpr int  mass = 0, momentum = 1, force = 4, capacity = 6, heat = 7, size = 8;
 		static constexpr bool carriesHeat = plane;
 	};
-	/// SolidMotion::solved, what the points gather.
+	/// SolidMotion::solved, what the points gather. In space rise is HeatTransfer::rise.
 	struct Solved {
-		static constexpr int change = 0, velocity = D, size = 2 * D;
+		static constexpr int  change = 0, rise = D, velocity = plane ? D : 4, size = plane ? 4 : 8;
+		static constexpr bool carriesRise = !plane;
 	};
-	/// PoreWater::nodes, mapped from the points.
+	/// PoreWater::nodes, mapped from the points. In space capacity and heat are HeatTransfer::nodes.
 	struct Liquid {
 		static constexpr int mass = 0, momentum = 1, volume = 1 + D, liquidVolume = 2 + D, pressure = 3 + D, drag = 4 + D, potential = 5 + D,
-		                     numbers = 6 + D, size = plane ? 8 : 12;
+		                     capacity = 6 + D, heat = 7 + D, numbers = plane ? 8 : 11, size = plane ? 8 : 12;
+		static constexpr bool carriesHeat = !plane;
 	};
 	/// PoreWater::nodal, whose gradients drive. temperature is HeatTransfer::nodal.
 	struct Driving {

@@ -202,7 +202,7 @@ template <int D> void PoreWater<D>::accelerate(int axis, int first, int count, c
 		v[k] = chi * v[k] + change[k];
 }
 
-template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans<D>* cells)
+template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans<D>* cells, const double* capacity, double carriedFrom)
 {
 	double driving[blockSize], height[blockSize];
 	for (int k = 0; k < w.count; ++k) {
@@ -219,6 +219,11 @@ template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans
 	for (int i = Liquid::numbers; i < Liquid::size; ++i)
 		std::fill_n(values[i], w.count, 0.0);
 	fillRecords(w, driving, height, values);
+	if constexpr (Liquid::carriesHeat)
+		for (int k = 0; k < w.count; ++k) {
+			values[Liquid::capacity][k] = capacity ? capacity[w.first + k] : 0.0;
+			values[Liquid::heat][k]     = capacity ? capacity[w.first + k] * (temperature_[w.first + k] - carriedFrom) : 0.0;
+		}
 	nodeLoops<D>().mapLiquid(w, values, nodes[0]);
 }
 

@@ -60,8 +60,9 @@ public:
 	/// as the cell conducts, and the pressure behind the front would pulse from cell to cell.
 	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
 
-	/// cells null: without cell means.
-	void map(const WeightBlock<D>& w, const CellMeans<D>* cells);
+	/// cells null: without cell means. Maps capacity and capacity times (temperature - carriedFrom) along, if not null, where records Liquid
+	/// have columns for them.
+	void map(const WeightBlock<D>& w, const CellMeans<D>* cells, const double* capacity = nullptr, double carriedFrom = 0.0);
 	/// Nodal pressure and liquid fraction from the mapped sums.
 	void nodalPressure(const ActiveRange& range);
 	/// Adds sum V S grad p of a block to the nodes.

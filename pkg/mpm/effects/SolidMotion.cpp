@@ -48,9 +48,9 @@ template <int D> void SolidMotion<D>::map(const WeightBlock<D>& w, const double*
 	nodeLoops<D>().mapMotion(w, of);
 }
 
-template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt)
+template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt, double* rise)
 {
-	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt });
+	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, rise });
 }
 
 template class SolidMotion<2>;

@@ -15,7 +15,8 @@ public:
 	static constexpr int S = stressSize<D>;
 	/// Record of a node: mass that moves with the solid, its momentum, force on the mixture.
 	using Record                = typename NodeColumns<D>::Moving;
-	static constexpr int massAt = Record::mass, momentumAt = Record::momentum, forceAt = Record::force;
+	using Solved                = typename NodeColumns<D>::Solved;
+	static constexpr int massAt = Record::mass, momentumAt = Record::momentum, forceAt = Record::force, velocityAt = Solved::velocity;
 
 	/// replacesMean: a mean stress other than that of the stress enters the momentum balance.
 	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool replacesMean = true);
@@ -24,8 +25,9 @@ public:
 	/// Adds mass, momentum and internal force of a block; the mean stress is that of meanStress. Maps capacity and capacity times
 	/// (carried - carriedFrom) along, if not null, where records Moving have columns for them.
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
-	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes.
-	void gather(const WeightBlock<D>& w, double dt);
+	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. rise, unless null: what the points gather
+	/// of column rise, where records Solved have one.
+	void gather(const WeightBlock<D>& w, double dt, double* rise = nullptr);
 
 	const MotionSettings<D>* settings;
 	double                   kept = 1.0; ///< chi of this step, see keptFraction()
@@ -39,7 +41,7 @@ public:
 	double*                    meanStress; ///< total mean stress that the momentum balance uses [Pa]; null: that of the stress
 
 	NodeField<Record::size> nodes;
-	NodeField<2 * D>        solved; ///< records NodeColumns::Solved: chi dt a + (1 - chi) v, then v
+	NodeField<Solved::size> solved; ///< chi dt a + (1 - chi) v, and v
 
 private:
 	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, meanStress_ = -1;

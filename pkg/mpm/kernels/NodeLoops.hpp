@@ -38,10 +38,11 @@ template <int D> struct NodeLoops {
 		std::array<double*, D>     velocity, position, displacement;
 		std::array<double*, D * D> gradient;
 		double                     kept, dt;
+		double*                    rise; ///< sum S of column rise by point of the block; may be null; only where Solved carries it
 	};
 	void (*gatherMotion)(const WeightBlock<D>& w, const MotionGather& a);
 
-	/// Adds S values to records of Liquid.
+	/// Adds S values to records Liquid.
 	void (*mapLiquid)(const WeightBlock<D>& w, const Values<Columns::Liquid::size>& values, double* nodes);
 	/// Adds S values to records of two numbers.
 	void (*mapPair)(const WeightBlock<D>& w, const Values<2>& values, double* nodes);

@@ -52,8 +52,10 @@ namespace {
 			const int p = w.first + k;
 			Vec<D>    change {}, v {};
 			Tensor<D> gradient {};
+			double    rise = 0.0;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 				const double* r = a.nodes + static_cast<long>(node) * Solved::size;
+				if (a.rise) rise += s * r[Solved::rise];
 				for (int i = 0; i < D; ++i) {
 					change[i] += s * r[Solved::change + i];
 					v[i] += s * r[Solved::velocity + i];
@@ -61,6 +63,7 @@ namespace {
 						gradient[i][j] += g[j] * r[Solved::velocity + i];
 				}
 			});
+			if (a.rise) a.rise[k] = rise;
 			for (int i = 0; i < D; ++i) {
 				a.velocity[i][p] = a.kept * a.velocity[i][p] + change[i];
 				a.position[i][p] += a.dt * v[i];

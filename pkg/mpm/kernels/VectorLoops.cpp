@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "pkg/mpm/kernels/VectorLoops.cpp"
 #include <hwy/foreach_target.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <hwy/highway.h>
 #include <pkg/mpm/kernels/NodeLoops.hpp>
@@ -349,13 +350,13 @@ namespace HWY_NAMESPACE {
 
 		/// What the points of a block gather from records Solved.
 		template <int D> struct SolvedAtBlock {
-			double change[D][blockSize], velocity[D][blockSize], gradient[D][D][blockSize];
+			double change[D][blockSize], velocity[D][blockSize], gradient[D][D][blockSize], rise[blockSize];
 		};
 
 		template <int D> HWY_INLINE void gatherSolved(const WeightBlock<D>& w, const double* nodes, SolvedAtBlock<D>& b)
 		{
 			using Solved = typename NodeColumns<D>::Solved;
-			// four numbers that end with the velocity; in the plane they begin with the change
+			// four numbers with the velocity; in the plane they begin with the change
 			constexpr int    behind = Solved::size - 4, v = Solved::velocity - behind;
 			const Offsets<D> at(w, Solved::size);
 			for (int k = 0; k < w.count; ++k) {
@@ -366,6 +367,7 @@ namespace HWY_NAMESPACE {
 				if constexpr (behind > 0) store(gather<Numbers<4>>(w, k, records).value, change);
 				for (int a = 0; a < D; ++a)
 					store(sums.slope[a], slope[a]);
+				if constexpr (Solved::carriesRise) b.rise[k] = change[Solved::rise];
 				for (int i = 0; i < D; ++i) {
 					b.change[i][k]   = behind > 0 ? change[i] : value[i];
 					b.velocity[i][k] = value[v + i];
@@ -381,6 +383,7 @@ namespace HWY_NAMESPACE {
 			SolvedAtBlock<D> b;
 			gatherSolved(w, a.nodes, b);
 			const double chi = a.kept, dt = a.dt;
+			if (a.rise) std::copy_n(b.rise, count, a.rise);
 			for (int i = 0; i < D; ++i) {
 				double* velocity     = a.velocity[i] + first;
 				double* position     = a.position[i] + first;

@@ -47,7 +47,7 @@ template <int D> template <bool Apic> void AffineVelocity<D>::gatherBlock(const 
 		const auto arms    = armsOf(w, k, grid.spacing());
 		double     c[D][D] = {};
 		overSupport(w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
-			const double* v = motion.solved[node] + D;
+			const double* v = motion.solved[node] + motion.velocityAt;
 			for (int j = 0; j < D; ++j) {
 				const double factor = Apic ? s * arms[j].distance[index[j]] / arms[j].moment : g[j];
 				for (int i = 0; i < D; ++i)
