@@ -478,7 +478,8 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 {
 	using Columns               = NodeColumns<D>;
 	const bool          average = averaging(), conducts = heat && !heatRests;
-	const double* const share = conducts ? heat->carriedShare() : nullptr;
+	const double* const share            = conducts ? heat->carriedShare() : nullptr;
+	const double* const sharedWithMotion = Columns::Moving::carriesHeat ? share : nullptr;
 	inBlocks(
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
@@ -495,16 +496,12 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 			                   for (int p = w.first; p < w.first + w.count; ++p)
 				                   motion->meanStress[p] = cells->mean(p, motion->meanStress[p]);
 		                   else if (water) useMeanStress(w.first, w.count);
-		                   if (share && Columns::Moving::carriesHeat) motion->map(w, share, heat->temperature, heat->reference);
-		                   else motion->map(w);
+		                   motion->map(w, sharedWithMotion, share ? heat->temperature : nullptr, share ? heat->reference : 0.0);
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(grid, w, affine.get()); } },
 	        PassPart { bool(water), CostMeter::water,
-	                   [&](const WeightBlock<D>& w, double*) {
-		                   if (share && Columns::Liquid::carriesHeat) water->map(w, averagingCells(), share, heat->reference);
-		                   else water->map(w, averagingCells());
-	                   } },
+	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), share, share ? heat->reference : 0.0); } },
 	        PassPart { conducts, CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }

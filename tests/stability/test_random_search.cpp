@@ -123,6 +123,23 @@ template <int D> void search(const std::string& name, std::uint64_t draws)
 	expectSmall(title + ": temperature beyond those given, over their span", search.excess, 3.0);
 }
 
+/// Runs a scene that has started. Returns the energy from nowhere.
+template <int D> double energyCreated(RandomScene<D>& scene)
+{
+	Watch<D> watch(*scene.ground, scene.outside());
+	watch.run(scene.steps, 25);
+	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
+	return watch.figures().energyCreated;
+}
+
+/// The same of a scene of some seed; arguments of RandomScene.
+template <int D, class... Given> double energyCreated(Given... given)
+{
+	RandomScene<D> scene(given...);
+	scene.start();
+	return energyCreated(scene);
+}
+
 } // namespace
 
 TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence) { search<2>("random search", drawsAskedFor()); }
@@ -137,10 +154,7 @@ TEST(RandomSearch, LiquidOfFrozenGroundWithoutChangeOfDensityWeighsWhatItsFracti
 {
 	RandomScene<3> scene(701793, true);
 	scene.start();
-	Watch<3> watch(*scene.ground, scene.outside());
-	watch.run(scene.steps, 25);
-	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-	expectSmall("frozen column without change of density: energy from nowhere", watch.figures().energyCreated, 0.01);
+	expectSmall("frozen column without change of density: energy from nowhere", energyCreated(scene), 0.01);
 	const int           count = scene.ground->points().count();
 	std::vector<double> water(count), ice(count), volume(count), fraction(count);
 	scene.ground->copyById("waterMass", 0, water.data());
@@ -158,18 +172,10 @@ TEST(RandomSearch, LiquidOfFrozenGroundWithoutChangeOfDensityWeighsWhatItsFracti
 /// fewer the rows.
 TEST(RandomSearch, WaterThatPercolatesThroughAFewRowsOfPointsSpendsNoMoreThanGravityGives)
 {
-	const auto created = [](auto scene) {
-		scene.start();
-		Watch watch(*scene.ground, scene.outside());
-		watch.run(scene.steps, 25);
-		EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-		return watch.figures().energyCreated;
-	};
 	for (const std::uint64_t seed : { 700343, 701952 })
 		expectSmall(
-		        "water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", created(RandomScene<2>(seed, true)),
-		        0.05);
-	expectSmall("water that percolates through a few rows, space, seed 21: energy from nowhere", created(RandomScene<3>(21, true)), 1e-3);
+		        "water that percolates through a few rows, seed " + std::to_string(seed) + ": energy from nowhere", energyCreated<2>(seed, true), 0.05);
+	expectSmall("water that percolates through a few rows, space, seed 21: energy from nowhere", energyCreated<3>(21, true), 1e-3);
 }
 
 /// Found by the search (seed 165) when seepage was hastened: where water flows along a thaw front, the thawed side, which holds more of it, was
@@ -179,47 +185,28 @@ TEST(RandomSearch, HastenedWaterThatFlowsAlongAThawFrontIsNoSlipAndMakesNoEnergy
 	RandomScene<2> scene(165, true);
 	scene.start();
 	EXPECT_GT(scene.ground->seepageScale(), 100.0);
-	Watch watch(*scene.ground, scene.outside());
-	watch.run(scene.steps, 25);
-	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-	expectSmall("hastened water along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
+	expectSmall("hastened water along a thaw front: energy from nowhere", energyCreated(scene), 1e-3);
 }
 
 /// Found by the search (plane, seed 900530): liquid whose drag is weak, because its seepage is hastened four millionfold, jumped with the solid of
 /// its side. Its flow did work on the jump that nobody gave, 0.2 of all that was turned over.
 TEST(RandomSearch, LiquidThatDragDoesNotHoldFlowsOnWhenTheSidesOfAThawFrontJump)
 {
-	RandomScene<2> scene(900530);
-	scene.start();
-	Watch watch(*scene.ground, scene.outside());
-	watch.run(scene.steps, 25);
-	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-	expectSmall("liquid that flows on along a thaw front: energy from nowhere", watch.figures().energyCreated, 1e-3);
+	expectSmall("liquid that flows on along a thaw front: energy from nowhere", energyCreated<2>(900530), 1e-3);
 }
 
 /// Found by the search (plane, seeds 2005197 and 3003856): the jump of two sides that fly apart was that of their solids, by which both phases
 /// jumped. Their liquid did not have it, because affine velocities are those of the solid. The sides pushed each other ever faster.
 TEST(RandomSearch, SidesOfAThawFrontThatFlyApartDoNotPushEachOther)
 {
-	for (const std::uint64_t seed : { 2005197, 3003856 }) {
-		RandomScene<2> scene(seed);
-		scene.start();
-		Watch watch(*scene.ground, scene.outside());
-		watch.run(scene.steps, 25);
-		EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
-		expectSmall("sides that fly apart, seed " + std::to_string(seed) + ": energy from nowhere", watch.figures().energyCreated, 0.01);
-	}
+	for (const std::uint64_t seed : { 2005197, 3003856 })
+		expectSmall("sides that fly apart, seed " + std::to_string(seed) + ": energy from nowhere", energyCreated<2>(seed), 0.01);
 }
 
 /// Found by the search (plane, seed 802391): at a node on a wall that a trace of thawed ground touches, the shear stress of that ground along the
 /// wall's normal pushed it, with the area of the front, to 86 km/s in a step.
 TEST(RandomSearch, TraceOfThawedGroundAtANodeOnAWallIsNotPushedAlongTheWallsNormal)
 {
-	RandomScene<2> scene(802391);
-	scene.start();
-	Watch watch(*scene.ground, scene.outside());
-	watch.run(scene.steps, 25);
-	EXPECT_TRUE(watch.figures().finite && watch.figures().stopped.empty());
 	// all of it when the trace is pushed; what is left comes from the first steps, with apic on a coarse front
-	expectSmall("trace of thawed ground on a wall: energy from nowhere", watch.figures().energyCreated, 0.15);
+	expectSmall("trace of thawed ground on a wall: energy from nowhere", energyCreated<2>(802391), 0.15);
 }

@@ -105,8 +105,6 @@ TEST(PackedSpheres, resultsDoNotDependOnSavesAndLoads)
 	EXPECT_TRUE(s.toBytes() == interrupted.state().toBytes());
 }
 
-// The slip that YADE's conventions give spheres in a turn by theta per step is of second order in theta, so that the error of a given
-// turn falls with the number of steps; for discs it vanishes.
 /// Lists that last, with skins by the speed of each grain, against lists built anew in every step.
 TEST(PackedSpheres, grainThatFliesAboutMeetsAllOthers)
 {
@@ -131,6 +129,8 @@ TEST(PackedSpheres, grainThatFliesAboutMeetsAllOthers)
 	EXPECT_GT(most, least + 2);
 }
 
+// The slip that YADE's conventions give spheres in a turn by theta per step is of second order in theta, so that the error of a given
+// turn falls with the number of steps; for discs it vanishes.
 TEST(PackedSpheres, stressTurnsWithTheSampleTheBetterTheMoreSteps)
 {
 	Matrix turn;

@@ -199,11 +199,10 @@ namespace {
 			bool converged = false;
 			long done      = 0;
 			for (; done < options.maxSteps && !converged; done += options.interval) {
-				workspace.setNextVelGrad(correction());
+				workspace.setNextVelGrad(correction(done));
 				workspace.run(options.interval, options.interval);
 				if (done / options.interval % 20 == 0) stiffness = elasticStiffness();
 				if (withinTolerance()) converged = atRest();
-				if (Dim == 3 && done + options.interval == patience) share = laterShare;
 			}
 			workspace.setNextVelGrad(Matrix::Zero());
 			workspace.run(2);
@@ -233,8 +232,12 @@ namespace {
 		}
 
 		/// Strain rate that would remove a share of the stress error during one interval, within the inertial limit.
-		Matrix correction()
+		Matrix correction(long done)
 		{
+			// Loose spheres near failure are softer than their contacts: what removes a fifth at the stiffness of these takes too long. Discs
+			// reach their stress with it, and collapse near failure with more.
+			constexpr long patience = 100000; // steps
+			const double   share    = Dim == 3 && done >= patience ? 0.6 : 0.2;
 			if (stiffness == 0) stiffness = elasticStiffness();
 			PackedParameters<Dim> p = workspace.parameters();
 			p.stress                = Matrix::Identity() * -scale;
@@ -247,11 +250,6 @@ namespace {
 		PackedWorkspace<Dim>&          workspace;
 		const PackedServoOptions<Dim>& options;
 		double                         scale = 0, stiffness = 0;
-		// Loose spheres near failure are softer than their contacts: what removes a fifth at the stiffness of these takes too long. Discs
-		// reach their stress with it, and collapse near failure with more.
-		static constexpr long   patience   = 100000; // steps
-		static constexpr double laterShare = 0.6;
-		double                  share      = 0.2;
 	};
 
 } // namespace
