@@ -18,6 +18,7 @@
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/points/ArraysAhead.hpp>
 #include <pkg/mpm/points/DeformationRecord.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
@@ -126,14 +127,19 @@ template <int D> struct Ground<D>::Parts {
 	std::vector<int>            bad; ///< per strip: place of the first point that cannot go on, or -1
 	mutable PagedArray<double>  scratch;
 	mutable CostMeter           cost;
-	bool                        heatRests      = false; ///< in this step
-	bool                        waterRests     = false; ///< in this step no water moved through the skeleton
-	bool                        contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
+	/// What the passes over blocks read of the points.
+	struct {
+		ArraysAhead toGrid, flows, seepage, toPoints;
+	} read;
+	bool heatRests      = false; ///< in this step
+	bool waterRests     = false; ///< in this step no water moved through the skeleton
+	bool contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
 	void   declareFields();
 	void   placePoints();
 	void   bindEffects();
+	void   listReadArrays();
 	void   fillPoints();
 	void   beginSkeletons();
 	double initialMass() const;
@@ -158,20 +164,21 @@ template <int D> struct Ground<D>::Parts {
 
 	// ---- loops ----------------------------------------------------------------------------------------------------------
 	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
-	/// share(rows): names the arrays to which work adds.
-	template <class Work, class Share> void scatter(Work&& work, Share&& share)
+	/// share(rows): names the arrays to which work adds; ahead: those of the points that it reads.
+	template <class Work, class Share> void scatter(const ArraysAhead& ahead, Work&& work, Share&& share)
 	{
-		points->strips().scatter([&](int, int first, int last) { overBlocks(first, last, work); }, share);
+		points->strips().scatter([&](int, int first, int last) { overBlocks(ahead, first, last, work); }, share);
 	}
 	/// The parts of a pass in turn for each block of points, with weights at their positions and an array for what one part leaves to a later one.
 	/// finish(strip, firstPoint, lastPoint): when a strip's blocks are done.
-	template <class Share, class Finish, class... Work> void inBlocks(Share&& share, Finish&& finish, const PassPart<Work>&... parts)
+	template <class Share, class Finish, class... Work>
+	void inBlocks(const ArraysAhead& ahead, Share&& share, Finish&& finish, const PassPart<Work>&... parts)
 	{
 		points->strips().scatter(
 		        [&](int strip, int first, int last) {
 			        CostMeter::Sample sample = cost.sample(strip);
 			        double            left[blockSize];
-			        overBlocks(first, last, [&](const WeightBlock<D>& w) {
+			        overBlocks(ahead, first, last, [&](const WeightBlock<D>& w) {
 				        sample.beginBlock();
 				        (parts.run(sample, w, left), ...);
 			        });
@@ -193,7 +200,7 @@ template <int D> struct Ground<D>::Parts {
 		else points->strips().gather(work);
 		cost.lapShared();
 	}
-	template <class Work> void overBlocks(int first, int last, Work&& work)
+	template <class Work> void overBlocks(const ArraysAhead& ahead, int first, int last, Work&& work)
 	{
 		WeightBlock<D>               w;
 		std::array<const double*, D> x;
@@ -201,6 +208,7 @@ template <int D> struct Ground<D>::Parts {
 			x[a] = points->position(a);
 		for (int p = first; p < last; p += blockSize) {
 			shape->evaluate(grid, x, p, std::min(blockSize, last - p), w);
+			ahead.fetch(p + blockSize);
 			work(w);
 		}
 	}

@@ -95,6 +95,34 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (cells) cells->allocate(grid, n);
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
+	listReadArrays();
+}
+
+template <int D> void Ground<D>::Parts::listReadArrays()
+{
+	const auto reads = [](ArraysAhead& ahead, const auto&... arrays) { (ahead.add(arrays), ...); };
+	for (ArraysAhead* ahead : { &read.toGrid, &read.flows, &read.seepage, &read.toPoints })
+		reads(*ahead, points->positions());
+	if (motion) {
+		reads(read.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->meanStress);
+		reads(read.toPoints, motion->velocity, motion->displacement, motion->gradient);
+	}
+	if (averaging()) reads(read.toPoints, motion->volume);
+	if (heat) {
+		reads(read.toGrid, heat->share, heat->temperature);
+		reads(read.flows, heat->volume, heat->conductivity, heat->share, heat->temperature);
+		reads(read.toPoints, heat->enthalpy, heat->share, heat->temperature);
+	}
+	if (heat && surface) reads(read.toGrid, heat->conductivity);
+	if (water) {
+		reads(read.toGrid, water->velocity, water->pressure, water->liquidFraction, water->drag, content->waterMass, content->iceMass);
+		reads(read.seepage, points->volume(), water->velocity, heat ? heat->temperature : nullptr);
+		reads(read.toPoints, water->velocity, content->waterMass, content->iceMass);
+	}
+	if (water && !heat) reads(read.flows, points->volume());
+	if (averaging() && water)
+		for (ArraysAhead* ahead : { &read.toGrid, &read.toPoints })
+			reads(*ahead, cells->cells());
 }
 
 /// Each rank of a ground in bands fills its own points, at the places that these have among all.
@@ -176,7 +204,8 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	if (!surface) return;
 	clearNodes();
 	locateInCells();
-	scatter([&](const WeightBlock<D>& w) { surface->map(w); },
+	scatter(
+	        read.toGrid, [&](const WeightBlock<D>& w) { surface->map(w); },
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
 		        rows.nodes(surface->nodes);

@@ -35,7 +35,7 @@ template <int D> void Ground<D>::Parts::findFlows()
 			if (water) rows.nodes(water->force);
 			if (conducts) heat->shareConducted(rows);
 		};
-		cost.time(pays, [&] { scatter(work, share); });
+		cost.time(pays, [&] { scatter(read.flows, work, share); });
 	};
 	if (conducts && water) {
 		const typename NodeLoops<D>::HeatFlow flow = heat->flow(clock.dt);
@@ -170,7 +170,8 @@ template <int D> void Ground<D>::Parts::seep()
 		waterRests       = !(bands ? bands->anyOf(flows) : flows);
 	}
 	if (!waterRests)
-		scatter([&](const WeightBlock<D>& w) { water->seep(w, clock.dt, liquidDensity(), enthalpyModel()); },
+		scatter(
+		        read.seepage, [&](const WeightBlock<D>& w) { water->seep(w, clock.dt, liquidDensity(), enthalpyModel()); },
 		        [&](SharedRows& rows) { rows.nodes(water->exchange); });
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
@@ -481,6 +482,7 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 	const double* const share            = conducts ? heat->carriedShare() : nullptr;
 	const double* const sharedWithMotion = Columns::Moving::carriesHeat ? share : nullptr;
 	inBlocks(
+	        read.toGrid,
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
 		        if (motion) rows.nodes(motion->nodes);
@@ -545,6 +547,7 @@ template <int D> void Ground<D>::Parts::gatherFromGrid()
 	const bool average = averaging(), conducts = heat && !heatRests, inRecordOfWater = conducts && water && NodeColumns<D>::Gathered::carriesRise,
 	           inRecordOfMotion = conducts && motion && NodeColumns<D>::Solved::carriesRise;
 	inBlocks(
+	        read.toPoints,
 	        [&](SharedRows& rows) {
 		        if (!average) return;
 		        cells->shareSums(rows);

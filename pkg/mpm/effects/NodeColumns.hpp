@@ -39,7 +39,7 @@ template <int D> struct NodeColumns {
 	};
 	/// FreeSurface::nodes, mapped from the points.
 	struct Surface {
-		static constexpr int area = 0, volume = D, conduction = D + 1, size = D + 2; ///< outward area vector, volume, volume times conductivity
+		static constexpr int area = 0, volume = D, conduction = D + 1, size = plane ? 4 : 8; ///< outward area vector, volume, volume times conductivity
 	};
 	/// PoreWater::flux.
 	struct Flux {

@@ -93,9 +93,11 @@ public:
 	}
 
 	/// Cells of the grid.
-	int  count() const { return static_cast<int>(volume_.size()); }
-	int  cell(int place) const { return cell_[place]; }
-	void add(int place, double volumeTimesValue)
+	int count() const { return static_cast<int>(volume_.size()); }
+	int cell(int place) const { return cell_[place]; }
+	/// By place.
+	const int* cells() const { return cell_.data(); }
+	void       add(int place, double volumeTimesValue)
 	{
 		if (averaged_[place] != noCell) sum_[averaged_[place]] += volumeTimesValue;
 	}

@@ -119,6 +119,14 @@ namespace HWY_NAMESPACE {
 			if constexpr (D == 2) return numbers(first, vector[0][k], vector[1][k], 0.0);
 			else return numbers(first, vector[0][k], vector[1][k], vector[2][k]);
 		}
+		/// The components of a vector, and zero in what is left of four.
+		template <int D> HWY_INLINE Numbers<4> numbers(const double (&vector)[D][blockSize], int k)
+		{
+			if constexpr (D == 2) return numbers(vector[0][k], vector[1][k], 0.0, 0.0);
+			else return numbers(vector[0][k], vector[1][k], vector[2][k], 0.0);
+		}
+		HWY_INLINE Numbers<8> beforeFour(const Numbers<4>& q) { return numbers(q, numbers(0.0, 0.0, 0.0, 0.0)); }
+		HWY_INLINE Numbers<8> behindFour(const Numbers<4>& q) { return numbers(numbers(0.0, 0.0, 0.0, 0.0), q); }
 
 		/// Numbers that a record does not have: they cost nothing.
 		struct Nothing {};
@@ -328,17 +336,20 @@ namespace HWY_NAMESPACE {
 			using Moving = typename NodeColumns<D>::Moving;
 			MotionOfBlock<D> b;
 			load<Carried, Replaced>(w, a, b);
+			if constexpr (D == 3 && mostTogether == 8) {
+				scatterBlock<Numbers<8>>(w, a.nodes, Moving::size, [&](int k) {
+					return Share<3, Numbers<8>, Numbers<8>> { beforeFour(numbers(b.mass[k], b.momentum, k)),
+						                                  { behindFour(numbers(b.force[0], k)), behindFour(numbers(b.force[1], k)),
+						                                    behindFour(numbers(b.force[2], k)) } };
+				});
+				return;
+			}
 			scatterBlock<Numbers<4>>(w, a.nodes, Moving::size, [&](int k) { return shareOf<D>(numbers(b.mass[k], b.momentum, k)); });
 			scatterBlock<Numbers<4>>(w, a.nodes + Moving::force, Moving::size, [&](int k) {
 				if constexpr (D == 2)
 					return Share<2, Numbers<4>, Numbers<4>> { numbers(0.0, 0.0, b.heat[0][k], b.heat[1][k]),
-						                                  { numbers(b.force[0][0][k], b.force[0][1][k], 0.0, 0.0),
-						                                    numbers(b.force[1][0][k], b.force[1][1][k], 0.0, 0.0) } };
-				else
-					return Share<3, Nothing, Numbers<4>> { {},
-						                               { numbers(b.force[0][0][k], b.force[0][1][k], b.force[0][2][k], 0.0),
-						                                 numbers(b.force[1][0][k], b.force[1][1][k], b.force[1][2][k], 0.0),
-						                                 numbers(b.force[2][0][k], b.force[2][1][k], b.force[2][2][k], 0.0) } };
+						                                  { numbers(b.force[0], k), numbers(b.force[1], k) } };
+				else return Share<3, Nothing, Numbers<4>> { {}, { numbers(b.force[0], k), numbers(b.force[1], k), numbers(b.force[2], k) } };
 			});
 		}
 
@@ -359,6 +370,23 @@ namespace HWY_NAMESPACE {
 			// four numbers with the velocity; in the plane they begin with the change
 			constexpr int    behind = Solved::size - 4, v = Solved::velocity - behind;
 			const Offsets<D> at(w, Solved::size);
+			if constexpr (D == 3 && mostTogether == 8) {
+				for (int k = 0; k < w.count; ++k) {
+					const auto sums = gather<Numbers<8>>(w, k, AllRecords<D, const double>(w, k, nodes, Solved::size, at));
+					double     value[8], slope[D][8];
+					store(sums.value, value);
+					for (int a = 0; a < D; ++a)
+						store(sums.slope[a], slope[a]);
+					b.rise[k] = value[Solved::rise];
+					for (int i = 0; i < D; ++i) {
+						b.change[i][k]   = value[Solved::change + i];
+						b.velocity[i][k] = value[Solved::velocity + i];
+						for (int j = 0; j < D; ++j)
+							b.gradient[i][j][k] = slope[j][Solved::velocity + i];
+					}
+				}
+				return;
+			}
 			for (int k = 0; k < w.count; ++k) {
 				const AllRecords<D, const double> records(w, k, nodes, Solved::size, at);
 				const Sums<Numbers<4>, D>         sums = gather<Numbers<4>>(w, k, records, behind);
@@ -431,6 +459,17 @@ namespace HWY_NAMESPACE {
 		void mapSurface(const WeightBlock<3>& w, const double* volume, const double* conductivity, double* nodes)
 		{
 			using Surface = NodeColumns<3>::Surface;
+			if constexpr (mostTogether == 8) {
+				scatterBlock<Numbers<8>>(w, nodes, Surface::size, [&](int k) {
+					const double v = volume[w.first + k];
+					return Share<3, Numbers<8>, Numbers<8>> {
+						numbers(numbers(0.0, 0.0, 0.0, v), numbers(conductivity ? v * conductivity[w.first + k] : 0.0, 0.0, 0.0, 0.0)),
+						{ beforeFour(numbers(v, 0.0, 0.0, 0.0)), beforeFour(numbers(0.0, v, 0.0, 0.0)),
+						  beforeFour(numbers(0.0, 0.0, v, 0.0)) }
+					};
+				});
+				return;
+			}
 			scatterBlock<Numbers<4>>(w, nodes, Surface::size, [&](int k) {
 				const double v = volume[w.first + k];
 				return Share<3, Numbers<4>, Numbers<4>> { numbers(0.0, 0.0, 0.0, v),
@@ -543,10 +582,17 @@ namespace HWY_NAMESPACE {
 				});
 				return;
 			}
-			scatterBlock<Numbers<4>>(w, driven, Driven::size, [&](int k) {
-				if constexpr (D == 2) return shareOf<2>(numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], 0.0, 0.0));
-				else return shareOf<3>(numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], g.pressureSlope[2][k], 0.0));
-			});
+			if constexpr (Heat && D == 3 && mostTogether == 8) {
+				scatterBlock<Numbers<8>>(w, driven, Driven::size, [&](int k) {
+					return Share<3, Numbers<8>, Numbers<8>> {
+						numbers(numbers(g.pressureSlope, k), numbers(b.produced[k], b.unseen[k], 0.0, 0.0)),
+						{ behindFour(numbers(b.flow[0][k], 0.0, 0.0, 0.0)), behindFour(numbers(b.flow[1][k], 0.0, 0.0, 0.0)),
+						  behindFour(numbers(b.flow[2][k], 0.0, 0.0, 0.0)) }
+					};
+				});
+				return;
+			}
+			scatterBlock<Numbers<4>>(w, driven, Driven::size, [&](int k) { return shareOf<D>(numbers(g.pressureSlope, k)); });
 			if constexpr (Heat) scatterHeat(w, driven + Driven::heat, Driven::size, b);
 		}
 
