@@ -286,16 +286,28 @@ template <int D> void Ground<D>::Parts::bookStep()
 }
 
 namespace {
-	/// Sum of value(p) for first <= p < last, in the order of the points; the values are found in vectors.
-	template <class Value> [[gnu::always_inline]] inline double inOrder(int first, int last, Value&& value)
+	/// Sum of value(p, trace, mean) for first <= p < last, in the order of the points; the values are found in vectors. trace: of the gradients g;
+	/// mean: that of the cell, the trace itself where means is null.
+	template <int D, class Value>
+	[[gnu::always_inline]] inline double inOrder(int first, int last, const std::array<double*, D * D>& g, const CellMeans<D>* means, Value&& value)
 	{
 		constexpr int piece = 32;
-		double        sum   = 0.0, values[piece];
+		double        sum   = 0.0, values[piece], trace[piece], mean[piece];
 		for (int start = first; start < last; start += piece) {
 			const int n = std::min(piece, last - start);
 #pragma GCC ivdep
+			for (int k = 0; k < n; ++k) {
+				trace[k] = 0.0;
+#pragma GCC unroll 3
+				for (int a = 0; a < D; ++a)
+					trace[k] += g[a * D + a][start + k];
+				mean[k] = trace[k];
+			}
+			for (int k = 0; means && k < n; ++k)
+				mean[k] = means->mean(start + k, trace[k]);
+#pragma GCC ivdep
 			for (int k = 0; k < n; ++k)
-				values[k] = value(start + k);
+				values[k] = value(start + k, trace[k], mean[k]);
 			for (int k = 0; k < n; ++k)
 				sum += values[k];
 		}
@@ -308,13 +320,10 @@ template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool
 	const std::array<double*, D* D>          g      = motion->gradient;
 	const std::array<double*, stressSize<D>> stress = motion->stress;
 	const double* const                      volume = points->volume();
-	return inOrder(
-	        first, last, [&](int p) __attribute__((always_inline)) {
-		        double trace = 0.0, density = 0.0;
-#pragma GCC unroll 3
-		        for (int a = 0; a < D; ++a)
-			        trace += g[a * D + a][p];
-		        const double missing = replace ? (cells->mean(p, trace) - trace) * (1.0 / D) : 0.0;
+	return inOrder<D>(
+	        first, last, g, replace ? cells.get() : nullptr, [&](int p, double trace, double mean) __attribute__((always_inline)) {
+		        const double missing = (mean - trace) * (1.0 / D);
+		        double       density = 0.0;
 #pragma GCC unroll 3
 		        for (int i = 0; i < D; ++i)
 #pragma GCC unroll 3
@@ -329,14 +338,9 @@ template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool
 	const std::array<double*, D* D> g        = motion->gradient;
 	const double* const             volume   = points->volume();
 	const double* const             pressure = water->pressure;
-	return inOrder(
-	        first, last, [&](int p) __attribute__((always_inline)) {
-		        double trace = 0.0;
-#pragma GCC unroll 3
-		        for (int a = 0; a < D; ++a)
-			        trace += g[a * D + a][p];
-		        return volume[p] * pressure[p] * (replace ? cells->mean(p, trace) : trace);
-	        });
+	return inOrder<D>(
+	        first, last, g,
+	        replace ? cells.get() : nullptr, [&](int p, double, double mean) __attribute__((always_inline)) { return volume[p] * pressure[p] * mean; });
 }
 
 /// Heat of ground with one temperature, in which nothing can change it, has nothing to do. That is decided anew in every step, from

@@ -127,13 +127,11 @@ template <int D> double PoreWater<D>::mobility(int cell, double volume, double l
 	return resistance > 0.0 ? liquid * liquid / (volume * resistance) : 0.0;
 }
 
-template <int D>
-double PoreWater<D>::thawedPressure(
-        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity) const
+template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const
 {
 	const auto   liquidPart = [&](int c) { return cells_[c].liquidMass / freezing_[c].contentMass; };
 	const double thawed = liquidPart(cell), mean = cells_[cell].pressure;
-	const double conducts = tight * mobility(cell, cells.cellVolume(cell), liquidDensity);
+	const double conducts = tight * freezing_[cell].mobility;
 	double       frozen = thawed, frozenPressure = mean, lowest = mean;
 	for (int a = 0; a < D; ++a)
 		for (const int side : { -1, 1 }) {
@@ -141,7 +139,7 @@ double PoreWater<D>::thawedPressure(
 			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cells_[next].liquidMass > 0.0)) continue;
 			const double pressure = cells_[next].pressure - side * weight[a], liquid = liquidPart(next);
 			lowest = std::min(lowest, pressure);
-			if (liquid >= frozen || mobility(next, cells.cellVolume(next), liquidDensity) > conducts) continue;
+			if (liquid >= frozen || freezing_[next].mobility > conducts) continue;
 			frozen         = liquid;
 			frozenPressure = pressure;
 		}
@@ -160,7 +158,11 @@ void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& r
 		weight[a] = liquidDensity * gravity[a] * grid.spacing();
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
-			if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, cells, c, weight, liquidDensity);
+			freezing_[c].mobility = mobility(c, cells.cellVolume(c), liquidDensity);
+	});
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, c, weight);
 	});
 }
 
@@ -422,10 +424,9 @@ void PoreWater<D>::gather(const WeightBlock<D>& w, double* waterMass, double* en
 	}
 }
 
-/// Mobility with which water at rest flows at the end of a step: its inertia holds it back where drag does not.
-template <int D> double PoreWater<D>::reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity)
+template <int D> double PoreWater<D>::reachedMobility(int cell, double volume, double dt, double liquidDensity) const
 {
-	const double volume = cells.cellVolume(cell), steady = mobility(cell, volume, liquidDensity);
+	const double steady = freezing_[cell].mobility;
 	return steady > 0.0 ? 1.0 / (1.0 / steady + liquidDensity * liquidDensity * volume / (cells_[cell].liquidMass * dt)) : 0.0;
 }
 
@@ -433,6 +434,10 @@ template <int D>
 void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity)
 {
 	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			freezing_[c].reached = reachedMobility(c, cells.cellVolume(c), dt, liquidDensity);
+	});
 	for (int a = 0; a < D; ++a) {
 		const int stride = grid.cellStride(a);
 		range.overCells([&](int first, int last) {
@@ -440,7 +445,7 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 				Face& face = faces_[a][c];
 				face       = {};
 				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
-				const double here = reachedMobility(c, cells, dt, liquidDensity), there = reachedMobility(c + stride, cells, dt, liquidDensity);
+				const double here = freezing_[c].reached, there = freezing_[c + stride].reached;
 				if (!(here > 0.0 && there > 0.0)) continue;
 				face.conductance = perSpacing * 2.0 * here * there / (here + there);
 				face.flow = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());

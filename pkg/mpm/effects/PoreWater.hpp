@@ -176,6 +176,8 @@ private:
 	/// More of a cell in ground that freezes: sums of drag, mass of liquid and ice, liquid mass times temperature and times velocity.
 	struct FreezingCell {
 		double drag, contentMass, warmth, carried[D];
+		double mobility;           ///< k/(rho_l g), with the drag of all that it holds [m^2/(Pa s)]
+		double reached;            ///< mobility with which water at rest flows at the end of the step: its inertia holds it back where drag does not
 		double excess, compliance; ///< sums of addFills, each times the share that its point levels in the step
 		double surplus;            ///< the part of excess beyond the pores at the cavitation pressure [m^D]
 		double level;              ///< pressure at which what its points give is what they take [Pa]
@@ -198,14 +200,13 @@ private:
 	/// stays would be left with the difference and become ever faster, without bound. Its velocity changes as if no more than the share
 	/// `most` had left, which the points' approach to the nodes' velocity makes up for. The last water moves with its grains.
 	Vec<D> remainingVelocity(int place, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const;
-	/// k/(rho_l g) of a cell, with the drag of all that it holds [m^2/(Pa s)].
+	/// From the sums of a cell; later in the step FreezingCell has them.
 	double mobility(int cell, double volume, double liquidDensity) const;
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
-	double thawedPressure(
-	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, int cell, const Vec<D>& weight, double liquidDensity) const;
+	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const;
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
 	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
-	double reachedMobility(int cell, const CellMeans<D>& cells, double dt, double liquidDensity);
+	double reachedMobility(int cell, double volume, double dt, double liquidDensity) const;
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
 	/// s_p of eq. (7.7) and the surplus of some points from first on, and the former for levelPoints().
 	TALIK_PROCESSOR_VERSIONS void findShares(

@@ -151,38 +151,38 @@ template <int D> void FreeSurface<D>::letAirIn(int cell)
 
 template <int D> typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(const Grid<D>& grid, const std::array<int, D>& node, const double* area) const
 {
-	// cells that a quadratic shape function of the node reaches into
-	std::array<int, D> low, high, cell;
-	for (int a = 0; a < D; ++a) {
-		low[a]  = std::max(0, node[a] - 3);
-		high[a] = std::min(grid.cells(a) - 1, node[a]);
-	}
-	cell              = low;
-	double    nearest = INFINITY;
-	Emptiness found   = filled;
-	while (true) {
-		// most rows of cells are filled
+	// cells that a quadratic shape function of the node reaches into, those beside it first: most of the others then lie farther away than what was found
+	constexpr int nearestFirst[] = { 1, 2, 0, 3 }, reached = 4;
+	double        nearest  = INFINITY;
+	Emptiness     found    = filled;
+	const auto    fromNode = [](int back) { return 1.5 - back; }; // to the middle of the cell that many behind the one ahead of the node [cells]
+	for (int rowNumber = 0; rowNumber < (D == 2 ? reached : reached * reached); ++rowNumber) {
+		const int          back[2] = { nearestFirst[rowNumber % reached], nearestFirst[rowNumber / reached] };
+		std::array<int, D> cell;
+		bool               inside = true;
+		double             apart  = 0.0;
+		cell[0]                   = 0;
+		for (int a = 1; a < D; ++a) {
+			cell[a] = node[a] - back[a - 1];
+			inside  = inside && cell[a] >= 0 && cell[a] < grid.cells(a);
+			apart += fromNode(back[a - 1]) * fromNode(back[a - 1]);
+		}
+		if (!inside || apart > nearest) continue;
 		const Emptiness* const row = &emptiness_[grid.cellIndex(cell)];
-		for (int at = low[0]; at <= high[0]; ++at) {
-			const Emptiness here = row[(at - low[0]) * grid.cellStride(0)];
+		for (const int behind : nearestFirst) {
+			const int at = node[0] - behind;
+			if (at < 0 || at >= grid.cells(0)) continue;
+			const Emptiness here = row[at * grid.cellStride(0)];
 			if (here == filled) continue;
-			cell[0]         = at;
-			double distance = 0.0, ahead = 0.0;
-			for (int a = 0; a < D; ++a) {
-				const double d = cell[a] + 1.5 - node[a]; // from the node to the middle of the cell
-				distance += d * d;
-				ahead += d * area[a];
-			}
+			double distance = apart + fromNode(behind) * fromNode(behind), ahead = fromNode(behind) * area[0];
+			for (int a = 1; a < D; ++a)
+				ahead += fromNode(back[a - 1]) * area[a];
 			// behind the surface lies another one
 			if (ahead <= 0.0) distance += 1e3;
 			if (distance < nearest || (distance == nearest && here == openAir)) nearest = distance, found = here;
 		}
-		cell[0] = low[0];
-		int a   = 1;
-		while (a < D && ++cell[a] > high[a])
-			cell[a] = low[a], ++a;
-		if (a == D) return found;
 	}
+	return found;
 }
 
 template <int D> bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const
