@@ -135,6 +135,25 @@ namespace HWY_NAMESPACE {
 		template <int n> HWY_INLINE Numbers<n> added(Nothing, double, const Numbers<n>& to) { return to; }
 		template <int n> HWY_INLINE Numbers<n> added(const Numbers<n>& q, double s, Nothing) { return scaled(q, s); }
 
+		/// Eight numbers and four behind them.
+		struct Twelve {
+			Numbers<8> first;
+			Numbers<4> last;
+		};
+		HWY_INLINE void load(const double* from, Twelve& q)
+		{
+			load(from, q.first);
+			load(from + 8, q.last);
+		}
+		HWY_INLINE void store(const Twelve& q, double* to)
+		{
+			store(q.first, to);
+			store(q.last, to + 8);
+		}
+		HWY_INLINE Twelve scaled(const Twelve& q, double s) { return { scaled(q.first, s), scaled(q.last, s) }; }
+		HWY_INLINE Twelve added(const Twelve& q, double s, const Twelve& to) { return { added(q.first, s, to.first), added(q.last, s, to.last) }; }
+		HWY_INLINE Twelve added(Nothing, double, const Twelve& to) { return to; }
+
 		/// Weights of one point along the first axis: registers, where what is stored in records cannot change them.
 		struct FirstAxis {
 			double                      value[supportNodes], slope[supportNodes];
@@ -431,6 +450,12 @@ namespace HWY_NAMESPACE {
 
 		template <int D, int n> void mapRecords(const WeightBlock<D>& w, const double (&values)[n][blockSize], double* nodes)
 		{
+			if constexpr (n == 12 && mostTogether == 8) {
+				scatterBlock<Twelve>(w, nodes, n, [&](int k) {
+					return Share<D, Twelve, Nothing> { { numbers<8>(values, k), numbers<4>(values, k, 8) }, {} };
+				});
+				return;
+			}
 			constexpr int together = D == 2 ? n : HWY_MIN(n, mostTogether), rest = n % together;
 			for (int first = 0; first + together <= n; first += together)
 				scatterBlock<Numbers<together>>(w, nodes + first, n, [&](int k) { return shareOf<D>(numbers<together>(values, k, first)); });
