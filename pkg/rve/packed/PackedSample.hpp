@@ -95,7 +95,7 @@ public:
 	PackedStatistics<Dim> statistics() const;
 	PackedTangent<Dim>    tangent() const;
 
-	/// What this sample's steps run on: the vectors in use as Highway names them, such as "AVX2", "AVX3" (AVX-512) or "NEON", or "portable".
+	/// What this sample's steps run on: the vectors in use as Highway names them, such as "AVX2", "AVX3" or "AVX3_DL" (AVX-512) or "NEON", or "portable".
 	const char* path() const;
 	/// Takes the portable path from now on, for all samples made afterwards (tests, comparisons).
 	static void forcePortable(bool portable);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The fused step of discs on vectors, compiled once for every kind of processor that Highway knows. Which one runs is chosen when the
 // program runs. Vectors of variable length (SVE, RVV) cannot be members of a structure and are left out.
+#define HWY_WANT_AVX3_DL // Highway of Debian 12 leaves it out unless it is asked for
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -23,12 +24,16 @@ namespace HWY_NAMESPACE {
 
 		template <bool Periodic> HWY_INLINE Gathered gather(const PackedStepView<2>& view, const Place<2>& p)
 		{
-			Rows rows;
-			for (std::size_t k = 0; k < 4; ++k) {
-				const std::size_t l = Rows::row(k), at = Rows::at(k);
-				rows.part[k] = Sub(load(view.motion + p.second()[l] + at), load(view.motion + p.first()[l] + at));
-				if (Periodic) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
-			}
+			Rows<4> rows;
+			forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+				const double *first = view.place + p.first()[l], *second = view.place + p.second()[l];
+				const double* shift = Periodic ? view.shiftPlace + p.shift()[l] : nullptr;
+				rows.setRow(l, [&](std::size_t at) HWY_ATTR TALIK_INLINED {
+					const auto branch = Sub(rows.numbers(second + at), rows.numbers(first + at));
+					if constexpr (Periodic) return Add(branch, rows.numbers(shift + at));
+					else return branch;
+				});
+			});
 			const Columns c        = columnsOf(rows);
 			const Many    wr       = sumOfSingles(view.rim, p.first(), p.second());
 			const Many    distance = Sqrt(MulAdd(c.a, c.a, Mul(c.b, c.b)));
@@ -36,27 +41,31 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Adds the rows of the first grains, and those of the second ones with G of other sign.
-		template <bool Periodic> HWY_INLINE void addRows(const PackedStepView<2>& view, const Place<2>& p, const Rows& ofFirst, const Rows& ofSecond)
+		template <bool Periodic>
+		HWY_INLINE void addRows(const PackedStepView<2>& view, const Place<2>& p, const Rows<4>& ofFirst, const Rows<4>& ofSecond)
 		{
 			alignas(32) static constexpr double signs[4] = { -1, -1, 1, 1 };
-			for (std::size_t k = 0; k < 4; ++k) {
-				const std::size_t l = Rows::row(k), at = Rows::at(k);
-				double*           first  = view.force + p.first()[l] + at;
-				double*           second = view.force + p.second()[l] + at;
-				store(Add(load(first), ofFirst.part[k]), first);
-				store(Add(load(second), Mul(ofSecond.part[k], load(signs + at))), second);
-				if (Periodic && view.sampleStress) {
-					double* sum = view.shiftForce + p.shift()[l] + at;
-					store(Add(load(sum), ofFirst.part[k]), sum);
-				}
-			}
+			forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+				double* const first  = view.force + p.first()[l];
+				double* const second = view.force + p.second()[l];
+				ofFirst.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
+					store(Add(ofFirst.numbers(first + at), part), first + at);
+					if (!Periodic || !view.sampleStress) return;
+					double* const sum = view.shiftForce + p.shift()[l] + at;
+					store(Add(ofFirst.numbers(sum), part), sum);
+				});
+				ofSecond.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
+					store(MulAdd(part, ofSecond.numbers(signs + at), ofSecond.numbers(second + at)), second + at);
+				});
+			});
 		}
 
 		/// Hands the contacts that `failed` over to the sample, which settles them.
 		template <class Condition>
 		HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, Condition failed, ContactForces<Many, Many>& f)
 		{
-			alignas(32) double reported[4], overlap[4], trialNormal[4], trialShear[4], increment[4], normal[4], shear[4], iceShear[4];
+			using Numbers = double[packedWidth];
+			alignas(packedAlignment) Numbers reported, overlap, trialNormal, trialShear, increment, normal, shear, iceShear;
 			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
 			store(f.overlap, overlap);
 			store(f.trialNormal, trialNormal);
@@ -130,7 +139,7 @@ namespace HWY_NAMESPACE {
 				        [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
 					        ContactForces<Many, Many> reported
 					                = forces; // of its own: the address of those at hand would keep them in memory
-					        reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, reported);
+					        reportBonds(shared, Periodic, packedWidth * p.block + p.lane, failed, reported);
 					        forces = reported;
 				        });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
@@ -170,9 +179,10 @@ namespace HWY_NAMESPACE {
 			if constexpr (Rolling || Moments) {
 				const Many moment = momentOf<Rolling, Moments>(view, p, f.normal);
 				addRows<Periodic>(
-				        view, p, rowsOf({ gx, gy, f.shear, Sub(ofShear, moment) }), rowsOf({ gx, gy, f.shear, Add(ofShear, moment) }));
+				        view, p, rowsOf(Columns { gx, gy, f.shear, Sub(ofShear, moment) }),
+				        rowsOf(Columns { gx, gy, f.shear, Add(ofShear, moment) }));
 			} else {
-				const Rows rows = rowsOf({ gx, gy, f.shear, ofShear });
+				const Rows<4> rows = rowsOf(Columns { gx, gy, f.shear, ofShear });
 				addRows<Periodic>(view, p, rows, rows);
 			}
 		}
@@ -203,45 +213,40 @@ namespace HWY_NAMESPACE {
 				const Many              jxx = splat(jump[0]), jxy = splat(jump[1]), jyx = splat(jump[2]), jyy = splat(jump[3]);
 				const Many              spinJump = splat(-0.5 * (jump[1] - jump[2]));
 				const Many              dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
-				Quad                    sxx, sxy, syx, syy, fluctuation;
-				for (std::size_t i = 0; i < view.grains; i += 4)
-					for (std::size_t part = 0; part < Quad::parts; ++part) {
-						const std::size_t g         = i + part * laneCount;
-						const Columns     motion    = takeColumns<false, 4>(view.motion + 4 * g),
-						              force         = takeColumns<true, 4>(view.force + 4 * g);
-						const Many minusInverseMass = load(view.minusInverseMass + g);
-						const Many meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
-						Many       ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
-						Many       ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
-						ax            = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
-						ay            = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
-						Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
-						const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
-						fluctuation.part[part] = Max(
-						        fluctuation.part[part], Mul(load(view.inverseSlackSquare + g), MulAdd(fx, fx, Mul(fy, fy))));
-						if (Jumps) {
-							vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
-							vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
-						}
-						const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
-						putColumns<4>({ x, y, vx, vy }, view.motion + 4 * g);
-						if (Stress) {
-							sxx.part[part] = MulAdd(force.a, x, sxx.part[part]);
-							sxy.part[part] = MulAdd(force.a, y, sxy.part[part]);
-							syx.part[part] = MulAdd(force.b, x, syx.part[part]);
-							syy.part[part] = MulAdd(force.b, y, syy.part[part]);
-						}
-						const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
-						double *   spin = view.turning[i / 4].spin[0] + part * laneCount,
-						       *angle   = view.turning[i / 4].angle + part * laneCount;
-						Many w          = load(spin);
-						w               = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
-						if (Jumps) w = Add(w, spinJump);
-						store(w, spin);
-						store(MulAdd(dt, w, load(angle)), angle);
-						store(Mul(w, radius), view.rim + g);
+				Many                    fluctuation = splat(0.);
+				Quad                    sxx, sxy, syx, syy;
+				for (std::size_t g = 0; g < view.grains; g += laneCount) {
+					const Columns motion = takeColumns<4, 4>(view.place + 4 * g), force = takeColumns<4, 4, true>(view.force + 4 * g);
+					const Many    minusInverseMass = load(view.minusInverseMass + g);
+					const Many    meanX = MulAdd(lxx, motion.a, Mul(lxy, motion.b)), meanY = MulAdd(lyx, motion.a, Mul(lyy, motion.b));
+					Many          ax = damped(Mul(force.a, minusInverseMass), Sub(motion.c, meanX), damping, halfStep);
+					Many          ay = damped(Mul(force.b, minusInverseMass), Sub(motion.d, meanY), damping, halfStep);
+					ax               = MulAdd(lxx, motion.c, MulAdd(lxy, motion.d, ax));
+					ay               = MulAdd(lyx, motion.c, MulAdd(lyy, motion.d, ay));
+					Many       vx = MulAdd(dt, ax, motion.c), vy = MulAdd(dt, ay, motion.d);
+					const Many fx = Sub(vx, meanX), fy = Sub(vy, meanY);
+					fluctuation = Max(fluctuation, Mul(load(view.inverseSlackSquare + g), MulAdd(fx, fx, Mul(fy, fy))));
+					if (Jumps) {
+						vx = MulAdd(jxx, motion.a, MulAdd(jxy, motion.b, vx));
+						vy = MulAdd(jyx, motion.a, MulAdd(jyy, motion.b, vy));
 					}
-				shared.maxFluctuationSquare = fluctuation.largest();
+					const Many x = MulAdd(dt, vx, motion.a), y = MulAdd(dt, vy, motion.b);
+					putColumns<4>(Columns { x, y, vx, vy }, view.place + 4 * g);
+					if (Stress) {
+						sxx.add(g, force.a, x);
+						sxy.add(g, force.a, y);
+						syx.add(g, force.b, x);
+						syy.add(g, force.b, y);
+					}
+					const Many radius = load(view.radius + g), torque = NegMulAdd(radius, force.c, force.d);
+					Many       w = load(view.turning + g);
+					w            = MulAdd(dt, damped(Mul(torque, load(view.inverseInertia + g)), w, damping, halfStep), w);
+					if (Jumps) w = Add(w, spinJump);
+					store(w, view.turning + g);
+					store(MulAdd(dt, w, load(view.angle + g)), view.angle + g);
+					store(Mul(w, radius), view.rim + g);
+				}
+				shared.maxFluctuationSquare = largest(fluctuation);
 				if (!Stress) return;
 				shared.virial[0] = sxx.sum();
 				shared.virial[1] = sxy.sum();

@@ -2,6 +2,7 @@
 // The fused step of spheres on vectors, in stock YADE's conventions (ScGeom with avoidGranularRatcheting), compiled once for every kind of
 // processor that Highway knows. Which one runs is chosen when the program runs. Vectors of variable length (SVE, RVV) cannot be members of
 // a structure and are left out.
+#define HWY_WANT_AVX3_DL // Highway of Debian 12 leaves it out unless it is asked for
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -17,7 +18,6 @@ namespace talik {
 namespace HWY_NAMESPACE {
 	namespace {
 
-		using Layout = PackedLayout<3>;
 		using Vector = InSpace<Many>;
 		using Forces = ContactForces<Many, Vector>;
 
@@ -32,11 +32,11 @@ namespace HWY_NAMESPACE {
 				 NegMulAdd(a.y, b.x, MulAdd(a.x, b.y, c.z)) };
 		}
 		HWY_INLINE Vector mulAdd(Many a, const Vector& b, const Vector& c) { return { MulAdd(a, b.x, c.x), MulAdd(a, b.y, c.y), MulAdd(a, b.z, c.z) }; }
-		HWY_INLINE Vector load3(const double (&rows)[3][4], std::size_t lane)
+		HWY_INLINE Vector load3(const double (&rows)[3][packedWidth], std::size_t lane)
 		{
 			return { load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane) };
 		}
-		HWY_INLINE void store3(const Vector& v, double (&rows)[3][4], std::size_t lane)
+		HWY_INLINE void store3(const Vector& v, double (&rows)[3][packedWidth], std::size_t lane)
 		{
 			store(v.x, rows[0] + lane);
 			store(v.y, rows[1] + lane);
@@ -75,30 +75,59 @@ namespace HWY_NAMESPACE {
 			KeptVector moment; ///< of rolling and of bonds, on the second grain
 		};
 
-		/// Columns of second + sign first, four numbers of the rows.
-		template <bool Shifted> HWY_INLINE Columns gatherColumns(const PackedStepView<3>& view, const Place<3>& p, int from, const double* sign)
+		/// Columns of second + sign first, Length numbers of rows that are Row numbers apart, and of the shift's row if there is one.
+		template <std::size_t Length, std::size_t Row, bool Shifted = false>
+		HWY_INLINE auto gatherColumns(double* from, const Place<3>& p, const double* sign, double* shifts = nullptr)
 		{
-			Rows rows;
-			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
-				const std::size_t l = Rows::row(k), at = from + Rows::at(k);
-				const double*     numbers = view.motion + at;
-				rows.part[k]              = MulAdd(load(sign + Rows::at(k)), load(numbers + p.first()[l]), load(numbers + p.second()[l]));
-				if (Shifted) rows.part[k] = Add(rows.part[k], load(view.shiftMotion + p.shift()[l] + at));
-			});
-			return columnsOf(rows);
+			if constexpr (Length > inRow) {
+				return EightColumns { gatherColumns<4, Row, Shifted>(from, p, sign, shifts),
+					              gatherColumns<4, Row, Shifted>(from + 4, p, sign + 4, Shifted ? shifts + 4 : nullptr) };
+			} else {
+				Rows<Length> rows;
+				forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+					const double *first = rowAt<3, Row>(from, p.first()[l]), *second = rowAt<3, Row>(from, p.second()[l]);
+					const double* shift = Shifted ? rowAt<3, Row>(shifts, p.shift()[l]) : nullptr;
+					rows.setRow(l, [&](std::size_t at) HWY_ATTR TALIK_INLINED {
+						const auto sum = MulAdd(rows.numbers(sign + at), rows.numbers(first + at), rows.numbers(second + at));
+						if constexpr (Shifted) return Add(sum, rows.numbers(shift + at));
+						else return sum;
+					});
+				});
+				return columnsOf(rows);
+			}
 		}
 
-		alignas(32) static constexpr double lessButLast[4] = { -1, -1, -1, 1 }, plus[4] = { 1, 1, 1, 1 }, less[4] = { -1, -1, -1, -1 };
+		alignas(packedAlignment) static constexpr double lessButLast[8] = { -1, -1, -1, 1, 1, 1, 1, 1 };
+		alignas(packedAlignment) static constexpr double lessFour[8]    = { -1, -1, -1, -1, 1, 1, 1, 1 };
 
 		template <bool Periodic> HWY_INLINE void gather(const PackedStepView<3>& view, const Place<3>& p, Gathered& g)
 		{
-			const Columns x = gatherColumns<Periodic>(view, p, 0, lessButLast);
+			const Columns x = gatherColumns<4, 4, Periodic>(view.place, p, lessButLast, view.shiftPlace);
 			const Vector  branch { x.a, x.b, x.c };
 			const Many    distance = Sqrt(dot(branch, branch)), inverse = Div(splat(1.), distance);
 			g.n        = scaled(branch, inverse);
 			g.rimX     = x.d;
 			g.distance = distance;
 			g.inverse  = inverse;
+		}
+
+		/// Adds to rows of force, from a number on: what comes first, the forces, with other sign to those of the second grains.
+		template <bool Periodic, class SomeRows>
+		HWY_INLINE void addRows(const PackedStepView<3>& view, const Place<3>& p, std::size_t from, const SomeRows& ofFirst, const SomeRows& ofSecond)
+		{
+			forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+				double* const first  = rowAt<3, 8>(view.force, p.first()[l]) + from;
+				double* const second = rowAt<3, 8>(view.force, p.second()[l]) + from;
+				ofFirst.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
+					store(Add(ofFirst.numbers(first + at), part), first + at);
+					if (!Periodic || !view.sampleStress) return;
+					double* const sum = rowAt<3, 8>(view.shiftForce, p.shift()[l]) + from + at;
+					store(Add(ofFirst.numbers(sum), part), sum);
+				});
+				ofSecond.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
+					store(MulAdd(ofSecond.numbers(lessFour + from + at), part, ofSecond.numbers(second + at)), second + at);
+				});
+			});
 		}
 
 		/// Adds G to the first grains' rows and subtracts it from the second ones'; moments of s on the arms r - u_n/2 to both.
@@ -114,28 +143,23 @@ namespace HWY_NAMESPACE {
 				ofFirst             = { Add(ofFirst.x, moment.x), Add(ofFirst.y, moment.y), Add(ofFirst.z, moment.z) };
 				ofSecond            = Sub(ofSecond, moment);
 			}
-			const Rows forces = rowsOf({ MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), splat(0.) });
-			const Rows firstMoments  = rowsOf({ ofFirst.x, ofFirst.y, ofFirst.z, splat(0.) });
-			const Rows secondMoments = rowsOf({ ofSecond.x, ofSecond.y, ofSecond.z, splat(0.) });
-			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
-				const std::size_t l = Rows::row(k), at = Rows::at(k);
-				double*           first  = view.motion + p.first()[l] + at;
-				double*           second = view.motion + p.second()[l] + at;
-				store(Add(forces.part[k], load(first + Layout::force)), first + Layout::force);
-				store(Add(firstMoments.part[k], load(first + Layout::moment)), first + Layout::moment);
-				store(Sub(load(second + Layout::force), forces.part[k]), second + Layout::force);
-				store(Add(secondMoments.part[k], load(second + Layout::moment)), second + Layout::moment);
-				if (Periodic && view.sampleStress) {
-					double* sum = view.shiftForce + p.shift()[l] + at;
-					store(Add(load(sum), forces.part[k]), sum);
-				}
-			});
+			const Many    none = splat(0.);
+			const Columns forces { MulAdd(normal, n.x, shear.x), MulAdd(normal, n.y, shear.y), MulAdd(normal, n.z, shear.z), none };
+			const Columns firstMoments { ofFirst.x, ofFirst.y, ofFirst.z, none }, secondMoments { ofSecond.x, ofSecond.y, ofSecond.z, none };
+#if HWY_TARGET <= HWY_AVX3_DL
+			addRows<Periodic>(view, p, 0, rowsOf(EightColumns { forces, firstMoments }), rowsOf(EightColumns { forces, secondMoments }));
+#else
+			const Rows<4> rows = rowsOf(forces);
+			addRows<Periodic>(view, p, 0, rows, rows);
+			addRows<Periodic>(view, p, 4, rowsOf(firstMoments), rowsOf(secondMoments));
+#endif
 		}
 
 		/// Hands the contacts that `failed` over to the sample, which settles them.
 		template <class Condition> HWY_NOINLINE void reportBonds(PackedStepView<3>& view, int periodic, std::size_t lane, Condition failed, Forces& f)
 		{
-			alignas(32) double reported[4], overlap[4], trialNormal[4], normal[4], trialShear[3][4], increment[3][4], shear[3][4], iceShear[3][4];
+			using Numbers = double[packedWidth];
+			alignas(packedAlignment) Numbers reported, overlap, trialNormal, normal, trialShear[3], increment[3], shear[3], iceShear[3];
 			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
 			store(f.overlap, overlap);
 			store(f.trialNormal, trialNormal);
@@ -144,7 +168,9 @@ namespace HWY_NAMESPACE {
 			store3(f.increment, increment, 0);
 			store3(f.shear, shear, 0);
 			store3(f.iceShear, iceShear, 0);
-			const auto vector = [](const double(&rows)[3][4], std::size_t l) { return Eigen::Vector3d(rows[0][l], rows[1][l], rows[2][l]); };
+			const auto vector = [](const double(&rows)[3][packedWidth], std::size_t l) {
+				return Eigen::Vector3d(rows[0][l], rows[1][l], rows[2][l]);
+			};
 			for (std::size_t l = 0; l < laneCount; ++l) {
 				if (reported[l] == 0) continue;
 				PackedBondEvent<3> event { periodic,
@@ -173,7 +199,7 @@ namespace HWY_NAMESPACE {
 		/// Angular velocity of the second grains less that of the first ones.
 		HWY_INLINE Vector spinBetween(const PackedStepView<3>& view, const Place<3>& p)
 		{
-			const Columns w = gatherColumns<false>(view, p, Layout::spin, less);
+			const Columns w = gatherColumns<4, 8>(view.speed + 4, p, lessFour);
 			return { w.a, w.b, w.c };
 		}
 
@@ -225,10 +251,9 @@ namespace HWY_NAMESPACE {
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
-			const Columns   v     = gatherColumns<Periodic>(view, p, Layout::velocity, lessButLast);
-			const Columns   w     = gatherColumns<false>(view, p, Layout::spin, plus);
-			const Vector    velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
-			const Many      sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
+			const auto [v, w]     = gatherColumns<8, 8, Periodic>(view.speed, p, lessButLast, view.shiftSpeed);
+			const Vector velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
+			const Many   sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
 			// the branch of the last step is l - dt v: from it the turn of the normal follows, to the last place
 			const Many   inverse = g.inverse(), turning = Mul(c.step, inverse), stretch = Mul(sum, inverse);
 			const Vector across = cross(n, velocity);
@@ -258,7 +283,7 @@ namespace HWY_NAMESPACE {
 				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment, bendBonds<Moments>(view, p, c, n, turn),
 				        [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
 					        Forces reported = forces; // of its own: the address of those at hand would keep them in memory
-					        reportBonds(shared, Periodic, 4 * p.block + p.lane, failed, reported);
+					        reportBonds(shared, Periodic, packedWidth * p.block + p.lane, failed, reported);
 					        forces = reported;
 				        });
 				store3(f.iceShear, ice.iceShear, p.lane);
@@ -293,11 +318,11 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Adds f (x) x to its sums.
-		HWY_INLINE void addVirial(Quad (&sums)[9], std::size_t part, const Vector& f, const Vector& x)
+		HWY_INLINE void addVirial(Quad (&sums)[9], std::size_t grain, const Vector& f, const Vector& x)
 		{
 			const Many fs[3] = { f.x, f.y, f.z }, xs[3] = { x.x, x.y, x.z };
 			for (int k = 0; k < 9; ++k)
-				sums[k].part[part] = MulAdd(fs[k / 3], xs[k % 3], sums[k].part[part]);
+				sums[k].add(grain, fs[k / 3], xs[k % 3]);
 		}
 
 		struct SphereLoops {
@@ -331,38 +356,31 @@ namespace HWY_NAMESPACE {
 				const Vector none { splat(0.), splat(0.), splat(0.) },
 				        spinJump { splat(leapOfSpin[0]), splat(leapOfSpin[1]), splat(leapOfSpin[2]) };
 				const Many dt = splat(view.dt), halfStep = splat(0.5 * view.dt), damping = splat(view.damping);
-				Quad       fluctuation, virial[9];
-				for (std::size_t i = 0; i < view.grains; i += 4)
-					for (std::size_t part = 0; part < Quad::parts; ++part) {
-						const std::size_t g = i + part * laneCount, lane = part * laneCount;
-						double*           row = view.position(g);
-						const Columns     xs  = takeColumns<false, Layout::row>(row),
-						              vs      = takeColumns<false, Layout::row>(row + Layout::velocity);
-						const Columns fs      = takeColumns<true, Layout::row>(row + Layout::force),
-						              ms      = takeColumns<true, Layout::row>(row + Layout::moment);
-						const Vector x { xs.a, xs.b, xs.c }, v { vs.a, vs.b, vs.c }, force { fs.a, fs.b, fs.c },
-						        moment { ms.a, ms.b, ms.c };
-						const Vector meanField = gradient.timesAdd(x, none);
-						const Vector a         = gradient.timesAdd(
-						                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
-						Vector       velocity  = mulAdd(dt, a, v);
-						const Vector carried   = Sub(velocity, meanField);
-						fluctuation.part[part] = Max(
-						        fluctuation.part[part], Mul(load(view.inverseSlackSquare + g), dot(carried, carried)));
-						if (Jumps) velocity = jump.timesAdd(x, velocity);
-						const Vector position = mulAdd(dt, velocity, x);
-						if (Stress) addVirial(virial, part, force, position);
-						auto&        turning = view.turning[i / 4];
-						const Vector before  = load3(turning.spin, lane);
-						Vector w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
-						if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
-						store3(w, turning.spin, lane);
-						const Vector rim = scaled(w, load(view.radius + g));
-						putColumns<Layout::row>({ position.x, position.y, position.z, rim.x }, row);
-						putColumns<Layout::row>({ velocity.x, velocity.y, velocity.z, rim.y }, row + Layout::velocity);
-						putColumns<Layout::row>({ w.x, w.y, w.z, rim.z }, row + Layout::spin);
-					}
-				shared.maxFluctuationSquare = fluctuation.largest();
+				Many       fluctuation = splat(0.);
+				Quad       virial[9];
+				for (std::size_t g = 0; g < view.grains; g += laneCount) {
+					const Columns xs    = takeColumns<4, 4>(view.position(g));
+					const auto [vs, ws] = takeColumns<8, 8>(view.velocity(g));
+					const auto [fs, ms] = takeColumns<8, 8, true>(view.force + 8 * g);
+					const Vector x { xs.a, xs.b, xs.c }, v { vs.a, vs.b, vs.c }, force { fs.a, fs.b, fs.c }, moment { ms.a, ms.b, ms.c };
+					const Vector meanField = gradient.timesAdd(x, none);
+					const Vector a         = gradient.timesAdd(
+					                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
+					Vector       velocity = mulAdd(dt, a, v);
+					const Vector carried  = Sub(velocity, meanField);
+					fluctuation           = Max(fluctuation, Mul(load(view.inverseSlackSquare + g), dot(carried, carried)));
+					if (Jumps) velocity = jump.timesAdd(x, velocity);
+					const Vector position = mulAdd(dt, velocity, x);
+					if (Stress) addVirial(virial, g, force, position);
+					const Vector before { ws.a, ws.b, ws.c };
+					Vector       w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
+					if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
+					const Vector rim = scaled(w, load(view.radius + g));
+					putColumns<4>(Columns { position.x, position.y, position.z, rim.x }, view.position(g));
+					putColumns<8>(
+					        EightColumns { { velocity.x, velocity.y, velocity.z, rim.y }, { w.x, w.y, w.z, rim.z } }, view.velocity(g));
+				}
+				shared.maxFluctuationSquare = largest(fluctuation);
 				for (int k = 0; Stress && k < 9; ++k)
 					shared.virial[k] = virial[k].sum();
 			}

@@ -8,64 +8,59 @@
 /// The running form of a sample, as seen by the fused step.
 namespace talik {
 
-/// Layout of the running form, in numbers. Discs have rows of motion (x, v) and rows of force (sum of G, sum of s, sum of s u_n/2), spheres
-/// one row for both: x, w_x r, v, w_y r, w, w_z r, sum of G, 0, sum of moments, 0. G is minus the force on the grain.
+/// Pairs in a block: as many as the longest vectors have lanes. No result depends on it.
+constexpr std::size_t packedWidth     = 8;
+constexpr std::size_t packedAlignment = packedWidth * sizeof(double);
+
+/// Layout of the running form, in numbers. The motion of discs are rows x, v, their forces rows sum of G, sum of s, sum of s u_n/2. Spheres
+/// have rows of place x, w_x r, of speed v, w_y r, w, w_z r, and of force sum of G, 0, sum of moments, 0. G is minus the force on the grain.
 template <int Dim> struct PackedLayout;
 template <> struct PackedLayout<2> {
-	static constexpr int row = 4, velocity = 2, shear = 1, angular = 1;
+	static constexpr int row = 4, shear = 1, angular = 1; ///< row: the longest
 };
 template <> struct PackedLayout<3> {
-	static constexpr int row = 20, velocity = 4, spin = 8, force = 12, moment = 16, shear = 3, angular = 3;
-};
-
-/// Turning of four grains: angular velocity [rad/s], and of discs the angle [rad].
-template <int Dim> struct alignas(32) PackedTurning {
-	double spin[PackedLayout<Dim>::angular][4];
-};
-template <> struct alignas(32) PackedTurning<2> {
-	double spin[1][4];
-	double angle[4];
+	static constexpr int row = 8, shear = 3, angular = 3;
 };
 
 /// What spheres need of a pair beyond what discs do.
 template <int Dim> struct PackedSpherePair {};
 template <> struct PackedSpherePair<3> {
-	double halfDifference[4]; ///< (r_1 - r_2)/2 [m]
+	double halfDifference[packedWidth]; ///< (r_1 - r_2)/2 [m]
 };
 
-/// Four pairs. `first` and `second` are where the rows of the grains begin. Pairs that do not touch carry zero shear and give zero force.
-template <int Dim> struct alignas(32) PackedBlock : PackedSpherePair<Dim> {
-	double        shear[PackedLayout<Dim>::shear][4];
-	double        sumRadius[4];
-	double        stiffness[4];
-	std::uint32_t first[4], second[4];
+/// Some pairs. `first` and `second` are where the longest rows of the grains begin. Pairs that do not touch carry zero shear and give zero force.
+template <int Dim> struct alignas(packedAlignment) PackedBlock : PackedSpherePair<Dim> {
+	double        shear[PackedLayout<Dim>::shear][packedWidth];
+	double        sumRadius[packedWidth];
+	double        stiffness[packedWidth];
+	std::uint32_t first[packedWidth], second[packedWidth];
 };
-/// What ice adds to four pairs, see ContactResponse.
-template <int Dim> struct alignas(32) PackedIceBlock {
-	double iceShear[PackedLayout<Dim>::shear][4];
-	double offset[4];
-	double floor[4];
-	double cohesion[4];
-	double iceShare[4];
-};
-
-/// What resistance to rolling adds to four pairs.
-template <int Dim> struct alignas(32) PackedRollingBlock {
-	double moment[PackedLayout<Dim>::angular][4]; ///< on the second grain [N m]
-	double stiffness[4];                          ///< k_r [N m]
-	double lever[4];                              ///< largest moment over normal force [m]
-	double inverseFirst[4], inverseSecond[4];     ///< of the radii [1/m]
+/// What ice adds to some pairs, see ContactResponse.
+template <int Dim> struct alignas(packedAlignment) PackedIceBlock {
+	double iceShear[PackedLayout<Dim>::shear][packedWidth];
+	double offset[packedWidth];
+	double floor[packedWidth];
+	double cohesion[packedWidth];
+	double iceShare[packedWidth];
 };
 
-/// What moments of bonds add to four pairs; stiffness and moment are zero where no bond is intact.
-template <int Dim> struct alignas(32) PackedMomentBlock {
-	double moment[PackedLayout<Dim>::angular][4]; ///< on the second grain [N m]
-	double bending[4], twisting[4];               ///< stiffness [N m]
-	double edgeOverMoment[4];                     ///< see BondSection [1/m]
-	double inverseFirst[4], inverseSecond[4];     ///< of the radii [1/m]
+/// What resistance to rolling adds to some pairs.
+template <int Dim> struct alignas(packedAlignment) PackedRollingBlock {
+	double moment[PackedLayout<Dim>::angular][packedWidth];       ///< on the second grain [N m]
+	double stiffness[packedWidth];                                ///< k_r [N m]
+	double lever[packedWidth];                                    ///< largest moment over normal force [m]
+	double inverseFirst[packedWidth], inverseSecond[packedWidth]; ///< of the radii [1/m]
 };
 
-/// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives where four rows of the shift table begin per block).
+/// What moments of bonds add to some pairs; stiffness and moment are zero where no bond is intact.
+template <int Dim> struct alignas(packedAlignment) PackedMomentBlock {
+	double moment[PackedLayout<Dim>::angular][packedWidth];       ///< on the second grain [N m]
+	double bending[packedWidth], twisting[packedWidth];           ///< stiffness [N m]
+	double edgeOverMoment[packedWidth];                           ///< see BondSection [1/m]
+	double inverseFirst[packedWidth], inverseSecond[packedWidth]; ///< of the radii [1/m]
+};
+
+/// Pairs of one kind: inside the cell, or across its boundary (then `shift` gives where the rows of the shift table begin, for each pair).
 template <int Dim> struct PackedPairs {
 	PackedBlock<Dim>*        block;
 	PackedIceBlock<Dim>*     ice;
@@ -83,21 +78,22 @@ template <int Dim> struct PackedBondEvent {
 };
 
 template <int Dim> struct PackedStepView {
-	double*             motion;
-	double*             rim; ///< discs only: w r
-	double*             force;
-	PackedTurning<Dim>* turning;
-	const double*       minusInverseMass;
-	const double*       inverseInertia; ///< spheres: with a minus, as their moments are summed up
-	const double*       radius;
-	const double*       inverseSlackSquare; ///< see PackedLists
-	std::size_t         grains;             ///< rows that are integrated; a multiple of four
+	double*       place; ///< discs: x, v
+	double*       speed; ///< spheres only
+	double*       force;
+	double *      turning, *rim, *angle; ///< discs only: w, w r, angle [rad]
+	const double* minusInverseMass;
+	const double* inverseInertia; ///< spheres: with a minus, as their moments are summed up
+	const double* radius;
+	const double* inverseSlackSquare; ///< see PackedLists
+	std::size_t   grains;             ///< rows that are integrated; a multiple of packedWidth
 
 	PackedPairs<Dim> inner, periodic;
 
-	double*            shiftMotion; ///< rows (H c, L H_prev c)
-	double*            shiftForce;  ///< rows: sum of G over the pairs with this shift, in steps that form the virial
-	const std::int8_t* shiftCell;   ///< Dim entries per shift: c
+	double*            shiftPlace; ///< rows H c, of discs with L H_prev c
+	double*            shiftSpeed; ///< spheres only: rows L H_prev c
+	double*            shiftForce; ///< rows: sum of G over the pairs with this shift, in steps that form the virial
+	const std::int8_t* shiftCell;  ///< Dim entries per shift: c
 	std::size_t        shifts;
 
 	double hSize[Dim * Dim], prevHSize[Dim * Dim], trsf[Dim * Dim]; ///< row-major, cell vectors in columns
@@ -115,9 +111,9 @@ template <int Dim> struct PackedStepView {
 
 	/// Whether the velocity gradient changes in this step.
 	bool    jumps() const { return !std::equal(nextVelGrad, nextVelGrad + Dim * Dim, prevVelGrad); }
-	double* position(std::size_t row) const { return motion + row * PackedLayout<Dim>::row; }
-	double* velocity(std::size_t row) const { return position(row) + PackedLayout<Dim>::velocity; }
-	double& spin(std::size_t grain, int component) const { return turning[grain / 4].spin[component][grain % 4]; }
+	double* position(std::size_t grain) const { return place + 4 * grain; }
+	double* velocity(std::size_t grain) const { return Dim == 2 ? place + 4 * grain + 2 : speed + 8 * grain; }
+	double& spin(std::size_t grain, int component) const { return Dim == 2 ? turning[grain] : speed[8 * grain + 4 + component]; }
 };
 
 /// The two halves of a step.
@@ -146,14 +142,15 @@ namespace talik {
 /// Where the two grains and the periodic shift of a pair are.
 template <int Dim> struct PackedPairRows {
 	std::uint32_t first, second; ///< grains
-	const double* shift;         ///< row (H c, L H_prev c), or nullptr inside the cell
+	const double* shift;         ///< row that begins with H c, or nullptr inside the cell
 };
 
 template <int Dim> inline PackedPairRows<Dim> pairRows(const PackedStepView<Dim>& view, const PackedPairs<Dim>& pairs, std::size_t lane)
 {
-	const PackedBlock<Dim>& block = pairs.block[lane / 4];
+	const PackedBlock<Dim>& block = pairs.block[lane / packedWidth];
 	constexpr std::uint32_t row   = PackedLayout<Dim>::row;
-	return { block.first[lane % 4] / row, block.second[lane % 4] / row, pairs.shift ? view.shiftMotion + pairs.shift[lane] : nullptr };
+	const std::size_t       l     = lane % packedWidth;
+	return { block.first[l] / row, block.second[l] / row, pairs.shift ? view.shiftPlace + pairs.shift[lane] / row * 4 : nullptr };
 }
 
 /// Branch from first to second and its square.
@@ -170,13 +167,14 @@ template <int Dim> inline double pairBranch(const PackedStepView<Dim>& view, con
 }
 
 /// Shear force in a lane of a block.
-template <int Dim> inline typename PackedTypes<Dim>::Shear laneShear(const double (&rows)[PackedLayout<Dim>::shear][4], std::size_t lane)
+template <int Dim> inline typename PackedTypes<Dim>::Shear laneShear(const double (&rows)[PackedLayout<Dim>::shear][packedWidth], std::size_t lane)
 {
 	if constexpr (Dim == 2) return rows[0][lane];
 	else return { rows[0][lane], rows[1][lane], rows[2][lane] };
 }
 
-template <int Dim> inline void setLaneShear(double (&rows)[PackedLayout<Dim>::shear][4], std::size_t lane, const typename PackedTypes<Dim>::Shear& shear)
+template <int Dim>
+inline void setLaneShear(double (&rows)[PackedLayout<Dim>::shear][packedWidth], std::size_t lane, const typename PackedTypes<Dim>::Shear& shear)
 {
 	if constexpr (Dim == 2) rows[0][lane] = shear;
 	else

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Vectors of the fused step: rows of four numbers per grain to columns of one number of several grains, and back. As a header of
-// Highway's it is read once for every kind of processor that the including file is compiled for. Vectors of four numbers are the longest
-// that a block of pairs fills.
+// Highway's it is read once for every kind of processor that the including file is compiled for. No vector is longer than a block of
+// pairs.
 #if defined(TALIK_RVE_PACKEDVECTORS) == defined(HWY_TARGET_TOGGLE)
 #ifdef TALIK_RVE_PACKEDVECTORS
 #undef TALIK_RVE_PACKEDVECTORS
@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 #include <pkg/icebond/ContactForces.hpp>
 #include <pkg/rve/packed/PackedStepView.hpp>
+#include <utility>
 
 // Functions that a loop is told to call are part of it.
 #ifndef TALIK_INLINED
@@ -25,109 +26,164 @@ namespace HWY_NAMESPACE {
 
 		namespace hn = hwy::HWY_NAMESPACE;
 
-		constexpr std::size_t laneCount = HWY_MIN(HWY_LANES(double), 4); ///< pairs or grains that are dealt with at once
+		/// Pairs or grains that are dealt with at once. Eight only on processors that do not slow down for them: Ice Lake, Zen 4 and later.
+		constexpr std::size_t laneCount = HWY_MIN(HWY_LANES(double), HWY_TARGET <= HWY_AVX3_DL ? packedWidth : 4);
 
 #if HWY_TARGET == HWY_SCALAR
-		using Many = double;
-		HWY_INLINE Many splat(double value) { return value; }
-		HWY_INLINE Many load(const double* from) { return *from; }
-		HWY_INLINE void store(Many value, double* to) { *to = value; }
+		template <std::size_t> using Some = double;
+		using Many                        = double;
+		HWY_INLINE Many                              splat(double value) { return value; }
+		template <std::size_t = 1> HWY_INLINE double load(const double* from) { return *from; }
+		HWY_INLINE void                              store(Many value, double* to) { *to = value; }
 #else
-		using Lanes = hn::CappedTag<double, laneCount>;
-		using Many  = hn::Vec<Lanes>;
-		constexpr Lanes lanes;
-		HWY_INLINE Many splat(double value) { return hn::Set(lanes, value); }
-		HWY_INLINE Many load(const double* from) { return hn::Load(lanes, from); }
-		HWY_INLINE void store(Many value, double* to) { hn::Store(value, lanes, to); }
+		template <std::size_t Count> using Some = hn::Vec<hn::CappedTag<double, Count>>;
+		using Lanes                             = hn::CappedTag<double, laneCount>;
+		using Many                              = Some<laneCount>;
+		constexpr Lanes                                     lanes;
+		HWY_INLINE Many                                     splat(double value) { return hn::Set(lanes, value); }
+		template <std::size_t Count = laneCount> HWY_INLINE Some<Count> load(const double* from)
+		{
+			return hn::Load(hn::CappedTag<double, Count>(), from);
+		}
+		template <class Vector> HWY_INLINE void store(Vector value, double* to) { hn::Store(value, hn::DFromV<Vector>(), to); }
+		HWY_INLINE auto                         lowerHalf(Many v) { return hn::LowerHalf(hn::Half<Lanes>(), v); }
+		HWY_INLINE auto                         upperHalf(Many v) { return hn::UpperHalf(hn::Half<Lanes>(), v); }
 #endif
 
+		/// Calls it for 0 to Count - 1. Compilers keep arrays in registers only where no loop runs over them.
+		template <class Visitor, std::size_t... K> HWY_INLINE void  forEach(Visitor visit, std::index_sequence<K...>) { (visit(K), ...); }
+		template <std::size_t Count, class Visitor> HWY_INLINE void forEach(Visitor visit) { forEach(visit, std::make_index_sequence<Count>()); }
+
 		/// A vector that is kept in memory between two stages of a loop. Compilers copy structures of vectors, and not always as they were stored.
-		struct alignas(32) Kept {
+		struct alignas(laneCount * sizeof(double)) Kept {
 			double          number[laneCount];
 			HWY_INLINE Many operator()() const { return load(number); }
 			HWY_INLINE void operator=(Many value) { store(value, number); }
 		};
 
-		/// Four numbers of laneCount grains, each in a vector of its own.
-		struct Columns {
-			Many a, b, c, d;
+		/// Rows of four or eight numbers of laneCount grains, each in one vector or in several parts.
+		template <std::size_t Length> struct Rows {
+			static constexpr std::size_t size = HWY_MIN(laneCount, Length), parts = Length / size;
+			Some<size>                   part[laneCount * parts];
+			/// Parts of a row from numbers in memory: of(numbers) for each.
+			template <class Of> HWY_INLINE void setRow(std::size_t row, Of of)
+			{
+				forEach<parts>([&](std::size_t k) HWY_ATTR TALIK_INLINED { part[row * parts + k] = of(k * size); });
+			}
+			/// Calls visit(part, where it begins) for the parts of a row.
+			template <class Visitor> HWY_INLINE void forRow(std::size_t row, Visitor visit) const
+			{
+				forEach<parts>([&](std::size_t k) HWY_ATTR TALIK_INLINED { visit(part[row * parts + k], k * size); });
+			}
+			static HWY_INLINE auto numbers(const double* from) { return load<size>(from); }
+		};
+		constexpr std::size_t                    inRow = HWY_MAX(laneCount, 4); ///< numbers of a row that are dealt with at once
+		template <class Visitor> HWY_INLINE void forRows(Visitor visit) { forEach<laneCount>(visit); }
+
+		template <class Vector> struct Four {
+			Vector a, b, c, d;
+		};
+		/// Numbers of the rows, each in a vector of its own.
+		using Columns = Four<Many>;
+		struct EightColumns {
+			Columns low, high;
 		};
 
-		/// Rows (a b c d) of laneCount grains in four vectors: part k holds numbers from (k laneCount) % 4 of row k laneCount/4.
-		struct Rows {
-			Many                         part[4];
-			static constexpr std::size_t row(std::size_t k) { return k * laneCount / 4; }
-			static constexpr std::size_t at(std::size_t k) { return k * laneCount % 4; }
-		};
-
-		// Row numbers times four serve as offsets: a row of four numbers is at base + offset, a single number at base + offset / 4.
-		HWY_INLINE const double* singleAt(const double* base, std::uint32_t offset)
+		/// The row of a grain, of Length numbers, where the offset is that of its longest row.
+		template <int Dim, std::size_t Length> HWY_INLINE double* rowAt(double* base, std::uint32_t offset)
 		{
-			return reinterpret_cast<const double*>(reinterpret_cast<const char*>(base) + 2 * std::size_t(offset));
+			return reinterpret_cast<double*>(
+			        reinterpret_cast<char*>(base) + Length * sizeof(double) / PackedLayout<Dim>::row * std::size_t(offset));
 		}
+
 #if HWY_TARGET == HWY_SCALAR
-		HWY_INLINE Columns columnsOf(const Rows& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
-		HWY_INLINE Rows    rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
-		HWY_INLINE Many    sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
-		{
-			return *singleAt(base, *a) + *singleAt(base, *b);
-		}
-		HWY_INLINE Many singles(const double* base, const std::uint32_t* a) { return *singleAt(base, *a); }
+		HWY_INLINE Columns columnsOf(const Rows<4>& r) { return { r.part[0], r.part[1], r.part[2], r.part[3] }; }
+		HWY_INLINE Rows<4> rowsOf(const Columns& c) { return { { c.a, c.b, c.c, c.d } }; }
+		HWY_INLINE double  singles(double* base, const std::uint32_t* a) { return *rowAt<2, 1>(base, *a); }
+		HWY_INLINE double  sumOfSingles(double* base, const std::uint32_t* a, const std::uint32_t* b) { return singles(base, a) + singles(base, b); }
 #else
-		using Pair = hn::CappedTag<double, 2>;
-		using Two  = hn::Vec<Pair>;
-		HWY_INLINE Two singlePair(const double* base, const std::uint32_t* offset)
+		/// Single numbers of discs, and the sums of two.
+		template <std::size_t Count = laneCount> HWY_INLINE Some<Count> singles(double* base, const std::uint32_t* a)
 		{
-			return hn::InterleaveLower(Pair(), hn::Set(Pair(), *singleAt(base, offset[0])), hn::Set(Pair(), *singleAt(base, offset[1])));
+			constexpr hn::CappedTag<double, Count> all;
+			constexpr std::size_t                  half = Count / 2;
+			if constexpr (Count == 2)
+				return hn::InterleaveLower(all, hn::Set(all, *rowAt<2, 1>(base, a[0])), hn::Set(all, *rowAt<2, 1>(base, a[1])));
+			else return hn::Combine(all, singles<half>(base, a + half), singles<half>(base, a));
+		}
+		template <std::size_t Count = laneCount> HWY_INLINE Some<Count> sumOfSingles(double* base, const std::uint32_t* a, const std::uint32_t* b)
+		{
+			constexpr std::size_t half = Count / 2;
+			if constexpr (Count == 2) return Add(singles<2>(base, a), singles<2>(base, b));
+			else return hn::Combine(hn::CappedTag<double, Count>(), sumOfSingles<half>(base, a + half, b + half), sumOfSingles<half>(base, a, b));
 		}
 #endif
 
 #if HWY_MAX_BYTES == 16 && HWY_TARGET != HWY_SCALAR
-		HWY_INLINE Columns columnsOf(const Rows& r)
+		HWY_INLINE Columns columnsOf(const Rows<4>& r)
 		{
 			return { hn::InterleaveLower(lanes, r.part[0], r.part[2]), hn::InterleaveUpper(lanes, r.part[0], r.part[2]),
 				 hn::InterleaveLower(lanes, r.part[1], r.part[3]), hn::InterleaveUpper(lanes, r.part[1], r.part[3]) };
 		}
-		HWY_INLINE Rows rowsOf(const Columns& c)
+		HWY_INLINE Rows<4> rowsOf(const Columns& c)
 		{
 			return { { hn::InterleaveLower(lanes, c.a, c.b), hn::InterleaveLower(lanes, c.c, c.d), hn::InterleaveUpper(lanes, c.a, c.b),
 				   hn::InterleaveUpper(lanes, c.c, c.d) } };
 		}
-		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
-		{
-			return Add(singlePair(base, a), singlePair(base, b));
-		}
-		HWY_INLINE Many singles(const double* base, const std::uint32_t* a) { return singlePair(base, a); }
 #elif HWY_MAX_BYTES >= 32
-		HWY_INLINE Columns transposed(Many r0, Many r1, Many r2, Many r3)
+		/// Every second block of two numbers, of a and then of b: from the first one on, or from the second one on.
+		template <class Vector> HWY_INLINE Vector evenBlocks(Vector a, Vector b) { return hn::ConcatLowerLower(hn::DFromV<Vector>(), b, a); }
+		template <class Vector> HWY_INLINE Vector oddBlocks(Vector a, Vector b) { return hn::ConcatUpperUpper(hn::DFromV<Vector>(), b, a); }
+#if HWY_TARGET <= HWY_AVX3_DL
+		HWY_INLINE Many                           evenBlocks(Many a, Many b) { return Many { _mm512_shuffle_f64x2(a.raw, b.raw, 0x88) }; }
+		HWY_INLINE Many                           oddBlocks(Many a, Many b) { return Many { _mm512_shuffle_f64x2(a.raw, b.raw, 0xDD) }; }
+#endif
+		template <class Vector> HWY_INLINE Four<Vector> transposed(Vector r0, Vector r1, Vector r2, Vector r3)
 		{
-			const Many low01 = hn::InterleaveLower(lanes, r0, r1), high01 = hn::InterleaveUpper(lanes, r0, r1);
-			const Many low23 = hn::InterleaveLower(lanes, r2, r3), high23 = hn::InterleaveUpper(lanes, r2, r3);
-			return { hn::ConcatLowerLower(lanes, low23, low01), hn::ConcatLowerLower(lanes, high23, high01),
-				 hn::ConcatUpperUpper(lanes, low23, low01), hn::ConcatUpperUpper(lanes, high23, high01) };
+			constexpr hn::DFromV<Vector> all;
+			const Vector                 low01 = hn::InterleaveLower(all, r0, r1), high01 = hn::InterleaveUpper(all, r0, r1);
+			const Vector                 low23 = hn::InterleaveLower(all, r2, r3), high23 = hn::InterleaveUpper(all, r2, r3);
+			return { evenBlocks(low01, low23), evenBlocks(high01, high23), oddBlocks(low01, low23), oddBlocks(high01, high23) };
 		}
-		HWY_INLINE Columns columnsOf(const Rows& r) { return transposed(r.part[0], r.part[1], r.part[2], r.part[3]); }
-		HWY_INLINE Rows    rowsOf(const Columns& c)
+#endif
+#if HWY_TARGET <= HWY_AVX3_DL
+		HWY_INLINE Columns columnsOf(const Rows<4>& r)
 		{
-			const Columns t = transposed(c.a, c.b, c.c, c.d);
-			return { { t.a, t.b, t.c, t.d } };
+			const auto both = [&](std::size_t k) HWY_ATTR TALIK_INLINED { return hn::Combine(lanes, r.part[k + 2], r.part[k]); };
+			return transposed(both(0), both(1), both(4), both(5));
 		}
-		HWY_INLINE Many sumOfSingles(const double* base, const std::uint32_t* a, const std::uint32_t* b)
+		HWY_INLINE Rows<4> rowsOf(const Columns& c)
 		{
-			const Two low = Add(singlePair(base, a), singlePair(base, b)), high = Add(singlePair(base, a + 2), singlePair(base, b + 2));
-			return hn::Combine(lanes, high, low);
+			const auto low  = transposed(lowerHalf(c.a), lowerHalf(c.b), lowerHalf(c.c), lowerHalf(c.d));
+			const auto high = transposed(upperHalf(c.a), upperHalf(c.b), upperHalf(c.c), upperHalf(c.d));
+			return { { low.a, low.b, low.c, low.d, high.a, high.b, high.c, high.d } };
 		}
-		HWY_INLINE Many singles(const double* base, const std::uint32_t* a) { return hn::Combine(lanes, singlePair(base, a + 2), singlePair(base, a)); }
+		/// Eight vectors of eight numbers, rows to columns or back.
+		HWY_INLINE EightColumns transposed(const Columns& r, const Columns& s)
+		{
+			const Columns t = transposed(r.a, r.b, r.c, r.d), u = transposed(s.a, s.b, s.c, s.d);
+			return { { evenBlocks(t.a, u.a), evenBlocks(t.b, u.b), evenBlocks(t.c, u.c), evenBlocks(t.d, u.d) },
+				 { oddBlocks(t.a, u.a), oddBlocks(t.b, u.b), oddBlocks(t.c, u.c), oddBlocks(t.d, u.d) } };
+		}
+		HWY_INLINE EightColumns columnsOf(const Rows<8>& r)
+		{
+			return transposed({ r.part[0], r.part[1], r.part[2], r.part[3] }, { r.part[4], r.part[5], r.part[6], r.part[7] });
+		}
+		HWY_INLINE Rows<8> rowsOf(const EightColumns& c)
+		{
+			const EightColumns r = transposed(c.low, c.high);
+			return { { r.low.a, r.low.b, r.low.c, r.low.d, r.high.a, r.high.b, r.high.c, r.high.d } };
+		}
+#elif HWY_MAX_BYTES >= 32
+		HWY_INLINE Columns columnsOf(const Rows<4>& r) { return transposed(r.part[0], r.part[1], r.part[2], r.part[3]); }
+		HWY_INLINE Rows<4> rowsOf(const Columns& c)
+		{
+			const Columns r = transposed(c.a, c.b, c.c, c.d);
+			return { { r.a, r.b, r.c, r.d } };
+		}
 #endif
 
-		/// Calls it for the four parts of some rows. Compilers keep arrays in registers only where no loop runs over them.
-		template <class Visitor> HWY_INLINE void forParts(Visitor visit)
-		{
-			visit(0);
-			visit(1);
-			visit(2);
-			visit(3);
-		}
+		constexpr std::size_t perBlock = packedWidth / laneCount; ///< places of a block
 
 		/// Some pairs of a block.
 		template <int Dim> struct Place {
@@ -139,7 +195,7 @@ namespace HWY_NAMESPACE {
 			HWY_INLINE PackedMomentBlock<Dim>& moments() const { return pairs.moments[block]; }
 			HWY_INLINE const std::uint32_t* first() const { return pair().first + lane; }
 			HWY_INLINE const std::uint32_t* second() const { return pair().second + lane; }
-			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + 4 * block + lane; }
+			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + packedWidth * block + lane; }
 		};
 
 		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
@@ -163,9 +219,9 @@ namespace HWY_NAMESPACE {
 		// long latencies then run under work that does not need them.
 		template <int Dim, class Gather, class Finish> HWY_INLINE void inPipeline(const PackedPairs<Dim>& pairs, Gather gather, Finish finish)
 		{
-			const std::size_t end = 4 / laneCount * pairs.blocks;
+			const std::size_t end = perBlock * pairs.blocks;
 			if (end == 0) return;
-			const auto  place = [&](std::size_t k) HWY_ATTR { return Place<Dim> { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
+			const auto  place   = [&](std::size_t k) HWY_ATTR { return Place<Dim> { pairs, k / perBlock, k % perBlock * laneCount }; };
 			auto        present = gather(place(0));
 			std::size_t k       = 0;
 			for (; k + 2 < end; k += 2) {
@@ -189,24 +245,29 @@ namespace HWY_NAMESPACE {
 		        class Gathered, class Moved, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Move, class Respond, class Scatter>
 		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Move move, Respond respond, Scatter scatter)
 		{
-			constexpr std::size_t chunk = 12;
-			const std::size_t     end   = 4 / laneCount * pairs.blocks;
-			Gathered              gathered[chunk];
-			Moved                 moved[chunk];
-			Response              responses[chunk];
-			bool                  idle[chunk];
-			const auto place = [&](std::size_t k) HWY_ATTR { return Place<Dim> { pairs, k / (4 / laneCount), k % (4 / laneCount) * laneCount }; };
-			for (std::size_t from = 0; from < end; from += chunk) {
-				const std::size_t count = HWY_MIN(chunk, end - from);
-				for (std::size_t k = 0; k < count; ++k)
-					gather(place(from + k), gathered[k]);
-				for (std::size_t k = 0; k < count; ++k)
-					if (!(idle[k] = passedOver<Bonded, Rolling>(place(from + k), gathered[k].distance())))
-						move(place(from + k), gathered[k], moved[k]);
-				for (std::size_t k = 0; k < count; ++k)
-					if (!idle[k]) respond(place(from + k), gathered[k], moved[k], responses[k]);
-				for (std::size_t k = 0; k < count; ++k)
-					if (!idle[k]) scatter(place(from + k), gathered[k], responses[k]);
+			constexpr std::size_t chunk = HWY_MAX(12 / perBlock, 1); // blocks
+			Gathered              gathered[chunk * perBlock];
+			Moved                 moved[chunk * perBlock];
+			Response              responses[chunk * perBlock];
+			bool                  idle[chunk * perBlock];
+			for (std::size_t from = 0; from < pairs.blocks; from += chunk) {
+				const auto forPlaces = [&](auto visit) HWY_ATTR TALIK_INLINED {
+					std::size_t k = 0;
+					for (std::size_t block = from; block < HWY_MIN(from + chunk, pairs.blocks); ++block)
+#pragma GCC unroll 2
+						for (std::size_t lane = 0; lane < packedWidth; lane += laneCount, ++k)
+							visit(Place<Dim> { pairs, block, lane }, k);
+				};
+				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED { gather(p, gathered[k]); });
+				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED {
+					if (!(idle[k] = passedOver<Bonded, Rolling>(p, gathered[k].distance()))) move(p, gathered[k], moved[k]);
+				});
+				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED {
+					if (!idle[k]) respond(p, gathered[k], moved[k], responses[k]);
+				});
+				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED {
+					if (!idle[k]) scatter(p, gathered[k], responses[k]);
+				});
 			}
 		}
 
@@ -217,55 +278,81 @@ namespace HWY_NAMESPACE {
 			return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
 		}
 
-		/// Columns of four numbers of rows that are Stride numbers apart; Clear: zero is left where they were.
-		template <bool Clear, int Stride> HWY_INLINE Columns takeColumns(double* from)
+		alignas(packedAlignment) static constexpr double zeros[packedWidth] = {};
+
+		/// Columns of Length numbers of rows that are Row numbers apart; Clear: zero is left where they were.
+		template <std::size_t Length, std::size_t Row, bool Clear = false> HWY_INLINE auto takeColumns(double* from)
 		{
-			Rows rows;
-			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED {
-				double* at   = from + Stride * Rows::row(k) + Rows::at(k);
-				rows.part[k] = load(at);
-				if (Clear) store(splat(0.), at);
+			if constexpr (Length > inRow) {
+				return EightColumns { takeColumns<4, Row, Clear>(from), takeColumns<4, Row, Clear>(from + 4) };
+			} else {
+				Rows<Length> rows;
+				forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+					rows.setRow(l, [&](std::size_t at) HWY_ATTR TALIK_INLINED {
+						const auto taken = rows.numbers(from + Row * l + at);
+						if (Clear) store(rows.numbers(zeros), from + Row * l + at);
+						return taken;
+					});
+				});
+				return columnsOf(rows);
+			}
+		}
+
+		template <std::size_t Row, class SomeRows> HWY_INLINE void putRows(const SomeRows& rows, double* to)
+		{
+			forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+				rows.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED { store(part, to + Row * l + at); });
 			});
-			return columnsOf(rows);
 		}
-
 		/// The way back.
-		template <int Stride> HWY_INLINE void putColumns(const Columns& columns, double* to)
+		template <std::size_t Row> HWY_INLINE void putColumns(const Columns& columns, double* to) { putRows<Row>(rowsOf(columns), to); }
+		template <std::size_t Row> HWY_INLINE void putColumns(const EightColumns& columns, double* to)
 		{
-			const Rows rows = rowsOf(columns);
-			forParts([&](std::size_t k) HWY_ATTR TALIK_INLINED { store(rows.part[k], to + Stride * Rows::row(k) + Rows::at(k)); });
+#if HWY_TARGET <= HWY_AVX3_DL
+			putRows<Row>(rowsOf(columns), to);
+#else
+			putColumns<Row>(columns.low, to);
+			putColumns<Row>(columns.high, to + 4);
+#endif
 		}
 
-		/// Numbers of four neighbouring grains; sums over grains are kept by place in the four, so that all vectors give the same sums.
+		/// A sum over grains, kept by place in four neighbouring ones, so that all vectors give the same.
 		struct Quad {
-			static constexpr std::size_t parts = 4 / laneCount;
-			Many                         part[parts];
+			static constexpr std::size_t size = HWY_MIN(laneCount, 4);
+			Some<size>                   part[4 / size];
 			HWY_INLINE                   Quad()
 			{
-				for (Many& p : part)
-					p = splat(0.);
+				for (auto& p : part)
+					p = load<size>(zeros);
 			}
-			HWY_INLINE void numbers(double* four) const
+			/// Adds a b of the grains from one on.
+			HWY_INLINE void add(std::size_t grain, Many a, Many b)
 			{
-				for (std::size_t k = 0; k < parts; ++k)
-					store(part[k], four + k * laneCount);
+				auto& p = part[grain % 4 / size];
+#if HWY_TARGET <= HWY_AVX3_DL
+				p = MulAdd(upperHalf(a), upperHalf(b), MulAdd(lowerHalf(a), lowerHalf(b), p));
+#else
+				p = MulAdd(a, b, p);
+#endif
 			}
 			HWY_INLINE double sum() const
 			{
 				alignas(32) double n[4];
-				numbers(n);
+				for (std::size_t k = 0; k < 4; k += size)
+					store(part[k / size], n + k);
 				return (n[0] + n[1]) + (n[2] + n[3]);
 			}
-			HWY_INLINE double largest() const
-			{
-				alignas(32) double n[4];
-				numbers(n);
-				double most = 0;
-				for (const double number : n)
-					most = number > most ? number : most;
-				return most;
-			}
 		};
+
+		HWY_INLINE double largest(Many numbers)
+		{
+			alignas(packedAlignment) double n[laneCount];
+			store(numbers, n);
+			double most = 0;
+			for (const double number : n)
+				most = number > most ? number : most;
+			return most;
+		}
 
 		/// Functions of a kernel from the loops of discs or spheres: contacts<Bonded, Rolling, Moments, Periodic>(view, pairs) and
 		/// integrate<Jumps, Stress>(view).

@@ -39,7 +39,7 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 	grainCount                                = state.size();
 	resistsRolling                            = state.resistsRolling();
 	bondsCarryMoments                         = state.bondsCarryMoments();
-	rowCount                                  = (grainCount + 3) / 4 * 4;
+	rowCount                                  = (grainCount + packedWidth - 1) / packedWidth * packedWidth;
 	copyMatrices<Dim>(base, view);
 	view.dt             = base.dt;
 	view.damping        = base.damping;
@@ -62,18 +62,16 @@ template <int Dim> void PackedWorkspace<Dim>::load(const PackedState<Dim>& state
 
 template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>& state)
 {
-	using Layout           = PackedLayout<Dim>;
-	const std::size_t rows = rowCount + 4; // two of the last four are partners of idle lanes, far from each other
-	const Quad        zero { { 0, 0, 0, 0 } };
-	motion.assign(rows * Layout::row / 4, zero);
-	rim.assign(Dim == 2 ? rows / 4 : 0, zero);
-	force.assign(Dim == 2 ? rows * Layout::row / 4 : 0, zero);
-	turning.assign(rows / 4, PackedTurning<Dim>());
-	minusInverseMass.assign(rows / 4, zero);
-	inverseInertia.assign(rows / 4, zero);
-	radius.assign(rows / 4, zero);
-	inverseSlackSquare.assign(rows / 4, zero);
-	reference.assign(rows, zero);
+	const std::size_t rows  = rowCount + packedWidth; // two of the last ones are partners of idle lanes, far from each other
+	const auto        clear = [rows](std::size_t length, std::initializer_list<Rows*> all) {
+                for (Rows* some : all)
+                        some->assign(length * rows / packedWidth, Numbers {});
+	};
+	clear(4, { &place, &reference });
+	clear(Dim == 3 ? 8 : 0, { &speed });
+	clear(PackedLayout<Dim>::row, { &force });
+	clear(Dim == 2 ? 1 : 0, { &turning, &rim, &angle });
+	clear(1, { &minusInverseMass, &inverseInertia, &radius, &inverseSlackSquare });
 	bind();
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		for (int d = 0; d < Dim; ++d) {
@@ -81,8 +79,8 @@ template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>&
 			view.velocity(g)[d] = state.velocity[g][d];
 		}
 		if constexpr (Dim == 2) {
-			view.spin(g, 0)             = state.angularVelocity[g];
-			turning[g / 4].angle[g % 4] = state.orientation[g];
+			view.spin(g, 0) = state.angularVelocity[g];
+			view.angle[g]   = state.orientation[g];
 		} else {
 			for (int d = 0; d < 3; ++d)
 				view.spin(g, d) = state.angularVelocity[g][d];
@@ -117,43 +115,41 @@ template <int Dim> void PackedWorkspace<Dim>::spinRim(std::size_t g)
 	if constexpr (Dim == 2) {
 		view.rim[g] = view.spin(g, 0) * view.radius[g];
 	} else {
-		double* row = view.position(g);
-		for (int d = 0; d < 3; ++d) {
-			row[PackedLayout<3>::spin + d] = view.spin(g, d);
-			row[4 * d + 3]                 = view.spin(g, d) * view.radius[g];
-		}
+		view.position(g)[3] = view.spin(g, 0) * view.radius[g];
+		view.velocity(g)[3] = view.spin(g, 1) * view.radius[g];
+		view.velocity(g)[7] = view.spin(g, 2) * view.radius[g];
 	}
 }
 
 template <int Dim> void PackedWorkspace<Dim>::bind()
 {
-	const auto forcesOf = [](Rows& motions, Rows& forces) {
-		if constexpr (Dim == 2) return forces.data()->value;
-		else return motions.data()->value + PackedLayout<3>::force;
+	const auto numbersOf = [](Rows& rows) { return rows.empty() ? nullptr : rows.data()->value; };
+	const auto pairsOf   = [](Lanes& lanes, bool crosses) {
+                PackedPairs<Dim> pairs;
+                pairs.block   = lanes.block.data();
+                pairs.ice     = lanes.ice.data();
+                pairs.shift   = crosses ? lanes.shift.data() : nullptr;
+                pairs.blocks  = lanes.block.size();
+                pairs.rolling = lanes.rolling.data();
+                pairs.moments = lanes.moments.data();
+                return pairs;
 	};
-	const auto pairsOf = [](Lanes& lanes, bool crosses) {
-		PackedPairs<Dim> pairs;
-		pairs.block   = lanes.block.data();
-		pairs.ice     = lanes.ice.data();
-		pairs.shift   = crosses ? lanes.shift.data() : nullptr;
-		pairs.blocks  = lanes.block.size();
-		pairs.rolling = lanes.rolling.data();
-		pairs.moments = lanes.moments.data();
-		return pairs;
-	};
-	view.motion             = motion.data()->value;
-	view.rim                = rim.empty() ? nullptr : rim.data()->value;
-	view.force              = forcesOf(motion, force);
-	view.turning            = turning.data();
-	view.minusInverseMass   = minusInverseMass.data()->value;
-	view.inverseInertia     = inverseInertia.data()->value;
-	view.radius             = radius.data()->value;
-	view.inverseSlackSquare = inverseSlackSquare.data()->value;
+	view.place              = numbersOf(place);
+	view.speed              = numbersOf(speed);
+	view.force              = numbersOf(force);
+	view.turning            = numbersOf(turning);
+	view.rim                = numbersOf(rim);
+	view.angle              = numbersOf(angle);
+	view.minusInverseMass   = numbersOf(minusInverseMass);
+	view.inverseInertia     = numbersOf(inverseInertia);
+	view.radius             = numbersOf(radius);
+	view.inverseSlackSquare = numbersOf(inverseSlackSquare);
 	view.grains             = rowCount;
 	view.inner              = pairsOf(innerLanes, false);
 	view.periodic           = pairsOf(periodicLanes, true);
-	view.shiftMotion        = shiftMotion.empty() ? nullptr : shiftMotion.data()->value;
-	view.shiftForce         = shiftMotion.empty() ? nullptr : forcesOf(shiftMotion, shiftForce);
+	view.shiftPlace         = numbersOf(shiftPlace);
+	view.shiftSpeed         = numbersOf(shiftSpeed);
+	view.shiftForce         = numbersOf(shiftForce);
 	view.shiftCell          = shiftCell.data();
 	view.shifts             = shiftCell.size() / Dim;
 }
@@ -173,7 +169,7 @@ template <int Dim> void PackedWorkspace<Dim>::store(PackedState<Dim>& state, Pac
 		}
 		if constexpr (Dim == 2) {
 			state.angularVelocity[g] = view.spin(g, 0);
-			state.orientation[g]     = turning[g / 4].angle[g % 4];
+			state.orientation[g]     = view.angle[g];
 		} else {
 			for (int d = 0; d < 3; ++d)
 				state.angularVelocity[g][d] = view.spin(g, d);
@@ -264,20 +260,22 @@ template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
 	for (std::size_t k = 0; k < view.shifts; ++k)
 		for (int i = 0; i < Dim; ++i)
 			for (int j = 0; j < Dim; ++j)
-				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::row + i] * view.shiftMotion[k * PackedLayout<Dim>::row + j];
+				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::row + i] * view.shiftPlace[4 * k + j];
 	stress /= parameters().volume();
 }
 
 template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 {
 	double sum = 0;
-	for (std::size_t g = 0; g < grainCount * PackedLayout<Dim>::row; ++g)
-		sum += view.motion[g] * 0;
+	for (std::size_t k = 0; k < 4 * grainCount; ++k)
+		sum += view.place[k] * 0;
+	for (std::size_t k = 0; Dim == 3 && k < 8 * grainCount; ++k)
+		sum += view.speed[k] * 0;
 	if (!(sum == 0)) throw PackedBlowUp("a grain's position or velocity is not finite");
 	if (!listsValid) return;
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
-			const std::size_t         b = lane / 4, l = lane % 4;
+			const std::size_t         b = lane / packedWidth, l = lane % packedWidth;
 			const PackedPairRows<Dim> rows = pairRows(view, lanes == &innerLanes ? view.inner : view.periodic, lane);
 			double                    branch[Dim];
 			const double              square  = pairBranch(view, rows, branch);

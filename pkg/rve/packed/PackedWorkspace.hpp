@@ -14,7 +14,7 @@ struct PackedBlowUp : std::runtime_error {
 	using std::runtime_error::runtime_error;
 };
 
-/// The running form of one sample: rows of grains, pairs in blocks of four, neighbour lists. Takes a state, advances it, gives it back.
+/// The running form of one sample: rows of grains, pairs in blocks, neighbour lists. Takes a state, advances it, gives it back.
 /// A thread needs one of them for any number of samples; buffers are kept.
 template <int Dim> class PackedWorkspace {
 public:
@@ -74,10 +74,10 @@ public:
 	std::size_t                  size() const { return grainCount; }
 
 private:
-	struct alignas(32) Quad {
-		double value[4];
+	struct alignas(packedAlignment) Numbers {
+		double value[packedWidth];
 	};
-	using Rows = std::vector<Quad>;
+	using Rows = std::vector<Numbers>;
 	struct Lanes {
 		std::size_t                          pairs = 0;
 		std::vector<std::uint64_t>           keys; ///< of the pairs, or empty: then they are formed when lists are built the next time
@@ -159,13 +159,12 @@ private:
 	std::size_t                         grainCount = 0, rowCount = 0;
 	double                              largestRadius = 0, smallestRadius = 0, averageRadius = 0;
 
-	Rows                            motion, rim, force, minusInverseMass, inverseInertia, radius, inverseSlackSquare, reference;
-	std::vector<PackedTurning<Dim>> turning;
-	Rows                            shiftMotion, shiftForce;
-	std::vector<std::int8_t>        shiftCell;
-	Lanes                           innerLanes, periodicLanes, oldInner, oldPeriodic;
-	bool                            carriesBonds = false, resistsRolling = false, bondsCarryMoments = false, portable;
-	double                          iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
+	Rows                     place, speed, force, turning, rim, angle, minusInverseMass, inverseInertia, radius, inverseSlackSquare, reference;
+	Rows                     shiftPlace, shiftSpeed, shiftForce;
+	std::vector<std::int8_t> shiftCell;
+	Lanes                    innerLanes, periodicLanes, oldInner, oldPeriodic;
+	bool                     carriesBonds = false, resistsRolling = false, bondsCarryMoments = false, portable;
+	double                   iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;
 	std::vector<std::uint8_t>  slack;

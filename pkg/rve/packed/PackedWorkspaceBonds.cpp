@@ -44,7 +44,7 @@ template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, 
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
 		for (std::size_t lane = 0; lane < lanes.bond.size(); ++lane) {
-			const std::size_t b = lane / 4, l = lane % 4;
+			const std::size_t b = lane / packedWidth, l = lane % packedWidth;
 			IceBond&          bond     = lanes.bond[lane];
 			auto              shear    = laneShear<Dim>(lanes.block[b].shear, l);
 			auto              iceShear = laneShear<Dim>(lanes.ice[b].iceShear, l);
@@ -145,7 +145,7 @@ template <int Dim> void PackedWorkspace<Dim>::creep(const BondCreep& creep)
 	const double young = base.ice.grainYoung * (1 + iceRatio);
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->bond.size(); ++lane) {
-			const std::size_t b = lane / 4, l = lane % 4;
+			const std::size_t b = lane / packedWidth, l = lane % packedWidth;
 			IceBond&          bond = lanes->bond[lane];
 			if (!bond.hasIceSpring()) continue;
 			const Geometry now      = geometry(*lanes, lane);
@@ -183,9 +183,9 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	const Geometry now     = geometry(lanes, lane);
 	const double   smaller = std::min(view.radius[now.rows.first], view.radius[now.rows.second]);
 	if (now.overlap < -base.ice.bondRange * smaller) return false;
-	auto iceShear = laneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4);
+	auto iceShear = laneShear<Dim>(lanes.ice[lane / packedWidth].iceShear, lane % packedWidth);
 	bond.form(now.overlap, iceShear);
-	setLaneShear<Dim>(lanes.ice[lane / 4].iceShear, lane % 4, iceShear);
+	setLaneShear<Dim>(lanes.ice[lane / packedWidth].iceShear, lane % packedWidth, iceShear);
 	setResponse(lanes, lane);
 	return true;
 }

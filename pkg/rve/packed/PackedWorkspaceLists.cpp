@@ -17,10 +17,10 @@ namespace {
 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, bool crosses, PackedContactKind kind)
 {
-	const std::size_t blocks = (number + 3) / 4;
+	const std::size_t blocks = (number + packedWidth - 1) / packedWidth;
 	pairs                    = number;
 	block.resize(blocks);
-	shift.resize(crosses ? 4 * blocks : 0);
+	shift.resize(crosses ? packedWidth * blocks : 0);
 	ice.resize(kind.bonded ? blocks : 0);
 	bond.resize(kind.bonded ? number : 0);
 	rolling.resize(kind.rolling ? blocks : 0);
@@ -29,11 +29,15 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, 
 
 template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
 {
-	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, laneShear<Dim>(from.block[at / 4].shear, at % 4));
-	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / 4].moment, lane % 4, laneShear<Dim>(from.rolling[at / 4].moment, at % 4));
+	setLaneShear<Dim>(block[lane / packedWidth].shear, lane % packedWidth, laneShear<Dim>(from.block[at / packedWidth].shear, at % packedWidth));
+	if (!rolling.empty())
+		setLaneShear<Dim>(
+		        rolling[lane / packedWidth].moment, lane % packedWidth, laneShear<Dim>(from.rolling[at / packedWidth].moment, at % packedWidth));
 	if (ice.empty()) return;
-	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, laneShear<Dim>(from.ice[at / 4].iceShear, at % 4));
-	if (!moments.empty()) setLaneShear<Dim>(moments[lane / 4].moment, lane % 4, laneShear<Dim>(from.moments[at / 4].moment, at % 4));
+	setLaneShear<Dim>(ice[lane / packedWidth].iceShear, lane % packedWidth, laneShear<Dim>(from.ice[at / packedWidth].iceShear, at % packedWidth));
+	if (!moments.empty())
+		setLaneShear<Dim>(
+		        moments[lane / packedWidth].moment, lane % packedWidth, laneShear<Dim>(from.moments[at / packedWidth].moment, at % packedWidth));
 	bond[lane] = from.bond[at];
 }
 
@@ -41,11 +45,11 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t l
 {
 	Shear none;
 	clearShear(none);
-	setLaneShear<Dim>(block[lane / 4].shear, lane % 4, none);
-	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / 4].moment, lane % 4, none);
+	setLaneShear<Dim>(block[lane / packedWidth].shear, lane % packedWidth, none);
+	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / packedWidth].moment, lane % packedWidth, none);
 	if (ice.empty()) return;
-	setLaneShear<Dim>(ice[lane / 4].iceShear, lane % 4, none);
-	if (!moments.empty()) setLaneShear<Dim>(moments[lane / 4].moment, lane % 4, none);
+	setLaneShear<Dim>(ice[lane / packedWidth].iceShear, lane % packedWidth, none);
+	if (!moments.empty()) setLaneShear<Dim>(moments[lane / packedWidth].moment, lane % packedWidth, none);
 	if (lane < pairs) bond[lane] = IceBond();
 }
 
@@ -73,7 +77,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim
 
 template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
 {
-	const std::size_t b = lane / 4, l = lane % 4;
+	const std::size_t b = lane / packedWidth, l = lane % packedWidth;
 	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
 	if (resistsRolling) setLaneShear<Dim>(lanes.rolling[b].moment, l, c.moment[k]);
 	if (!carriesBonds) return;
@@ -114,11 +118,11 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 /// A pair that touches, or remembers a force or a bond.
 template <int Dim> bool PackedWorkspace<Dim>::carriesHistory(const Lanes& lanes, std::size_t lane) const
 {
-	if (shearNorm(laneShear<Dim>(lanes.block[lane / 4].shear, lane % 4)) != 0) return true;
-	if (resistsRolling && shearNorm(laneShear<Dim>(lanes.rolling[lane / 4].moment, lane % 4)) != 0) return true;
+	if (shearNorm(laneShear<Dim>(lanes.block[lane / packedWidth].shear, lane % packedWidth)) != 0) return true;
+	if (resistsRolling && shearNorm(laneShear<Dim>(lanes.rolling[lane / packedWidth].moment, lane % packedWidth)) != 0) return true;
 	if (carriesBonds && lanes.bond[lane].state != BondState::NONE) return true;
 	double       branch[Dim];
-	const double reach = lanes.block[lane / 4].sumRadius[lane % 4];
+	const double reach = lanes.block[lane / packedWidth].sumRadius[lane % packedWidth];
 	return pairBranch(view, pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane), branch) <= reach * reach;
 }
 
@@ -151,7 +155,7 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	for (const bool crosses : { false, true }) {
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
 		for (const std::uint32_t lane : kept[crosses]) {
-			const std::size_t b = lane / 4, l = lane % 4;
+			const std::size_t b = lane / packedWidth, l = lane % packedWidth;
 			c.first[k]  = std::uint16_t(rowOf(lanes.block[b].first[l]));
 			c.second[k] = std::uint16_t(rowOf(lanes.block[b].second[l]));
 			for (int d = 0; d < Dim; ++d)
@@ -184,8 +188,8 @@ template <int Dim> void PackedWorkspace<Dim>::storeLists(PackedLists<Dim>& lists
 	for (const bool crosses : { false, true }) {
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
 		for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
-			lists.first[k + lane]  = std::uint16_t(rowOf(lanes.block[lane / 4].second[lane % 4]));
-			lists.second[k + lane] = std::uint16_t(rowOf(lanes.block[lane / 4].first[lane % 4]));
+			lists.first[k + lane]  = std::uint16_t(rowOf(lanes.block[lane / packedWidth].second[lane % packedWidth]));
+			lists.second[k + lane] = std::uint16_t(rowOf(lanes.block[lane / packedWidth].first[lane % packedWidth]));
 			for (int d = 0; crosses && d < Dim; ++d)
 				lists.cellDist[lane][d] = shiftCell[rowOf(lanes.shift[lane]) * Dim + d];
 		}
@@ -269,7 +273,7 @@ template <int Dim> void PackedWorkspace<Dim>::rebuildLists(double leastSkin)
 	adoptKeys();
 	for (std::size_t g = 0; g < grainCount; ++g)
 		for (int d = 0; d < Dim; ++d)
-			reference[g].value[d] = view.position(g)[d];
+			reference.data()->value[4 * g + d] = view.position(g)[d];
 	referenceKnown = true;
 	use.travel = use.stretch = 0;
 }
@@ -315,7 +319,7 @@ template <int Dim> void PackedWorkspace<Dim>::findPairs()
 	reach.resize(grainCount);
 	for (std::size_t g = 0; g < grainCount; ++g)
 		reach[g] = view.radius[g] + std::ldexp(use.skin, slack[g]);
-	search.build(view.motion, PackedLayout<Dim>::row, reach.data(), grainCount, use.referenceCell, innerLanes.keys, periodicLanes.keys);
+	search.build(view.place, 4, reach.data(), grainCount, use.referenceCell, innerLanes.keys, periodicLanes.keys);
 	for (const bool crosses : { false, true }) {
 		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
 		sortPairKeys(keys, sortBuffer, sortCounts);
@@ -337,8 +341,9 @@ template <int Dim> void PackedWorkspace<Dim>::adoptKeys()
 template <int Dim> void PackedWorkspace<Dim>::lanesChanged()
 {
 	const std::size_t shifts = shiftCell.size() / Dim;
-	shiftMotion.resize(shifts * PackedLayout<Dim>::row / 4);
-	shiftForce.resize(Dim == 2 ? shiftMotion.size() : 0);
+	shiftPlace.resize((shifts * 4 + packedWidth - 1) / packedWidth);
+	shiftSpeed.resize(Dim == 3 ? shifts * 8 / packedWidth : 0);
+	shiftForce.resize((shifts * PackedLayout<Dim>::row + packedWidth - 1) / packedWidth);
 	bind();
 	updateShiftRows();
 	listsValid = true;
@@ -372,8 +377,8 @@ template <int Dim> void PackedWorkspace<Dim>::formKeys(bool crosses)
 	if (lanes.keys.size() == lanes.pairs) return;
 	lanes.keys.resize(lanes.pairs);
 	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
-		const PackedBlock<Dim>& block = lanes.block[lane / 4];
-		PairKey<Dim>            pair { rowOf(block.first[lane % 4]), rowOf(block.second[lane % 4]), {} };
+		const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
+		PairKey<Dim>            pair { rowOf(block.first[lane % packedWidth]), rowOf(block.second[lane % packedWidth]), {} };
 		for (int d = 0; crosses && d < Dim; ++d)
 			pair.cellDist[d] = shiftCell[rowOf(lanes.shift[lane]) * Dim + d];
 		lanes.keys[lane] = pair.encode();
@@ -382,8 +387,8 @@ template <int Dim> void PackedWorkspace<Dim>::formKeys(bool crosses)
 
 template <int Dim> void PackedWorkspace<Dim>::setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool crosses)
 {
-	lanes.block[lane / 4].first[lane % 4]  = PackedLayout<Dim>::row * pair.first;
-	lanes.block[lane / 4].second[lane % 4] = PackedLayout<Dim>::row * pair.second;
+	lanes.block[lane / packedWidth].first[lane % packedWidth]  = PackedLayout<Dim>::row * pair.first;
+	lanes.block[lane / packedWidth].second[lane % packedWidth] = PackedLayout<Dim>::row * pair.second;
 	if (crosses) lanes.shift[lane] = PackedLayout<Dim>::row * shiftIndex(pair.cellDist);
 }
 
@@ -406,9 +411,9 @@ template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lane
 /// The last block's free lanes hold a pair of rows that never meet.
 template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 {
-	for (std::size_t lane = lanes.pairs; lane < 4 * lanes.block.size(); ++lane) {
-		PackedBlock<Dim>& block = lanes.block[lane / 4];
-		const std::size_t l     = lane % 4;
+	for (std::size_t lane = lanes.pairs; lane < packedWidth * lanes.block.size(); ++lane) {
+		PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
+		const std::size_t l     = lane % packedWidth;
 		block.first[l]          = std::uint32_t(PackedLayout<Dim>::row * rowCount);
 		block.second[l]         = std::uint32_t(PackedLayout<Dim>::row * (rowCount + 1));
 		block.sumRadius[l] = block.stiffness[l] = 0;
@@ -416,38 +421,39 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 		if (crosses) lanes.shift[lane] = 0;
 		lanes.forgetHistory(lane);
 		if (resistsRolling) {
-			PackedRollingBlock<Dim>& rolling = lanes.rolling[lane / 4];
+			PackedRollingBlock<Dim>& rolling = lanes.rolling[lane / packedWidth];
 			rolling.stiffness[l] = rolling.lever[l] = rolling.inverseFirst[l] = rolling.inverseSecond[l] = 0;
 		}
 		if (!carriesBonds) continue;
 		if (bondsCarryMoments) {
-			PackedMomentBlock<Dim>& moments = lanes.moments[lane / 4];
+			PackedMomentBlock<Dim>& moments = lanes.moments[lane / packedWidth];
 			moments.bending[l] = moments.twisting[l] = moments.edgeOverMoment[l] = moments.inverseFirst[l] = moments.inverseSecond[l] = 0;
 		}
-		PackedIceBlock<Dim>& ice = lanes.ice[lane / 4];
+		PackedIceBlock<Dim>& ice = lanes.ice[lane / packedWidth];
 		ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
 	}
 }
 
 template <int Dim> ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes& lanes, std::size_t lane, double ratio) const
 {
-	const PackedBlock<Dim>& block = lanes.block[lane / 4];
-	const double            a = grains->radius[rowOf(block.first[lane % 4])], b = grains->radius[rowOf(block.second[lane % 4])];
+	const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
+	const double            a = grains->radius[rowOf(block.first[lane % packedWidth])], b = grains->radius[rowOf(block.second[lane % packedWidth])];
 	return { 2 * base.ice.grainYoung * a * b / (a + b), base.stiffnessRatio, ratio };
 }
 
 template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lanes, std::size_t lane) const
 {
-	const PackedBlock<Dim>& block = lanes.block[lane / 4];
-	const double            area = base.ice.bondArea(std::min(grains->radius[rowOf(block.first[lane % 4])], grains->radius[rowOf(block.second[lane % 4])]));
+	const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
+	const double            area  = base.ice.bondArea(
+	                    std::min(grains->radius[rowOf(block.first[lane % packedWidth])], grains->radius[rowOf(block.second[lane % packedWidth])]));
 	return { tensileStrength * area, shearStrength * area };
 }
 
 /// Radii, stiffness and bond of a pair into its lane.
 template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::size_t lane)
 {
-	PackedBlock<Dim>&      block = lanes.block[lane / 4];
-	const std::size_t      l     = lane % 4;
+	PackedBlock<Dim>&      block = lanes.block[lane / packedWidth];
+	const std::size_t      l     = lane % packedWidth;
 	const ContactStiffness k     = stiffness(lanes, lane, iceRatio);
 	const double           first = view.radius[rowOf(block.first[l])], second = view.radius[rowOf(block.second[l])];
 	block.sumRadius[l] = first + second;
@@ -458,7 +464,7 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 	const IceBond&                bond    = lanes.bond[lane];
 	const ContactResponse<double> contact = bond.response(k, strength(lanes, lane));
 	block.stiffness[l]                    = contact.stiffness;
-	PackedIceBlock<Dim>& ice              = lanes.ice[lane / 4];
+	PackedIceBlock<Dim>& ice              = lanes.ice[lane / packedWidth];
 	ice.offset[l]                         = contact.offset;
 	ice.floor[l]                          = contact.floor;
 	ice.cohesion[l]                       = contact.cohesion;
@@ -472,10 +478,10 @@ template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::siz
 
 template <int Dim> void PackedWorkspace<Dim>::setRolling(Lanes& lanes, std::size_t lane, double shearStiffness)
 {
-	const std::size_t        l     = lane % 4;
-	const std::uint32_t      first = rowOf(lanes.block[lane / 4].first[l]), second = rowOf(lanes.block[lane / 4].second[l]);
+	const std::size_t        l     = lane % packedWidth;
+	const std::uint32_t      first = rowOf(lanes.block[lane / packedWidth].first[l]), second = rowOf(lanes.block[lane / packedWidth].second[l]);
 	const double             r1 = grains->radius[first], r2 = grains->radius[second];
-	PackedRollingBlock<Dim>& block = lanes.rolling[lane / 4];
+	PackedRollingBlock<Dim>& block = lanes.rolling[lane / packedWidth];
 	block.stiffness[l]             = grains->rolling.stiffness(shearStiffness, r1, r2);
 	block.lever[l]                 = grains->rolling.lever(r1, r2);
 	block.inverseFirst[l]          = 1 / view.radius[first];
@@ -485,12 +491,12 @@ template <int Dim> void PackedWorkspace<Dim>::setRolling(Lanes& lanes, std::size
 /// Only an intact bond carries moments.
 template <int Dim> void PackedWorkspace<Dim>::setMoments(Lanes& lanes, std::size_t lane, const ContactStiffness& k)
 {
-	const std::size_t       l     = lane % 4;
-	const std::uint32_t     first = rowOf(lanes.block[lane / 4].first[l]), second = rowOf(lanes.block[lane / 4].second[l]);
+	const std::size_t       l     = lane % packedWidth;
+	const std::uint32_t     first = rowOf(lanes.block[lane / packedWidth].first[l]), second = rowOf(lanes.block[lane / packedWidth].second[l]);
 	const double            area      = base.ice.bondArea(std::min(grains->radius[first], grains->radius[second]));
 	const bool              intact    = lanes.bond[lane].intact();
 	const MomentStiffness   stiffness = grains->section.stiffness(area, intact ? k.ice() : 0., k.shearRatio);
-	PackedMomentBlock<Dim>& block     = lanes.moments[lane / 4];
+	PackedMomentBlock<Dim>& block     = lanes.moments[lane / packedWidth];
 	block.bending[l]                  = stiffness.bending;
 	block.twisting[l]                 = stiffness.twisting;
 	block.edgeOverMoment[l]           = grains->section.edgeOverMoment(area);
@@ -507,19 +513,20 @@ template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
 	double speed[Dim * Dim];
 	multiply<Dim>(view.velGrad, view.prevHSize, speed);
 	for (std::size_t k = 0; k < view.shifts; ++k) {
-		double* row = view.shiftMotion + k * PackedLayout<Dim>::row;
-		double* sum = view.shiftForce + k * PackedLayout<Dim>::row;
+		double* place    = view.shiftPlace + 4 * k;
+		double* velocity = Dim == 2 ? place + 2 : view.shiftSpeed + 8 * k;
 		for (int d = 0; d < Dim; ++d) {
 			double x = 0, v = 0;
 			for (int e = 0; e < Dim; ++e) {
 				x += view.hSize[d * Dim + e] * view.shiftCell[k * Dim + e];
 				v += speed[d * Dim + e] * view.shiftCell[k * Dim + e];
 			}
-			row[d]                               = x;
-			row[PackedLayout<Dim>::velocity + d] = v;
+			place[d]    = x;
+			velocity[d] = v;
 		}
-		for (int d = 0; d < 4; ++d)
-			sum[d] = 0;
+		for (int d = 4; Dim == 3 && d < 8; ++d)
+			velocity[d] = -0.; // what is added to spins: it leaves every number as it is
+		std::fill_n(view.shiftForce + k * PackedLayout<Dim>::row, PackedLayout<Dim>::row, 0.);
 	}
 }
 

@@ -10,7 +10,7 @@ template <int Dim> typename PackedWorkspace<Dim>::Geometry PackedWorkspace<Dim>:
 {
 	Geometry result;
 	result.rows      = pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane);
-	result.sumRadius = lanes.block[lane / 4].sumRadius[lane % 4];
+	result.sumRadius = lanes.block[lane / packedWidth].sumRadius[lane % packedWidth];
 	result.distance  = std::sqrt(pairBranch(view, result.rows, result.n));
 	result.overlap   = result.sumRadius - result.distance;
 	for (int d = 0; d < Dim; ++d)
@@ -27,8 +27,8 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 			const IceBond  bond = carriesBonds ? lanes->bond[lane].relaxed(now.overlap) : IceBond();
 			if (now.overlap < 0 && !bond.intact()) continue;
 			const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
-			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, laneShear<Dim>(lanes->block[lane / 4].shear, lane % 4),
-			      bond);
+			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset,
+			      laneShear<Dim>(lanes->block[lane / packedWidth].shear, lane % packedWidth), bond);
 		}
 }
 
