@@ -112,6 +112,30 @@ def test_the_estimated_error_is_the_true_one_within_a_factor_of_three(build, sam
 		assert fewer > 1
 
 
+def test_answers_for_the_ice_leave_the_strain_tolerance_as_it_is(sample):
+	"""Ground that thaws under its fixed sides, without a load: its samples are asked a hundred times and never strained."""
+	O.reset()
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(0.5, 0.5),
+		skeleton=wrapper.RveSkeleton(samples=[sample.copy()]),
+		heat=wrapper.HeatTransfer(),
+		freezing=wrapper.FreezingCurve(),
+		boundaries=[wrapper.FixedBoundary(region=side) for side in ("left", "right", "bottom", "top")],
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 0.5), temperature=-5.0)
+	O.engines = [mpm]
+	O.step()
+	for temperature in np.linspace(-2, 0.5, 101):
+		mpm.setTemperature(temperature)
+		O.step()
+	calls, strainTolerance = mpm.skeleton.cost()["calls"] / mpm.pointCount, mpm.field("skeleton0.strainTolerance")
+	print(f"{calls:.0f} calls of each sample, strain tolerance {strainTolerance.min():g} to {strainTolerance.max():g}, given {mpm.skeleton.strainTolerance:g}")
+	assert calls > 20 and mpm.field("iceSaturation").max() == 0
+	assert np.all(strainTolerance == mpm.skeleton.strainTolerance)
+
+
 def test_tolerance_leaves_no_trace_where_it_is_not_set(sample):
 	fields = {}
 	for tolerance in (0, 0.03):

@@ -14,7 +14,7 @@ namespace {
 	/// 10 to 50 times the inertial number), and what is left between two rates is the scatter of grains that find other places.
 	constexpr double slowestPerTolerance     = 1. / 60;
 	constexpr double smallestStrainTolerance = 1e-6, largestStrainTolerance = 1e-3;
-	constexpr double strainShare = 0.3; ///< of the strain tolerance: calls below it were made for the ice and say little about strain
+	constexpr double strainShare = 0.3; ///< of the strain tolerance: calls below it were made for the ice
 
 	double steered(double value, double factor, double smallest, double largest)
 	{
@@ -23,6 +23,12 @@ namespace {
 
 	double square(double x) { return x * x; }
 } // namespace
+
+double steeredStrainTolerance(double tolerance, double strain, double allowed, double error, double smallest, double largest)
+{
+	if (strain < strainShare * tolerance) return tolerance;
+	return steered(tolerance, error > 0 ? std::sqrt(allowed / error) : 2., smallest, largest);
+}
 
 void SampleAccuracy::declareFields(PointFields& f, const std::string& prefix, const std::string& owner)
 {
@@ -55,9 +61,7 @@ SampleAccuracy::Term SampleAccuracy::learn(const Answer& a, double& strainTolera
 	const Term term                   = pending(a.place, a.volume, a.stress);
 	at(lastCallField)[a.place]        = double(step);
 	at(callsField)[a.place] += 1;
-	if (a.strain >= strainShare * strainTolerance)
-		strainTolerance = steered(
-		        strainTolerance, a.predictionError > 0 ? std::sqrt(part / a.predictionError) : 2., smallestStrainTolerance, largestStrainTolerance);
+	strainTolerance = steeredStrainTolerance(strainTolerance, a.strain, part, a.predictionError, smallestStrainTolerance, largestStrainTolerance);
 	return term;
 }
 

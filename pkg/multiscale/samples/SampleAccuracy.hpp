@@ -16,6 +16,13 @@ struct ErrorSquares {
 	}
 };
 
+/// Strain tolerance of a point after an answer, eq. (15.4), within a range. A sample that was asked for its ice after little strain says
+/// nothing: where next to nothing was predicted, nothing was wrong, and a tolerance that grew with each such answer would let thawed ground
+/// carry stress above its strength.
+///  strain           largest component of the displacement gradient since the call before [-]
+///  allowed, error   of the prediction, both in the same unit
+double steeredStrainTolerance(double tolerance, double strain, double allowed, double error, double smallest, double largest);
+
 /// Error control of the samples behind points: from one tolerance, the relative error of effective stress that is aimed at, it
 /// steers the strain tolerance and the inertial number of each point, eqs. (15.4) and (15.5), and sums up the estimated error, eq. (15.6).
 /// Two errors are measured, half of the tolerance's square for each:

@@ -355,12 +355,10 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ask(
 			const double error = (after - predicted).norm();
 			if (accuracy) came.errors.push_back(steer(batch, place, error, results[r], a));
 			else if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
-				const double relative = error / (after.norm() + stressFloor);
-				const double factor   = relative > 0 ? std::sqrt(schedule.stressTolerance / relative) : 2.;
-				const double tight    = a.ratio[place] < failingRatio ? failingTightness : 1.;
-				a.tolerance[place]    = std::min(
-				           toleranceRange * schedule.strainTolerance * tight,
-				           std::max(schedule.strainTolerance / toleranceRange, a.tolerance[place] * std::min(2., std::max(0.3, factor))));
+				const double tight = a.ratio[place] < failingRatio ? failingTightness : 1., given = schedule.strainTolerance;
+				a.tolerance[place] = steeredStrainTolerance(
+				        a.tolerance[place], h.cwiseAbs().maxCoeff(), schedule.stressTolerance * (after.norm() + stressFloor), error,
+				        given / toleranceRange, toleranceRange * given * tight);
 			}
 		}
 		a.setLastStress(place, after);
