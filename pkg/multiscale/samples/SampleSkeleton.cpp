@@ -25,6 +25,7 @@ namespace {
 	/// Steps of a point of the ground that take as long as a DEM step of a packed sample, over the bytes of that: 4e-4 with discs, less in space.
 	constexpr double pointStepsPerCost = 5e-4;
 	constexpr double toleranceRange    = 10.; ///< the steered tolerance stays within this factor of the given one
+	constexpr double changeOverError   = 2.;  ///< change of stress that is predicted at most, over stressTolerance
 
 	template <int Dim> using MatrixOf = typename PackedTypes<Dim>::Matrix;
 
@@ -135,12 +136,16 @@ template <int Dim> struct SampleSkeleton<Dim>::Arrays {
 			c[i] = tangent[i][p];
 		return c;
 	}
+	/// Change of stress that the tangent predicts for the accumulated motion h, beside its rotation.
+	Matrix predictedChange(int p, const Matrix& h) const
+	{
+		return ratio[p] < failingRatio ? Matrix(Matrix::Zero()) : Matrix(ratio[p] * elasticChange<Dim>(tangentAt(p), h));
+	}
 	/// Stress that the last call and the tangent predict for the accumulated motion, eq. (15.3).
 	Matrix predicted(int p) const
 	{
 		const Matrix h = accumulated(p), r = rotationOf(h);
-		const Matrix turned = r * lastStress(p) * r.transpose();
-		return ratio[p] < failingRatio ? turned : Matrix(turned + ratio[p] * elasticChange<Dim>(tangentAt(p), h));
+		return r * lastStress(p) * r.transpose() + predictedChange(p, h);
 	}
 };
 
@@ -231,6 +236,9 @@ template <int Dim> bool SampleSkeleton<Dim>::isDue(const Arrays& a, int place, d
 	const Matrix h    = a.accumulated(place);
 	const double most = h.cwiseAbs().maxCoeff();
 	if (schedule.strainTolerance <= 0 ? most > 0 : most > a.tolerance[place]) return true;
+	if (schedule.prediction && schedule.steersTolerance() && !accuracy
+	    && a.predictedChange(place, h).norm() > changeOverError * schedule.stressTolerance * (a.lastStress(place).norm() + stressFloor))
+		return true;
 	const double change = std::fabs(iceSaturation - a.saturation[place]);
 	if (change == 0) return false;
 	// ice that vanishes or appears altogether makes or breaks bonds: never wait for it
@@ -354,7 +362,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ask(
 				a.tangent[i][place] = c[i];
 			const double error = (after - predicted).norm();
 			if (accuracy) came.errors.push_back(steer(batch, place, error, results[r], a));
-			else if (schedule.stressTolerance > 0 && schedule.strainTolerance > 0) {
+			else if (schedule.steersTolerance()) {
 				const double tight = a.ratio[place] < failingRatio ? failingTightness : 1., given = schedule.strainTolerance;
 				a.tolerance[place] = steeredStrainTolerance(
 				        a.tolerance[place], h.cwiseAbs().maxCoeff(), schedule.stressTolerance * (after.norm() + stressFloor), error,

@@ -17,8 +17,9 @@ struct SampleScheduling {
 	double              saturationTolerance = 0.01; ///< largest accumulated change of ice saturation [-]; 0: ask in every step
 	bool                prediction          = true; ///< a tangent stands in between two calls; false: the last stress is held
 	double              stressTolerance = 0.05; ///< relative error of the prediction that the strain tolerance of a point is steered to; 0: fixed tolerance
-	bool                stopOnBlowUp    = true; ///< the run stops when the step has ended; false: the point keeps its last stress from then on
-	int                 threads         = 0;    ///< 0: OpenMP's default
+	bool                steersTolerance() const { return stressTolerance > 0 && strainTolerance > 0; }
+	bool                stopOnBlowUp = true; ///< the run stops when the step has ended; false: the point keeps its last stress from then on
+	int                 threads      = 0;    ///< 0: OpenMP's default
 	PackedUpdateOptions update;
 	/// How the strength of ice bonds follows temperature and strain rate; absent: it is that of the samples.
 	std::optional<IceStrengthLaw> iceStrength;
