@@ -201,28 +201,29 @@ def test_the_same_slope_kept_frozen_moves_less_than_a_centimetre_in_the_same_tim
 
 
 def slideOf(folder, **sampling):
-	"""Days of the thaw on which ground with 2 kPa of thawed cohesion has moved by 0.1 and 0.5 m."""
-	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=40.0, seed=1, **sampling)
+	"""Day on which ground with 2 kPa of thawed cohesion begins to slide: it has moved by 0.1 m."""
+	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=60.0, seed=1, **sampling)
 	run = thawslump.ThawSlump(case, preset, folder, thawslump.Ground(thawedCohesion=2000.0, picTimeFactor=thawslump.flowingPicTimeFactor))
 	if preset.strainTolerance == 0:
 		run.skeleton.saturationTolerance = 0
 	run.rest()
-	passed = {}
 	for day in range(1, int(preset.days) + 1):
 		talik.runUntilDay(run.mpm, day)
-		moved = sizes(run.mpm.field("displacement")).max()
-		passed.update({limit: day for limit in (0.1, 0.5) if moved > limit and limit not in passed})
-	return passed
+		if sizes(run.mpm.field("displacement")).max() > 0.1:
+			return day
+	return None
 
 
-def test_ground_with_thawed_cohesion_slides_as_early_when_its_samples_are_asked_as_rarely_as_in_draft_slow(tmp_path):
-	"""It did not slide at all while answers for the ice loosened the strain tolerance of each point tenfold."""
-	draft = thawslump.presets["draft"]
-	rarely = slideOf(tmp_path, **{name: getattr(draft, name) for name in ("strainTolerance", "stressTolerance", "maxInertialNumber")})
-	always = slideOf(tmp_path, strainTolerance=0.0)
-	print(f"\n0.1 and 0.5 m are passed on days {rarely} as in draft, {always} when samples are asked in every step")
-	assert rarely.keys() == always.keys() == {0.1, 0.5}
-	assert all(abs(rarely[limit] - day) <= 0.15 * day for limit, day in always.items())
+def test_ground_with_thawed_cohesion_slides_too_when_its_samples_are_asked_rarely_slow(tmp_path):
+	"""While answers for the ice loosened the strain tolerance of each point tenfold it stood with draft's sampling, day after day."""
+	draft = {name: getattr(thawslump.presets["draft"], name) for name in ("strainTolerance", "stressTolerance", "maxInertialNumber")}
+	always = slideOf(tmp_path, **{**draft, "strainTolerance": 0.0})
+	print(f"\nit slides on day {always} when samples are asked in every step")
+	# the thawed thickness that slides goes with the root of the days
+	for name, sampling, allowed in (("draft", draft, 0.3), ("the default", {}, 0.15)):
+		day = slideOf(tmp_path, **sampling)
+		print(f"sampled as in {name} on day {day}")
+		assert day is not None and abs(day - always) <= allowed * always
 
 
 # ---- balances -------------------------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ import thawslump
 from talik import rve
 
 instants = 40
+referenceInertialNumber = 2e-4
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,7 @@ def stresses(build, sample, tolerance=0.0):
 	mpm.tolerance = tolerance
 	if tolerance == 0:
 		mpm.skeleton.strainTolerance = mpm.skeleton.saturationTolerance = 0
-		mpm.skeleton.maxInertialNumber = 2e-4
+		mpm.skeleton.maxInertialNumber = referenceInertialNumber
 	O.engines = [mpm]
 	records = []
 	for instant in np.linspace(0, end, instants + 1)[1:]:
@@ -185,16 +186,17 @@ def test_tolerance_may_be_changed_while_running_but_not_switched(sample):
 	assert O.iter == 3
 
 
-def slumped(folder, tolerance, heavier=0.0, days=40):
+def slumped(folder, tolerance, heavier=0.0, days=20):
 	"""Largest displacement [m], thawed volume [m2] and sample calls of Case I on cells of 0.5 m after some days of heat; tolerance 0: the reference.
 	heavier: part by which gravity differs, for twins."""
 	O.reset()
-	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=days)
+	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=days)
 	case = thawslump.ThawSlump(thaw_slump_surface.case, preset, folder)
 	mpm, O.engines = case.mpm, [case.mpm]
 	mpm.tolerance, mpm.gravity = tolerance, mpm.gravity * (1 + heavier)
 	if tolerance == 0:
 		case.skeleton.strainTolerance = case.skeleton.saturationTolerance = 0
+		case.skeleton.maxInertialNumber = referenceInertialNumber
 	case.rest()
 	frozen = mpm.field("iceSaturation").max()
 	talik.runUntilDay(mpm, preset.days)
@@ -202,15 +204,15 @@ def slumped(folder, tolerance, heavier=0.0, days=40):
 	return runOut, np.sum((1 - mpm.field("iceSaturation") / frozen) * mpm.field("volume")), case.counters()["calls"]
 
 
-# Runs that differ by one part in 1e9 of gravity are up to 2 % apart after 40 days, and 10 % after 80, when the slope flows: means of
-# three are compared.
-def test_on_the_slump_a_tolerance_saves_four_fifths_of_the_calls_at_less_than_two_per_cent_slow(tmp_path):
+# Runs that differ by one part in 1e9 of gravity are apart by chance: means of three are compared.
+def test_on_the_slump_a_tolerance_of_one_per_cent_saves_nine_tenths_of_the_calls_at_less_than_five_per_cent_slow(tmp_path):
+	"""Case I after twenty days, amid its slide: the path doubles within four days there."""
 	twins = (0.0, 1e-9, -1e-9)
 	asked = np.array([slumped(tmp_path, 0, twin) for twin in twins])
-	saved = np.array([slumped(tmp_path, 0.003, twin) for twin in twins])
-	for name, runs in (("tolerance zero", asked), ("tolerance 0.003", saved)):
+	saved = np.array([slumped(tmp_path, 0.01, twin) for twin in twins])
+	for name, runs in (("tolerance zero", asked), ("tolerance 0.01", saved)):
 		print(f"{name}: largest displacement {runs[:, 0]} m, thawed {runs[:, 1]} m2, sample calls {runs[:, 2]}")
 	runOut, thawed, calls = saved.mean(axis=0) / asked.mean(axis=0)
 	print(f"errors of the means: displacement {100 * (runOut - 1):+.2f} %, thawed {100 * (thawed - 1):+.3f} %; calls 1/{1 / calls:.0f}")
-	assert abs(runOut - 1) < 0.02 and abs(thawed - 1) < 0.02
-	assert calls < 1 / 5
+	assert abs(runOut - 1) < 0.05 and abs(thawed - 1) < 0.005
+	assert calls < 1 / 10
