@@ -132,6 +132,7 @@ def _sampleSweeps(cohesion):
 		Sweep("grid-spacing", (0.5, 0.25), samples),
 		Sweep("grid-spacing", (0.5, 0.25), samples, flowing),
 		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", "calendar": constantScale}),
+		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", "calendar": constantScale, **flowing}),
 		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", **flowing}),
 		Sweep("pic-time", (1.0, 4.0), samples),
 		Sweep("inertial-number", (5e-3, 1e-3), samples, quick=2 if cohesion else 0),
