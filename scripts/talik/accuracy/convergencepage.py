@@ -134,7 +134,7 @@ def draw(case, sweepsThere):
 		for value, row in zip(values, rows):
 			days, largest, _ = np.transpose(row["history"])
 			axes.plot(days, largest, linewidth=1.2, label=knobs[sweep.knob].text(value))
-		axes.set_title(f"{groundOf(sweep)}: {knobOf(sweep)}".replace(" with ", "\nwith "), fontsize=8)
+		axes.set_title(f"{groundOf(sweep)}: {knobOf(sweep)}".replace(" with ", "\nwith ").replace(", a scale", ",\na scale"), fontsize=8)
 		axes.set_xlabel("day of the thaw")
 		axes.set_ylabel("largest displacement [m]")
 		axes.set_ylim(bottom=0)
