@@ -49,7 +49,7 @@ talik::IceBond IceBondPhys::bond() const { return { static_cast<talik::BondState
 
 void IceBondPhys::setBond(const talik::IceBond& b)
 {
-	bondState = static_cast<int>(b.state);
+	bondState = int(b.state);
 	iceCut    = b.iceCut;
 	uGrain    = b.uGrain;
 	uIce      = b.uIce;

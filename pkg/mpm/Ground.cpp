@@ -179,7 +179,7 @@ template <int D> std::vector<StateArray> Ground<D>::pointState()
 	for (std::size_t k = 0; k < f.list().size(); ++k)
 		if (f.list()[k].persistent)
 			for (int c = 0; c < f.list()[k].components; ++c)
-				list.push_back({ f.list()[k].name + "." + std::to_string(c), f.component(static_cast<int>(k), c), f.count() * sizeof(double) });
+				list.push_back({ f.list()[k].name + "." + std::to_string(c), f.component(int(k), c), f.count() * sizeof(double) });
 	return list;
 }
 

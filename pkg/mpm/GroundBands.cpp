@@ -129,7 +129,7 @@ template <int D> void Ground<D>::Parts::showNodesOfAll(const LookingBoundary& lo
 	for (const int node : shownNodes) {
 		while (k < shown.slots && nodeOfSlot(looking, k) < node)
 			++k;
-		shown.slot.push_back(k < shown.slots && nodeOfSlot(looking, k) == node ? static_cast<int>(k) : -1);
+		shown.slot.push_back(k < shown.slots && nodeOfSlot(looking, k) == node ? int(k) : -1);
 	}
 }
 
@@ -175,7 +175,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 template <int D> const double* Ground<D>::Parts::costOfPoints() const
 {
 	double* const cost = scratch.data();
-	std::fill(cost + bands->firstPoint(), cost + bands->endPoint(), static_cast<double>(std::max(1L, clock.steps - clock.lastSort)));
+	std::fill(cost + bands->firstPoint(), cost + bands->endPoint(), double(std::max(1L, clock.steps - clock.lastSort)));
 	if (motion)
 		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
 			settings.skeletons[k]->addCost(batch(k), cost);
@@ -226,7 +226,7 @@ template <int D> void Ground<D>::Parts::writeOwnPoints(const FilePlace& place, P
 	std::uint64_t     at = place.at + first * sizeof(double);
 	for (std::size_t k = 0; k < f.list().size(); ++k)
 		for (int c = 0; f.list()[k].persistent && c < f.list()[k].components; ++c) {
-			file.write(f.component(static_cast<int>(k), c) + first, (end - first) * sizeof(double), at);
+			file.write(f.component(int(k), c) + first, (end - first) * sizeof(double), at);
 			at += f.count() * sizeof(double);
 		}
 	file.close();

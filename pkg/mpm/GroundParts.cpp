@@ -5,10 +5,7 @@
 
 namespace talik {
 
-template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const std::vector<int>& places) const
-{
-	return batch(places.data(), static_cast<int>(places.size()));
-}
+template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const std::vector<int>& places) const { return batch(places.data(), int(places.size())); }
 
 template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const int* places, int count) const
 {

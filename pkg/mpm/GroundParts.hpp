@@ -239,7 +239,7 @@ template <int D> struct Ground<D>::Parts {
 		PointFields& f = points->fields();
 		for (std::size_t k = 0; k < f.list().size(); ++k)
 			for (int c = 0; c < f.list()[k].components; ++c)
-				work(f.component(static_cast<int>(k), c));
+				work(f.component(int(k), c));
 	}
 	/// At the beginning of a step: waits for the other ranks; collective.
 	void meetRanks();

@@ -247,7 +247,7 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 		                + ", since ice leaves no more room than it takes: give more porosity or less thawStrain");
 		if (settings.motion) {
 			requireSetting(
-			        in.skeleton >= 0 && in.skeleton < static_cast<int>(settings.skeletons.size()), name(id, "skeleton"), in.skeleton,
+			        in.skeleton >= 0 && in.skeleton < int(settings.skeletons.size()), name(id, "skeleton"), in.skeleton,
 			        "must be an index into the list of skeletons, 0 to " + std::to_string(settings.skeletons.size() - 1));
 			for (double s : in.stress)
 				requireSetting(std::isfinite(s), name(id, "stress"), s, "must be finite, in Pa");

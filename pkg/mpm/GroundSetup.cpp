@@ -90,8 +90,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
-		if (settings.boundaries[b]->usesNodes())
-			lookingBoundaries.push_back({ static_cast<int>(b), nodeShares(grid, settings.boundaries[b]->region()) });
+		if (settings.boundaries[b]->usesNodes()) lookingBoundaries.push_back({ int(b), nodeShares(grid, settings.boundaries[b]->region()) });
 	if (cells) cells->allocate(grid, n);
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
@@ -140,7 +139,7 @@ template <int D> void Ground<D>::Parts::fillPoints()
 	for (int p = 0; p < n; ++p) {
 		const PointInput<D> in = point(points->id(p));
 		points->skeletons()[p] = in.skeleton;
-		if (points->materials()) points->materials()[p] = static_cast<std::uint16_t>(in.material);
+		if (points->materials()) points->materials()[p] = std::uint16_t(in.material);
 	}
 	startBands();
 	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
@@ -160,7 +159,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	ledger = StepLedger<D>(grid);
 	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.reset(n);
-	cost.allocate(points->strips().count(), static_cast<int>(settings.skeletons.size()));
+	cost.allocate(points->strips().count(), int(settings.skeletons.size()));
 	if (record) record->start(first, end);
 	if (content) {
 		const int   failed = content->update(first, end, contentOf());
@@ -267,7 +266,7 @@ template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
 {
 	if (parts_->ready) throw std::logic_error("addPoint: points are added before initialise()");
 	parts_->inputs.push_back(point);
-	return static_cast<int>(parts_->inputs.size()) - 1;
+	return int(parts_->inputs.size()) - 1;
 }
 
 template <int D> void Ground<D>::takePoints(int count, std::function<PointInput<D>(int)> point)
@@ -283,7 +282,7 @@ template <int D> void Ground<D>::initialise()
 	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
 	checkSettings(g.settings);
 	checkBoundaries(g.settings, g.grid);
-	if (!g.point) takePoints(static_cast<int>(g.inputs.size()), [&g](int id) { return g.inputs[id]; });
+	if (!g.point) takePoints(int(g.inputs.size()), [&g](int id) { return g.inputs[id]; });
 	checkPoints(g.settings, g.grid, g.given, g.point);
 	g.shape = makeShapeFunction<D>(g.settings.shapeFunction);
 	g.declareFields();

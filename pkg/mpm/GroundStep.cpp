@@ -100,7 +100,7 @@ template <int D> void Ground<D>::Parts::showNodes()
 		const auto range = shownRange();
 		for (std::size_t k = 0; k < shown.slots; ++k) {
 			const int node = nodeOfSlot(looking, k);
-			if (node >= range.first && node < range.second) showNode(looking, static_cast<int>(k), node);
+			if (node >= range.first && node < range.second) showNode(looking, int(k), node);
 		}
 		if (bands) showNodesOfAll(looking);
 		boundary.lookAt(shown);
@@ -440,7 +440,7 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 		SkeletonBatch<D>        near   = batch(k);
 		const std::vector<int>& places = front->thawedNear(skeletonPlaces[k]);
 		near.place                     = places.data();
-		near.count                     = static_cast<int>(places.size());
+		near.count                     = int(places.size());
 		if (near.count == 0) continue;
 		settings.skeletons[k]->tangentModulus(near, front->modulus());
 		for (const int p : places)
@@ -457,7 +457,7 @@ template <int D> void Ground<D>::Parts::closeThawStrain()
 		if (places.empty()) continue;
 		SkeletonBatch<D> open = batch(k);
 		open.place            = places.data();
-		open.count            = static_cast<int>(places.size());
+		open.count            = int(places.size());
 		settings.skeletons[k]->tangentModulus(open, scratch.data());
 	}
 	thawStrain->close(scratch.data());
@@ -685,7 +685,7 @@ template <int D> void Ground<D>::Parts::askByStrips(int skeleton)
 		for (int s = strips.begin(); s < strips.end(); ++s) {
 			const auto to = std::lower_bound(from, places.end(), strips.first[s + 1]);
 			if (from == to) continue;
-			SkeletonBatch<D> ofStrip = batch(places.data() + (from - places.begin()), static_cast<int>(to - from));
+			SkeletonBatch<D> ofStrip = batch(places.data() + (from - places.begin()), int(to - from));
 			ofStrip.strip            = s;
 			settings.skeletons[skeleton]->updateStress(ofStrip);
 			from = to;
@@ -701,10 +701,10 @@ template <int D> std::exception_ptr Ground<D>::Parts::updateSkeletons()
 {
 	std::exception_ptr stop;
 	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
-		cost.timeSkeleton(static_cast<int>(k), [&] {
+		cost.timeSkeleton(int(k), [&] {
 			try {
 				if (!skeletonUsed[k]) return;
-				if (settings.skeletons[k]->seesStrips()) askByStrips(static_cast<int>(k));
+				if (settings.skeletons[k]->seesStrips()) askByStrips(int(k));
 				else settings.skeletons[k]->updateStress(batch(k));
 			} catch (const StopAfterStep&) {
 				stop = std::current_exception();
@@ -745,7 +745,7 @@ template <int D> std::vector<std::pair<std::string, double>> Ground<D>::cost() c
 		if (g.pays(static_cast<CostMeter::Entry>(e)))
 			list.emplace_back(CostMeter::nameOf(static_cast<CostMeter::Entry>(e)), g.cost.seconds(static_cast<CostMeter::Entry>(e)));
 	for (std::size_t k = 0; g.motion && k < g.settings.skeletons.size(); ++k)
-		list.emplace_back(g.settings.skeletons[k]->name() + "[" + std::to_string(k) + "]", g.cost.secondsOfSkeleton(static_cast<int>(k)));
+		list.emplace_back(g.settings.skeletons[k]->name() + "[" + std::to_string(k) + "]", g.cost.secondsOfSkeleton(int(k)));
 	return list;
 }
 

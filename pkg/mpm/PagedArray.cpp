@@ -14,7 +14,7 @@ namespace {
 
 	std::size_t pageSize()
 	{
-		static const auto size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+		static const auto size = std::size_t(sysconf(_SC_PAGESIZE));
 		return size;
 	}
 } // namespace

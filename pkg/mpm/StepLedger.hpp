@@ -70,7 +70,7 @@ public:
 	{
 		byStrip_.assign(strips_, {});
 		for (std::size_t k = 0; k < pairs_.size(); ++k)
-			byStrip_[std::clamp((static_cast<int>(k) - 1) / 2, 0, strips_ - 1)] += pairs_[k];
+			byStrip_[std::clamp((int(k) - 1) / 2, 0, strips_ - 1)] += pairs_[k];
 		if (bands) bands->shareByStrip(byStrip_.data());
 		StepAccount<D> all;
 		for (const StepAccount<D>& strip : byStrip_)

@@ -96,25 +96,25 @@ void PartedFile::write(const void* data, std::size_t bytes, std::uint64_t at)
 {
 	sum_.add(data, bytes, end_ - at - bytes);
 	for (const char* from = static_cast<const char*>(data); bytes > 0;) {
-		const ssize_t done = ::pwrite(descriptor_, from, bytes, static_cast<off_t>(at));
+		const ssize_t done = ::pwrite(descriptor_, from, bytes, off_t(at));
 		if (done < 0 && errno == EINTR) continue;
 		if (done < 0) throw std::runtime_error(std::strerror(errno));
 		from += done;
-		at += static_cast<std::uint64_t>(done);
-		bytes -= static_cast<std::size_t>(done);
+		at += std::uint64_t(done);
+		bytes -= std::size_t(done);
 	}
 }
 
 void PartedFile::read(void* data, std::size_t bytes, std::uint64_t at) const
 {
 	for (char* to = static_cast<char*>(data); bytes > 0;) {
-		const ssize_t done = ::pread(descriptor_, to, bytes, static_cast<off_t>(at));
+		const ssize_t done = ::pread(descriptor_, to, bytes, off_t(at));
 		if (done < 0 && errno == EINTR) continue;
 		if (done <= 0)
 			throw std::runtime_error("'" + path_ + "' cannot be read to its end (" + (done < 0 ? std::strerror(errno) : "it is truncated") + ")");
 		to += done;
-		at += static_cast<std::uint64_t>(done);
-		bytes -= static_cast<std::size_t>(done);
+		at += std::uint64_t(done);
+		bytes -= std::size_t(done);
 	}
 }
 

@@ -9,7 +9,7 @@ namespace talik {
 
 void Ranks::pass(const std::vector<Parcel>& going, const std::vector<Parcel>& coming)
 {
-	std::vector<std::string> toEach(static_cast<std::size_t>(count()));
+	auto toEach = std::vector<std::string>(std::size_t(count()));
 	for (const Parcel& parcel : going)
 		toEach[std::size_t(parcel.rank)].append(parcel.bytes, parcel.length);
 	const auto               received = exchange(toEach);
@@ -44,7 +44,7 @@ struct RankTalk::Message {
 
 std::vector<RankTalk::Message> RankTalk::round(const Message& mine)
 {
-	std::vector<Message> messages(static_cast<std::size_t>(count()));
+	auto messages = std::vector<Message>(std::size_t(count()));
 	ranks_->allGather(&mine, std::vector<std::size_t>(messages.size(), sizeof(Message)), messages.data());
 	return messages;
 }

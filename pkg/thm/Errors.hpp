@@ -23,7 +23,7 @@ inline int placeOfName(const std::string& attribute, const std::string& name, co
 {
 	std::string known;
 	for (std::size_t k = 0; k < possible.size(); ++k) {
-		if (name == possible[k]) return static_cast<int>(k);
+		if (name == possible[k]) return int(k);
 		known += (known.empty() ? "" : ", ") + possible[k];
 	}
 	throw std::invalid_argument(attribute + " = '" + name + "': choose one of " + known);

@@ -228,7 +228,7 @@ double VanGenuchtenCurve::integral(double temperature) const
 	const double theta = freezingTemperature - temperature;
 	if (theta <= 0.0) return -theta;
 	const auto above      = std::upper_bound(knots_.begin(), knots_.end(), theta);
-	const auto k          = static_cast<std::size_t>(above - knots_.begin()) - 1;
+	const auto k          = std::size_t(above - knots_.begin()) - 1;
 	const auto saturation = [this](double x) { return liquidSaturation(freezingTemperature - x); };
 	return -(integrals_[k] + gaussIntegral(saturation, knots_[k], theta));
 }

@@ -27,7 +27,7 @@ public:
 	std::size_t solve(const EnthalpyBatch& b) const
 	{
 		for (std::size_t first = 0; first < b.count; first += most)
-			solvePiece(b, first, static_cast<int>(std::min<std::size_t>(most, b.count - first)));
+			solvePiece(b, first, int(std::min<std::size_t>(most, b.count - first)));
 		for (std::size_t p = 0; p < b.count; ++p)
 			if (!std::isfinite(b.temperature[p])) return p;
 		return b.count;
@@ -68,7 +68,7 @@ private:
 		Unsolved u;
 		assumeThawed(b, first, count, guess, frozen);
 		for (int k = 0; k < count; ++k)
-			if (frozen[k]) begin(b, static_cast<int>(first) + k, guess[k], u);
+			if (frozen[k]) begin(b, int(first) + k, guess[k], u);
 		for (int iteration = 0; u.count > 0; ++iteration) {
 			evaluate(u);
 			iterate(u);

@@ -14,7 +14,7 @@ Block::Block(const Scene& s, double left, double width, double height, int perDi
 {
 	const double side = s.spacing / perDirection;
 	const long   nx = std::lround(width / side), ny = std::lround(height / side);
-	count = static_cast<int>(nx * ny);
+	count = int(nx * ny);
 	// arrays of equal size must not begin at the same place of a page: they would fight for the same lines of the cache
 	constexpr long stagger = 24;
 	memory.assign(10 * (count + stagger + 8) + nodeCount * 10L + 64, 0.0);

@@ -29,11 +29,11 @@ public:
 	        : generator_(seed)
 	{}
 
-	double uniform(double from, double to) { return from + (to - from) * static_cast<double>(generator_() >> 11) * 0x1p-53; }
+	double uniform(double from, double to) { return from + (to - from) * double(generator_() >> 11) * 0x1p-53; }
 	double between(const char* name, double from, double to) { return noted(name, uniform(from, to)); }
 	/// Every decade is as likely as another.
 	double decades(const char* name, double from, double to) { return noted(name, from * std::pow(to / from, uniform(0.0, 1.0))); }
-	int    count(const char* name, int from, int to) { return static_cast<int>(noted(name, from + std::floor(uniform(0.0, to - from + 1.0)))); }
+	int    count(const char* name, int from, int to) { return int(noted(name, from + std::floor(uniform(0.0, to - from + 1.0)))); }
 	/// True with the probability given; the name is written down if it comes true.
 	bool chance(const char* name, double probability)
 	{
@@ -43,7 +43,7 @@ public:
 	}
 	template <class T> T oneOf(const char* name, const std::vector<T>& choices)
 	{
-		const T& choice = choices[std::min(choices.size() - 1, static_cast<std::size_t>(uniform(0.0, choices.size())))];
+		const T& choice = choices[std::min(choices.size() - 1, std::size_t(uniform(0.0, choices.size())))];
 		text_ << ' ' << name << '=' << choice;
 		return choice;
 	}

@@ -181,7 +181,7 @@ namespace {
 	template <int D> void Draw<D>::fill()
 	{
 		const double h       = s.gridSpacing;
-		const auto   cells   = [&](int axis) { return static_cast<int>(std::lround((s.upper[axis] - s.lower[axis]) / h)); };
+		const auto   cells   = [&](int axis) { return int(std::lround((s.upper[axis] - s.lower[axis]) / h)); };
 		const int    perCell = dice.count("perDirection", 1, D == 2 ? 3 : 2);
 		const int    rows = std::max(1, cells(1) - dice.count("emptyRows", 2, 4)), columns = std::max(1, cells(0) - (dice.chance("gap", 0.3) ? 2 : 0));
 		const double jitter      = dice.chance("irregular", 0.3) ? dice.between("jitter", 0.0, 0.45) : 0.0;
@@ -205,7 +205,7 @@ namespace {
 					point.temperature = temperature + (2 * i < columns * perCell ? gradient : 0.0);
 					point.pressure    = pressure;
 					point.velocity    = along(speed, -0.3 * speed);
-					point.skeleton    = s.skeletons.empty() ? 0 : number++ % static_cast<int>(s.skeletons.size());
+					point.skeleton    = s.skeletons.empty() ? 0 : number++ % int(s.skeletons.size());
 					scene.coldest     = std::min(scene.coldest, point.temperature);
 					scene.hottest     = std::max(scene.hottest, point.temperature);
 					scene.ground->addPoint(point);
@@ -248,7 +248,7 @@ namespace {
 		for (std::size_t k = 0; k < boundaries.size(); ++k)
 			if (boundaries[k]->name() == "RollerBoundary" || boundaries[k]->name() == "FixedBoundary") walls.push_back(k);
 		if (walls.empty()) return;
-		auto&           wall = boundaries[walls[dice.count("movingWallNumber", 0, static_cast<int>(walls.size()) - 1)]];
+		auto&           wall = boundaries[walls[dice.count("movingWallNumber", 0, int(walls.size()) - 1)]];
 		const Region<D> side = wall->region();
 		Vec<D>          direction {};
 		const bool      rough = dice.chance("movingWallRough", 0.5);

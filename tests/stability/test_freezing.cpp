@@ -235,7 +235,7 @@ TEST(Heat, AWallOfGivenTemperatureDrivesIrregularPointsNoFurtherThanTheSpanBetwe
 					        [&](PointInput<2>& p) {
 						        p.temperature = initial;
 						        for (double& x : p.position)
-							        x += (static_cast<double>(generator()) * 0x1p-32 - 0.5) * 0.7 / perDirection;
+							        x += (double(generator()) * 0x1p-32 - 0.5) * 0.7 / perDirection;
 					        },
 					        perDirection);
 					ground.initialise();

@@ -61,7 +61,7 @@ TEST(Loading, NeighboursWhoseModuliDifferByTenThousandSettleAsTheirMeanComplianc
 	standOnRollers(s);
 	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), load);
 	Ground<2> ground(s);
-	fillBox(ground, { 0.0, 0.0 }, { 0.1, 1.0 }, [](PointInput<2>& p) { p.skeleton = static_cast<int>(p.position[1] / 0.1) % 2; });
+	fillBox(ground, { 0.0, 0.0 }, { 0.1, 1.0 }, [](PointInput<2>& p) { p.skeleton = int(p.position[1] / 0.1) % 2; });
 	ground.initialise();
 	Watch<2>     watch(ground);
 	const int    top = ground.points().count() - 1;

@@ -121,7 +121,7 @@ private:
 		for (int k = 0; k < D * D; ++k)
 			increment(k / D, k % D) = strain * dice_.uniform(-1.0, 1.0);
 		PackedUpdateOptions options;
-		options.steps               = dice_.chance("stepsGiven", 0.5) || strain > 3e-3 ? static_cast<long>(dice_.decades("steps", 1.0, 3000.0)) : 0;
+		options.steps               = dice_.chance("stepsGiven", 0.5) || strain > 3e-3 ? long(dice_.decades("steps", 1.0, 3000.0)) : 0;
 		options.maxInertialNumber   = dice_.decades("I", 1e-3, 1.0);
 		options.relaxSteps          = dice_.chance("relax", 0.3) ? 100 : 0;
 		options.averageOver         = dice_.chance("mean", 0.3) ? dice_.between("averageOver", 0.0, 1.0) : 0.0;

@@ -105,7 +105,7 @@ TEST(Sample, LosesAllItsIceInOneStepWithoutGainingEnergyOrLeavingABond)
 	        pressureOf(sample.stress()), kinetic);
 	EXPECT_TRUE(finite(sample.state()));
 	EXPECT_GT(bonds, 100u);
-	expectSmall("S_i from 1 to 0 at once: bonds left", static_cast<double>(after.bondsIntact), 0.0);
+	expectSmall("S_i from 1 to 0 at once: bonds left", double(after.bondsIntact), 0.0);
 	expectSmall("S_i from 1 to 0 at once: kinetic energy over what the springs can have held", kinetic / stored, 1.0);
 	expectSmall("S_i from 1 to 0 at once: kinetic energy at rest again over its largest", after.kineticEnergy / kinetic, 1e-2);
 }
@@ -185,7 +185,7 @@ TEST(Sample, TwentyCyclesOfFreezingUnderLoadWithHealingKeepItsLoadAndCompactByLe
 	const std::string name = "twenty freeze-thaw cycles of a sample under 100 kPa";
 	EXPECT_TRUE(finite(sample.state()));
 	expectRelative(name + ": pressure at the end [Pa]", pressureOf(sample.stress()), 100e3, 2e-2);
-	expectSmall(name + ": bonds left when thawed", static_cast<double>(sample.statistics().bondsIntact), 0.0);
+	expectSmall(name + ": bonds left when thawed", double(sample.statistics().bondsIntact), 0.0);
 	expectSmall(name + ": compaction in all", strain[19], 5e-3);
 	// the ratchet: each thaw releases what the frozen network held and lets a few contacts slide; it must die out, not run on
 	expectSmall(

@@ -41,7 +41,7 @@ GroundSettings<2> loadedBox(double conductivity, double modulus, double courantN
 void fillIrregularly(Ground<2>& ground, const Vec<2>& upper, double temperature = 0.0)
 {
 	std::mt19937 generator(7);
-	const auto   shift = [&] { return (static_cast<double>(generator()) * 0x1p-32 - 0.5) * 0.6 * 0.5 * ground.settings().gridSpacing; };
+	const auto   shift = [&] { return (double(generator()) * 0x1p-32 - 0.5) * 0.6 * 0.5 * ground.settings().gridSpacing; };
 	fillBox(ground, { 0.0, 0.0 }, upper, [&](PointInput<2>& p) {
 		for (double& x : p.position)
 			x += shift();
@@ -139,7 +139,7 @@ TEST(TimeStep, WavesBetweenPointsThatTheGridSmoothesDoNotGrowAtTheLimit)
 		s.energyLedger      = true;
 		Ground<2>    ground(s);
 		std::mt19937 generator(seed);
-		const auto   draw   = [&] { return static_cast<double>(generator()) * 0x1p-32 - 0.5; };
+		const auto   draw   = [&] { return double(generator()) * 0x1p-32 - 0.5; };
 		int          number = 0;
 		fillBox(
 		        ground, { 0.4, 0.6 }, { 1.6, wet ? 1.6 : 0.8 },

@@ -165,7 +165,7 @@ template <int D> std::vector<std::vector<char>> march(Ground<D>& ground, int ste
 
 long differing(const std::vector<std::vector<char>>& a, const std::vector<std::vector<char>>& b)
 {
-	long different = std::abs(static_cast<long>(a.size()) - static_cast<long>(b.size()));
+	long different = std::abs(long(a.size()) - long(b.size()));
 	for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
 		for (std::size_t i = 0; i < a[k].size(); ++i)
 			different += i >= b[k].size() || a[k][i] != b[k][i];

@@ -169,7 +169,7 @@ TEST(MpmAffine, PointsTakeALinearVelocityFieldOfTheNodesExactly)
 			const double plane = linearFieldError<2>(transfer, shape), space = linearFieldError<3>(transfer, shape);
 			std::printf(
 			        "%s, %s: largest error of v and C against a linear field: %.1e (2-D), %.1e (3-D), requirement 1e-12\n",
-			        velocityTransferNames()[static_cast<int>(transfer)].c_str(), shape, plane, space);
+			        velocityTransferNames()[int(transfer)].c_str(), shape, plane, space);
 			EXPECT_LT(plane, 1e-12);
 			EXPECT_LT(space, 1e-12);
 		}

@@ -189,8 +189,8 @@ TEST(MpmPoints, SortingKeepsEachPointsFieldsTogetherAndOrdersCells)
 		ASSERT_EQ(points.position(0)[k], start[id][0]);
 		ASSERT_EQ(points.fields().component(mark)[k], id);
 		ASSERT_EQ(points.skeletons()[k], id % 3);
-		const int cell = static_cast<int>((points.position(0)[k] - grid.lower()[0]) / 0.1) * grid.cellStride(0)
-		        + static_cast<int>((points.position(1)[k] - grid.lower()[1]) / 0.1) * grid.cellStride(1);
+		const int cell = int((points.position(0)[k] - grid.lower()[0]) / 0.1) * grid.cellStride(0)
+		        + int((points.position(1)[k] - grid.lower()[1]) / 0.1) * grid.cellStride(1);
 		ASSERT_GE(cell, lastCell);
 		if (cell == lastCell) {
 			ASSERT_GT(id, lastId) << "sorting is not stable";

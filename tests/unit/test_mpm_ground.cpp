@@ -53,7 +53,7 @@ template <int D> void fill(Ground<D>& ground, const Vec<D>& lower, const Vec<D>&
 	const double       s = 0.5 * ground.settings().gridSpacing;
 	std::array<int, D> n, i {};
 	for (int a = 0; a < D; ++a)
-		n[a] = static_cast<int>(std::lround((upper[a] - lower[a]) / s));
+		n[a] = int(std::lround((upper[a] - lower[a]) / s));
 	while (true) {
 		PointInput<D> p;
 		p.volume = std::pow(s, D);

@@ -351,7 +351,7 @@ std::array<double, 2> leftOfWhatTheGridDoesNotSee(VelocityTransfer transfer, dou
 			ground.addPoint(p);
 		}
 	ground.initialise();
-	const int steps = static_cast<int>(std::lround(time / step));
+	const int steps = int(std::lround(time / step));
 	for (int k = 0; k < steps; ++k)
 		ground.step(step);
 	std::array<double, 2> left {};
@@ -373,7 +373,7 @@ TEST(MpmTransfers, WhatTheGridDoesNotSeeDiesOutInPicTimeWhateverTheStepAndTransf
 			const auto left = leftOfWhatTheGridDoesNotSee(transfer, step, 2e-3);
 			std::printf(
 			        "%s, dt %.1e s: velocity left over exp(-t/picTime): solid 1 %+.1e, liquid 1 %+.1e\n",
-			        velocityTransferNames()[static_cast<int>(transfer)].c_str(), step, left[0] - 1.0, left[1] - 1.0);
+			        velocityTransferNames()[int(transfer)].c_str(), step, left[0] - 1.0, left[1] - 1.0);
 			EXPECT_NEAR(left[0], 1.0, 1e-9);
 			EXPECT_NEAR(left[1], 1.0, 1e-9);
 		}

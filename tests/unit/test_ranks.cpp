@@ -124,7 +124,7 @@ TEST(Ranks, SamplesThatAreSharedOutAndMovedHaveTheBitsOfOneRank)
 {
 	const History one = follow(*packedStore(), 70);
 	for (const int ranks : { 2, 3 }) {
-		std::vector<History> all(static_cast<std::size_t>(ranks));
+		auto all = std::vector<History>(std::size_t(ranks));
 		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
 			DistributedStore<3> store(packedStore(), talk);
 			all[std::size_t(talk->rank())] = follow(store, 70);
@@ -254,7 +254,7 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 	alone.follow(*one, 60, 80, wantedLater);
 	const std::string whole = savedBy(*one);
 	for (const int ranks : { 2, 3 }) {
-		std::vector<int>           same(static_cast<std::size_t>(ranks), 0);
+		std::vector<int>           same(std::size_t(ranks), 0);
 		std::vector<std::uint64_t> owned(same.size()), moved(same.size());
 		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
 			const InBands       banded(talk);

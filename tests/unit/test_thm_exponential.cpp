@@ -17,7 +17,7 @@ TALIK_PROCESSOR_VERSIONS void exponentials(const std::vector<double>& x, std::ve
 {
 	const double* from = x.data();
 	double*       to   = y.data();
-	const int     n    = static_cast<int>(x.size());
+	const int     n    = int(x.size());
 #pragma GCC ivdep
 	for (int k = 0; k < n; ++k)
 		to[k] = exponential(from[k]);

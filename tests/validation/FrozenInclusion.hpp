@@ -71,7 +71,7 @@ public:
 	FrozenInclusionVolumes(const FrozenInclusion& scene, int cells)
 	        : scene_(scene)
 	        , ny_(cells)
-	        , nx_(static_cast<int>(std::lround(2.0 * cells * scene.length / scene.height)))
+	        , nx_(int(std::lround(2.0 * cells * scene.length / scene.height)))
 	        , h_(0.5 * scene.height / cells)
 	        , head_(size())
 	        , temperature_(size())
@@ -93,7 +93,7 @@ public:
 	double time() const { return time_; }
 	void   marchTo(double instant)
 	{
-		const int count = static_cast<int>(std::ceil((instant - time_) / step_ * (1.0 - 1e-12)));
+		const int count = int(std::ceil((instant - time_) / step_ * (1.0 - 1e-12)));
 		for (int k = 0; k < count; ++k)
 			advance((instant - time_) / (count - k));
 	}

@@ -107,7 +107,7 @@ public:
 	double temperature(double eta) const
 	{
 		const double k = eta / step_;
-		const auto   i = static_cast<std::size_t>(k);
+		const auto   i = std::size_t(k);
 		if (i + 1 >= temperature_.size()) return temperature_.back();
 		return temperature_[i] + (k - i) * (temperature_[i + 1] - temperature_[i]);
 	}

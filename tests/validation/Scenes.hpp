@@ -30,8 +30,8 @@ template <int D> using PointPreparation = std::function<void(PointInput<D>&)>;
 inline void fillBox(Ground<2>& ground, const Vec<2>& lower, const Vec<2>& upper, const PointPreparation<2>& prepare = {}, int perDirection = 2)
 {
 	const double s  = ground.settings().gridSpacing / perDirection;
-	const int    nx = static_cast<int>(std::lround((upper[0] - lower[0]) / s));
-	const int    ny = static_cast<int>(std::lround((upper[1] - lower[1]) / s));
+	const int    nx = int(std::lround((upper[0] - lower[0]) / s));
+	const int    ny = int(std::lround((upper[1] - lower[1]) / s));
 	for (int j = 0; j < ny; ++j)
 		for (int i = 0; i < nx; ++i) {
 			PointInput<2> point;
@@ -80,7 +80,7 @@ template <int D> long marchTo(Ground<D>& ground, double instant, double longest 
 	const double span = instant - ground.time();
 	if (span <= 0.0) return 0;
 	const double stable = std::min(longest, ground.stableTimeStep().step);
-	const long   count  = static_cast<long>(std::ceil(span / stable * (1.0 - 1e-12)));
+	const long   count  = long(std::ceil(span / stable * (1.0 - 1e-12)));
 	for (long k = 0; k < count; ++k) {
 		ground.step(span / count);
 		if (each) each();

@@ -60,12 +60,12 @@ public:
 	{
 		const auto x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
 		for (std::size_t p = 0; p < x.size(); ++p)
-			band_.push_back(static_cast<int>(std::floor(bandOf(x[p], y[p]))));
+			band_.push_back(int(std::floor(bandOf(x[p], y[p]))));
 	}
 	void add(const std::vector<double>& values)
 	{
 		for (std::size_t p = 0; p < values.size(); ++p)
-			if (band_[p] >= 0 && band_[p] < static_cast<int>(sum_.size())) {
+			if (band_[p] >= 0 && band_[p] < int(sum_.size())) {
 				sum_[band_[p]] += values[p];
 				weight_[band_[p]] += 1.0;
 			}
@@ -142,8 +142,7 @@ TEST(Bodies, APlaneLoadsAnOedometerEvenlyInEveryRow)
 		}
 		char label[96];
 		std::snprintf(
-		        label, sizeof label, "oedometer under a plane, %s, %s, %d cells: ", c.shape,
-		        velocityTransferNames()[static_cast<int>(c.transfer)].c_str(), c.cells);
+		        label, sizeof label, "oedometer under a plane, %s, %s, %d cells: ", c.shape, velocityTransferNames()[int(c.transfer)].c_str(), c.cells);
 		expectRelative(label + std::string("stress of the row with the least [Pa]"), least, expected, 0.02);
 		expectRelative(label + std::string("stress of the row with the most [Pa]"), most, expected, 0.02);
 	}

@@ -47,7 +47,7 @@ std::vector<double> cellMeans(const Ground<2>& ground, const std::string& field,
 	const double        h = ground.settings().gridSpacing;
 	std::vector<double> sum, count;
 	for (std::size_t k = 0; k < v.size(); ++k) {
-		const std::size_t c = static_cast<std::size_t>(x[k] / h);
+		const std::size_t c = std::size_t(x[k] / h);
 		if (c >= sum.size()) sum.resize(c + 1, 0.0), count.resize(c + 1, 0.0);
 		sum[c] += v[k];
 		count[c] += 1.0;

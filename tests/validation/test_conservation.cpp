@@ -207,7 +207,7 @@ TEST(Conservation, PointThatHoldsMoreThanItsPoresHandsItToTheOthersOfItsCell)
 	};
 	Ground<2>    ground = unevenCell(5.0, conductivity);
 	const double before = difference(ground), rate = dt * 2.0 * conductivity / (1000.0 * 9.81) * bulkModulus / (pointVolume * porosity);
-	const int    steps = static_cast<int>(std::lround(1.0 / rate));
+	const int    steps = int(std::lround(1.0 / rate));
 	const Drift  d     = drift(ground, steps, dt);
 	expectRelative("uneven cell: difference of its points after the time of levelling", difference(ground) / before, std::pow(1.0 + rate, -steps), 0.01);
 	expectSmall("uneven cell: drift of ice and water", d.water, 1e-13);

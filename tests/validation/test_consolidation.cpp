@@ -88,7 +88,7 @@ std::vector<double> cellPressures(const Ground<2>& ground, int cells)
 	const auto          p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1);
 	std::vector<double> values(cells, 0.0);
 	for (std::size_t k = 0; k < p.size(); ++k)
-		values[std::min(cells - 1, static_cast<int>(y[k] / ground.settings().gridSpacing))] = p[k];
+		values[std::min(cells - 1, int(y[k] / ground.settings().gridSpacing))] = p[k];
 	return values;
 }
 
@@ -308,7 +308,7 @@ TEST(Consolidation, HeatedDrainedSurfaceGivesMcTiguesPressure)
 	const auto          exactAt = [&](int cell) { return reference::mcTiguePressure((cell + 0.5) * h, t, diffusion, cv, perKelvin, 1.0); };
 	std::vector<double> cells(c.cells, 0.0);
 	for (std::size_t k = 0; k < p.size(); ++k)
-		cells[static_cast<int>(y[k] / h)] = p[k];
+		cells[int(y[k] / h)] = p[k];
 	// A drained surface leaves pressures of neighbouring cells a little too low and too high by turns, which nodes do not see:
 	// means of two cells follow the solution, single cells with an error of the first order in h.
 	double  single = 0.0, peak = 0.0, sum = 0.0;
@@ -523,7 +523,7 @@ void expectSteadyPressure(double ratio, int cells, double allowedScatter)
 		++looks;
 		for (int j = 0; j < 2; ++j) {
 			const double at   = (c.height - places[j] * thawed) / h - 0.5;
-			const int    cell = static_cast<int>(at);
+			const int    cell = int(at);
 			const double part = at - cell,
 			             off  = (pressures[cell] * (1.0 - part) + pressures[cell + 1] * part) / (c.load * exact.pressure(places[j])) - 1.0;
 			sum[j] += off;

@@ -92,7 +92,7 @@ TEST(Dynamics, ElasticColumnKeepsPeriodAmplitudeAndEnergyWithGimpAndWithAffineTr
 			auto s                     = dryColumn(0.25);
 			s.shapeFunction            = shape;
 			s.motion->transfer         = transfer;
-			const std::string which    = shape + ", " + velocityTransferNames()[static_cast<int>(transfer)];
+			const std::string which    = shape + ", " + velocityTransferNames()[int(transfer)];
 			const auto        measured = oscillate(s, period, drawing, which);
 			const std::string label    = "V07 elastic column, other transfers and shapes: " + which + ", ";
 			expectRelative(label + "period [s]", measured.period, 0.178438, 1e-2);
@@ -252,7 +252,7 @@ DiscLoss turnDisc(double spacing, VelocityTransfer transfer, int turns, Drawing&
 	s.skeletons.push_back(skeleton);
 	Ground<2>    ground(s);
 	const double spin = 10.0, radius = 0.6, step = 0.5 * spacing;
-	const int    half = static_cast<int>(std::ceil(radius / step));
+	const int    half = int(std::ceil(radius / step));
 	for (int j = -half; j < half; ++j)
 		for (int i = -half; i < half; ++i) {
 			PointInput<2> p;
@@ -292,7 +292,7 @@ DiscLoss turnDisc(double spacing, VelocityTransfer transfer, int turns, Drawing&
 	double before, energyBefore, after, energyAfter;
 	sums(before, energyBefore);
 	const auto        x0 = valuesOf(ground, "position", 0), y0 = valuesOf(ground, "position", 1);
-	const std::string series = velocityTransferNames()[static_cast<int>(transfer)];
+	const std::string series = velocityTransferNames()[int(transfer)];
 	for (int part = 1; part <= 20 * turns; ++part) {
 		marchTo(ground, part * 0.1 * reference::pi / spin);
 		sums(after, energyAfter);
@@ -328,7 +328,7 @@ void expectDiscToTurn(const std::string& file, const std::vector<DiscCase>& case
 	drawing.reference("rigid disc", 0.0, 2.0, [](double) { return 1.0; });
 	for (const DiscCase& c : cases) {
 		const DiscLoss    loss  = turnDisc(0.05, c.transfer, 2, drawing);
-		const std::string label = "disc, two turns, R = 12 h, " + velocityTransferNames()[static_cast<int>(c.transfer)] + ": ";
+		const std::string label = "disc, two turns, R = 12 h, " + velocityTransferNames()[int(c.transfer)] + ": ";
 		expectSmall(label + "loss of angular momentum", loss.angularMomentum, c.angularMomentum);
 		expectSmall(label + "loss of kinetic energy", loss.kineticEnergy, c.kineticEnergy);
 		expectSmall(label + "angle behind the rigid disc, over 4 pi", loss.angle, 3e-2);
@@ -351,7 +351,7 @@ TEST(Dynamics, RotatingElasticDiscLosesLessOnAFinerGrid_slow)
 	drawing.reference("rigid disc", 0.0, 1.0, [](double) { return 1.0; });
 	for (const VelocityTransfer transfer : { VelocityTransfer::flip, VelocityTransfer::tpic }) {
 		const DiscLoss    loss  = turnDisc(0.025, transfer, 1, drawing);
-		const std::string label = "disc, one turn, R = 24 h, " + velocityTransferNames()[static_cast<int>(transfer)] + ": ";
+		const std::string label = "disc, one turn, R = 24 h, " + velocityTransferNames()[int(transfer)] + ": ";
 		expectSmall(label + "loss of angular momentum", loss.angularMomentum, 5e-3);
 		expectSmall(label + "loss of kinetic energy", loss.kineticEnergy, 1e-2);
 	}
@@ -400,7 +400,7 @@ double toeOf(const Ground<2>& ground, double share = 0.999)
 {
 	auto x = valuesOf(ground, "position", 0);
 	std::sort(x.begin(), x.end());
-	return x[static_cast<std::size_t>(share * x.size())];
+	return x[std::size_t(share * x.size())];
 }
 
 } // namespace
@@ -460,7 +460,7 @@ double rippleLeft(double spacing, double fractionOfStep)
 	ground.initialise();
 	marchTo(ground, path / speed);
 	const auto   v = valuesOf(ground, "velocity", 0), stress = valuesOf(ground, "stress", 0);
-	const double n    = static_cast<double>(v.size());
+	const double n    = double(v.size());
 	double       mean = 0.0, energy = 0.0;
 	for (const double value : v)
 		mean += value / n;

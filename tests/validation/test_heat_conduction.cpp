@@ -61,7 +61,7 @@ std::vector<double> cellTemperatures(const Ground<2>& ground)
 	const double        h = ground.settings().gridSpacing;
 	std::vector<double> mean(std::lround(length / h), 0.0);
 	for (std::size_t p = 0; p < y.size(); ++p)
-		mean[static_cast<int>(y[p] / h)] += t[p] / (y.size() / mean.size());
+		mean[int(y[p] / h)] += t[p] / (y.size() / mean.size());
 	return mean;
 }
 

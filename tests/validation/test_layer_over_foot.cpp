@@ -96,7 +96,7 @@ double acceleration(const Face& face, double spacing, double duration)
 		double     sum = 0.0;
 		for (const int k : middle)
 			sum += (x[k] - y[k]) / std::sqrt(2.0);
-		return sum / static_cast<double>(middle.size());
+		return sum / double(middle.size());
 	};
 	marchTo(ground, 0.8);
 	const double atRest                    = path();

@@ -37,8 +37,8 @@ int layerAt(const std::vector<Layer>& layers, double y)
 {
 	double top = 0.0;
 	for (std::size_t k = 0; k < layers.size(); ++k)
-		if (y < (top += layers[k].thickness)) return static_cast<int>(k);
-	return static_cast<int>(layers.size()) - 1;
+		if (y < (top += layers[k].thickness)) return int(k);
+	return int(layers.size()) - 1;
 }
 
 std::vector<SoilMaterial> materialsOf(const std::vector<Layer>& layers)
@@ -295,7 +295,7 @@ TEST(Layers, PointsOfEqualMaterialsHaveTheSameBitsAsPointsOfOne)
 		auto ground = std::make_unique<Ground<2>>(s);
 		fillBox(*ground, { 0.0, 0.0 }, { 1.0, 1.0 }, [&](PointInput<2>& p) {
 			p.temperature = p.position[0] - 0.9;
-			if (materials > 1) p.material = static_cast<int>(7919.0 * p.position[0] + 104729.0 * p.position[1]) % materials;
+			if (materials > 1) p.material = int(7919.0 * p.position[0] + 104729.0 * p.position[1]) % materials;
 		});
 		ground->initialise();
 		for (int k = 0; k < 300; ++k)

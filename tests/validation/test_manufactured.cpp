@@ -158,7 +158,7 @@ Solution computed(int cells, long steps)
 	for (int f = 0; f < Solution::count; ++f) {
 		result.cells[f].assign(cells * cells, 0.0);
 		for (std::size_t p = 0; p < x.size(); ++p)
-			result.cells[f][static_cast<int>(y[p] * cells) * cells + static_cast<int>(x[p] * cells)] += 0.25 * points[f][p];
+			result.cells[f][int(y[p] * cells) * cells + int(x[p] * cells)] += 0.25 * points[f][p];
 	}
 	return result;
 }

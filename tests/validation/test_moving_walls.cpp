@@ -42,7 +42,7 @@ template <int D> void fillBlock(Ground<D>& ground, const Vec<D>& lower, const Ve
 	const double       step = 0.5 * ground.settings().gridSpacing;
 	std::array<int, D> count, i {};
 	for (int a = 0; a < D; ++a)
-		count[a] = static_cast<int>(std::lround((upper[a] - lower[a]) / step));
+		count[a] = int(std::lround((upper[a] - lower[a]) / step));
 	for (int a = 0; a < D;) {
 		PointInput<D> point;
 		for (int k = 0; k < D; ++k)

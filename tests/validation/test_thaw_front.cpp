@@ -133,7 +133,7 @@ namespace {
 
 void expectSlideWith(const std::string& shape, VelocityTransfer transfer)
 {
-	expectSlide(shape + ", " + velocityTransferNames()[static_cast<int>(transfer)], withTransfer(layer(1.0, 0.25), transfer, shape), 5e-2);
+	expectSlide(shape + ", " + velocityTransferNames()[int(transfer)], withTransfer(layer(1.0, 0.25), transfer, shape), 5e-2);
 }
 
 } // namespace

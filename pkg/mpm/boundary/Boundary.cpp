@@ -174,7 +174,7 @@ template <int D> void MotionConstraints<D>::close()
 			if (c.node == m.wall() && c.moving == m.moving && m.sign[c.axis] < 0.0) c.inner = m.inner;
 	constrained_.clear();
 	for (std::size_t n = 0; n < flags_.size(); ++n)
-		if (flags_[n]) constrained_.push_back(static_cast<int>(n));
+		if (flags_[n]) constrained_.push_back(int(n));
 }
 
 template <int D> void Boundary<D>::validate(const Grid<D>& grid) const
@@ -295,7 +295,7 @@ double TimeTable::at(double time) const
 	if (time <= times_.front()) return values_.front();
 	if (time >= times_.back()) return values_.back();
 	const auto        next = std::upper_bound(times_.begin(), times_.end(), time);
-	const std::size_t i    = static_cast<std::size_t>(next - times_.begin());
+	const std::size_t i    = std::size_t(next - times_.begin());
 	const double      s    = (time - times_[i - 1]) / (times_[i] - times_[i - 1]);
 	return values_[i - 1] + s * (values_[i] - values_[i - 1]);
 }

@@ -73,7 +73,7 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 		if (boundaries[b]->producesHeat()) {
 			int number = 0;
 			for (const NodeShare& s : nodeShares(grid, boundaries[b]->region()))
-				produced_.push_back({ s.node, s.share, static_cast<int>(b), number++ });
+				produced_.push_back({ s.node, s.share, int(b), number++ });
 		}
 		if (!boundaries[b]->prescribesTemperature()) continue;
 		const Region<D>&             region = boundaries[b]->region();
@@ -82,14 +82,14 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 		const std::vector<NodeShare> shares = nodeShares(grid, region);
 		int                          number = 0;
 		for (const NodeShare& s : shares)
-			held_.push_back({ s.node, holding * s.share, static_cast<int>(b), number++ });
+			held_.push_back({ s.node, holding * s.share, int(b), number++ });
 		if (!shares.empty()) continue;
 		for (int node : wallNodes(grid, region)) {
 			if (isPrescribed_[node]) continue;
 			isPrescribed_[node] = touched[node] = 1;
 			if (wall) touched[node - inward] = touched[node + inward] = 1;
 			walls_ = walls_ || wall;
-			prescribed_.push_back({ node, wall ? node - inward : -1, wall ? node + inward : -1, region.on.axis, static_cast<int>(b) });
+			prescribed_.push_back({ node, wall ? node - inward : -1, wall ? node + inward : -1, region.on.axis, int(b) });
 		}
 	}
 	for (int n = 0; n < grid.nodeCount(); ++n)

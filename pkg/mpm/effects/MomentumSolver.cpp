@@ -14,7 +14,7 @@ namespace {
 
 	double dampingOf(double coefficient, double force, double velocity)
 	{
-		return -coefficient * std::abs(force) * static_cast<double>((velocity > 0.0) - (velocity < 0.0));
+		return -coefficient * std::abs(force) * double((velocity > 0.0) - (velocity < 0.0));
 	}
 } // namespace
 
@@ -25,7 +25,7 @@ MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::sh
 {
 	std::size_t loaded = 0;
 	for (const auto& b : boundaries) {
-		constraints_.beginWall(b->moves() ? static_cast<int>(moving_.size()) : -1);
+		constraints_.beginWall(b->moves() ? int(moving_.size()) : -1);
 		if (b->moves()) {
 			moving_.emplace_back();
 			moving_.back().boundary = b;
@@ -233,7 +233,7 @@ template <int D> void MomentumSolver<D>::fold(const ActiveRange& range, SolidMot
 		if (!range.holds(m.inner)) continue;
 		double* ghost = motion.nodes[m.ghost];
 		double* inner = motion.nodes[m.inner];
-		if (m.moving >= 0) rememberFolded(static_cast<int>(k), motion, water);
+		if (m.moving >= 0) rememberFolded(int(k), motion, water);
 		const double mass = ghost[motion.massAt], moving = mass + (water && foldLiquid_[k] ? water->nodes[m.ghost][W::massAt] : 0.0);
 		inner[motion.massAt] += mass;
 		ghost[motion.massAt] = 0.0;
@@ -436,7 +436,7 @@ template <int D> void MomentumSolver<D>::carry(const ActiveRange& range, SolidMo
 template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
 {
 	using W = PoreWater<D>;
-	for (int k = static_cast<int>(mirrors_.size()) - 1; k >= 0; --k) {
+	for (int k = int(mirrors_.size()) - 1; k >= 0; --k) {
 		const auto& m = mirrors_[k];
 		if (!range.holds(m.inner)) continue;
 		const auto takenBy = [&](double kept, int a) { return kept * m.change[a] + (1.0 - kept) * (m.velocity[a] + m.change[a]); };

@@ -115,7 +115,7 @@ template <int D> void PoreContent<D>::choosePoints(Block& b, int last) const
 	const std::uint16_t* const number = points_->materials();
 	if (!number) return;
 	const auto* const begin = number + b.first;
-	b.count                 = static_cast<int>(std::find_if(begin, begin + b.count, [&](std::uint16_t m) { return m != *begin; }) - begin);
+	b.count                 = int(std::find_if(begin, begin + b.count, [&](std::uint16_t m) { return m != *begin; }) - begin);
 }
 
 template <int D> void PoreContent<D>::load(Block& b, const HeatTransfer<D>* heat) const

@@ -94,7 +94,7 @@ template <int D> typename RigidContact<D>::Memory RigidContact<D>::recall(int p,
 {
 	double* const* from = memory_.data() + slot * memorySize;
 	Memory         m;
-	m.key    = static_cast<int>(from[0][p]);
+	m.key    = int(from[0][p]);
 	m.radius = from[1][p];
 	for (int a = 0; a < D; ++a) {
 		m.anchor[a] = from[2 + a][p];
@@ -133,7 +133,7 @@ template <int D> void RigidContact<D>::findNear(int first, int count, double rea
 		bool apart = false;
 		for (int a = 0; a < D; ++a)
 			apart = apart || low[a] - margin > upper_[b][a] || high[a] + margin < lower_[b][a];
-		if (!apart) near.push_back(static_cast<int>(b));
+		if (!apart) near.push_back(int(b));
 	}
 }
 
@@ -445,7 +445,7 @@ template <int D> typename RigidContact<D>::Overlap RigidContact<D>::deepestOverl
 		for (int p = 0; p < points_->count(); ++p) {
 			const Vec<D> x     = points_->at(p);
 			const double depth = -bodies[b].shape->nearest(bodies[b].toFrame(x), bodies[b].size, 1).distance;
-			if (depth > deepest.depth) deepest = { static_cast<int>(b), p, depth };
+			if (depth > deepest.depth) deepest = { int(b), p, depth };
 		}
 	}
 	return deepest;

@@ -149,7 +149,7 @@ template <int D> void ThawFront<D>::markCells(const Grid<D>& grid, int first, in
 	for (int p = first; p < last; ++p) {
 		int lower = margin_;
 		for (int a = 0; a < D; ++a)
-			lower += (std::min(static_cast<int>((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
+			lower += (std::min(int((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
 		cell_[p] = lower;
 		sides_[lower] |= frozen(p) ? frozenBit : thawedBit;
 		slid_[lower] |= !frozen(p) && slip_[p] > leastSlip * spacing_;
@@ -183,7 +183,7 @@ template <int D> void ThawFront<D>::markNodes(const ActiveRange& range, const Mi
 	nodes_.clear();
 	for (int i = first; i < last; ++i)
 		if (reached_[i] == bothBits) {
-			slot_[i - margin_] = static_cast<int>(nodes_.size());
+			slot_[i - margin_] = int(nodes_.size());
 			nodes_.push_back(i - margin_);
 		}
 }
@@ -227,7 +227,7 @@ template <int D> void ThawFront<D>::shareMapped(const Grid<D>& grid, SharedRows&
 	const int row = grid.nodeStride(grid.slowAxis()), count = grid.nodes(grid.slowAxis());
 	rowStarts_.resize(count + 1);
 	for (int r = 0; r <= count; ++r)
-		rowStarts_[r] = static_cast<int>(std::lower_bound(nodes_.begin(), nodes_.end(), r * row) - nodes_.begin());
+		rowStarts_[r] = int(std::lower_bound(nodes_.begin(), nodes_.end(), r * row) - nodes_.begin());
 	rows.someNodes(records_.empty() ? nullptr : records_[0].number, recordSize, rowStarts_);
 }
 
@@ -492,7 +492,7 @@ template <int D> template <class Work> void ThawFront<D>::overBeside(int node, W
 {
 	for (const int step : beside_) {
 		const int other = node + step;
-		if (other >= 0 && other < static_cast<int>(slot_.size()) && slot_[other] >= 0) work(other, slot_[other]);
+		if (other >= 0 && other < int(slot_.size()) && slot_[other] >= 0) work(other, slot_[other]);
 	}
 }
 

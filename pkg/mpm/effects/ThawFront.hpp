@@ -63,7 +63,7 @@ public:
 	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const;
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
-	int  nodeCount() const { return static_cast<int>(nodes_.size()); }
+	int  nodeCount() const { return int(nodes_.size()); }
 
 	/// Thawed points near the front among some places, ascending.
 	const std::vector<int>& thawedNear(const std::vector<int>& places);

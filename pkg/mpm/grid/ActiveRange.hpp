@@ -33,8 +33,8 @@ struct ActiveRange {
 				high = std::max(high, highest);
 			}
 		// one row more on both sides for points that stray until the next sorting
-		const int   firstRow = std::max(0, static_cast<int>((low - grid.lower()[axis]) * grid.inverseSpacing()) - 1);
-		const int   lastRow  = std::min(grid.cells(axis) - 1, static_cast<int>((high - grid.lower()[axis]) * grid.inverseSpacing()) + 1);
+		const int   firstRow = std::max(0, int((low - grid.lower()[axis]) * grid.inverseSpacing()) - 1);
+		const int   lastRow  = std::min(grid.cells(axis) - 1, int((high - grid.lower()[axis]) * grid.inverseSpacing()) + 1);
 		ActiveRange r;
 		r.firstCell = firstRow * grid.cellStride(axis);
 		r.lastCell  = (lastRow + 1) * grid.cellStride(axis);

@@ -46,7 +46,7 @@ public:
 		for (int p = first; p < last; ++p) {
 			int c = 0;
 			for (int a = 0; a < D; ++a)
-				c += std::min(static_cast<int>((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) * grid.cellStride(a);
+				c += std::min(int((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) * grid.cellStride(a);
 			cell_[p] = c;
 			volume_[c] += volume[p];
 		}
@@ -93,7 +93,7 @@ public:
 	}
 
 	/// Cells of the grid.
-	int count() const { return static_cast<int>(volume_.size()); }
+	int count() const { return int(volume_.size()); }
 	int cell(int place) const { return cell_[place]; }
 	/// By place.
 	const int* cells() const { return cell_.data(); }

@@ -75,7 +75,7 @@ template <int D> int FreeSurface<D>::paddedIndex(const Grid<D>& grid, int cell) 
 
 template <int D> void FreeSurface<D>::widen(int stride)
 {
-	const int size = static_cast<int>(needed_.size()), margin = reach * stride;
+	const int size = int(needed_.size()), margin = reach * stride;
 	for (int i = margin; i < size - margin; ++i) {
 		unsigned char any = 0;
 		for (int d = -reach; d <= reach; ++d)

@@ -19,7 +19,7 @@ namespace {
 		const double whole = std::round(cells);
 		requireSetting(cells < 1e6, "gridSpacing", spacing, "gives more than a million cells along one axis; use a larger spacing");
 		requireSetting(whole >= 1.0 && std::abs(cells - whole) < 1e-6, name, upper, "the box must be a whole number of grid spacings wide");
-		return static_cast<int>(whole);
+		return int(whole);
 	}
 } // namespace
 
@@ -34,7 +34,7 @@ Grid<D>::Grid(const Vec<D>& lower, const Vec<D>& upper, double spacing)
 	for (int a = 0; a < D; ++a)
 		cells_[a] = wholeCells<D>(a, lower[a], upper[a], spacing);
 
-	slowAxis_    = static_cast<int>(std::max_element(cells_.begin(), cells_.end()) - cells_.begin());
+	slowAxis_    = int(std::max_element(cells_.begin(), cells_.end()) - cells_.begin());
 	double nodes = 1.0;
 	for (int a = 0; a < D; ++a)
 		nodes *= cells_[a] + 3;

@@ -67,7 +67,7 @@ public:
 		count_  = nodes;
 		stride_ = Size;
 		shared_ = 0;
-		storage_.reset(static_cast<std::size_t>(nodes) * Size);
+		storage_.reset(std::size_t(nodes) * Size);
 		values_ = storage_.data();
 	}
 	/// The columns first .. first + Other - 1 of every record belong to another field from now on.
@@ -85,15 +85,15 @@ public:
 		if (ownsRecords()) std::fill((*this)[first], (*this)[last], 0.0);
 	}
 	/// All but the nodes [first, last) are zero and take no memory.
-	void keepOnly(int first, int last) { storage_.keepOnly(static_cast<std::size_t>(first) * Size, static_cast<std::size_t>(last) * Size); }
+	void keepOnly(int first, int last) { storage_.keepOnly(std::size_t(first) * Size, std::size_t(last) * Size); }
 
-	double*       operator[](int node) { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
-	const double* operator[](int node) const { return values_ + static_cast<std::ptrdiff_t>(node) * stride_; }
+	double*       operator[](int node) { return values_ + std::ptrdiff_t(node) * stride_; }
+	const double* operator[](int node) const { return values_ + std::ptrdiff_t(node) * stride_; }
 	int           stride() const { return stride_; }
 	/// False for columns in the records of another field, or if there are no values.
 	bool ownsRecords() const { return !storage_.empty(); }
 
-	std::size_t bytes() const { return static_cast<std::size_t>(count_) * (Size - shared_) * sizeof(double); }
+	std::size_t bytes() const { return std::size_t(count_) * (Size - shared_) * sizeof(double); }
 
 private:
 	template <int> friend class NodeField;

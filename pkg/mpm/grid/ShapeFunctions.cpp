@@ -20,7 +20,7 @@ namespace {
 #pragma GCC ivdep
 		for (int k = 0; k < count; ++k) {
 			const double s    = (x[k] - lower) * inverseSpacing + 0.5; // half a cell behind the node coordinate: never negative inside the box
-			const int    node = static_cast<int>(s);
+			const int    node = int(s);
 			const double f    = s - node; // 0 .. 1 from the middle between the first two nodes
 			base[k] += node * stride;
 			value[0][k] = 0.5 * (1.0 - f) * (1.0 - f);
@@ -103,7 +103,7 @@ namespace {
 			const int stride = grid.nodeStride(axis);
 			for (int k = 0; k < count; ++k) {
 				const double s    = grid.nodeCoordinate(axis, x[k]);
-				const int    node = static_cast<int>(s - 0.5);
+				const int    node = int(s - 0.5);
 				w.base[k] += node * stride;
 				for (int i = 0; i < supportNodes; ++i) {
 					w.value[axis][i][k] = average(s - (node + i));

@@ -32,7 +32,7 @@ namespace {
 			const Tensor<D> stress   = stressOf<D>(a, p);
 			const double    capacity = a.capacity ? a.capacity[p] : 0.0;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
-				double* r = a.nodes + static_cast<long>(node) * Moving::size;
+				double* r = a.nodes + long(node) * Moving::size;
 				r[Moving::mass] += s * a.mass[p];
 				for (int i = 0; i < D; ++i) {
 					r[Moving::momentum + i] += s * a.mass[p] * a.velocity[i][p];
@@ -54,7 +54,7 @@ namespace {
 			Tensor<D> gradient {};
 			double    rise = 0.0;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
-				const double* r = a.nodes + static_cast<long>(node) * Solved::size;
+				const double* r = a.nodes + long(node) * Solved::size;
 				if (a.rise) rise += s * r[Solved::rise];
 				for (int i = 0; i < D; ++i) {
 					change[i] += s * r[Solved::change + i];
@@ -79,7 +79,7 @@ namespace {
 		for (int k = 0; k < w.count; ++k)
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 				for (int i = 0; i < n; ++i)
-					nodes[static_cast<long>(node) * n + i] += s * values[i][k];
+					nodes[long(node) * n + i] += s * values[i][k];
 			});
 	}
 
@@ -90,7 +90,7 @@ namespace {
 				sums[i][k] = 0.0;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 				for (int i = 0; i < n; ++i)
-					sums[i][k] += s * nodes[static_cast<long>(node) * n + i];
+					sums[i][k] += s * nodes[long(node) * n + i];
 			});
 		}
 	}
@@ -110,7 +110,7 @@ namespace {
 			const double v     = volume[w.first + k];
 			const double kappa = conductivity ? conductivity[w.first + k] : 0.0;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
-				double* r = nodes + static_cast<long>(node) * Surface::size;
+				double* r = nodes + long(node) * Surface::size;
 				for (int i = 0; i < D; ++i)
 					r[Surface::area + i] += v * g[i];
 				r[Surface::volume] += s * v;
@@ -126,8 +126,8 @@ namespace {
 		double*       to;
 		int           toSize;
 
-		double  at(int node) const { return from[static_cast<long>(node) * fromSize]; }
-		double* flowAt(int node) const { return to + static_cast<long>(node) * toSize; }
+		double  at(int node) const { return from[long(node) * fromSize]; }
+		double* flowAt(int node) const { return to + long(node) * toSize; }
 	};
 
 	/// Value and slope of a field at point k of a block.
@@ -195,13 +195,13 @@ namespace {
 			Vec<D>    q {};
 			overNodes<D>(w, k, [&](int node, double weight, const Vec<D>&) {
 				for (int i = 0; i < D; ++i)
-					q[i] += weight * s.flux[static_cast<long>(node) * Flux::size + i];
+					q[i] += weight * s.flux[long(node) * Flux::size + i];
 			});
 			const double scale = s.massPerFlux * s.volume[p];
 			const double heat  = s.temperature ? s.specificHeat * s.temperature[p] + s.enthalpyAtZero : 0.0;
 			overNodes<D>(w, k, [&](int node, double, const Vec<D>& g) {
 				const double mass = scale * dot<D>(q, g);
-				double*      r    = s.exchange + static_cast<long>(node) * Gathered::size;
+				double*      r    = s.exchange + long(node) * Gathered::size;
 				r[Gathered::water] += mass;
 				r[Gathered::enthalpy] += heat * mass;
 				for (int i = 0; i < D; ++i)
@@ -219,7 +219,7 @@ namespace {
 			const auto& share = shares.of[k];
 			overNodes<D>(w, share.point, [&](int node, double s, const Vec<D>& g) {
 				if (records.slot[node] < 0) return;
-				double* r = records.first + static_cast<long>(records.slot[node]) * records.size + Numbers::at;
+				double* r = records.first + long(records.slot[node]) * records.size + Numbers::at;
 				for (int i = 0; i < Numbers::size; ++i)
 					r[i] += s * share.value[i];
 				for (int i = Numbers::straight; i < Numbers::size; ++i)
@@ -236,7 +236,7 @@ namespace {
 		std::fill(sums, sums + n, 0.0);
 		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 			for (int i = 0; i < n && records.slot[node] >= 0; ++i)
-				sums[i] += s * records.first[static_cast<long>(records.slot[node]) * records.size + first + i];
+				sums[i] += s * records.first[long(records.slot[node]) * records.size + first + i];
 		});
 	}
 
@@ -252,8 +252,7 @@ namespace {
 		overNodes<D>(w, k, [&](int node, double, const Vec<D>& g) {
 			for (int a = 0; a < D && records.slot[node] >= 0; ++a)
 				for (int i = 0; i < 4; ++i)
-					sums.gradient[a][i] += g[a]
-					        * records.first[static_cast<long>(records.slot[node]) * records.size + first + Side::velocity + i];
+					sums.gradient[a][i] += g[a] * records.first[long(records.slot[node]) * records.size + first + Side::velocity + i];
 		});
 	}
 

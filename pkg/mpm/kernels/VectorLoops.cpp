@@ -174,7 +174,7 @@ namespace HWY_NAMESPACE {
 			Offsets(const WeightBlock<D>& w, int recordSize)
 			{
 				for (int n = 0; n < supportCount<D>; ++n)
-					number[n] = static_cast<long>(w.offset[n]) * recordSize;
+					number[n] = long(w.offset[n]) * recordSize;
 			}
 			[[gnu::always_inline]] long at(int row, int column) const { return number[row * supportNodes + column]; }
 		};
@@ -184,7 +184,7 @@ namespace HWY_NAMESPACE {
 			Number*           base;
 			const Offsets<D>& offsets;
 			AllRecords(const WeightBlock<D>& w, int k, Number* nodes, int recordSize, const Offsets<D>& at)
-			        : base(nodes + static_cast<long>(w.base[k]) * recordSize)
+			        : base(nodes + long(w.base[k]) * recordSize)
 			        , offsets(at)
 			{}
 			[[gnu::always_inline]] Number* at(int row, int column) const { return base + offsets.at(row, column); }
@@ -202,7 +202,7 @@ namespace HWY_NAMESPACE {
 					present[row] = false;
 					for (int n = row * supportNodes; n < (row + 1) * supportNodes; ++n) {
 						const int slot = slots[w.offset[n]];
-						record[n]      = slot < 0 ? none : some.first + static_cast<long>(slot) * some.size;
+						record[n]      = slot < 0 ? none : some.first + long(slot) * some.size;
 						present[row] |= slot >= 0;
 					}
 					anywhere |= present[row];

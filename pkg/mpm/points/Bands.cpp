@@ -20,7 +20,7 @@ Bands::Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std
         , answer_(std::move(answer))
         , number_(talk_->enrol(this))
 {
-	strips_.assign(static_cast<std::size_t>(count()) + 1, 0);
+	strips_.assign(std::size_t(count()) + 1, 0);
 	points_ = strips_;
 }
 
@@ -47,15 +47,15 @@ void Bands::cut(const std::vector<int>& firstPoints, const Rows& rows)
 	for (std::size_t s = 0; s < strips; ++s)
 		before[s + 1] = before[s] + (weighed ? costs_[s] : firstPoints[s + 1] - firstPoints[s]);
 	std::vector<int> next = fairly(before);
-	if (strips_.back() != static_cast<int>(strips) || largestCost(strips_, before) > worthMoving * largestCost(next, before)) strips_ = std::move(next);
+	if (strips_.back() != int(strips) || largestCost(strips_, before) > worthMoving * largestCost(next, before)) strips_ = std::move(next);
 	for (int r = 0; r <= count(); ++r)
 		points_[r] = firstPoints[strips_[r]];
 }
 
 std::vector<int> Bands::fairly(const std::vector<double>& before) const
 {
-	const int        strips = static_cast<int>(before.size()) - 1, n = count();
-	std::vector<int> first(static_cast<std::size_t>(n) + 1, 0);
+	const int        strips = int(before.size()) - 1, n = count();
+	std::vector<int> first(std::size_t(n) + 1, 0);
 	for (int r = 1; r < n; ++r) {
 		// the strip that begins nearest to the rank's share
 		const double wanted = before[strips] * r / n;
@@ -85,11 +85,11 @@ template <class Work> void Bands::overMeetings(Work&& work) const
 
 std::size_t Bands::before(const SharedRows::Array& a, int row) const
 {
-	if (a.rowStarts) return static_cast<std::size_t>((*a.rowStarts)[row]) * a.number;
+	if (a.rowStarts) return std::size_t((*a.rowStarts)[row]) * a.number;
 	const int numbers = a.of == SharedRows::Of::nodes ? row * rows_.nodesOfRow
 	        : a.of == SharedRows::Of::cells           ? row * rows_.cellsOfRow
 	                                                  : (row + 1) * rows_.nodesOfRow;
-	return static_cast<std::size_t>(numbers) * a.number;
+	return std::size_t(numbers) * a.number;
 }
 
 void Bands::pass(const SharedRows::Array& a, int neighbour, int first, int end, bool going)
@@ -127,10 +127,10 @@ void Bands::complete()
 
 void Bands::gatherParts(void* values, std::size_t size, const std::vector<int>& begins)
 {
-	lengths_.resize(static_cast<std::size_t>(count()));
+	lengths_.resize(std::size_t(count()));
 	for (int r = 0; r < count(); ++r)
-		lengths_[r] = static_cast<std::size_t>(begins[r + 1] - begins[r]) * size;
-	ranks().allGather(static_cast<char*>(values) + static_cast<std::size_t>(begins[rank()]) * size, lengths_, values);
+		lengths_[r] = std::size_t(begins[r + 1] - begins[r]) * size;
+	ranks().allGather(static_cast<char*>(values) + std::size_t(begins[rank()]) * size, lengths_, values);
 }
 
 void Bands::shareByCell(std::vector<unsigned char>& flags)
@@ -139,9 +139,9 @@ void Bands::shareByCell(std::vector<unsigned char>& flags)
 	const auto    begin  = [&](int r) { return std::min(strips_[r] * rows_.ofStrip, rows_.cells) * rows_.cellsOfRow; };
 	const auto    length = [&](int r) { return (begin(r + 1) - begin(r) + bits - 1) / bits; };
 	std::size_t   all    = 0;
-	lengths_.resize(static_cast<std::size_t>(count()));
+	lengths_.resize(std::size_t(count()));
 	for (int r = 0; r < count(); ++r)
-		all += lengths_[r] = static_cast<std::size_t>(length(r));
+		all += lengths_[r] = std::size_t(length(r));
 	packed_.assign(all, 0);
 	std::vector<unsigned char> own(lengths_[rank()], 0);
 	for (int c = begin(rank()), k = 0; c < begin(rank() + 1); ++c, ++k)
@@ -153,7 +153,7 @@ void Bands::shareByCell(std::vector<unsigned char>& flags)
 			flags[c] = from[k / bits] >> k % bits & 1;
 }
 
-int Bands::rankOf(int strip) const { return static_cast<int>(std::upper_bound(strips_.begin() + 1, strips_.end() - 1, strip) - strips_.begin()) - 1; }
+int Bands::rankOf(int strip) const { return int(std::upper_bound(strips_.begin() + 1, strips_.end() - 1, strip) - strips_.begin()) - 1; }
 
 unsigned Bands::anyOf(unsigned bits)
 {
@@ -163,7 +163,7 @@ unsigned Bands::anyOf(unsigned bits)
 	return all;
 }
 
-std::vector<std::string> Bands::say(const std::string& own) { return ranks().exchange(std::vector<std::string>(static_cast<std::size_t>(count()), own)); }
+std::vector<std::string> Bands::say(const std::string& own) { return ranks().exchange(std::vector<std::string>(std::size_t(count()), own)); }
 
 void Bands::meet(long step) { talk_->meet("step " + std::to_string(step) + " of a ground in bands"); }
 

@@ -94,7 +94,7 @@ public:
 	/// What each rank has.
 	template <class T> std::vector<T> byRank(const T& own)
 	{
-		std::vector<T> all(static_cast<std::size_t>(count()));
+		auto all = std::vector<T>(std::size_t(count()));
 		lengths_.assign(all.size(), sizeof(T));
 		ranks().allGather(&own, lengths_, all.data());
 		return all;
@@ -103,8 +103,8 @@ public:
 	template <class T> std::vector<T> sums(const std::vector<T>& own)
 	{
 		const std::size_t n = own.size();
-		std::vector<T>    all(n * static_cast<std::size_t>(count())), sums(n, T(0));
-		lengths_.assign(static_cast<std::size_t>(count()), n * sizeof(T));
+		std::vector<T>    all(n * std::size_t(count())), sums(n, T(0));
+		lengths_.assign(std::size_t(count()), n * sizeof(T));
 		ranks().allGather(own.data(), lengths_, all.data());
 		for (std::size_t k = 0; k < all.size(); ++k)
 			sums[k % n] += all[k];

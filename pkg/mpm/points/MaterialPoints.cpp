@@ -39,10 +39,10 @@ namespace {
 			for (int a = 0; a < D; ++a) {
 				const double cells = (x[a] - grid_.lower()[a]) * grid_.inverseSpacing();
 				if (D == 2) {
-					number += std::clamp(static_cast<int>(cells), 0, grid_.cells(a) - 1) * grid_.cellStride(a);
+					number += std::clamp(int(cells), 0, grid_.cells(a) - 1) * grid_.cellStride(a);
 					continue;
 				}
-				const int half  = std::clamp(static_cast<int>(2.0 * cells), 0, 2 * grid_.cells(a) - 1);
+				const int half  = std::clamp(int(2.0 * cells), 0, 2 * grid_.cells(a) - 1);
 				const int strip = a == grid_.slowAxis() ? half / (2 * Strips::rows) : 0;
 				number += ((half + 1) / 2 + strip) * grid_.nodeStride(a);
 			}
@@ -110,7 +110,7 @@ template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 /// Stable: from_ becomes the order of the points whose numbers are in number_.
 template <int D> void MaterialPoints<D>::findOrder(int firstNumber, int endNumber)
 {
-	const int n = static_cast<int>(number_.size());
+	const int n = int(number_.size());
 	start_.assign(endNumber - firstNumber + 1, 0);
 	for (int p = 0; p < n; ++p)
 		++start_[number_[p] - firstNumber + 1];
@@ -172,7 +172,7 @@ namespace {
 		}
 
 	private:
-		bool        isOwn(std::size_t r) const { return static_cast<int>(r) == bands_.rank(); }
+		bool        isOwn(std::size_t r) const { return int(r) == bands_.rank(); }
 		std::size_t coming(std::size_t r) const { return parcels_[r].size() / perPoint_; }
 
 		Bands&                        bands_;

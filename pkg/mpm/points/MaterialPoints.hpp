@@ -29,7 +29,7 @@ struct Strips {
 
 	Bands* bands = nullptr; ///< strips are shared out among ranks: loops are over those of this one
 
-	int count() const { return static_cast<int>(first.size()) - 1; }
+	int count() const { return int(first.size()) - 1; }
 	/// Strips of this rank, and their points.
 	int begin() const { return bands ? bands->firstStrip() : 0; }
 	int end() const { return bands ? bands->endStrip() : count(); }

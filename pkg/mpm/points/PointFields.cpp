@@ -22,16 +22,16 @@ PointFields::Handle PointFields::declare(const std::string& name, const std::str
 {
 	if (storage_.data()) throw std::logic_error("field '" + name + "' declared after the points were allocated");
 	if (has(name)) throw std::logic_error("field '" + name + "' declared twice, the second time by " + owner);
-	firstArray_.push_back(static_cast<int>(arrays_.size()));
+	firstArray_.push_back(int(arrays_.size()));
 	arrays_.resize(arrays_.size() + components, nullptr);
 	info_.push_back({ name, owner, unit, "points", components, 0, persistent });
-	return static_cast<Handle>(info_.size()) - 1;
+	return Handle(info_.size()) - 1;
 }
 
 void PointFields::allocate(int count)
 {
 	count_                     = count;
-	const std::size_t one      = static_cast<std::size_t>(count) * sizeof(double);
+	const std::size_t one      = std::size_t(count) * sizeof(double);
 	const std::size_t perArray = roundUp(one + stagger, page) + stagger;
 	const std::size_t total    = roundUp(perArray * std::max<std::size_t>(arrays_.size(), 1), page);
 	storage_                   = PagedMemory(total);
@@ -50,7 +50,7 @@ double* PointFields::component(Handle field, int component) { return const_cast<
 
 const double* PointFields::component(Handle field, int component) const
 {
-	if (field < 0 || field >= static_cast<int>(info_.size()) || component < 0 || component >= info_[field].components) return nullptr;
+	if (field < 0 || field >= int(info_.size()) || component < 0 || component >= info_[field].components) return nullptr;
 	return arrays_[firstArray_[field] + component];
 }
 
@@ -59,14 +59,14 @@ double* PointFields::find(const std::string& name, int component) { return const
 const double* PointFields::find(const std::string& name, int component) const
 {
 	for (std::size_t i = 0; i < info_.size(); ++i)
-		if (info_[i].name == name) return this->component(static_cast<Handle>(i), component);
+		if (info_[i].name == name) return this->component(Handle(i), component);
 	return nullptr;
 }
 
 void PointFields::keepOnly(int first, int end)
 {
 	for (double* array : arrays_) {
-		const auto begin = static_cast<std::size_t>(reinterpret_cast<char*>(array) - storage_.data());
+		const auto begin = std::size_t(reinterpret_cast<char*>(array) - storage_.data());
 		storage_.forget(begin, begin + first * sizeof(double));
 		storage_.forget(begin + end * sizeof(double), begin + count_ * sizeof(double));
 	}
@@ -80,7 +80,7 @@ void PointFields::reorder(const int* from)
 	for (double* array : arrays_) {
 		for (int k = 0; k < count_; ++k)
 			scratch_[k] = array[from[k]];
-		std::memcpy(array, scratch_.data(), static_cast<std::size_t>(count_) * sizeof(double));
+		std::memcpy(array, scratch_.data(), std::size_t(count_) * sizeof(double));
 	}
 }
 

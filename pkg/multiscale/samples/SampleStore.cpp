@@ -186,7 +186,7 @@ std::vector<int> dealtAgain(const std::vector<double>& cost, std::vector<int> ow
 {
 	constexpr double    enough = 1.02;
 	std::vector<double> load(std::size_t(ranks), 0.);
-	std::vector<Costs>  costsOf(static_cast<std::size_t>(ranks));
+	auto                costsOf = std::vector<Costs>(std::size_t(ranks));
 	for (std::size_t k = 0; k < cost.size(); ++k) {
 		load[std::size_t(owner[k])] += cost[k];
 		costsOf[std::size_t(owner[k])].emplace(cost[k], k);

@@ -36,7 +36,7 @@ namespace {
 		if (c < -127 || c > 127)
 			throw std::runtime_error(
 			        "packed sample: cell distance " + std::to_string(c) + " of a pair is outside -127..127; flip the cell or wrap the grains");
-		return static_cast<std::int8_t>(c);
+		return std::int8_t(c);
 	}
 
 	/// Shift of the cell vectors times the integers.

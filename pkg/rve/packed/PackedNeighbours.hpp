@@ -28,7 +28,7 @@ template <int Dim> struct PairKey {
 		const std::uint64_t code = key * unscramble;
 		PairKey             pair { std::uint32_t(code >> 48), std::uint32_t(code >> 32) & 0xffffu, {} };
 		for (int d = 0; d < Dim; ++d)
-			pair.cellDist[d] = static_cast<std::int8_t>(std::uint8_t(code >> (24 - 8 * d)));
+			pair.cellDist[d] = std::int8_t(std::uint8_t(code >> (24 - 8 * d)));
 		return pair;
 	}
 	bool crossesCell() const
