@@ -106,8 +106,9 @@ public:
 		((Real,saturationTolerance,0.01,,"A sample is also asked when its ice saturation has changed by this [-]; 0: at every change. Where MpmEngine.tolerance is "
 				"set it is a third of that."))
 		((bool,prediction,true,,"Between two calls the contact network's tangent predicts the stress; False: it is held."))
-		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]. A "
-				"sample is also asked when the prediction has changed its stress by twice that, eq. (15.2). 0: fixed tolerance, no such limit. Not used where MpmEngine.tolerance is set."))
+		((Real,stressTolerance,0.05,,"Relative error of that prediction to which the strain tolerance of each point is steered (within a factor of ten) [-]. "
+				"A sample is also asked when the prediction has changed its stress by twice that, eq. (15.2). 0: fixed tolerance, no such limit. Not used where "
+				"MpmEngine.tolerance is set."))
 		TALIK_ATTRIBUTES_OF_DEM_STEPS
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((shared_ptr<IceStrength>,iceStrength,,,"How strength and stiffness of the ice bonds follow the temperature of the point, and strength its strain rate in "
