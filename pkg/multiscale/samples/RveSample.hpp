@@ -119,8 +119,8 @@ public:
 		.add_property("thickness",&RveSample::thickness,"Of discs: thickness of the slice of ground that carries their forces [m], by which stress is divided; "
 				"set in talik.rve.prepare, or by O.tags['thickness'] of the scene that is packed. ValueError for spheres.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")
-		.add_property("path",&RveSample::path,"What the steps of samples run on here: the vectors in use as the library Highway names them, such as AVX2, AVX3 or AVX3_DL "
-				"(AVX-512) or NEON, or portable.")
+		.add_property("path",&RveSample::path,"What the steps of samples run on here: the vectors in use as the library Highway names them, such as AVX2, AVX3 or "
+				"AVX3_DL (AVX-512) or NEON, or portable.")
 		.def("usePortablePath",&RveSample::usePortablePath,(::boost::python::arg("portable")),"Run all samples on the path that every CPU has, from now on "
 				"(comparisons).").staticmethod("usePortablePath")
 		.add_property("trsf",&RveSample::deformation,"Accumulated deformation gradient [-].")
