@@ -141,11 +141,11 @@ template <int Dim> struct SampleSkeleton<Dim>::Arrays {
 	{
 		return ratio[p] < failingRatio ? Matrix(Matrix::Zero()) : Matrix(ratio[p] * elasticChange<Dim>(tangentAt(p), h));
 	}
-	/// Stress that the last call and the tangent predict for the accumulated motion, eq. (15.3).
-	Matrix predicted(int p) const
+	/// Stress that the last call and the tangent predict for the accumulated motion h, eq. (15.3); change: predictedChange(p, h).
+	Matrix predicted(int p, const Matrix& h, const Matrix& change) const
 	{
-		const Matrix h = accumulated(p), r = rotationOf(h);
-		return r * lastStress(p) * r.transpose() + predictedChange(p, h);
+		const Matrix r = rotationOf(h);
+		return r * lastStress(p) * r.transpose() + change;
 	}
 };
 
@@ -231,23 +231,16 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 	if (bands) banded->own(owners(store->size()));
 }
 
-template <int Dim> bool SampleSkeleton<Dim>::isDue(const Arrays& a, int place, double iceSaturation) const
+template <int Dim> bool SampleSkeleton<Dim>::isDue(const Arrays& a, int place, const Matrix& h, const Matrix& change, double iceSaturation) const
 {
-	const Matrix h    = a.accumulated(place);
 	const double most = h.cwiseAbs().maxCoeff();
 	if (schedule.strainTolerance <= 0 ? most > 0 : most > a.tolerance[place]) return true;
-	if (schedule.prediction && schedule.steersTolerance() && !accuracy
-	    && a.predictedChange(place, h).norm() > changeOverError * schedule.stressTolerance * (a.lastStress(place).norm() + stressFloor))
+	if (schedule.steersTolerance() && !accuracy && change.norm() > changeOverError * schedule.stressTolerance * (a.lastStress(place).norm() + stressFloor))
 		return true;
-	const double change = std::fabs(iceSaturation - a.saturation[place]);
-	if (change == 0) return false;
+	const double ofIce = std::fabs(iceSaturation - a.saturation[place]);
+	if (ofIce == 0) return false;
 	// ice that vanishes or appears altogether makes or breaks bonds: never wait for it
-	return change > schedule.saturationTolerance || iceSaturation == 0 || a.saturation[place] == 0;
-}
-
-template <int Dim> void SampleSkeleton<Dim>::predict(const SkeletonBatch<Dim>& batch, int place, const Arrays& a) const
-{
-	if (schedule.prediction) storeStress<Dim>(batch, place, a.predicted(place));
+	return ofIce > schedule.saturationTolerance || iceSaturation == 0 || a.saturation[place] == 0;
 }
 
 template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
@@ -264,11 +257,12 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 Matrix step;
                 for (int c = 0; c < Dim * Dim; ++c)
                         step(c / Dim, c % Dim) = batch.gradient[c][place];
-                const Matrix h = a.accumulated(place);
-                a.setAccumulated(place, h + step * (Matrix::Identity() + h));
+                const Matrix before = a.accumulated(place), h = before + step * (Matrix::Identity() + before);
+                a.setAccumulated(place, h);
+                const Matrix change        = schedule.prediction ? a.predictedChange(place, h) : Matrix(Matrix::Zero());
                 const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
-                if (isDue(a, place, iceSaturation) || (schedule.iceCreep && hasCrept(batch, place))) flagScratch[k] = 1;
-                else predict(batch, place, a);
+                if (isDue(a, place, h, change, iceSaturation) || (schedule.iceCreep && hasCrept(batch, place))) flagScratch[k] = 1;
+                else if (schedule.prediction) storeStress<Dim>(batch, place, a.predicted(place, h, change));
 	};
 	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
 		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); ++k)
@@ -352,9 +346,10 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ask(
 		const int place = due[r];
 		came.steps += std::uint64_t(results[r].steps);
 		if (results[r].blewUp) came.blownUp.push_back({ batch.id[place], results[r].reason });
-		const Matrix predicted = a.predicted(place), before = a.lastStress(place), after = results[r].stress;
+		const Matrix h = a.accumulated(place), predicted = a.predicted(place, h, a.predictedChange(place, h));
+		const Matrix before = a.lastStress(place), after = results[r].stress;
 		if (schedule.prediction && !results[r].blewUp) {
-			const Matrix h = a.accumulated(place), turn = rotationOf(h);
+			const Matrix turn    = rotationOf(h);
 			const double elastic = elasticChange<Dim>(a.tangentAt(place), h).norm(), actual = (after - turn * before * turn.transpose()).norm();
 			a.ratio[place] = elastic > 0 ? std::min(1., actual / elastic) : 1.;
 			const auto c   = compact<Dim>(results[r].tangent);

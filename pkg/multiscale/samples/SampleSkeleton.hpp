@@ -140,7 +140,7 @@ private:
 	using Matrix = typename PackedTypes<Dim>::Matrix;
 	struct Arrays;
 	Arrays                          arrays() const;
-	bool                            isDue(const Arrays&, int place, double iceSaturation) const;
+	bool                            isDue(const Arrays&, int place, const Matrix& gradient, const Matrix& change, double iceSaturation) const;
 	Asked                           ask(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&);
 	void                            askInBands(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Arrays&);
 	Asked                           ofAllRanks(const Asked& own, const std::string& failure);
@@ -153,7 +153,6 @@ private:
 	bool                            hasCrept(const SkeletonBatch<Dim>&, int place) const;
 	BondCreep                       creep(const SkeletonBatch<Dim>&, int place) const;
 	BondStrengthFactors             strengthFactors(const SkeletonBatch<Dim>&, int place, const Matrix& gradient) const;
-	void                            predict(const SkeletonBatch<Dim>&, int place, const Arrays&) const;
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;
 	std::shared_ptr<BandStore<Dim>>     banded;           ///< the same, where ranks may have bands of the ground
