@@ -21,9 +21,10 @@ namespace {
 		{
 			for (std::size_t k = 0; k < copies; ++k)
 				pool.add(sample.packed<Dim>());
-			options.maxInertialNumber = sample.maxInertialNumber;
-			options.maxStrainPerStep  = sample.maxStrainPerStep;
-			options.minSteps          = sample.minSteps;
+			options.maxInertialNumber  = sample.maxInertialNumber;
+			options.maxStrainPerStep   = sample.maxStrainPerStep;
+			options.minSteps           = sample.minSteps;
+			options.timeStepFollowsIce = sample.timeStepFollowsIce;
 			for (std::size_t k = 0; k < copies; ++k)
 				requests.push_back({ k, PackedTypes<Dim>::Matrix::Zero(), sample.iceSaturation() });
 			stresses.resize(copies, PackedTypes<Dim>::Matrix::Zero());

@@ -44,7 +44,7 @@ presets = {
 		calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3)),
 	),
 	# samples that are asked less often and move faster pay for the finer grid, which counts for more
-	"draft": Preset(gridSpacing=1 / 3, grains=100, days=150.0, strainTolerance=2e-4, stressTolerance=0.1, maxInertialNumber=2e-2, lawGridSpacing=1 / 6),
+	"draft": Preset(gridSpacing=0.25, grains=100, days=150.0, strainTolerance=2e-4, stressTolerance=0.1, maxInertialNumber=2e-2, lawGridSpacing=1 / 6),
 	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0, lawGridSpacing=0.125),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
 }

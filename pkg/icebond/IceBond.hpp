@@ -132,6 +132,21 @@ struct ContactStiffness {
 	double iceShare() const { return iceRatio / (1 + iceRatio); }
 };
 
+/// Stiffness of a grain on its contacts, of its motion and its rotation together, in units of the grain spring [-].
+struct GrainStiffening {
+	double ofRolling = 0; ///< what rolling adds
+	double ofMoments = 0; ///< what moments of a bond add to the stiffness of its ice, in units of that
+	double total(double iceStiffnessRatio) const { return 1 + ofRolling + (1 + ofMoments) * iceStiffnessRatio; }
+	/// The stiffer one of bending and twisting; shearRatio: k_s/k_n.
+	static double momentsOf(const BondSection& section, double bondAreaFactor, double shearRatio)
+	{
+		return section.radiusFactor * section.radiusFactor * bondAreaFactor / (4 * M_PI) * std::max(1 / shearRatio, 2.);
+	}
+};
+
+/// Time step that samples are prepared with, over sqrt(m/k) of the grain where that is smallest; k is its stiffness on a contact [-].
+constexpr double timeStepOverPeriod = 0.3;
+
 /// Forces at which an intact bond fails, eq. (5) times the area of the bond [N].
 struct BondStrength {
 	double tensile, shear;

@@ -147,7 +147,7 @@ struct SettingsOfAnyDimension {
 
 	/// Number of points from which on a step uses several threads; with fewer they would wait for each other longer than they
 	/// work. Results do not depend on it.
-	int parallelFrom = 2000;
+	int parallelFrom = 500;
 
 	double courantNumber  = 0.4; ///< C_w: time step over h/(c_max + |v|), in (0, 1]; cut to sqrt(2/(D steepness)), beyond which no step is safe
 	double heatFraction   = 0.9; ///< C_T: time step over the explicit heat limit, in (0, 1]

@@ -9,8 +9,8 @@
 namespace talik {
 
 /// One macroscopic increment on a sample, packed or open: ice and its creep at zero velocity gradient, then motion, then relaxation.
-/// A sample offers timeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation, setIceSaturation,
-/// leastStepsOfIce, creep, movingSteps, motionPerStep and unbalancedForce.
+/// A sample offers timeStep, setTimeStep, longestTimeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation,
+/// setIceSaturation, leastStepsOfIce, creep, movingSteps, motionPerStep and unbalancedForce.
 template <class Sample> class SampleUpdate {
 	using Matrix = typename Sample::Matrix;
 
@@ -59,18 +59,45 @@ private:
 		sample.run(std::max(1l, options.stepsPerSaturation));
 	}
 
+	/// The time step of the motion, until it ends. Contacts take what grains moved in the step before times the time step of now: it may
+	/// change at rest only.
+	class TimeStepOfMotion {
+	public:
+		TimeStepOfMotion(Sample& s, const PackedUpdateOptions& options)
+		        : sample(s)
+		        , before(s.timeStep())
+		{
+			if (!options.timeStepFollowsIce || !sample.hasIce()) return;
+			const double longest = sample.longestTimeStep(options.iceStiffness);
+			if (longest > worthwhile * before) sample.setTimeStep(longest);
+		}
+		~TimeStepOfMotion() { sample.setTimeStep(before); }
+		TimeStepOfMotion(const TimeStepOfMotion&)            = delete;
+		TimeStepOfMotion& operator=(const TimeStepOfMotion&) = delete;
+		long              stepsToRest() const { return sample.timeStep() == before ? 1 : 2; }
+		double            overThatAtRest() const { return sample.timeStep() / before; }
+
+	private:
+		static constexpr double worthwhile = 1.1; // a step more at the end has to pay
+		Sample&                 sample;
+		const double            before;
+	};
+
 	/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.
 	void move(const Matrix& displacementGradient)
 	{
 		if (displacementGradient.isZero(0)) return;
-		const long   steps = sample.movingSteps(displacementGradient, options);
+		const TimeStepOfMotion timeStep(sample, options);
+		PackedUpdateOptions    ofMotion = options;
+		ofMotion.maxStrainPerStep *= timeStep.overThatAtRest();
+		const long   steps = sample.movingSteps(displacementGradient, ofMotion);
 		const Matrix rate  = sample.motionPerStep(displacementGradient, steps) / sample.timeStep();
 		const long   mean  = std::min(steps, long(options.averageOver * double(steps)));
 		sample.setNextVelGrad(rate);
 		sample.run(steps, mean);
 		const Matrix before = sample.lastStress();
 		sample.setNextVelGrad(Matrix::Zero());
-		sample.run(1);
+		sample.run(timeStep.stepsToRest());
 		if (mean > 1) sample.setLastStress((before * double(mean) + sample.lastStress()) / double(mean + 1));
 	}
 

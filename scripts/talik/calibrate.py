@@ -144,8 +144,10 @@ def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall
 
 
 def _underPressure(sample, pressure):
-	"""A copy of a sample at an isotropic pressure [Pa]."""
+	"""A copy of a sample at an isotropic pressure [Pa]. Its time step stays, so that tests with and without ice have one strain rate, which the
+	largest shear stress depends on."""
 	pressed = sample.copy()
+	pressed.timeStepFollowsIce = False
 	if not pressed.servo(-pressure, -pressure):
 		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
 	return pressed

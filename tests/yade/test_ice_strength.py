@@ -215,7 +215,7 @@ def test_packed_samples_of_changing_stiffness_follow_open_ones_to_1e9_over_500_s
 	fixed, opened = sample.copy(), wrapper.OpenRveSample(source=sample.open())
 	law, shear, steps, error = wrapper.IceStrength(stiffnessCold=0.05), Matrix3(0, 3e-5, 0, 0, -3e-5, 0, 0, 0, 0), 0, 0.0
 	for each in (sample, fixed, opened):
-		each.minSteps = 25
+		each.minSteps, each.timeStepFollowsIce = 25, False
 	for temperature in (-10, -2, -20, -5, -30) * 4:
 		sample.iceStiffnessFactor = opened.iceStiffnessFactor = law.stiffnessFactor(temperature)
 		taken, apart = besideOpen(sample, opened, shear)

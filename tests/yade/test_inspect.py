@@ -100,7 +100,7 @@ def test_the_sample_of_a_point_is_what_O_and_yades_utilities_act_on(form, sample
 	assert same(O._sceneObj, ground) and not mpm.inspected and type(O.engines[0]).__name__ == "MpmEngine"
 	assert shown["bodies"] == 40 and shown["intact"] == mpm.field("bondsIntact")[id] and shown["contacts"] == mpm.field("contacts")[id]
 	assert "NewtonIntegrator" in shown["engines"]
-	assert deviation < 1e-2  # an opened packed sample shows the forces at its present positions, one DEM step later
+	assert deviation < 2e-2  # an opened packed sample shows the forces at its present positions, one DEM step later
 
 
 @pytest.mark.parametrize("form", forms)

@@ -11,7 +11,7 @@ from fixtures import sixty
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
-from talik import packing, rve
+from talik import calibrate, packing, rve
 
 forms = ("packed", "open")
 
@@ -78,16 +78,52 @@ def test_deformation_after_a_call_is_the_one_asked_for(form, sample):
 		assert error < 1e-12 and not result["blewUp"]
 
 
+def timeStepOfMotion(packed):
+	"""Time step [s] over which contacts without ice are as long as those in full ice are over that of the sample: by the root of 1 + iceYoung/young."""
+	return packed.dt * (math.sqrt(1 + 3e9 / 0.6e9) if packed.iceSaturation == 0 else 1)
+
+
 def test_the_number_of_steps_follows_the_inertial_number_alike_in_both_forms(sample, frozen):
-	for packed in (sample, frozen):
+	thawed = frozen.copy()
+	thawed.freeze(0)
+	for packed in (sample, frozen, thawed):
+		longer = timeStepOfMotion(packed) / packed.dt
 		for strain in (1e-7, 1e-5, 3e-4):
 			steps = [inForm(form, packed).apply(inPlane(0, strain, 0, 0), packed.iceSaturation)["steps"] for form in forms]
 			pressure = -0.5 * sum(packed.stress[:2])
 			radius = packed.arrays()["radius"].mean()
-			perStep = min(1e-5, 5e-3 * packed.dt / (2 * radius) * math.sqrt(pressure / 2650))
-			wanted = max(10, math.ceil(strain / perStep)) + 1
-			print(f"\nstrain {strain:g}: {steps} steps of at most {perStep:.2e}, eq. (13.1) gives {wanted} with the one that ends the motion", end="")
+			perStep = longer * min(1e-5, 5e-3 * packed.dt / (2 * radius) * math.sqrt(pressure / 2650))
+			wanted = max(10, math.ceil(strain / perStep)) + (2 if longer > 1 else 1)
+			print(f"\nstrain {strain:g}: {steps} steps of at most {perStep:.2e}, eq. (13.1) gives {wanted} with those that end the motion", end="")
 			assert steps[0] == steps[1] == wanted
+
+
+def largestShear(sample, pressure, **settings):
+	"""Largest shear stress over normal stress in simple shear of 1 % at a constant normal stress."""
+	sheared, control = inForm("packed", sample, **settings), calibrate.NormalStressControl(pressure, perCall=2e-5, stiffness=3e7)
+	shear = [0.0]
+	for _ in range(500):
+		sheared.apply(inPlane(0, 2e-5, 0, control.strain(sheared.stress[1])), 0)
+		shear.append(abs(sheared.stress[2]))
+	return np.convolve(shear, np.ones(10) / 10, "valid").max() / pressure
+
+
+def test_longer_time_steps_without_ice_leave_frozen_samples_alone_and_show_the_strength_of_short_ones_at_the_same_strain_rate(frozen, sampleCache):
+	"""Twenty steps that are longer by the root of 6 take the time of 49 steps: the same shear strength, mean of four realisations and three pressures."""
+	states = []
+	for follows in (False, True):
+		still = inForm("packed", frozen, timeStepFollowsIce=follows)
+		still.apply(inPlane(0, 3e-4, 0, 0), 1)
+		states.append(still.stateBytes)
+	assert states[0] == states[1]
+	mean = {}
+	realisations = rve.pack(rve.prepare(grains=100, ice=True, realisations=4, seed=1, cache=sampleCache))
+	for follows, steps in ((False, 49), (True, 20)):
+		under = [(each.copy(), pressure) for each in realisations for pressure in (4e3, 8e3, 16e3)]
+		assert all(sample.servo(-pressure, -pressure) for sample, pressure in under)
+		mean[follows] = np.mean([largestShear(sample, pressure, timeStepFollowsIce=follows, minSteps=steps) for sample, pressure in under])
+	print(f"\nlargest shear over normal stress {mean[False]:.4f} in 49 steps a call, {mean[True]:.4f} in 20 longer ones")
+	assert abs(mean[True] / mean[False] - 1) < 0.03
 
 
 @pytest.mark.parametrize("form", forms)

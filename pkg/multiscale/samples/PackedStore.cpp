@@ -102,20 +102,16 @@ std::vector<PackedUpdateResult<Dim>> PackedStore<Dim>::update(const std::vector<
 
 template <int Dim> std::vector<double> PackedStore<Dim>::measure(std::size_t sample, const std::string& name) const
 {
-	const PackedState<Dim> s = pool.state(sample);
+	const auto                   compact = pool.compact(sample);
+	const PackedParameters<Dim>& s       = compact->withoutArrays();
 	if (name == "bondsFormed") return { double(s.bondsFormed) };
 	if (name == "bondsBroken") return { double(s.bondsBrokenInTension + s.bondsBrokenInShear) };
 	if (name == "bondsMelted") return { double(s.bondsMelted) };
-	if (name == "contacts") return { double(s.contacts.size()) };
+	if (name == "contacts") return { double(compact->contactCount()) };
 	if (name == "sampleIceSaturation") return { s.iceSaturation };
-	if (name == "bondsIntact") {
-		double intact = 0;
-		for (const auto bond : s.contacts.bond)
-			intact += BondState(bond & 3) == BondState::BONDED;
-		return { intact };
-	}
-	if (name != "coordinationNumber" && name != "samplePorosity" && name != "fabric") refuseMeasure(name);
-	const auto statistics = PackedSample<Dim>(s).statistics();
+	if (name != "bondsIntact" && name != "coordinationNumber" && name != "samplePorosity" && name != "fabric") refuseMeasure(name);
+	const auto& statistics = pool.statistics(sample);
+	if (name == "bondsIntact") return { double(statistics.bondsIntact) };
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
 	if (name == "samplePorosity") return { statistics.porosity };
 	return components<Dim>(statistics.fabric);

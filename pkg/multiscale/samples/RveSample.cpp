@@ -147,7 +147,7 @@ namespace {
 	template <class Sample> talik::PackedUpdateOptions optionsOf(const Sample& sample, const talik::BondCreep& creep)
 	{
 		talik::PackedUpdateOptions options;
-		TALIK_TAKE_ATTRIBUTES(options, sample, (maxInertialNumber)(maxStrainPerStep)(minSteps))
+		TALIK_TAKE_ATTRIBUTES(options, sample, (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce))
 		options.strength     = { sample.tensileStrengthFactor, sample.shearStrengthFactor };
 		options.iceStiffness = sample.iceStiffnessFactor;
 		options.creep        = creep;
@@ -270,7 +270,8 @@ shared_ptr<RveSample> RveSample::copy() const
 {
 	shared_ptr<RveSample> other(new RveSample);
 	TALIK_TAKE_ATTRIBUTES(
-	        *other, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(tensileStrengthFactor)(shearStrengthFactor)(iceStiffnessFactor)(sceneBytes))
+	        *other, *this,
+	        (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce)(tensileStrengthFactor)(shearStrengthFactor)(iceStiffnessFactor)(sceneBytes))
 	dimension(); // none of an empty sample
 	other->state = state;
 	return other;

@@ -9,11 +9,16 @@
 #include <variant>
 
 /// Attributes of a class that moves samples: options of PackedUpdateOptions by the same names.
-#define TALIK_ATTRIBUTES_OF_DEM_STEPS                                                                                     \
-	((Real, maxInertialNumber, 5e-3, ,                                                                                \
-	  "I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]. Behind points it is steered where " \
-	  "MpmEngine.tolerance is set."))((Real, maxStrainPerStep, 1e-5, , "Largest strain of a DEM step [-]."))(         \
-	        (int, minSteps, 10, , "Fewest DEM steps of an update with motion, >= 1."))
+#define TALIK_ATTRIBUTES_OF_DEM_STEPS                                                                                                      \
+	((Real, maxInertialNumber, 5e-3, ,                                                                                                 \
+	  "I_max: bounds the strain of a DEM step, 1e-3 careful, 5e-3 production [-]. Behind points it is steered where "                  \
+	  "MpmEngine.tolerance is set."))(                                                                                                 \
+	        (Real, maxStrainPerStep, 1e-5, , "Largest strain of a DEM step of the sample's own length, see timeStepFollowsIce [-]."))( \
+	        (int, minSteps, 10, , "Fewest DEM steps of an update with motion, >= 1."))(                                                \
+	        (bool, timeStepFollowsIce, true, ,                                                                                         \
+	         "Motion takes longer DEM steps where ice is missing, at the same strain rate: the time step of a sample bears "           \
+	         "the stiffness of full ice, and without ice it can be longer by the root of 1 + iceYoung/young. False: always "           \
+	         "that of the sample, as where steps are compared with those of an ordinary scene."))
 
 namespace yade {
 

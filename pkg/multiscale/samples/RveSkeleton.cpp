@@ -20,7 +20,7 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 {
 	talik::SampleScheduling s;
 	TALIK_TAKE_ATTRIBUTES(s, *this, (strainTolerance)(saturationTolerance)(prediction)(stressTolerance)(threads))
-	TALIK_TAKE_ATTRIBUTES(s.update, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(maxRelaxSteps))
+	TALIK_TAKE_ATTRIBUTES(s.update, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce)(maxRelaxSteps))
 	s.stopOnBlowUp = onBlowUp == "stop";
 	if (iceStrength) s.iceStrength = iceStrength->law();
 	if (iceCreep) s.iceCreep = iceCreep->law();

@@ -339,6 +339,8 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 }
 
 double   OpenSample::timeStep() const { return scene->dt; }
+double   OpenSample::longestTimeStep(double iceStiffness) const { return talik::longestTimeStep(*scene, iceStiffness); }
+void     OpenSample::setTimeStep(double seconds) { scene->dt = seconds; }
 Matrix3r OpenSample::velGrad() const { return scene->cell->velGrad; }
 
 void OpenSample::setNextVelGrad(const Matrix3r& velGrad)
@@ -401,16 +403,14 @@ long OpenSample::movingSteps(const Matrix3r& displacementGradient, const PackedU
 {
 	if (discs && inPlane(displacementGradient)) {
 		PackedParameters<2> p;
-		p.dt      = scene->dt;
 		p.density = density;
 		p.stress  = meanStress.topLeftCorner<2, 2>();
-		return talik::movingSteps<2>(p, averageRadius, displacementGradient.topLeftCorner<2, 2>(), options);
+		return talik::movingSteps<2>(p, scene->dt, averageRadius, displacementGradient.topLeftCorner<2, 2>(), options);
 	}
 	PackedParameters<3> p;
-	p.dt      = scene->dt;
 	p.density = density;
 	p.stress  = meanStress;
-	return talik::movingSteps<3>(p, averageRadius, displacementGradient, options);
+	return talik::movingSteps<3>(p, scene->dt, averageRadius, displacementGradient, options);
 }
 
 void OpenSample::checkHealth() const

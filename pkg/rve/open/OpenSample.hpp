@@ -97,6 +97,8 @@ private:
 	using Matrix                          = Eigen::Matrix3d;
 	static constexpr long leastStepsOfIce = 1; ///< contacts take ice saturation up in a step
 	double                timeStep() const;
+	double                longestTimeStep(double iceStiffness) const;
+	void                  setTimeStep(double seconds);
 	Matrix                velGrad() const;
 	void                  setNextVelGrad(const Matrix&);
 	void                  run(long steps, long averaged = 1);

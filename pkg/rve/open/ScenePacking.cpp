@@ -25,8 +25,7 @@ using namespace yade;
 namespace talik {
 namespace {
 
-	constexpr double   stiffnessSafety = 0.3; ///< time step in units of sqrt(m/k_n) of the smallest grain, as samples are prepared with
-	constexpr unsigned discDofs        = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
 
 	/// Bodies that were not erased, ascending by id.
 	std::vector<Body*> presentBodies(const Scene& scene)
@@ -599,24 +598,53 @@ namespace {
 	}
 } // namespace
 
+namespace {
+	double largestRadius(const Scene& scene)
+	{
+		double largest = 0;
+		for (const Body* body : presentBodies(scene))
+			if (const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get())) largest = std::max(largest, sphere->radius);
+		return largest;
+	}
+
+	GrainStiffening stiffeningOf(const IceBondMat& ice, double radius, double largestRadius)
+	{
+		return { rollingOf(ice).alphaKr * largestRadius / radius, GrainStiffening::momentsOf(sectionOf(ice), ice.bondAreaFactor, ice.poisson) };
+	}
+} // namespace
+
 double timeStepForIce(const Scene& scene)
 {
-	double limit = std::numeric_limits<double>::infinity(), stiffening = 1, largest = 0;
-	for (const Body* body : presentBodies(scene))
-		if (const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get())) largest = std::max(largest, sphere->radius);
+	double       period2 = std::numeric_limits<double>::infinity(), stiffening = 1; // m/k [s^2]
+	const double largest = largestRadius(scene);
 	for (const Body* body : presentBodies(scene)) {
 		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
 		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
 		if (!ice || !sphere || !(ice->iceYoung > 0) || !(body->state->mass > 0)) continue;
-		const double ofRolling = rollingOf(*ice).alphaKr * largest
-		        / sphere->radius; // stiffness of its rotation on the largest grain, over that of sliding
-		// the stiffer one of bending and twisting over that of sliding
-		const double ofMoments = std::pow(sectionOf(*ice).radiusFactor, 2) * ice->bondAreaFactor / (4 * M_PI) * std::max(1 / ice->poisson, 2.);
-		const double stiffened = 1 + ofRolling + (1 + ofMoments) * ice->iceYoung / ice->young;
-		stiffening             = std::max(stiffening, stiffened / (1 + ofRolling));
-		limit                  = std::min(limit, stiffnessSafety * std::sqrt(body->state->mass / (ice->young * sphere->radius * stiffened)));
+		const GrainStiffening grain     = stiffeningOf(*ice, sphere->radius, largest);
+		const double          stiffened = grain.total(ice->iceYoung / ice->young);
+		stiffening                      = std::max(stiffening, stiffened / grain.total(0));
+		period2                         = std::min(period2, body->state->mass / (ice->young * sphere->radius * stiffened));
 	}
+	const double limit = timeStepOverPeriod * std::sqrt(period2);
 	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
+}
+
+double longestTimeStep(const Scene& scene, double iceStiffness)
+{
+	double       period2 = std::numeric_limits<double>::infinity(), softening = period2; // m/k [s^2]
+	const double largest = largestRadius(scene);
+	for (const Body* body : presentBodies(scene)) {
+		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
+		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
+		if (!ice || !sphere) return scene.dt;
+		const auto            model = ice->model();
+		const GrainStiffening grain = stiffeningOf(*ice, sphere->radius, largest);
+		const double          now   = grain.total(model.iceStiffnessRatio(ice->iceSaturation));
+		period2                     = std::min(period2, body->state->mass / (ice->young * sphere->radius * now));
+		softening                   = std::min(softening, grain.total(model.iceStiffnessRatio(1) / iceStiffness) / now);
+	}
+	return std::min(timeStepOverPeriod * std::sqrt(period2), scene.dt * std::sqrt(softening));
 }
 
 bool bondsCarryMoments(const Scene& scene)

@@ -28,6 +28,11 @@ double thicknessOf(const yade::Scene& scene);
 /// too long. A scene that has it keeps it.
 double timeStepForIce(const yade::Scene& scene);
 
+/// Time step [s] that a scene bears with the ice of now, if its own bears full ice: as much longer as contacts are softer, and no longer than
+/// samples are prepared with. That of the scene where a grain is not of IceBondMat. iceStiffness: factor by which the ice of the materials is
+/// stiffer than it was when the time step of the scene was chosen.
+double longestTimeStep(const yade::Scene& scene, double iceStiffness);
+
 /// The packed form of a periodic scene of discs (YADE spheres in one layer with z and the rotations about x and y blocked) or of spheres
 /// free to move: one material, Cundall-Strack or ice-bond law. Where the scene still shows what `former` opened into, the numbers of `former` are
 /// taken, so that packed -> open -> packed is the identity bit for bit. Without `former` the time step is lowered to that for ice.

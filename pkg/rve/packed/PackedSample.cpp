@@ -81,18 +81,19 @@ template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const t
 	return increment;
 }
 
-template <int Dim> double strainPerStep(const PackedParameters<Dim>& p, double meanRadius, double inertialNumber, double pressureFloor)
+template <int Dim> double strainPerStep(const PackedParameters<Dim>& p, double timeStep, double meanRadius, double inertialNumber, double pressureFloor)
 {
 	const double pressure = std::max(-p.stress.trace() / Dim, pressureFloor);
-	return inertialNumber * p.dt / (2 * meanRadius) * std::sqrt(pressure / p.density);
+	return inertialNumber * timeStep / (2 * meanRadius) * std::sqrt(pressure / p.density);
 }
 
 template <int Dim>
 long movingSteps(
-        const PackedParameters<Dim>& p, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options)
+        const PackedParameters<Dim>& p, double timeStep, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
+        const PackedUpdateOptions& options)
 {
 	if (options.steps > 0) return options.steps;
-	const double perStep = std::min(options.maxStrainPerStep, strainPerStep(p, meanRadius, options.maxInertialNumber, options.pressureFloor));
+	const double perStep = std::min(options.maxStrainPerStep, strainPerStep(p, timeStep, meanRadius, options.maxInertialNumber, options.pressureFloor));
 	const double wanted  = std::ceil(displacementGradient.cwiseAbs().maxCoeff() / perStep);
 	if (!(wanted < 1e9))
 		throw std::invalid_argument("packed sample: displacementGradient needs " + std::to_string(wanted) + " DEM steps; reduce the macroscopic step");
@@ -101,7 +102,7 @@ long movingSteps(
 
 template <int Dim> long PackedWorkspace<Dim>::movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const
 {
-	return talik::movingSteps<Dim>(parameters(), averageRadius, displacementGradient, options);
+	return talik::movingSteps<Dim>(parameters(), view.dt, averageRadius, displacementGradient, options);
 }
 
 template <int Dim>
@@ -110,7 +111,7 @@ long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>
 	double sum = 0;
 	for (const double r : state.grains->radius)
 		sum += r;
-	return movingSteps<Dim>(state, sum / double(state.size()) * state.radiusFactor, displacementGradient, options);
+	return movingSteps<Dim>(state, state.dt, sum / double(state.size()) * state.radiusFactor, displacementGradient, options);
 }
 
 // ---------------------------------------------------------------------------------------------- one update
@@ -241,7 +242,7 @@ namespace {
 			if (stiffness == 0) stiffness = elasticStiffness();
 			PackedParameters<Dim> p = workspace.parameters();
 			p.stress                = Matrix::Identity() * -scale;
-			const double limit      = strainPerStep<Dim>(p, workspace.meanRadius(), options.maxInertialNumber, 1.) / p.dt;
+			const double limit      = strainPerStep<Dim>(p, p.dt, workspace.meanRadius(), options.maxInertialNumber, 1.) / p.dt;
 			const double gain       = share / (stiffness * double(options.interval) * p.dt);
 			const auto   bounded    = [limit](double rate) { return std::max(-limit, std::min(limit, rate)); };
 			return Matrix(gain * error()).unaryExpr(bounded);
@@ -349,8 +350,8 @@ template PackedTypes<2>::Matrix matrixRootIncrement<2>(const PackedTypes<2>::Mat
 template PackedTypes<3>::Matrix matrixRootIncrement<3>(const PackedTypes<3>::Matrix&, long);
 template long                   PackedWorkspace<2>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
 template long                   PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
-template long                   movingSteps<2>(const PackedParameters<2>&, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
-template long                   movingSteps<3>(const PackedParameters<3>&, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
+template long                   movingSteps<2>(const PackedParameters<2>&, double, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
+template long                   movingSteps<3>(const PackedParameters<3>&, double, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template long                   substepCount<2>(const PackedState<2>&, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
 template long                   substepCount<3>(const PackedState<3>&, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template PackedUpdateResult<2>  updateWorkspace<2>(

@@ -12,8 +12,9 @@ template <int Dim> class PackedWorkspace;
 /// How a macroscopic increment is applied to a sample.
 struct PackedUpdateOptions {
 	double              maxInertialNumber   = 5e-3;  ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
-	double              maxStrainPerStep    = 1e-5;  ///< largest strain of one DEM step [-]
+	double              maxStrainPerStep    = 1e-5;  ///< largest strain of one DEM step as long as that of the state [-]
 	long                minSteps            = 10;    ///< N_min
+	bool                timeStepFollowsIce  = true;  ///< steps of the motion are longer where ice is missing that the time step allows for
 	long                steps               = 0;     ///< > 0: exactly this many moving steps, the two limits above are not asked
 	double              pressureFloor       = 1e3;   ///< P in eq. (13.1) is never taken smaller [Pa]
 	double              saturationIncrement = 0.02;  ///< largest change of ice saturation at once [-]
@@ -124,10 +125,10 @@ PackedUpdateResult<Dim> updateWorkspace(
         PackedWorkspace<Dim>& workspace, const PackedState<Dim>& before, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         double targetIceSaturation, const PackedUpdateOptions& options);
 
-/// Number of moving steps for a displacement gradient, eq. (13.1), with stress, time step and density of the parameters.
+/// Number of moving steps for a displacement gradient, eq. (13.1), with stress and density of the parameters; timeStep of the motion [s].
 template <int Dim>
 long movingSteps(
-        const PackedParameters<Dim>& parameters, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
+        const PackedParameters<Dim>& parameters, double timeStep, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         const PackedUpdateOptions& options);
 
 /// Throws std::invalid_argument on a factor that no strength can have.

@@ -67,9 +67,16 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 
 	PackedUpdateResult<Dim> begin(const CompactSample<Dim>& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
 	{
+		expanded(sample);
+		return follow(request, options);
+	}
+
+	PackedWorkspace<Dim>& expanded(const CompactSample<Dim>& sample)
+	{
+		if (!workspace || workspace->portableOnly() != portablePathForced()) workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
 		const bool listed = sample.expand(state, lists);
 		workspace->load(state, listed ? &lists : nullptr);
-		return follow(request, options);
+		return *workspace;
 	}
 
 	/// The error of quasi-static motion is of first order in the rate: what is left of it beyond the finer steps is a geometric series.
@@ -144,6 +151,18 @@ template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, const Pack
 
 template <int Dim> void SamplePool<Dim>::clear() { samples.clear(); }
 
+template <int Dim> const PackedStatistics<Dim>& SamplePool<Dim>::statistics(std::size_t sample) const
+{
+	const Compact now = compact(sample);
+	measured.resize(samples.size());
+	Measured& last = measured[sample];
+	if (last.of.lock() == now) return last.statistics;
+	if (!measurer) measurer = std::make_unique<Worker>();
+	last.statistics = measurer->expanded(*now).statistics();
+	last.of         = now;
+	return last.statistics;
+}
+
 template <int Dim>
 std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<PackedRequest<Dim>>& requests, const PackedUpdateOptions& options, int threads)
 {
@@ -179,12 +198,9 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 	ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
 		Task& task = tasks[std::size_t(t)];
 		try {
-			Worker& worker = *workers[std::size_t(member)];
-			if (!worker.workspace || worker.workspace->portableOnly() != portablePathForced())
-				worker.workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
 			const std::size_t first  = order[task.begin];
 			Compact&          sample = samples[requests[first].sample];
-			results[first]           = worker.update(sample, requests[first], options);
+			results[first]           = workers[std::size_t(member)]->update(sample, requests[first], options);
 			for (std::size_t k = task.begin + 1; k < task.end; ++k) {
 				results[order[k]]                  = results[first];
 				samples[requests[order[k]].sample] = sample;

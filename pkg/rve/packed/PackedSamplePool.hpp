@@ -21,6 +21,9 @@ public:
 	/// The lists along with it; false if it has none.
 	bool expand(PackedState<Dim>& state, PackedLists<Dim>& lists) const;
 
+	const PackedParameters<Dim>& withoutArrays() const { return parameters; }
+	std::size_t                  contactCount() const { return contacts; }
+
 	/// Bytes held, the constants of the grains excluded (they are shared).
 	std::size_t bytes() const { return sizeof(*this) + capacity; }
 
@@ -76,6 +79,9 @@ public:
 	void share(std::size_t sample, Compact compact) { samples.at(sample) = std::move(compact); }
 	void clear();
 
+	/// Measures of a sample, formed once for each of its states.
+	const PackedStatistics<Dim>& statistics(std::size_t sample) const;
+
 	/// Each request's sample, at most once per call. Runs over `threads` OpenMP threads (0: OpenMP's default), each sample whole on
 	/// one thread: the results do not depend on their number. Requests that agree bit for bit on the same shared state are computed once
 	/// and stay shared. A sample that blows up keeps its last good state. Never more than one state per thread is held twice.
@@ -90,9 +96,15 @@ public:
 private:
 	/// What a thread works with: kept, and decides nothing.
 	struct Worker;
+	struct Measured {
+		std::weak_ptr<const CompactSample<Dim>> of;
+		PackedStatistics<Dim>                   statistics;
+	};
 
 	std::vector<Compact>                 samples;
 	std::vector<std::unique_ptr<Worker>> workers;
+	mutable std::vector<Measured>        measured; ///< empty until somebody asks
+	mutable std::unique_ptr<Worker>      measurer;
 };
 
 } // namespace talik

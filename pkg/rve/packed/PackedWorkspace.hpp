@@ -37,6 +37,11 @@ public:
 	void run(long steps, long averaged = 1);
 
 	double timeStep() const { return view.dt; }
+	/// Time step that the sample bears with the ice of now, whose stiffness is iceStiffness times that of the material [s]: as much longer
+	/// than that of its state as contacts are softer than in full ice, and no longer than samples are prepared with.
+	double longestTimeStep(double iceStiffness) const;
+	/// Until a state is loaded.
+	void   setTimeStep(double seconds) { view.dt = seconds; }
 	Matrix velGrad() const { return parameters().velGrad; }
 	double unbalancedForce() const { return statistics().unbalancedForce; }
 	long   movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const;
@@ -150,6 +155,8 @@ private:
 	Lanes&               lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
 	Geometry                      geometry(const Lanes& lanes, std::size_t lane) const;
+	double                        startGeometry(Geometry& pair, const Lanes& lanes, std::size_t lane) const;
+	void                          fullGeometry(Geometry& pair, double squareDistance) const;
 	ContactStiffness              stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
 	BondStrength                  strength(const Lanes& lanes, std::size_t lane) const;
 	template <class Visitor> void forContacts(Visitor&& visit) const;

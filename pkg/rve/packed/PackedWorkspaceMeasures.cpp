@@ -9,13 +9,24 @@ namespace talik {
 template <int Dim> typename PackedWorkspace<Dim>::Geometry PackedWorkspace<Dim>::geometry(const Lanes& lanes, std::size_t lane) const
 {
 	Geometry result;
-	result.rows      = pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane);
-	result.sumRadius = lanes.block[lane / packedWidth].sumRadius[lane % packedWidth];
-	result.distance  = std::sqrt(pairBranch(view, result.rows, result.n));
-	result.overlap   = result.sumRadius - result.distance;
-	for (int d = 0; d < Dim; ++d)
-		result.n[d] /= result.distance;
+	fullGeometry(result, startGeometry(result, lanes, lane));
 	return result;
+}
+
+/// Square of the distance of a pair; what else is known of it is set, and n is its branch [m].
+template <int Dim> double PackedWorkspace<Dim>::startGeometry(Geometry& pair, const Lanes& lanes, std::size_t lane) const
+{
+	pair.rows      = pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane);
+	pair.sumRadius = lanes.block[lane / packedWidth].sumRadius[lane % packedWidth];
+	return pairBranch(view, pair.rows, pair.n);
+}
+
+template <int Dim> void PackedWorkspace<Dim>::fullGeometry(Geometry& pair, double squareDistance) const
+{
+	pair.distance = std::sqrt(squareDistance);
+	pair.overlap  = pair.sumRadius - pair.distance;
+	for (int d = 0; d < Dim; ++d)
+		pair.n[d] /= pair.distance;
 }
 
 /// Calls visitor(geometry, normal stiffness, normal force, shear, bond) for every contact that bears or could bear a force.
@@ -23,8 +34,11 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 {
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
-			const Geometry now  = geometry(*lanes, lane);
-			const IceBond  bond = carriesBonds ? lanes->bond[lane].relaxed(now.overlap) : IceBond();
+			Geometry     now;
+			const double square = startGeometry(now, *lanes, lane);
+			if (!carriesBonds && square > now.sumRadius * now.sumRadius) continue;
+			fullGeometry(now, square);
+			const IceBond bond = carriesBonds ? lanes->bond[lane].relaxed(now.overlap) : IceBond();
 			if (now.overlap < 0 && !bond.intact()) continue;
 			const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
 			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset,
@@ -87,27 +101,34 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 {
 	// C = (1 - ratio) sum f n n n n + ratio sum f delta_ik n_j n_l with f = d^2 k_n/V
-	PackedTangent<Dim> result {};
-	Matrix             second = Matrix::Zero();
-	const double       volume = parameters().volume();
+	constexpr int products = Dim * (Dim + 1) / 2; // n_j n_l with j <= l, row by row
+	double        fourth[products][products] {}, second[products] {};
+	const double  volume = parameters().volume();
 	forContacts([&](const Geometry& now, double stiffness, double, const Shear&, const IceBond&) {
 		const double factor = now.distance * now.distance * stiffness / volume;
-		double       pairs[Dim * Dim], weighted[Dim * Dim];
-		for (int k = 0; k < Dim * Dim; ++k) {
-			pairs[k]    = now.n[k / Dim] * now.n[k % Dim];
-			weighted[k] = factor * pairs[k];
-			second(k / Dim, k % Dim) += weighted[k];
+		double       pairs[products];
+		for (int j = 0, k = 0; j < Dim; ++j)
+			for (int l = j; l < Dim; ++l)
+				pairs[k++] = now.n[j] * now.n[l];
+		for (int k = 0; k < products; ++k) {
+			const double weighted = factor * pairs[k];
+			second[k] += weighted;
+			for (int l = k; l < products; ++l)
+				fourth[k][l] += weighted * pairs[l];
 		}
-		for (int k = 0; k < Dim * Dim; ++k)
-			for (int l = 0; l < Dim * Dim; ++l)
-				result[k * Dim * Dim + l] += weighted[k] * pairs[l];
 	});
+	const auto product = [](int j, int l) {
+		const auto [smaller, larger] = std::minmax({ j, l });
+		return smaller * (2 * Dim - smaller - 1) / 2 + larger;
+	};
+	PackedTangent<Dim> result {};
 	for (int i = 0; i < Dim; ++i)
 		for (int j = 0; j < Dim; ++j)
 			for (int k = 0; k < Dim; ++k)
 				for (int l = 0; l < Dim; ++l) {
-					double& c = result[((i * Dim + j) * Dim + k) * Dim + l];
-					c         = (1 - base.stiffnessRatio) * c + (i == k ? base.stiffnessRatio * second(j, l) : 0.);
+					const auto [first, last]                    = std::minmax({ product(i, j), product(k, l) });
+					result[((i * Dim + j) * Dim + k) * Dim + l] = (1 - base.stiffnessRatio) * fourth[first][last]
+					        + (i == k ? base.stiffnessRatio * second[product(j, l)] : 0.);
 				}
 	return result;
 }
