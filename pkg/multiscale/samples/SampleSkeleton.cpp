@@ -52,10 +52,10 @@ namespace {
 	/// Rotation of the polar decomposition of 1 + H.
 	MatrixOf<2> rotationOf(const MatrixOf<2>& h)
 	{
-		const double angle = std::atan2(h(1, 0) - h(0, 1), 2 + h(0, 0) + h(1, 1));
+		const double sine = h(1, 0) - h(0, 1), cosine = 2 + h(0, 0) + h(1, 1), size = std::sqrt(sine * sine + cosine * cosine);
 		MatrixOf<2>  r;
-		r << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
-		return r;
+		r << cosine, -sine, sine, cosine;
+		return size > 0 ? MatrixOf<2>(r / size) : MatrixOf<2>::Identity();
 	}
 
 	/// Newton's iteration: converges from every matrix with an inverse.
@@ -250,7 +250,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	if (accuracy) accuracy->countStep();
 	if (schedule.followsTime()) passTime(batch);
 	flagScratch.assign(batch.count, 0);
-	constexpr int piece  = 256;
+	constexpr int piece = 128, fewestForThreads = 500;
 	const auto    follow = [&](int k) {
                 const int place = batch.place[k];
                 if (!isolated.empty() && isolated.count(batch.id[place])) return;
@@ -264,7 +264,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 if (isDue(a, place, h, change, iceSaturation) || (schedule.iceCreep && hasCrept(batch, place))) flagScratch[k] = 1;
                 else if (schedule.prediction) storeStress<Dim>(batch, place, a.predicted(place, h, change));
 	};
-	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
+	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= fewestForThreads ? ThreadTeam::threads() : 1, [&](int i, int) {
 		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); ++k)
 			follow(k);
 	});

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <Eigen/LU>
-#include <limits>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <pkg/rve/SampleUpdate.hpp>
 
@@ -98,13 +97,15 @@ template <int Dim> double PackedWorkspace<Dim>::longestTimeStep(double iceFactor
 	const double full = base.ice.iceStiffnessRatio(1), now = base.ice.iceStiffnessRatio(base.iceSaturation) * iceFactor;
 	const double ofMoments = bondsCarryMoments ? GrainStiffening::momentsOf(grains->section, base.ice.bondAreaFactor, base.stiffnessRatio) : 0;
 	const double ofRolling = resistsRolling ? grains->rolling.alphaKr * largestRadius : 0;
-	double       period2   = std::numeric_limits<double>::infinity(); // m/k [s^2]
+	double       mass = 1, stiffness = 0; // of the grain with the smallest m/k [kg, N/m]
 	for (std::size_t g = 0; g < grainCount; ++g) {
-		const double r = view.radius[g], stiffening = GrainStiffening { ofRolling / r, ofMoments }.total(now);
-		period2 = std::min(period2, grains->mass[g] / (base.ice.grainYoung * r * stiffening));
+		const double own = view.radius[g] * GrainStiffening { resistsRolling ? ofRolling / view.radius[g] : 0, ofMoments }.total(now);
+		if (grains->mass[g] * stiffness >= mass * own) continue;
+		mass      = grains->mass[g];
+		stiffness = own;
 	}
 	const GrainStiffening ofSmallest { ofRolling / smallestRadius, ofMoments };
-	return std::min(timeStepOverPeriod * std::sqrt(period2), base.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
+	return std::min(timeStepOverPeriod * std::sqrt(mass / (base.ice.grainYoung * stiffness)), base.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
 }
 
 /// Radii follow the thaw strain; peripheral velocities follow the radii.

@@ -8,9 +8,10 @@
 namespace talik {
 
 namespace {
-	// Skins of the neighbour lists: rebuilds against pairs carried along in vain. They are made to last for so many steps at the speed of
-	// now, within bounds over the mean radius.
+	// Skins of the neighbour lists: rebuilds against pairs carried along in vain. They are made to last for so many steps at the strain rate
+	// of now, that of a single grain for so many at its speed, within bounds over the mean radius.
 	constexpr double stepsOfLists = 800, leastSkinOverRadius = 0.001, largestSkinOverRadius = 0.02;
+	constexpr double stepsOfGrain = 200, largestSkinOfGrain = 0.1;
 } // namespace
 
 // ---------------------------------------------------------------------------------------------- lanes
@@ -299,7 +300,7 @@ template <int Dim> void PackedWorkspace<Dim>::chooseSkins(double leastSkin)
 	use.skin              = std::max(std::min(std::max(strained, leastSkinOverRadius * averageRadius), largest), 0.5 * leastSkin);
 	slack.resize(grainCount);
 	for (std::size_t g = 0; g < grainCount; ++g) {
-		const double wanted = std::min(use.skin + time * fluctuation(g), largest);
+		const double wanted = std::min(use.skin + stepsOfGrain * view.dt * fluctuation(g), largestSkinOfGrain * averageRadius);
 		slack[g]            = 0;
 		for (double skin = use.skin; skin < wanted && slack[g] < PackedLists<Dim>::largestSlack; skin *= 2)
 			++slack[g];
@@ -310,7 +311,7 @@ template <int Dim> void PackedWorkspace<Dim>::chooseSkins(double leastSkin)
 template <int Dim> void PackedWorkspace<Dim>::adoptSlack()
 {
 	for (std::size_t g = 0; g < grainCount; ++g)
-		inverseSlackSquare.data()->value[g] = std::ldexp(1., -2 * slack[g]);
+		inverseSlackSquare.data()->value[g] = 1. / double(1u << 2 * slack[g]);
 }
 
 /// Keys of the pairs within reach, and of bonds that have opened wider.
@@ -318,7 +319,7 @@ template <int Dim> void PackedWorkspace<Dim>::findPairs()
 {
 	reach.resize(grainCount);
 	for (std::size_t g = 0; g < grainCount; ++g)
-		reach[g] = view.radius[g] + std::ldexp(use.skin, slack[g]);
+		reach[g] = view.radius[g] + use.skin * double(1u << slack[g]);
 	search.build(view.place, 4, reach.data(), grainCount, use.referenceCell, innerLanes.keys, periodicLanes.keys);
 	for (const bool crosses : { false, true }) {
 		std::vector<std::uint64_t>& keys = lanesOf(crosses).keys;
