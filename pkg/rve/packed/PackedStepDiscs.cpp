@@ -60,35 +60,6 @@ namespace HWY_NAMESPACE {
 			});
 		}
 
-		/// Hands the contacts that `failed` over to the sample, which settles them.
-		template <class Condition>
-		HWY_NOINLINE void reportBonds(PackedStepView<2>& view, int periodic, std::size_t lane, Condition failed, ContactForces<Many, Many>& f)
-		{
-			using Numbers = double[packedWidth];
-			alignas(packedAlignment) Numbers reported, overlap, trialNormal, trialShear, increment, normal, shear, iceShear;
-			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
-			store(f.overlap, overlap);
-			store(f.trialNormal, trialNormal);
-			store(f.trialShear, trialShear);
-			store(f.increment, increment);
-			store(f.normal, normal);
-			store(f.shear, shear);
-			store(f.iceShear, iceShear);
-			for (std::size_t l = 0; l < laneCount; ++l) {
-				if (reported[l] == 0) continue;
-				PackedBondEvent<2> event { periodic,
-					                   lane + l,
-					                   { overlap[l], trialNormal[l], trialShear[l], increment[l], normal[l], shear[l], iceShear[l] } };
-				view.bondEvent(view.owner, &event);
-				normal[l]   = event.forces.normal;
-				shear[l]    = event.forces.shear;
-				iceShear[l] = event.forces.iceShear;
-			}
-			f.normal   = load(normal);
-			f.shear    = load(shear);
-			f.iceShear = load(iceShear);
-		}
-
 		/// Parameters of the contact law, in every lane.
 		struct Constants {
 			ContactFriction<Many> friction;
@@ -136,12 +107,8 @@ namespace HWY_NAMESPACE {
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
 				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment, bendBonds<Moments>(view, p),
-				        [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
-					        ContactForces<Many, Many> reported
-					                = forces; // of its own: the address of those at hand would keep them in memory
-					        reportBonds(shared, Periodic, packedWidth * p.block + p.lane, failed, reported);
-					        forces = reported;
-				        });
+				        [&](auto failed, auto& forces)
+				                HWY_ATTR TALIK_INLINED { settleBonds<2>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces); });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);

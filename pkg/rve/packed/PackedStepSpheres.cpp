@@ -32,16 +32,6 @@ namespace HWY_NAMESPACE {
 				 NegMulAdd(a.y, b.x, MulAdd(a.x, b.y, c.z)) };
 		}
 		HWY_INLINE Vector mulAdd(Many a, const Vector& b, const Vector& c) { return { MulAdd(a, b.x, c.x), MulAdd(a, b.y, c.y), MulAdd(a, b.z, c.z) }; }
-		HWY_INLINE Vector load3(const double (&rows)[3][packedWidth], std::size_t lane)
-		{
-			return { load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane) };
-		}
-		HWY_INLINE void store3(const Vector& v, double (&rows)[3][packedWidth], std::size_t lane)
-		{
-			store(v.x, rows[0] + lane);
-			store(v.y, rows[1] + lane);
-			store(v.z, rows[2] + lane);
-		}
 
 		/// A vector in space, kept.
 		struct KeptVector {
@@ -134,7 +124,7 @@ namespace HWY_NAMESPACE {
 		template <bool Periodic, bool Turning>
 		HWY_INLINE void scatter(const PackedStepView<3>& view, const Place<3>& p, const Gathered& g, const ResponseOf<Turning>& f)
 		{
-			const Vector n = g.n(), shear = load3(p.pair().shear, p.lane), m = cross(n, shear);
+			const Vector n = g.n(), shear = loadVector(p.pair().shear, p.lane), m = cross(n, shear);
 			const Many   normal = f.normal();
 			const Many   half = Mul(splat(0.5), g.distance()), difference = load(p.pair().halfDifference + p.lane);
 			Vector       ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
@@ -153,40 +143,6 @@ namespace HWY_NAMESPACE {
 			addRows<Periodic>(view, p, 0, rows, rows);
 			addRows<Periodic>(view, p, 4, rowsOf(firstMoments), rowsOf(secondMoments));
 #endif
-		}
-
-		/// Hands the contacts that `failed` over to the sample, which settles them.
-		template <class Condition> HWY_NOINLINE void reportBonds(PackedStepView<3>& view, int periodic, std::size_t lane, Condition failed, Forces& f)
-		{
-			using Numbers = double[packedWidth];
-			alignas(packedAlignment) Numbers reported, overlap, trialNormal, normal, trialShear[3], increment[3], shear[3], iceShear[3];
-			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
-			store(f.overlap, overlap);
-			store(f.trialNormal, trialNormal);
-			store(f.normal, normal);
-			store3(f.trialShear, trialShear, 0);
-			store3(f.increment, increment, 0);
-			store3(f.shear, shear, 0);
-			store3(f.iceShear, iceShear, 0);
-			const auto vector = [](const double(&rows)[3][packedWidth], std::size_t l) {
-				return Eigen::Vector3d(rows[0][l], rows[1][l], rows[2][l]);
-			};
-			for (std::size_t l = 0; l < laneCount; ++l) {
-				if (reported[l] == 0) continue;
-				PackedBondEvent<3> event { periodic,
-					                   lane + l,
-					                   { overlap[l], trialNormal[l], vector(trialShear, l), vector(increment, l), normal[l],
-					                     vector(shear, l), vector(iceShear, l) } };
-				view.bondEvent(view.owner, &event);
-				normal[l] = event.forces.normal;
-				for (int d = 0; d < 3; ++d) {
-					shear[d][l]    = event.forces.shear[d];
-					iceShear[d][l] = event.forces.iceShear[d];
-				}
-			}
-			f.normal   = load(normal);
-			f.shear    = load3(shear, 0);
-			f.iceShear = load3(iceShear, 0);
 		}
 
 		/// Parameters of the contact law, in every lane.
@@ -208,10 +164,10 @@ namespace HWY_NAMESPACE {
 		{
 			PackedRollingBlock<3>& block = p.rolling();
 			const Vector           spin = spinBetween(view, p), bending = NegMulAdd(dot(spin, n), n, spin);
-			const Vector           before    = load3(block.moment, p.lane);
+			const Vector           before    = loadVector(block.moment, p.lane);
 			const Vector           increment = scaled(bending, Mul(c.step, load(block.stiffness + p.lane)));
 			const Vector           moment    = rollingMoment(load(block.lever + p.lane), normal, crossAdd(turn, before, before), increment);
-			store3(moment, block.moment, p.lane);
+			storeVector(moment, block.moment, p.lane);
 			return moment;
 		}
 
@@ -221,12 +177,12 @@ namespace HWY_NAMESPACE {
 		{
 			if constexpr (Moments) {
 				PackedMomentBlock<3>& block  = p.moments();
-				const Vector          before = load3(block.moment, p.lane), spin = spinBetween(view, p);
+				const Vector          before = loadVector(block.moment, p.lane), spin = spinBetween(view, p);
 				const Many            along = dot(spin, n), bending = Mul(c.step, load(block.bending + p.lane));
 				const Many            twisting = MulSub(c.step, load(block.twisting + p.lane), bending);
 				const Vector          bent     = NegMulAdd(bending, spin, crossAdd(turn, before, before));
 				const Vector          moment   = NegMulAdd(Mul(twisting, along), n, bent);
-				store3(moment, block.moment, p.lane);
+				storeVector(moment, block.moment, p.lane);
 				const Many twist = dot(moment, n), edge = load(block.edgeOverMoment + p.lane);
 				return EdgeForces<Many> { Mul(edge, lengthOf(NegMulAdd(twist, n, moment))), Mul(Mul(splat(0.5), edge), lengthOf(twist)) };
 			} else {
@@ -241,7 +197,7 @@ namespace HWY_NAMESPACE {
 		momentOf(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many normal)
 		{
 			if constexpr (!Moments) return roll(view, p, c, n, turn, normal);
-			const Vector ofBonds = load3(p.moments().moment, p.lane);
+			const Vector ofBonds = loadVector(p.moments().moment, p.lane);
 			if constexpr (!Rolling) return ofBonds;
 			const Vector ofRolling = roll(view, p, c, n, turn, normal);
 			return { Add(ofBonds.x, ofRolling.x), Add(ofBonds.y, ofRolling.y), Add(ofBonds.z, ofRolling.z) };
@@ -272,25 +228,22 @@ namespace HWY_NAMESPACE {
 			PackedBlock<3>& block     = p.pair();
 			const Many      stiffness = load(block.stiffness + p.lane);
 			const Many      overlap   = Sub(load(block.sumRadius + p.lane), g.distance());
-			const Vector    before = load3(block.shear, p.lane), shear = crossAdd(turn, before, before);
+			const Vector    before = loadVector(block.shear, p.lane), shear = crossAdd(turn, before, before);
 			Forces          f;
 			if constexpr (Bonded) {
 				PackedIceBlock<3>&          ice   = p.ice();
-				const Vector                ofIce = load3(ice.iceShear, p.lane);
+				const Vector                ofIce = loadVector(ice.iceShear, p.lane);
 				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
 					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
 				f = bondedForces(
 				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment, bendBonds<Moments>(view, p, c, n, turn),
-				        [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
-					        Forces reported = forces; // of its own: the address of those at hand would keep them in memory
-					        reportBonds(shared, Periodic, packedWidth * p.block + p.lane, failed, reported);
-					        forces = reported;
-				        });
-				store3(f.iceShear, ice.iceShear, p.lane);
+				        [&](auto failed, auto& forces)
+				                HWY_ATTR TALIK_INLINED { settleBonds<3>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces); });
+				storeVector(f.iceShear, ice.iceShear, p.lane);
 			} else {
 				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
 			}
-			store3(f.shear, block.shear, p.lane);
+			storeVector(f.shear, block.shear, p.lane);
 			if constexpr (Rolling || Moments) r.moment = momentOf<Rolling, Moments>(view, p, c, n, turn, f.normal);
 			r.normal = f.normal;
 		}

@@ -271,6 +271,70 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
+		/// Numbers of vectors in space, component by component, of pairs of a block from `lane` on.
+		HWY_INLINE InSpace<Many> loadVector(const double (&rows)[3][packedWidth], std::size_t lane)
+		{
+			return { load(rows[0] + lane), load(rows[1] + lane), load(rows[2] + lane) };
+		}
+		HWY_INLINE void storeVector(const InSpace<Many>& v, double (&rows)[3][packedWidth], std::size_t lane)
+		{
+			store(v.x, rows[0] + lane);
+			store(v.y, rows[1] + lane);
+			store(v.z, rows[2] + lane);
+		}
+
+		/// Shear forces of some pairs of discs or spheres, where the sample reads and writes that of one.
+		template <int Dim> struct SettledShear {
+			alignas(packedAlignment) double rows[PackedLayout<Dim>::shear][packedWidth];
+			template <class Shear> explicit SettledShear(const Shear& shear)
+			{
+				if constexpr (Dim == 2) store(shear, rows[0]);
+				else storeVector(shear, rows, 0);
+			}
+			auto all() const
+			{
+				if constexpr (Dim == 2) return load(rows[0]);
+				else return loadVector(rows, 0);
+			}
+			auto operator[](std::size_t lane) const { return laneShear<Dim>(rows, lane); }
+			void set(std::size_t lane, const typename PackedTypes<Dim>::Shear& shear) { setLaneShear<Dim>(rows, lane, shear); }
+		};
+
+		/// Hands the contacts that `failed` over to the sample, which settles them.
+		template <int Dim, class Condition, class Forces>
+		HWY_NOINLINE void reportBonds(PackedStepView<Dim>& view, int periodic, std::size_t lane, Condition failed, Forces& f)
+		{
+			alignas(packedAlignment) double reported[packedWidth], overlap[packedWidth], trialNormal[packedWidth], normal[packedWidth];
+			store(IfThenElse(failed, splat(1.), splat(0.)), reported);
+			store(f.overlap, overlap);
+			store(f.trialNormal, trialNormal);
+			store(f.normal, normal);
+			const SettledShear<Dim> trialShear(f.trialShear), increment(f.increment);
+			SettledShear<Dim>       shear(f.shear), iceShear(f.iceShear);
+			for (std::size_t l = 0; l < laneCount; ++l) {
+				if (reported[l] == 0) continue;
+				PackedBondEvent<Dim> event { periodic,
+					                     lane + l,
+					                     { overlap[l], trialNormal[l], trialShear[l], increment[l], normal[l], shear[l], iceShear[l] } };
+				view.bondEvent(view.owner, &event);
+				normal[l] = event.forces.normal;
+				shear.set(l, event.forces.shear);
+				iceShear.set(l, event.forces.iceShear);
+			}
+			f.normal   = load(normal);
+			f.shear    = shear.all();
+			f.iceShear = iceShear.all();
+		}
+
+		/// What bondedForces calls. Forces get a copy to be reported: the address of those at hand would keep them in memory.
+		template <int Dim, class Condition, class Forces>
+		HWY_INLINE void settleBonds(PackedStepView<Dim>& view, int periodic, std::size_t lane, Condition failed, Forces& forces)
+		{
+			Forces reported = forces;
+			reportBonds<Dim>(view, periodic, lane, failed, reported);
+			forces = reported;
+		}
+
 		/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
 		HWY_INLINE Many damped(Many acceleration, Many velocity, Many damping, Many halfStep)
 		{

@@ -105,7 +105,8 @@ template <int Dim> double PackedWorkspace<Dim>::longestTimeStep(double iceFactor
 		stiffness = own;
 	}
 	const GrainStiffening ofSmallest { ofRolling / smallestRadius, ofMoments };
-	return std::min(timeStepOverPeriod * std::sqrt(mass / (base.ice.grainYoung * stiffness)), base.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
+	return std::min(
+	        timeStepOverPeriod * std::sqrt(mass / (base.ice.grainYoung * stiffness)), base.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
 }
 
 /// Radii follow the thaw strain; peripheral velocities follow the radii.
