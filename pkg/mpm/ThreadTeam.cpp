@@ -100,7 +100,7 @@ namespace {
 		}
 
 	private:
-		static constexpr int    known = 64, askedAgain = 32;
+		static constexpr int    known = 64, askedAgain = 128;
 		static constexpr double tolerated = 0.5e-3, shortestPause = 5e-3, longestPause = 0.5, longLoop = 3e-3; // [s]
 
 		/// Far longer than a time slice: always shared out.

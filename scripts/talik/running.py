@@ -45,7 +45,7 @@ def runUntil(instant, look=None, interval=0.2, progress=False):
 	try:
 		while O.running:
 			time.sleep(pause)
-			pause = min(1.5 * pause, 0.05)
+			pause = min(1.5 * pause, 0.01)
 			if look is not None and ranks.first and time.monotonic() > nextLook:
 				look()
 				nextLook = time.monotonic() + interval
