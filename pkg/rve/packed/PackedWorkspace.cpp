@@ -274,7 +274,7 @@ template <int Dim> void PackedWorkspace<Dim>::run(long steps, long averaged)
 template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
 {
 	copyMatrix<Dim>(view.virial, stress);
-	for (std::size_t k = 0; k < view.shifts; ++k)
+	for (const std::size_t k : shiftOrder)
 		for (int i = 0; i < Dim; ++i)
 			for (int j = 0; j < Dim; ++j)
 				stress(i, j) -= view.shiftForce[k * PackedLayout<Dim>::row + i] * view.shiftPlace[4 * k + j];

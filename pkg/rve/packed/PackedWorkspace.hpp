@@ -166,12 +166,13 @@ private:
 	std::size_t                         grainCount = 0, rowCount = 0;
 	double                              largestRadius = 0, smallestRadius = 0, averageRadius = 0;
 
-	Rows                     place, speed, force, turning, rim, angle, minusInverseMass, inverseInertia, radius, inverseSlackSquare, reference;
-	Rows                     shiftPlace, shiftSpeed, shiftForce;
-	std::vector<std::int8_t> shiftCell;
-	Lanes                    innerLanes, periodicLanes, oldInner, oldPeriodic;
-	bool                     carriesBonds = false, resistsRolling = false, bondsCarryMoments = false, portable;
-	double                   iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
+	Rows                       place, speed, force, turning, rim, angle, minusInverseMass, inverseInertia, radius, inverseSlackSquare, reference;
+	Rows                       shiftPlace, shiftSpeed, shiftForce;
+	std::vector<std::int8_t>   shiftCell;
+	std::vector<std::uint32_t> shiftOrder; ///< rows of shifts in the order of their cells
+	Lanes                      innerLanes, periodicLanes, oldInner, oldPeriodic;
+	bool                       carriesBonds = false, resistsRolling = false, bondsCarryMoments = false, portable;
+	double                     iceRatio = 0, tensileStrength = 0, shearStrength = 0; ///< k_ice/k_g [-] and strengths of bonds [Pa] at present
 
 	NeighbourSearch<Dim>       search;
 	std::vector<std::uint8_t>  slack;

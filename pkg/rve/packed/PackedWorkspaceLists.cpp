@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/LU>
+#include <numeric>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 
 namespace talik {
@@ -345,6 +346,13 @@ template <int Dim> void PackedWorkspace<Dim>::lanesChanged()
 	shiftPlace.resize((shifts * 4 + packedWidth - 1) / packedWidth);
 	shiftSpeed.resize(Dim == 3 ? shifts * 8 / packedWidth : 0);
 	shiftForce.resize((shifts * PackedLayout<Dim>::row + packedWidth - 1) / packedWidth);
+	// sums over shifts go in the order of their cells: that of the rows depends on which pairs that do not touch are in the lists
+	shiftOrder.resize(shifts);
+	std::iota(shiftOrder.begin(), shiftOrder.end(), 0u);
+	std::sort(shiftOrder.begin(), shiftOrder.end(), [&](std::uint32_t a, std::uint32_t b) {
+		const auto cell = [&](std::uint32_t k) { return shiftCell.begin() + k * Dim; };
+		return std::lexicographical_compare(cell(a), cell(a) + Dim, cell(b), cell(b) + Dim);
+	});
 	bind();
 	updateShiftRows();
 	listsValid = true;
