@@ -403,15 +403,18 @@ def test_a_run_killed_at_twenty_random_moments_ends_as_if_it_had_not_been(tmp_pa
 	seed = random.SystemRandom().randrange(10**6)
 	generator = random.Random(seed)
 	file, result = tmp_path / "ground.checkpoint", tmp_path / "result.npz"
-	steps = 300  # the kills leave time for a quarter of them; a step may be timed while the machine is slow
+	steps = 300  # the kills leave time for a quarter of them
 	mpm = breakingGround(smallSample)
 	run(steps)
 	through = stateOf(mpm)
 	talik.checkpoint.keep(tmp_path / "timing", every=0)
 	run(1)
-	begin = time.monotonic()
-	run(10)
-	perStep = (time.monotonic() - begin) / 10
+	times = []
+	for _ in range(10):
+		begin = time.monotonic()
+		run(1)
+		times.append(time.monotonic() - begin)
+	perStep = sorted(times)[2]  # other tests begin beside this one
 	O.reset()
 	O.engines = []
 	stepsFound, torn = [], 0
