@@ -20,13 +20,15 @@ public:
 	        , options(chosen)
 	{}
 
-	void perform(const Matrix& displacementGradient, double targetIceSaturation)
+	/// Returns the number of moving steps.
+	long perform(const Matrix& displacementGradient, double targetIceSaturation)
 	{
 		const Matrix remaining = stopMotion(displacementGradient);
 		changeIce(targetIceSaturation);
 		creep();
-		move(remaining);
+		const long moving = move(remaining);
 		relax();
+		return moving;
 	}
 
 private:
@@ -84,9 +86,9 @@ private:
 	};
 
 	/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.
-	void move(const Matrix& displacementGradient)
+	long move(const Matrix& displacementGradient)
 	{
-		if (displacementGradient.isZero(0)) return;
+		if (displacementGradient.isZero(0)) return 0;
 		const TimeStepOfMotion timeStep(sample, options);
 		PackedUpdateOptions    ofMotion = options;
 		ofMotion.maxStrainPerStep *= timeStep.overThatAtRest();
@@ -99,6 +101,7 @@ private:
 		sample.setNextVelGrad(Matrix::Zero());
 		sample.run(timeStep.stepsToRest());
 		if (mean > 1) sample.setLastStress((before * double(mean) + sample.lastStress()) / double(mean + 1));
+		return steps;
 	}
 
 	void relax()

@@ -596,9 +596,7 @@ namespace {
 		py::object newton          = engineNamed(scene, "NewtonIntegrator");
 		newton.attr("prevVelGrad") = used;
 	}
-} // namespace
 
-namespace {
 	double largestRadius(const Scene& scene)
 	{
 		double largest = 0;

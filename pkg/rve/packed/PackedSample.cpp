@@ -105,15 +105,6 @@ template <int Dim> long PackedWorkspace<Dim>::movingSteps(const Matrix& displace
 	return talik::movingSteps<Dim>(parameters(), view.dt, averageRadius, displacementGradient, options);
 }
 
-template <int Dim>
-long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options)
-{
-	double sum = 0;
-	for (const double r : state.grains->radius)
-		sum += r;
-	return movingSteps<Dim>(state, state.dt, sum / double(state.size()) * state.radiusFactor, displacementGradient, options);
-}
-
 // ---------------------------------------------------------------------------------------------- one update
 
 void checkOptions(const PackedUpdateOptions& o)
@@ -161,10 +152,11 @@ PackedUpdateResult<Dim> updateWorkspace(
 		const auto start = workspace.parameters().step;
 		workspace.setStrengthFactors(options.strength);
 		workspace.setIceStiffness(options.iceStiffness);
-		SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
+		const long moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
 		workspace.checkHealth();
 		PackedUpdateResult<Dim> result;
-		result.flipped = options.flipSkew > 0 && workspace.flip(options.flipSkew);
+		result.movingSteps = moving;
+		result.flipped     = options.flipSkew > 0 && workspace.flip(options.flipSkew);
 		result.stress  = symmetric<Matrix>(workspace.lastStress());
 		result.steps   = long(workspace.parameters().step - start);
 		if (options.tangent) result.tangent = workspace.tangent();
@@ -352,8 +344,6 @@ template long                   PackedWorkspace<2>::movingSteps(const Matrix&, c
 template long                   PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
 template long                   movingSteps<2>(const PackedParameters<2>&, double, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
 template long                   movingSteps<3>(const PackedParameters<3>&, double, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
-template long                   substepCount<2>(const PackedState<2>&, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
-template long                   substepCount<3>(const PackedState<3>&, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template PackedUpdateResult<2>  updateWorkspace<2>(
         PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
 template PackedUpdateResult<3> updateWorkspace<3>(

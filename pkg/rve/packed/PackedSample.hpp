@@ -34,6 +34,7 @@ struct PackedUpdateOptions {
 template <int Dim> struct PackedUpdateResult {
 	typename PackedTypes<Dim>::Matrix stress  = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
 	long                              steps   = 0;
+	long                              movingSteps = 0; ///< of them
 	bool                              flipped = false;
 	bool                              blewUp  = false; ///< the state is the last good one, the stress is that state's
 	std::string                       reason;          ///< why it blew up, empty otherwise
@@ -108,10 +109,6 @@ private:
 /// Cell motion per step: X with (1 + X)^steps = 1 + displacementGradient. Throws std::invalid_argument unless det(1 + dH) > 0 and the
 /// principal root exists.
 template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps);
-
-/// Number of moving steps for a displacement gradient, eq. (13.1), for the state's stress, size and time step.
-template <int Dim>
-long substepCount(const PackedState<Dim>& state, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options);
 
 } // namespace talik
 

@@ -84,8 +84,7 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 	{
 		const PackedUpdateResult<Dim> coarse = begin(sample, request, options);
 		if (coarse.blewUp) return coarse;
-		sample.expand(state, lists);
-		options.steps                = rateRefinement * substepCount<Dim>(state, request.displacementGradient, options);
+		options.steps                = rateRefinement * coarse.movingSteps;
 		PackedUpdateResult<Dim> fine = begin(sample, request, options);
 		fine.rateError               = (fine.stress - coarse.stress).norm() * rateRefinement / (rateRefinement - 1.);
 		fine.steps += coarse.steps;
