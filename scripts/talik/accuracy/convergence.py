@@ -221,6 +221,7 @@ def march(settings):
 		"wall": watch.wall,
 		"points": mpm.pointCount,
 		"steps": O.iter,
+		"friction": _rounded(slope.thawed.get("friction measured [-]")),
 		"build": build(),
 		**({"shortfall": f"day {looks[-1][0]} of {days} after {allowed:.3g} s of motion"} if looks[-1][0] < days else {}),
 	}
