@@ -215,12 +215,15 @@ def test_a_thawing_slope_in_a_slice_of_space_moves_as_in_the_plane():
 
 
 def thawedAndSlid(dimension, spacing):
-	mpm = thawingSlope(dimension, spacing, frozenThroughout)
+	mpm = thawingSlope(dimension, spacing, frozenThroughout, automaticTimeStep=False)
+	O.dt = 8e-4 * spacing
 	talik.runUntil(1.5)
 	return inPlane(mpm)
 
 
 def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane_within_2_per_cent_on_two_grids_slow():
+	"""In equal steps: those that are stable are 17 % shorter in space, and amid a slide that alone is 2 % of the mean displacement on the finer grid. What
+	is left is B-bar, see above; without it both are the same to round-off."""
 	report, tolerance = Report("Space.ThawedSlice", "the plane"), 0.02
 	for spacing in (0.25, 0.125):
 		plane, space = (np.linalg.norm(thawedAndSlid(dimension, spacing), axis=1) for dimension in (2, 3))
