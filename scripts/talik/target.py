@@ -214,6 +214,7 @@ ranges = {
 ofMoments = ("bondRadiusFactor", "momentContribution")
 standard = dict(thickness=0.03, iceYoung=3e9, iceTensileStrength=50e6, iceShearStrength=50e6, friction=0.5, etaRoll=0.05)
 standardMoments = dict(bondRadiusFactor=1.0, momentContribution=0.5)
+unbentMoments = dict(bondRadiusFactor=1.8, momentContribution=0.01)  # bonds that moments stiffen and do not break
 
 
 def fitted(rows, moments=False):
@@ -386,10 +387,11 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	"""Fit of the parameters that the rows decide (`fitted`) by scipy.optimize.least_squares on ln(found/target): Fit.
 
 	grains, porosity  of the sample (discs)
-	steps             of the optimiser from the start, and two more towards each quantity alone, for what cannot be met at once
+	steps             of the optimiser from each start, and two more towards each quantity alone, for what cannot be met at once
 	strain            axial, of each test [-]: strength is the largest stress within it
 	cache             of talik.rve.prepare
-	moments           bonds carry moments (MomentIceBondMat): their radius and their share in the strength are fitted, too
+	moments           bonds carry moments (MomentIceBondMat): their radius and their share in the strength are fitted, too, from two starts, with bonds
+					  that moments break and with bonds that they do not break
 
 	>>> rows = [talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 25.0})]
 	>>> found = talik.target.fit(rows, grains=30, steps=1, strain=1e-3)"""
@@ -397,14 +399,14 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 
 	names = fitted(rows, moments)
 	sample = _unfitted(grains, porosity, cache, moments)
-	begin = dict(standard, **(standardMoments if moments else {}))
+	begins = [dict(standard, **bonds) for bonds in ((standardMoments, unbentMoments) if moments else ({},))]
 	wanted = sorted({name for row in rows for name in row.wanted}, key=quantities.index)
 	candidates = []
 	aims = [{}] + ([{name: 5.0} for name in wanted] if len(wanted) > 1 else [])
-	with tqdm(total=(steps + 2 * (len(aims) - 1)) * (len(names) + 1), unit="sample", desc="calibrating") as bar:
+	with tqdm(total=(steps * len(begins) + 2 * (len(aims) - 1)) * (len(names) + 1), unit="sample", desc="calibrating") as bar:
 
 		def tested(places):
-			parameters = dict(begin, **{name: ranges[name].at(place - 1) for name, place in zip(names, places)})
+			parameters = dict(begins[0], **{name: ranges[name].at(place - 1) for name, place in zip(names, places)})
 			bonds = {name: value for name, value in parameters.items() if name != "thickness"}
 			candidate = Candidate(parameters, [test(altered(sample, **bonds), row, parameters["thickness"], law, strain).values for row in rows])
 			candidates.append(candidate)
@@ -412,12 +414,18 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 			bar.set_postfix({name: f"{factor:.2f}" for name, factor in candidate.misfits(rows).items()})
 			return candidate
 
-		start = np.array([1 + ranges[name].partOf(begin[name]) for name in names])
-		for aim in aims:
-			_descend(lambda places: [aim.get(name, 1.0) * log for name, log in tested(places).logs(rows)], start, steps if not aim else 2)
-			best = min(candidates, key=lambda candidate: sum(log**2 for _, log in candidate.logs(rows)))
-			start = np.array([1 + ranges[name].partOf(best.parameters[name]) for name in names])
-	return Fit(rows, best, candidates, grains, porosity, moments)
+		def descend(parameters, aim, most):
+			start = np.array([1 + ranges[name].partOf(parameters[name]) for name in names])
+			_descend(lambda places: [aim.get(name, 1.0) * log for name, log in tested(places).logs(rows)], start, most)
+
+		def best():
+			return min(candidates, key=lambda candidate: sum(log**2 for _, log in candidate.logs(rows)))
+
+		for parameters in begins:
+			descend(parameters, aims[0], steps)
+		for aim in aims[1:]:
+			descend(best().parameters, aim, 2)
+	return Fit(rows, best(), candidates, grains, porosity, moments)
 
 
 def _unfitted(grains, porosity, cache, moments):

@@ -286,7 +286,7 @@ def collapse(samples, cells, instants):
 @pytest.fixture(scope="module")
 def roughRealisations(sampleCache):
 	"""Four times 60 grains without ice that resist rolling as much as it takes for the friction of the reference."""
-	return rve.pack(rve.prepare(grains=60, porosity=0.19, ice=True, etaRoll=0.05, realisations=4, cache=sampleCache))
+	return rve.pack(rve.prepare(grains=60, porosity=0.19, ice=True, etaRoll=0.06, realisations=4, cache=sampleCache))
 
 
 def test_dry_column_of_samples_collapses_to_the_run_out_of_discs_of_their_friction_slow(roughRealisations):
