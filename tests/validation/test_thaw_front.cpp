@@ -97,6 +97,18 @@ TEST(ThawFront, ThinThawedLayerSlidesAsFarAsFrictionLetsIt)
 	EXPECT_LT(slideOf(withoutFront(layer(1.0))), 0.05);
 }
 
+// In short steps drag takes hardly any water along at once: the water of a side must keep what it has of the slide.
+TEST(ThawFront, SaturatedLayerSlidesAsFarInStepsOfAnyLength)
+{
+	for (const double courantNumber : { 0.1, 0.025 }) {
+		Slab slab   = wet(layer(1.0, 0.25));
+		slab.change = [=](GroundSettings<2>& g) { g.courantNumber = courantNumber; };
+		char what[80];
+		std::snprintf(what, sizeof(what), "saturated, Courant number %g", courantNumber);
+		expectSlide(what, slab, 5e-2);
+	}
+}
+
 TEST(ThawFront, LayerOfAnyThicknessSlidesWhereverTheFrontLies_slow)
 {
 	for (const double above : { 0.0, 0.25, 0.5, 0.75 })

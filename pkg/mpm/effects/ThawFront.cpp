@@ -803,7 +803,9 @@ template <int D> void ThawFront<D>::correct(int slot)
 		for (int a = 0; a < D; ++a) {
 			s[velocityAt + a] = share * m.jump[a];
 			s[gainAt + a]     = s[velocityAt + a] - kept * (departure[side][a] - along * m.normal[a]);
-			if (water_) s[liquidGainAt + a] = m.follows * s[velocityAt + a] - keptLiquid * (liquidDeparture[side][a] - liquidAlong * m.normal[a]);
+			// what drag does not give to the liquid of a side it keeps of its own
+			const double liquidAcross = liquidDeparture[side][a] - liquidAlong * m.normal[a];
+			if (water_) s[liquidGainAt + a] = m.follows * s[velocityAt + a] + (1.0 - m.follows - keptLiquid) * liquidAcross;
 		}
 	}
 	const double opened = dot<D>(m.jump, m.normal), perThickness = 1.0 / std::max(r[thawedVolumeAt] / m.area, leastThickness * spacing_);

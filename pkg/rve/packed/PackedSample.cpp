@@ -157,8 +157,8 @@ PackedUpdateResult<Dim> updateWorkspace(
 		PackedUpdateResult<Dim> result;
 		result.movingSteps = moving;
 		result.flipped     = options.flipSkew > 0 && workspace.flip(options.flipSkew);
-		result.stress  = symmetric<Matrix>(workspace.lastStress());
-		result.steps   = long(workspace.parameters().step - start);
+		result.stress      = symmetric<Matrix>(workspace.lastStress());
+		result.steps       = long(workspace.parameters().step - start);
 		if (options.tangent) result.tangent = workspace.tangent();
 		workspace.setIceStiffness(1);
 		return result;

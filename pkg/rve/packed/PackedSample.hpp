@@ -32,13 +32,13 @@ struct PackedUpdateOptions {
 
 /// What an update did.
 template <int Dim> struct PackedUpdateResult {
-	typename PackedTypes<Dim>::Matrix stress  = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
-	long                              steps   = 0;
+	typename PackedTypes<Dim>::Matrix stress      = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	long                              steps       = 0;
 	long                              movingSteps = 0; ///< of them
-	bool                              flipped = false;
-	bool                              blewUp  = false; ///< the state is the last good one, the stress is that state's
-	std::string                       reason;          ///< why it blew up, empty otherwise
-	PackedTangent<Dim>                tangent {};      ///< if asked for, see PackedSample::tangent
+	bool                              flipped     = false;
+	bool                              blewUp      = false; ///< the state is the last good one, the stress is that state's
+	std::string                       reason;              ///< why it blew up, empty otherwise
+	PackedTangent<Dim>                tangent {};          ///< if asked for, see PackedSample::tangent
 	double rateError = 0; ///< of the steps asked for, if rates were compared: norm of the stress less that of infinitely slow motion [Pa]
 };
 
