@@ -387,7 +387,8 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	"""Fit of the parameters that the rows decide (`fitted`) by scipy.optimize.least_squares on ln(found/target): Fit.
 
 	grains, porosity  of the sample (discs)
-	steps             of the optimiser from each start, and two more towards each quantity alone, for what cannot be met at once
+	steps             of the optimiser from each start, then two towards each quantity alone, for what cannot be met at once, and as many again from
+					  the best sample
 	strain            axial, of each test [-]: strength is the largest stress within it
 	cache             of talik.rve.prepare
 	moments           bonds carry moments (MomentIceBondMat): their radius and their share in the strength are fitted, too, from two starts, with bonds
@@ -403,7 +404,7 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	wanted = sorted({name for row in rows for name in row.wanted}, key=quantities.index)
 	candidates = []
 	aims = [{}] + ([{name: 5.0} for name in wanted] if len(wanted) > 1 else [])
-	with tqdm(total=(steps * len(begins) + 2 * (len(aims) - 1)) * (len(names) + 1), unit="sample", desc="calibrating") as bar:
+	with tqdm(total=(steps * (len(begins) + 1) + 2 * (len(aims) - 1)) * (len(names) + 1), unit="sample", desc="calibrating") as bar:
 
 		def tested(places):
 			parameters = dict(begins[0], **{name: ranges[name].at(place - 1) for name, place in zip(names, places)})
@@ -425,6 +426,7 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 			descend(parameters, aims[0], steps)
 		for aim in aims[1:]:
 			descend(best().parameters, aim, 2)
+		descend(best().parameters, aims[0], steps)
 	return Fit(rows, best(), candidates, grains, porosity, moments)
 
 
