@@ -147,7 +147,7 @@ def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall
 def _underPressure(sample, pressure):
 	"""A copy of a sample at an isotropic pressure [Pa] that is moved slowly: jolts of single grains raise the largest shear stress of fast motion."""
 	pressed = sample.copy()
-	pressed.minSteps = stepsPerCall
+	pressed.minSteps = max(pressed.minSteps, stepsPerCall)
 	if not pressed.servo(-pressure, -pressure):
 		raise RuntimeError(f"calibrate: the sample does not reach an isotropic pressure of {pressure:g} Pa")
 	return pressed

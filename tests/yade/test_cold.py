@@ -30,8 +30,7 @@ def test_tension_grows_with_cold_as_measured_on_silt_and_stiffness_with_the_ice_
 	assert grew == pytest.approx(wanted, rel=0.1)
 	assert 1 <= stiffened < ice * 1.02
 	assert (np.diff(found.young.mean(axis=1)) > 0).all() and (np.diff(found.compression.mean(axis=1)) > 0).all()
-	assert found.stiffening[0] == 1
-	assert found.tension[0].max() < 0.02 * found.compression[0].min()  # grains that are let off jolt
+	assert found.tension[0].max() == 0 and found.stiffening[0] == 1
 
 
 def test_the_command_writes_table_and_picture_slow(calibrateCommand):
