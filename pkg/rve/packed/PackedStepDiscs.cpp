@@ -50,13 +50,16 @@ namespace HWY_NAMESPACE {
 				double* const second = view.force + p.second()[l];
 				ofFirst.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
 					store(Add(ofFirst.numbers(first + at), part), first + at);
-					if (!Periodic || !view.sampleStress) return;
-					double* const sum = view.shiftForce + p.shift()[l] + at;
-					store(Add(ofFirst.numbers(sum), part), sum);
 				});
 				ofSecond.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
 					store(MulAdd(part, ofSecond.numbers(signs + at), ofSecond.numbers(second + at)), second + at);
 				});
+			});
+			if (!Periodic || !view.sampleStress) return;
+			forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+				double* const sum = view.shiftForce + p.shift()[l];
+				ofFirst.forRow(
+				        l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED { store(Add(ofFirst.numbers(sum + at), part), sum + at); });
 			});
 		}
 

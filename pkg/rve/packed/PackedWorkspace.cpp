@@ -281,14 +281,22 @@ template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
 	stress /= parameters().volume();
 }
 
+namespace {
+	/// Of a multiple of packedWidth numbers.
+	bool allFinite(const double* numbers, std::size_t count)
+	{
+		double sum[packedWidth] {};
+		for (std::size_t k = 0; k < count; k += packedWidth)
+			for (std::size_t l = 0; l < packedWidth; ++l)
+				sum[l] += numbers[k + l] * 0;
+		return std::all_of(sum, sum + packedWidth, [](double zero) { return zero == 0; });
+	}
+} // namespace
+
 template <int Dim> void PackedWorkspace<Dim>::checkHealth() const
 {
-	double sum = 0;
-	for (std::size_t k = 0; k < 4 * grainCount; ++k)
-		sum += view.place[k] * 0;
-	for (std::size_t k = 0; Dim == 3 && k < 8 * grainCount; ++k)
-		sum += view.speed[k] * 0;
-	if (!(sum == 0)) throw PackedBlowUp("a grain's position or velocity is not finite");
+	if (!allFinite(view.place, 4 * rowCount) || (Dim == 3 && !allFinite(view.speed, 8 * rowCount)))
+		throw PackedBlowUp("a grain's position or velocity is not finite");
 	if (!listsValid) return;
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {

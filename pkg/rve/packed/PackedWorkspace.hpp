@@ -126,6 +126,7 @@ private:
 	void     setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool periodic);
 	void     fillUp(Lanes& lanes, bool periodic);
 	void     setResponse(Lanes& lanes, std::size_t lane);
+	void     setResponses(Lanes& lanes);
 	void     setRolling(Lanes& lanes, std::size_t lane, double shearStiffness);
 	void     setMoments(Lanes& lanes, std::size_t lane, const ContactStiffness& k);
 	void     updateShiftRows();

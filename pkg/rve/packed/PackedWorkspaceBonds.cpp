@@ -106,9 +106,8 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	iceRatio            = newRatio;
 	setStrengths();
 	shrinkGrains(before);
-	for (Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
-			setResponse(*lanes, lane);
+	setResponses(innerLanes);
+	setResponses(periodicLanes);
 	if (births) bondAll();
 }
 
@@ -118,9 +117,8 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengthFactors(const BondStren
 	strengthFactors = factors;
 	setStrengths();
 	if (!carriesBonds) return;
-	for (Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
-			setResponse(*lanes, lane);
+	setResponses(innerLanes);
+	setResponses(periodicLanes);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::setIceStiffness(double factor)

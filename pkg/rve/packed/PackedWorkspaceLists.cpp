@@ -110,8 +110,8 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 			setPair(lanes, lane, pair, crosses);
 			if (known) takeContact(lanes, lane, contacts, contact++);
 			else lanes.forgetHistory(lane);
-			setResponse(lanes, lane);
 		}
+		setResponses(lanes);
 		fillUp(lanes, crosses);
 	}
 	lanesChanged();
@@ -412,8 +412,8 @@ template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lane
 			++at;
 		if (at < old.pairs && old.keys[at] == lanes.keys[lane]) lanes.takeHistory(lane, old, at);
 		else lanes.forgetHistory(lane);
-		setResponse(lanes, lane);
 	}
+	setResponses(lanes);
 	fillUp(lanes, crosses);
 }
 
@@ -443,11 +443,16 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 	}
 }
 
+namespace {
+	/// k_g of grains with such radii [N/m].
+	double grainStiffness(double young, double a, double b) { return 2 * young * a * b / (a + b); }
+} // namespace
+
 template <int Dim> ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes& lanes, std::size_t lane, double ratio) const
 {
 	const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
 	const double            a = grains->radius[rowOf(block.first[lane % packedWidth])], b = grains->radius[rowOf(block.second[lane % packedWidth])];
-	return { 2 * base.ice.grainYoung * a * b / (a + b), base.stiffnessRatio, ratio };
+	return { grainStiffness(base.ice.grainYoung, a, b), base.stiffnessRatio, ratio };
 }
 
 template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lanes, std::size_t lane) const
@@ -456,6 +461,25 @@ template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lane
 	const double            area  = base.ice.bondArea(
 	                    std::min(grains->radius[rowOf(block.first[lane % packedWidth])], grains->radius[rowOf(block.second[lane % packedWidth])]));
 	return { tensileStrength * area, shearStrength * area };
+}
+
+/// setResponse() of all pairs. Grains without bonds and rolling need radii and stiffness only.
+template <int Dim> void PackedWorkspace<Dim>::setResponses(Lanes& lanes)
+{
+	if (Dim == 3 || carriesBonds || resistsRolling) {
+		for (std::size_t lane = 0; lane < lanes.pairs; ++lane)
+			setResponse(lanes, lane);
+		return;
+	}
+	const double *const now = view.radius, *const own = grains->radius.data();
+	const double young = base.ice.grainYoung;
+	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
+		PackedBlock<Dim>&   block = lanes.block[lane / packedWidth];
+		const std::size_t   l     = lane % packedWidth;
+		const std::uint32_t first = rowOf(block.first[l]), second = rowOf(block.second[l]);
+		block.sumRadius[l] = now[first] + now[second];
+		block.stiffness[l] = grainStiffness(young, own[first], own[second]);
+	}
 }
 
 /// Radii, stiffness and bond of a pair into its lane.
@@ -550,6 +574,7 @@ template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
 	template ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes&, std::size_t, double) const;              \
 	template BondStrength     PackedWorkspace<Dim>::strength(const Lanes&, std::size_t) const;                       \
 	template void             PackedWorkspace<Dim>::setResponse(Lanes&, std::size_t);                                \
+	template void             PackedWorkspace<Dim>::setResponses(Lanes&);                                            \
 	template void             PackedWorkspace<Dim>::updateShiftRows();
 TALIK_LISTS_OF(2)
 TALIK_LISTS_OF(3)

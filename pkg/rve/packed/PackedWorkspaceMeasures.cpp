@@ -38,11 +38,17 @@ template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContac
 			const double square = startGeometry(now, *lanes, lane);
 			if (!carriesBonds && square > now.sumRadius * now.sumRadius) continue;
 			fullGeometry(now, square);
-			const IceBond bond = carriesBonds ? lanes->bond[lane].relaxed(now.overlap) : IceBond();
+			const PackedBlock<Dim>& block = lanes->block[lane / packedWidth];
+			const Shear             shear = laneShear<Dim>(block.shear, lane % packedWidth);
+			if (!carriesBonds) {
+				if (now.overlap < 0) continue;
+				visit(now, block.stiffness[lane % packedWidth], block.stiffness[lane % packedWidth] * now.overlap, shear, IceBond());
+				continue;
+			}
+			const IceBond bond = lanes->bond[lane].relaxed(now.overlap);
 			if (now.overlap < 0 && !bond.intact()) continue;
 			const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
-			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset,
-			      laneShear<Dim>(lanes->block[lane / packedWidth].shear, lane % packedWidth), bond);
+			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, shear, bond);
 		}
 }
 
