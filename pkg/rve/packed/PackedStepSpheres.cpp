@@ -110,13 +110,16 @@ namespace HWY_NAMESPACE {
 				double* const second = rowAt<3, 8>(view.force, p.second()[l]) + from;
 				ofFirst.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
 					store(Add(ofFirst.numbers(first + at), part), first + at);
-					if (!Periodic || !view.sampleStress) return;
-					double* const sum = rowAt<3, 8>(view.shiftForce, p.shift()[l]) + from + at;
-					store(Add(ofFirst.numbers(sum), part), sum);
 				});
 				ofSecond.forRow(l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED {
 					store(MulAdd(ofSecond.numbers(lessFour + from + at), part, ofSecond.numbers(second + at)), second + at);
 				});
+			});
+			if (!Periodic || !view.sampleStress) return;
+			forRows([&](std::size_t l) HWY_ATTR TALIK_INLINED {
+				double* const sum = rowAt<3, 8>(view.shiftForce, p.shift()[l]) + from;
+				ofFirst.forRow(
+				        l, [&](auto part, std::size_t at) HWY_ATTR TALIK_INLINED { store(Add(ofFirst.numbers(sum + at), part), sum + at); });
 			});
 		}
 
