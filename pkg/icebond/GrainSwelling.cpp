@@ -95,7 +95,7 @@ void GrainSwelling::postLoad(GrainSwelling&)
 	const Real full = fullThawStrain();
 	// a little more than the full value: it is usually typed with a few digits
 	require(thawStrain >= 0 && thawStrain <= full * (1 + 1e-3), "thawStrain", thawStrain,
-	        "give 0 to " + boost::lexical_cast<string>(full) + ", the value at which all of eq. (8) acts.");
+	        "give 0 to " + talik::asText(full) + ", the value at which all of eq. (8) acts.");
 }
 
 Real GrainSwelling::equivalentRatio(Real iceSaturation) const { return talik::equivalentRadiusRatio(porosity, volumetricStrain, iceSaturation, dimension); }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
-#include <boost/lexical_cast.hpp>
 #include <boost/python.hpp>
 #include <cmath>
 #include <initializer_list>
 #include <lib/base/Math.hpp>
 #include <lib/serialization/Serializable.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -76,6 +76,15 @@ template <class Work> auto underScriptNames(std::initializer_list<std::pair<cons
 	}
 }
 
+/// A number in a sentence, as a script gives it.
+inline std::string asText(double number)
+{
+	std::ostringstream text;
+	text.precision(10);
+	text << number;
+	return text.str();
+}
+
 /// AttributeError of Python with this sentence.
 [[noreturn]] inline void raiseAttributeError(const std::string& text)
 {
@@ -94,7 +103,7 @@ struct AttributeRefusal {
 	void operator()(bool valid, const char* attribute, Real value, const string& remedy) const
 	{
 		if (valid && std::isfinite(value)) return;
-		throw std::invalid_argument(string(className) + "." + attribute + " is " + boost::lexical_cast<string>(value) + ": " + remedy);
+		throw std::invalid_argument(string(className) + "." + attribute + " is " + talik::asText(value) + ": " + remedy);
 	}
 };
 

@@ -182,6 +182,8 @@ def check(mpm):
 
 	>>> talik.check(mpm)
 	[]"""
+	if not isinstance(mpm, MpmEngine):
+		raise TypeError(f"talik.check: got {mpm!r}; give an MpmEngine")
 	doubts = mpm.doubts()
 	for doubt in doubts:
 		print(doubt)

@@ -7,6 +7,7 @@
 """
 
 import math
+import numbers
 import time
 from contextlib import contextmanager
 
@@ -34,7 +35,7 @@ def runUntil(instant, look=None, interval=0.2, progress=False):
 	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene.
 
 	>>> talik.runUntil(O.time + 2 * O.dt)"""
-	if O.time >= instant:
+	if _number("instant", instant, "s of O.time") <= O.time:
 		return
 	if progress:
 		with _shown(Progress(endTime=instant)) as bar:
@@ -60,7 +61,7 @@ def runUntilDay(mpm, day, look=None, longest=math.inf, progress=False):
 	"""As runUntil, until the calendar of `mpm` reaches `day`, but at most until O.time is `longest` [s].
 
 	>>> talik.runUntilDay(mpm, mpm.calendar["day"], longest=O.time + 1)"""
-	if mpm.calendar["day"] >= day:
+	if _number("day", day, "days of the calendar") <= mpm.calendar["day"]:
 		return
 	if not _runs(mpm, O.engines):
 		raise ValueError("runUntilDay: the ground is not among O.engines, so that its calendar stands still; set O.engines = [mpm] first")
@@ -69,6 +70,13 @@ def runUntilDay(mpm, day, look=None, longest=math.inf, progress=False):
 			return runUntilDay(mpm, day, _both(look, bar.update), longest)
 	mpm.stopAtDay = day
 	runUntil(longest, look)
+
+
+def _number(name, value, unit):
+	"""The value, which may be infinite; ValueError if it is no number."""
+	if not isinstance(value, numbers.Real) or math.isnan(value):
+		raise ValueError(f"{name} is {value!r}; give a number, in {unit}")
+	return value
 
 
 def _runs(mpm, engines):

@@ -489,7 +489,10 @@ def listOf(samples):
 
 	>>> talik.rve.listOf(sample) == [sample]
 	True"""
-	return list(samples) if isinstance(samples, (list, tuple)) else [samples]
+	several = list(samples) if isinstance(samples, (list, tuple)) else [samples]
+	if not several:
+		raise ValueError("samples is an empty list; give at least one sample, e.g. talik.rve.pack(talik.rve.prepare())")
+	return several
 
 
 def pack(sample):

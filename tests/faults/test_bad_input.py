@@ -291,6 +291,16 @@ wrong = {
 		"FixedBoundary.times",
 		"2 numbers",
 	),
+	"one ground twice in a scene": (lambda s: (setattr(O, "engines", [ground(stepped=False)] * 2), O.step()), "O.engines", "more than once"),
+	"table of days that run backwards": (
+		lambda s: side(wrapper.SurfaceTemperature(region="surface", days=[10, 0], values=[-5, 10])),
+		"SurfaceTemperature.days/values",
+		"day 10",
+	),
+	"run until an instant in quotes": (lambda s: talik.runUntil("3"), "instant", "'3'"),
+	"run until no day": (lambda s: talik.runUntilDay(ground(), nan), "day", "nan"),
+	"check of what is no ground": (lambda s: talik.check(3), "talik.check", "3"),
+	"friction of no sample": (lambda s: talik.calibrate.thawedFriction([]), "samples", "empty"),
 	# geometry and files
 	"outline of two corners": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 1)], 0.1), "polygon", "2"),
 	"outline not a number": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (nan, 1)], 0.1), "polygon", "not finite"),

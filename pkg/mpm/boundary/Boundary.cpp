@@ -314,10 +314,11 @@ void TimeTable::validate(const std::string& owner) const
 	for (std::size_t i = 0; i < times_.size(); ++i) {
 		if (!std::isfinite(times_[i]) || !std::isfinite(values_[i]))
 			throw std::invalid_argument(owner + ": entry " + std::to_string(i) + " of the table is not finite; give finite times and values");
-		if (i > 0 && times_[i] <= times_[i - 1])
-			throw std::invalid_argument(
-			        owner + ": time " + std::to_string(times_[i]) + " follows " + std::to_string(times_[i - 1])
-			        + " in the table; times must increase");
+		if (i == 0 || times_[i] > times_[i - 1]) continue;
+		std::ostringstream text;
+		text << owner << ": entry " << i << " of the table is at " << times_[i] << " s, day " << times_[i] / 86400 << ", the one before it at "
+		     << times_[i - 1] << " s, day " << times_[i - 1] / 86400 << "; times must increase";
+		throw std::invalid_argument(text.str());
 	}
 }
 

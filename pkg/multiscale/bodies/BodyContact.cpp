@@ -106,7 +106,7 @@ void BodyContact::refuseOverlap(const Scene& scene, const SceneBodies& met) cons
 	const auto overlap = met.deepestOverlap();
 	if (overlap.met < 0) return;
 	refuse(*(*scene.bodies)[met.id(overlap.met)],
-	       "the ground's material points lie up to " + boost::lexical_cast<string>(overlap.depth) + " m inside it: move it or leave the ground out there");
+	       "the ground's material points lie up to " + talik::asText(overlap.depth) + " m inside it: move it or leave the ground out there");
 }
 
 void BodyContact::limitByContact(const Scene& scene, const SceneBodies& met)
@@ -191,8 +191,8 @@ Real BodyContact::groundStep(const Scene& scene, Real stableStep) const
 	const Real longest = std::min(stableStep, contactLimit);
 	if (scene.dt > contactLimit * (1 + 1e-9))
 		throw std::runtime_error(
-		        "MpmEngine: O.dt = " + boost::lexical_cast<string>(scene.dt) + " s is too long for the contact of ground and bodies: set it to at most "
-		        + boost::lexical_cast<string>(contactLimit) + " s, or lower BodyContact.stiffness.");
+		        "MpmEngine: O.dt = " + talik::asText(scene.dt) + " s is too long for the contact of ground and bodies: set it to at most "
+		        + talik::asText(contactLimit) + " s, or lower BodyContact.stiffness.");
 	const Real more = std::floor((longest - due(scene)) / scene.dt * (1 + 1e-12));
 	return due(scene) + scene.dt * std::max(Real(0), std::min(more, Real(bodySteps - 1)));
 }

@@ -4,6 +4,7 @@
 #include <pkg/multiscale/checkpoints/Checkpoint.hpp>
 #include <pkg/multiscale/checkpoints/CheckpointParts.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/python/ScriptValues.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 
@@ -327,7 +328,7 @@ namespace {
 
 void Checkpoint::start()
 {
-	if (!(every >= 0)) throw std::invalid_argument("Checkpoint.every is " + boost::lexical_cast<string>(every) + ": give 0 or more seconds.");
+	if (!(every >= 0)) throw std::invalid_argument("Checkpoint.every is " + talik::asText(every) + ": give 0 or more seconds.");
 	if (onSignal != 0 && onSignal != SIGUSR1 && onSignal != SIGUSR2)
 		throw std::invalid_argument(
 		        "Checkpoint.onSignal is " + std::to_string(onSignal) + ": give signal.SIGUSR1, signal.SIGUSR2, or 0 for none; others end a process.");

@@ -220,7 +220,7 @@ int MpmEngine::pick(const py::object& x, const py::object& y, const py::object& 
 	string           text;
 	for (int a = 0; a < g.dimension(); ++a) {
 		at[a] = py::extract<Real>(coordinates[a]);
-		text += (a ? ", " : "(") + boost::lexical_cast<string>(at[a]);
+		text += (a ? ", " : "(") + talik::asText(at[a]);
 	}
 	vector<vector<Real>> position(g.dimension(), vector<Real>(pointCount()));
 	for (int a = 0; a < g.dimension(); ++a)
@@ -286,8 +286,7 @@ namespace {
 
 void MpmEngine::watch(py::object ids, Real interval, py::object names)
 {
-	if (!(interval >= 0))
-		throw std::invalid_argument("MpmEngine.watch: interval is " + boost::lexical_cast<string>(interval) + ": give 0 or more seconds.");
+	if (!(interval >= 0)) throw std::invalid_argument("MpmEngine.watch: interval is " + talik::asText(interval) + ": give 0 or more seconds.");
 	followInputs();
 	watchesDefault = py::len(names) == 0;
 	shared_ptr<PointWatch> wanted(new PointWatch);
@@ -297,8 +296,7 @@ void MpmEngine::watch(py::object ids, Real interval, py::object names)
 	for (int k = 0; k < (numbers.get_nd() == 0 ? 1 : numbers.shape(0)); ++k) {
 		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))
 			throw std::invalid_argument(
-			        "MpmEngine.watch: " + boost::lexical_cast<string>(data[k]) + " is no point: give ids from 0 to "
-			        + std::to_string(pointCount() - 1) + ".");
+			        "MpmEngine.watch: " + talik::asText(data[k]) + " is no point: give ids from 0 to " + std::to_string(pointCount() - 1) + ".");
 		if (std::find(wanted->ids.begin(), wanted->ids.end(), int(data[k])) == wanted->ids.end()) wanted->ids.push_back(int(data[k]));
 	}
 	for (int k = 0; k < py::len(names); ++k) {
@@ -405,8 +403,7 @@ py::list MpmEngine::events()
 
 void MpmEngine::setDay(Real day)
 {
-	if (!std::isfinite(day))
-		throw std::invalid_argument("MpmEngine.setDay: day is " + boost::lexical_cast<string>(day) + ": give a finite number of days.");
+	if (!std::isfinite(day)) throw std::invalid_argument("MpmEngine.setDay: day is " + talik::asText(day) + ": give a finite number of days.");
 	runningGround().setCalendar(day * secondsPerDay);
 	begun = true;
 }
@@ -450,8 +447,7 @@ void MpmEngine::setTemperature(py::object values)
 	const Real* data = reinterpret_cast<const Real*>(array.get_data());
 	for (int id = 0; id < (same ? 1 : n); ++id)
 		if (!(data[id] > -100 && data[id] < 100))
-			throw std::invalid_argument(
-			        "MpmEngine.setTemperature: temperature is " + boost::lexical_cast<string>(data[id]) + ": give -100 to 100 degC.");
+			throw std::invalid_argument("MpmEngine.setTemperature: temperature is " + talik::asText(data[id]) + ": give -100 to 100 degC.");
 	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
 	meetBefore("MpmEngine.setTemperature");
 	begun = true;

@@ -192,8 +192,7 @@ void MpmEngine::checkPresence() const
 	if (pointCount() == 0)
 		throw std::invalid_argument(
 		        "MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
-	if (!(gridSpacing > 0))
-		throw std::invalid_argument("MpmEngine.gridSpacing is " + boost::lexical_cast<string>(gridSpacing) + ": give a positive spacing in m.");
+	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + talik::asText(gridSpacing) + ": give a positive spacing in m.");
 	checkMaterials();
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
 	if (freezing && water && freezing->residualSaturation < 0.01)
@@ -221,7 +220,7 @@ void MpmEngine::checkPresence() const
 void MpmEngine::checkChangeable() const
 {
 	const auto require = [](bool valid, const char* name, Real value, const char* remedy) {
-		if (!valid) throw std::invalid_argument("MpmEngine." + string(name) + " is " + boost::lexical_cast<string>(value) + ": give " + remedy + ".");
+		if (!valid) throw std::invalid_argument("MpmEngine." + string(name) + " is " + talik::asText(value) + ": give " + remedy + ".");
 	};
 	for (int axis = 0; axis < gravity.components(); ++axis)
 		require(std::isfinite(gravity[axis]), "gravity", gravity[axis], "finite components in m/s^2");
@@ -448,7 +447,7 @@ void MpmEngine::checkFixed() const
 	effect(bool(s.bodies), bool(bodies), "bodies");
 	effect(bool(s.thawFront), bool(thawFront), "thawFront");
 	require(distribute == distributeInForce, "distribute", distribute);
-	require(s.gridSpacing == gridSpacing, "gridSpacing", boost::lexical_cast<string>(gridSpacing));
+	require(s.gridSpacing == gridSpacing, "gridSpacing", talik::asText(gridSpacing));
 	groundOfScene->checkBox(*this);
 	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
 	require(!built || built->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
@@ -530,8 +529,7 @@ void MpmEngine::followTolerance()
 {
 	if ((tolerance == 0) != (toleranceInForce == 0))
 		throw std::invalid_argument(
-		        "MpmEngine.tolerance was " + boost::lexical_cast<string>(toleranceInForce) + " when the ground started and is "
-		        + boost::lexical_cast<string>(tolerance)
+		        "MpmEngine.tolerance was " + talik::asText(toleranceInForce) + " when the ground started and is " + talik::asText(tolerance)
 		        + ": change it while running to other values above 0 only; to switch it on or off, begin anew.");
 	for (const auto& law : activeSkeletons())
 		law->setTolerance(tolerance);
@@ -563,11 +561,11 @@ int MpmEngine::findStableStep()
 
 int MpmEngine::subSteps(double dt) const
 {
-	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("O.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("O.dt is " + talik::asText(dt) + ": give a positive time step in s.");
 	const double steps = std::ceil(dt / stableStep * (1 - 1e-12));
 	if (!(steps < 1e6))
 		throw std::runtime_error(
-		        "MpmEngine: O.dt = " + boost::lexical_cast<string>(dt) + " s exceeds the stable time step " + boost::lexical_cast<string>(stableStep)
+		        "MpmEngine: O.dt = " + talik::asText(dt) + " s exceeds the stable time step " + talik::asText(stableStep)
 		        + " s a million times: lower O.dt or set automaticTimeStep=True.");
 	return std::max(1, int(steps));
 }
@@ -608,8 +606,16 @@ void MpmEngine::action()
 	}
 }
 
+void MpmEngine::checkEngines() const
+{
+	const auto isThis = [this](const auto& engine) { return engine.get() == this; };
+	if (std::count_if(scene->engines.begin(), scene->engines.end(), isThis) > 1)
+		throw std::invalid_argument("MpmEngine is in O.engines more than once: each step would move the ground as often; leave it in once.");
+}
+
 void MpmEngine::stepGround()
 {
+	if (!begun) checkEngines();
 	initialise();
 	begun = true;
 	followAttributes();

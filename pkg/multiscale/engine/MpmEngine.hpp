@@ -94,6 +94,7 @@ public:
 
 private:
 	void                            checkPresence() const;
+	void                            checkEngines() const;
 	void                            checkMaterials() const;
 	int                             materialNumber(const string& name) const;
 	::boost::python::object         materialNumbers(const ::boost::python::object& given) const;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
-#include <boost/lexical_cast.hpp>
 #include <boost/python/numpy.hpp>
 #include <cmath>
 #include <core/Scene.hpp>
@@ -9,6 +8,7 @@
 #include <numeric>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/PointTable.hpp>
+#include <pkg/python/ScriptValues.hpp>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -69,8 +69,7 @@ namespace {
 		for (const double number : column)
 			if (number != std::floor(number) || std::abs(number) > 1e9)
 				throw std::invalid_argument(
-				        "MpmEngine.addPoints: " + name + " is " + boost::lexical_cast<std::string>(number) + ": give " + list
-				        + ", a whole number.");
+				        "MpmEngine.addPoints: " + name + " is " + talik::asText(number) + ": give " + list + ", a whole number.");
 	}
 } // namespace
 

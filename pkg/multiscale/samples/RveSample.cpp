@@ -112,7 +112,7 @@ shared_ptr<RveSample> RveSample::fromScene(const shared_ptr<Scene>& scene)
 	const Real overlap = sample->withState([](const auto& s) { return SampleOf<decltype(s)>(s).statistics().maxOverlapRatio; });
 	if (!(overlap < 1))
 		throw std::invalid_argument(
-		        "RveSample.fromScene: grains of the scene overlap by " + boost::lexical_cast<string>(overlap)
+		        "RveSample.fromScene: grains of the scene overlap by " + talik::asText(overlap)
 		        + " of a radius, which no sample survives: move them apart, or let them come to rest first.");
 	const auto frame = talik::copyScene(scene);
 	frame->interactions->clear(); // the state has them
@@ -139,8 +139,7 @@ namespace {
 	void requireSaturation(const char* method, Real iceSaturation)
 	{
 		if (iceSaturation >= 0 && iceSaturation <= 1) return;
-		throw std::invalid_argument(
-		        string(method) + ": iceSaturation is " + boost::lexical_cast<string>(iceSaturation) + ": give a saturation from 0 to 1.");
+		throw std::invalid_argument(string(method) + ": iceSaturation is " + talik::asText(iceSaturation) + ": give a saturation from 0 to 1.");
 	}
 
 	/// How an increment is applied to a sample of either form.
@@ -200,7 +199,7 @@ bool RveSample::servo(Real stressX, Real stressY, const py::object& stressZ)
 	for (int d = 0; d < dimension(); ++d)
 		if (!std::isfinite(stresses[d]) || !(stresses[d] < 0))
 			throw std::invalid_argument(
-			        string("RveSample.servo: stress") + axes[d] + " is " + boost::lexical_cast<string>(stresses[d])
+			        string("RveSample.servo: stress") + axes[d] + " is " + talik::asText(stresses[d])
 			        + " Pa: give a compression, that is a negative number.");
 	return withState([&](const auto& s) {
 		constexpr int                  dim = dimensionOf<std::decay_t<decltype(s)>>;
@@ -285,8 +284,7 @@ py::object RveSample::stateBytes() const
 
 void RveSample::setTimeStep(Real dt)
 {
-	if (!(dt > 0) || !std::isfinite(dt))
-		throw std::invalid_argument("RveSample.dt is " + boost::lexical_cast<string>(dt) + ": give a positive time step in s.");
+	if (!(dt > 0) || !std::isfinite(dt)) throw std::invalid_argument("RveSample.dt is " + talik::asText(dt) + ": give a positive time step in s.");
 	withState([&](auto s) {
 		s.dt = dt;
 		setPacked(std::move(s));
@@ -299,11 +297,11 @@ void RveSample::setThawStrain(Real strain)
 		const Real porosity = SampleOf<decltype(s)>(s).statistics().porosity;
 		if (!(strain >= 0 && strain <= porosity))
 			throw std::invalid_argument(
-			        "RveSample.thawStrain is " + boost::lexical_cast<string>(strain) + ": it must lie between 0 and the porosity of the sample, "
-			        + boost::lexical_cast<string>(porosity) + ", which is all of eq. (8).");
+			        "RveSample.thawStrain is " + talik::asText(strain) + ": it must lie between 0 and the porosity of the sample, "
+			        + talik::asText(porosity) + ", which is all of eq. (8).");
 		if (s.iceSaturation > 0)
 			throw std::invalid_argument(
-			        "RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + boost::lexical_cast<string>(s.iceSaturation)
+			        "RveSample.thawStrain is set on a sample that holds ice (iceSaturation " + talik::asText(s.iceSaturation)
 			        + "): set it before the sample freezes.");
 		s.thawStrain.thawStrain = strain;
 		setPacked(std::move(s));
@@ -313,7 +311,7 @@ void RveSample::setThawStrain(Real strain)
 void RveSample::setThawedStrength(Real strength)
 {
 	if (!(strength >= 0) || !std::isfinite(strength))
-		throw std::invalid_argument("RveSample.thawedStrength is " + boost::lexical_cast<string>(strength) + ": give a strength in Pa, 0 or more.");
+		throw std::invalid_argument("RveSample.thawedStrength is " + talik::asText(strength) + ": give a strength in Pa, 0 or more.");
 	withState([&](auto s) {
 		if (!s.ice.formsBondsEver())
 			throw std::invalid_argument("RveSample.thawedStrength is set on a sample whose grains carry no ice bonds: prepare it with ice=True.");

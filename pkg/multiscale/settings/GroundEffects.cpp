@@ -139,10 +139,10 @@ talik::FreezingCurvePtr FreezingCurve::build() const
                 const string parameter = parameterName(curve, attribute);
                 if (!hasParameter(curve, parameter))
                         throw std::invalid_argument(
-			                    "FreezingCurve." + attribute + " = " + boost::lexical_cast<string>(value) + ": the curve " + curve + " has none; leave it out");
+			                    "FreezingCurve." + attribute + " = " + talik::asText(value) + ": the curve " + curve + " has none; leave it out");
                 if (parameter != "frozenTemperature") given[parameter] = value;
                 else if (value > 0) given[parameter] = freezingTemperature - value;
-                else throw std::invalid_argument("FreezingCurve.width = " + boost::lexical_cast<string>(value) + ": must be positive, in K");
+                else throw std::invalid_argument("FreezingCurve.width = " + talik::asText(value) + ": must be positive, in K");
 	};
 	const string prefix = "freezingCurve." + curve + ".";
 	return talik::underScriptNames(

@@ -106,8 +106,7 @@ private:
 	{
 		for (std::size_t k = 0; k < count; ++k)
 			if (!(given[k] > -100.0 && given[k] < 100.0))
-				throw std::domain_error(
-				        "gave a temperature of " + boost::lexical_cast<std::string>(given[k]) + ", which is not between -100 and 100 degC");
+				throw std::domain_error("gave a temperature of " + talik::asText(given[k]) + ", which is not between -100 and 100 degC");
 	}
 
 	void ask(const BoundaryNodes<D>& nodes)
