@@ -541,39 +541,58 @@ template <int D> double ThawFront<D>::jumpByDrag(int slot, int axis, double dt) 
 /// Normal, area and the motion that each side would have without the other.
 template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>& constraints, double dt)
 {
-	using M            = SolidMotion<D>;
+	Meeting& m = meetings_[slot];
+	m          = Meeting();
+	if (!(m.meets = findFront(slot, constraints))) return;
+	moveApart(slot, constraints, dt);
+	m.resting = settles_ && rests(m, dt);
+	takeThawedMeans(slot, constraints);
+}
+
+/// Masses, area and normal of a node; false where the sides do not meet.
+template <int D> bool ThawFront<D>::findFront(int slot, const MotionConstraints<D>& constraints)
+{
 	const int     node = nodes_[slot];
-	const double* all  = motion_->nodes[node];
-	const double* r    = record(slot);
+	const double *all = motion_->nodes[node], *r = record(slot);
+	const double  mass = all[SolidMotion<D>::massAt];
 	Meeting&      m    = meetings_[slot];
-	m                  = Meeting();
-	if (!(all[M::massAt] > 0.0)) return; // a ghost, folded into its image
+	if (!(mass > 0.0)) return false; // a ghost, folded into its image
 	m.solid  = { r[massAt], r[thawedMassAt] };
 	m.liquid = { r[liquidMassAt], r[thawedLiquidMassAt] };
-	for (const double mass : m.solid)
-		if (!(mass > smallestMassShare * all[M::massAt])) return;
-	if (!(r[thawedVolumeAt] > 0.0)) return;
+	for (const double solid : m.solid)
+		if (!(solid > smallestMassShare * mass)) return false;
+	if (!(r[thawedVolumeAt] > 0.0)) return false;
 	Vec<D> own {};
 	for (int a = 0; a < D; ++a)
 		if (!constraints.solidFixed(node, a)) own[a] = r[areaAt + a];
 	m.area = lengthOf<D>(own);
-	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return;
-	m.friction = r[frictionAt] / r[thawedVolumeAt];
+	if (!(m.area * spacing_ > smallestDefinition * std::min(r[volumeAt], r[thawedVolumeAt]))) return false;
+	m.friction     = r[frictionAt] / r[thawedVolumeAt];
+	m.frozenVolume = r[volumeAt];
+	m.inside       = r[volumeAt] >= insideShare * volume_[node];
 	// the stress of samples feels the steps, too, and the mean over a corner would part a pocket of them from its roof
 	m.normal            = statesStrength(m) ? areaAround(node, own, constraints) : own;
 	const double length = lengthOf<D>(m.normal);
-	if (!(length > 0.0)) return;
-	m.meets               = true;
-	m.frozenVolume        = r[volumeAt];
-	m.inside              = r[volumeAt] >= insideShare * volume_[node];
-	const double mass[2]  = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
-	const double together = mass[0] * mass[1] / (mass[0] + mass[1]);
-	m.follows             = followingLiquid(node, dt);
+	if (!(length > 0.0)) return false;
+	for (double& component : m.normal)
+		component /= length;
+	return true;
+}
+
+/// Jump between the sides, and the force with which they press, if neither felt the other.
+template <int D> void ThawFront<D>::moveApart(int slot, const MotionConstraints<D>& constraints, double dt)
+{
+	using M            = SolidMotion<D>;
+	const int     node = nodes_[slot];
+	const double *all = motion_->nodes[node], *r = record(slot);
+	Meeting&      m        = meetings_[slot];
+	const double  mass[2]  = { m.solid[0] + m.liquid[0], m.solid[1] + m.liquid[1] };
+	const double  together = mass[0] * mass[1] / (mass[0] + mass[1]);
+	m.follows              = followingLiquid(node, dt);
 	for (int side = 0; side < 2; ++side)
 		m.moved[side] = m.solid[side] + m.follows * m.liquid[side];
 	m.reducedMass = m.moved[0] * m.moved[1] / (m.moved[0] + m.moved[1]);
 	for (int a = 0; a < D; ++a) {
-		m.normal[a] /= length;
 		if (constraints.solidFixed(node, a)) continue;
 		const double force[2] = { r[forceAt + a], all[M::forceAt + a] - r[forceAt + a] };
 		const double parting  = force[1] / mass[1] - force[0] / mass[0];
@@ -581,18 +600,25 @@ template <int D> void ThawFront<D>::prepare(int slot, const MotionConstraints<D>
 		if (water_) m.jump[a] += jumpByDrag(slot, a, dt);
 		m.pressing -= together * parting * m.normal[a];
 	}
-	m.resting  = settles_ && rests(m, dt);
-	m.cohesion = r[cohesionAt] / r[thawedVolumeAt];
-	m.pressure = r[pressureAt] / r[thawedVolumeAt];
+}
+
+/// What the thawed points bring to the contact, by their volume.
+template <int D> void ThawFront<D>::takeThawedMeans(int slot, const MotionConstraints<D>& constraints)
+{
+	const double* r      = record(slot);
+	const double  volume = r[thawedVolumeAt];
+	Meeting&      m      = meetings_[slot];
+	m.cohesion           = r[cohesionAt] / volume;
+	m.pressure           = r[pressureAt] / volume;
 	if (water_) {
-		m.held     = r[heldVolumeAt] / r[thawedVolumeAt];
+		m.held     = r[heldVolumeAt] / volume;
 		m.buoyancy = buoyancyOf(slot);
 	}
-	m.impedance = std::sqrt(r[modulusAt] * mass[1]) / r[thawedVolumeAt];
+	m.impedance = std::sqrt(r[modulusAt] * (m.solid[1] + m.liquid[1])) / volume;
 	for (int i = 0; i < D; ++i) {
-		if (constraints.solidFixed(node, i)) continue; // a wall takes it
+		if (constraints.solidFixed(nodes_[slot], i)) continue; // a wall takes it
 		for (int j = 0; j < D; ++j)
-			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / r[thawedVolumeAt];
+			m.traction[i] += r[stressAt + stressIndex<D>(i, j)] * m.normal[j] / volume;
 	}
 }
 

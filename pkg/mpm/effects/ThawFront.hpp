@@ -174,6 +174,9 @@ private:
 	double        followingLiquid(int node, double dt) const;
 	double        jumpByDrag(int slot, int axis, double dt) const;
 	void          prepare(int slot, const MotionConstraints<D>& constraints, double dt);
+	bool          findFront(int slot, const MotionConstraints<D>& constraints);
+	void          moveApart(int slot, const MotionConstraints<D>& constraints, double dt);
+	void          takeThawedMeans(int slot, const MotionConstraints<D>& constraints);
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
