@@ -155,11 +155,10 @@ private:
 	static std::uint32_t rowOf(std::uint32_t offset) { return offset / PackedLayout<Dim>::row; }
 	Lanes&               lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 
-	Geometry                      geometry(const Lanes& lanes, std::size_t lane) const;
-	double                        startGeometry(Geometry& pair, const Lanes& lanes, std::size_t lane) const;
-	void                          fullGeometry(Geometry& pair, double squareDistance) const;
-	ContactStiffness              stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
-	BondStrength                  strength(const Lanes& lanes, std::size_t lane) const;
+	Geometry         geometry(const Lanes& lanes, std::size_t lane) const;
+	void             blockGeometry(const PackedPairs<Dim>& pairs, std::size_t block, Geometry (&result)[packedWidth], double (&square)[packedWidth]) const;
+	ContactStiffness stiffness(const Lanes& lanes, std::size_t lane, double ratio) const;
+	BondStrength     strength(const Lanes& lanes, std::size_t lane) const;
 	template <class Visitor> void forContacts(Visitor&& visit) const;
 
 	mutable PackedParameters<Dim>       base; ///< its cell matrices are brought up to date from the view on request

@@ -8,47 +8,65 @@ namespace talik {
 
 template <int Dim> typename PackedWorkspace<Dim>::Geometry PackedWorkspace<Dim>::geometry(const Lanes& lanes, std::size_t lane) const
 {
-	Geometry result;
-	fullGeometry(result, startGeometry(result, lanes, lane));
-	return result;
-}
-
-/// Square of the distance of a pair; what else is known of it is set, and n is its branch [m].
-template <int Dim> double PackedWorkspace<Dim>::startGeometry(Geometry& pair, const Lanes& lanes, std::size_t lane) const
-{
+	Geometry pair;
 	pair.rows      = pairRows(view, &lanes == &periodicLanes ? view.periodic : view.inner, lane);
+	pair.distance  = std::sqrt(pairBranch(view, pair.rows, pair.n));
 	pair.sumRadius = lanes.block[lane / packedWidth].sumRadius[lane % packedWidth];
-	return pairBranch(view, pair.rows, pair.n);
+	pair.overlap   = pair.sumRadius - pair.distance;
+	for (double& component : pair.n)
+		component /= pair.distance;
+	return pair;
 }
 
-template <int Dim> void PackedWorkspace<Dim>::fullGeometry(Geometry& pair, double squareDistance) const
+/// Geometry of all pairs of a block; square: of their distances [m2].
+template <int Dim>
+void PackedWorkspace<Dim>::blockGeometry(const PackedPairs<Dim>& pairs, std::size_t b, Geometry (&result)[packedWidth], double (&square)[packedWidth]) const
 {
-	pair.distance = std::sqrt(squareDistance);
-	pair.overlap  = pair.sumRadius - pair.distance;
-	for (int d = 0; d < Dim; ++d)
-		pair.n[d] /= pair.distance;
+	double                  branch[Dim][packedWidth], distance[packedWidth];
+	const PackedBlock<Dim>& block = pairs.block[b];
+	for (std::size_t l = 0; l < packedWidth; ++l) {
+		double n[Dim];
+		result[l].rows = pairRows(view, pairs, b * packedWidth + l);
+		square[l]      = pairBranch(view, result[l].rows, n);
+		for (int d = 0; d < Dim; ++d)
+			branch[d][l] = n[d];
+	}
+	for (std::size_t l = 0; l < packedWidth; ++l) {
+		distance[l] = std::sqrt(square[l]);
+		for (int d = 0; d < Dim; ++d)
+			branch[d][l] /= distance[l];
+	}
+	for (std::size_t l = 0; l < packedWidth; ++l) {
+		result[l].distance  = distance[l];
+		result[l].sumRadius = block.sumRadius[l];
+		result[l].overlap   = block.sumRadius[l] - distance[l];
+		for (int d = 0; d < Dim; ++d)
+			result[l].n[d] = branch[d][l];
+	}
 }
 
 /// Calls visitor(geometry, normal stiffness, normal force, shear, bond) for every contact that bears or could bear a force.
 template <int Dim> template <class Visitor> void PackedWorkspace<Dim>::forContacts(Visitor&& visit) const
 {
 	for (const Lanes* lanes : { &innerLanes, &periodicLanes })
-		for (std::size_t lane = 0; lane < lanes->pairs; ++lane) {
-			Geometry     now;
-			const double square = startGeometry(now, *lanes, lane);
-			if (!carriesBonds && square > now.sumRadius * now.sumRadius) continue;
-			fullGeometry(now, square);
-			const PackedBlock<Dim>& block = lanes->block[lane / packedWidth];
-			const Shear             shear = laneShear<Dim>(block.shear, lane % packedWidth);
-			if (!carriesBonds) {
-				if (now.overlap < 0) continue;
-				visit(now, block.stiffness[lane % packedWidth], block.stiffness[lane % packedWidth] * now.overlap, shear, IceBond());
-				continue;
+		for (std::size_t b = 0; b < lanes->block.size(); ++b) {
+			const PackedBlock<Dim>& block = lanes->block[b];
+			Geometry                pairs[packedWidth];
+			double                  square[packedWidth];
+			blockGeometry(lanes == &periodicLanes ? view.periodic : view.inner, b, pairs, square);
+			for (std::size_t l = 0; l < std::min(packedWidth, lanes->pairs - b * packedWidth); ++l) {
+				const Geometry& now = pairs[l];
+				if (!carriesBonds) {
+					if (square[l] > now.sumRadius * now.sumRadius || now.overlap < 0) continue;
+					visit(now, block.stiffness[l], block.stiffness[l] * now.overlap, laneShear<Dim>(block.shear, l), IceBond());
+					continue;
+				}
+				const std::size_t lane = b * packedWidth + l;
+				const IceBond     bond = lanes->bond[lane].relaxed(now.overlap);
+				if (now.overlap < 0 && !bond.intact()) continue;
+				const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
+				visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, laneShear<Dim>(block.shear, l), bond);
 			}
-			const IceBond bond = lanes->bond[lane].relaxed(now.overlap);
-			if (now.overlap < 0 && !bond.intact()) continue;
-			const ContactResponse<double> contact = bond.response(stiffness(*lanes, lane, iceRatio), strength(*lanes, lane));
-			visit(now, contact.stiffness, contact.stiffness * now.overlap - contact.offset, shear, bond);
 		}
 }
 
