@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 begin, end = "<!-- validation table: written by scripts/test -L validation --markdown -->", "<!-- end of the validation table -->"
+slowBegin, slowEnd = "<!-- slow validation table: written by scripts/test -L validation --all --markdown -->", "<!-- end of the slow validation table -->"
 slabBegin, slabEnd = "<!-- slab table: written by scripts/test -L validation --all --markdown -->", "<!-- end of the slab table -->"
 slabRow = re.compile(r"slab on a frozen base, (?P<what>.*): X/h = (?P<thickness>[\d.]+), front (?P<above>[\d.]+) h above a node, u over a t\^2/2")
 slabTests = ("LayerOfAnyThickness", "LayerOnAFrontInclined", "MeanOfALayer")  # that the table of the slab is made of
@@ -28,6 +29,15 @@ def readRows(folder):
 		row["case"], _, row["figure"] = (part.strip().replace("|", "to") for part in row["name"].partition(":"))  # a bar ends a cell of the table
 		row["error"], row["tolerance"] = float(row["error"]), float(row["tolerance"])
 	return rows
+
+
+def bySpeed(rows):
+	"""(begin, end, rows) of the table of the everyday tests and of that of the slow ones, which may be empty."""
+	slow = [row["test"].endswith("_slow") for row in rows]
+	return (
+		(begin, end, [row for row, isSlow in zip(rows, slow) if not isSlow]),
+		(slowBegin, slowEnd, [row for row, isSlow in zip(rows, slow) if isSlow]),
+	)
 
 
 def severity(row):
@@ -86,36 +96,40 @@ def writeBetween(page, first, last, table):
 
 
 def writeInto(page, rows):
-	"""Writes the tables of a page anew; that of the slab only where the slow tests have left its rows."""
-	writeBetween(page, begin, end, markdown(rows))
+	"""Writes the tables of a page anew; those of slow tests only where these have left their rows."""
+	for first, last, some in bySpeed(rows):
+		if some:
+			writeBetween(page, first, last, markdown(some))
 	if slab := slabTable(rows):
 		writeBetween(page, slabBegin, slabEnd, slab)
 
 
-def tableOf(page):
-	"""Case -> (figure, error, tolerance) of the table in a Markdown page."""
-	inside = page.read_text().split(begin, 1)[1].split(end, 1)[0]
+def tableOf(page, first, last):
+	"""Case -> (figure, error, tolerance) of the table between two markers of a Markdown page."""
+	inside = page.read_text().split(first, 1)[1].split(last, 1)[0]
 	cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in inside.strip().splitlines()[2:]]
 	return {cell[0]: (cell[3], float(cell[4]), float(cell[5])) for cell in cells}
 
 
 def disagreements(page, rows):
-	"""What in a page's table is not what the rows say: names, tolerances, errors by more than half a tolerance.
+	"""What in a page's tables is not what the rows say. Slow tests that were not run have nothing to say."""
+	return [problem for first, last, some in bySpeed(rows) for problem in _disagreements(page.name, tableOf(page, first, last), worstByCase(some))]
 
-	The page may show a figure of the slow tests, which were not run this time: then none that was may be nearer to its tolerance."""
-	shown, found = tableOf(page), worstByCase(rows)
-	problems = [f"{case}: not in {page.name}" for case in found if case not in shown]
+
+def _disagreements(page, shown, found):
+	"""Names, tolerances, errors by more than half a tolerance; another figure that is nearer to its tolerance."""
+	problems = [f"{case}: not in {page}" for case in found if case not in shown]
 	for case, row in found.items():
 		if case not in shown:
 			continue
 		figure, error, tolerance = shown[case]
 		if figure != row["figure"]:
 			if severity(row) > abs(error) / tolerance + 0.5:
-				problems.append(f"{case}: {row['figure']} is nearer to its tolerance than what {page.name} shows")
+				problems.append(f"{case}: {row['figure']} is nearer to its tolerance than what {page} shows")
 		elif not math.isclose(tolerance, row["tolerance"], rel_tol=0.1):
-			problems.append(f"{case}: tolerance {row['tolerance']:.1e}, {page.name} says {tolerance:.1e}")
+			problems.append(f"{case}: tolerance {row['tolerance']:.1e}, {page} says {tolerance:.1e}")
 		elif abs(abs(error) - abs(row["error"])) > max(0.5 * tolerance, 0.05 * abs(error)):
-			problems.append(f"{case}: error {row['error']:.1e}, {page.name} says {error:.1e}")
+			problems.append(f"{case}: error {row['error']:.1e}, {page} says {error:.1e}")
 	return problems
 
 
@@ -200,7 +214,7 @@ def main():
 	if options.check:
 		problems = disagreements(options.check, rows)
 		if problems:
-			problems.append("the table is written anew by  scripts/test -L validation --markdown")
+			problems.append("the tables are written anew by  scripts/test -L validation [--all] --markdown")
 		print("\n".join(problems) or f"{len(worstByCase(rows))} cases agree with {options.check.name}")
 		sys.exit(1 if problems else 0)
 

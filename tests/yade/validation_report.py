@@ -7,11 +7,12 @@ from pathlib import Path
 
 
 class Report:
-	"""Of one test: prints rows "case: figure | measured | reference | error | tolerance | source" and asserts them; leaves rows and
+	"""Of one test, after which its files are named, a slow one with _slow at the end: prints rows "case: figure | measured | reference | error | tolerance | source" and asserts them; leaves rows and
 	curves in the folder that TALIK_VALIDATION_OUTPUT names, if it names one."""
 
 	def __init__(self, test, source):
-		self.test, self.source, self.rows = test, source, []
+		isSlow = os.environ.get("PYTEST_CURRENT_TEST", "").split(" ")[0].split("[")[0].endswith("_slow")
+		self.test, self.source, self.rows = test + ("_slow" if isSlow else ""), source, []
 
 	def expectScaled(self, what, measured, reference, scale, tolerance):
 		error = (measured - reference) / scale
