@@ -7,8 +7,8 @@ from pathlib import Path
 
 
 class Report:
-	"""Of one test, after which its files are named, a slow one with _slow at the end: prints rows "case: figure | measured | reference | error | tolerance | source" and asserts them; leaves rows and
-	curves in the folder that TALIK_VALIDATION_OUTPUT names, if it names one."""
+	"""Of one test: prints rows "case: figure | measured | reference | error | tolerance | source" and asserts them; leaves rows and
+	curves in the folder that TALIK_VALIDATION_OUTPUT names, if it names one. The files of a slow test end with _slow."""
 
 	def __init__(self, test, source):
 		isSlow = os.environ.get("PYTEST_CURRENT_TEST", "").split(" ")[0].split("[")[0].endswith("_slow")
