@@ -223,7 +223,7 @@ def thawedAndSlid(dimension, spacing):
 
 def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane_within_2_per_cent_on_two_grids_slow():
 	"""In equal steps: those that are stable are 17 % shorter in space, and amid a slide that alone is 2 % of the mean displacement on the finer grid. What
-	is left is B-bar, see above; without it both are the same to round-off. The single point that moves farthest has another 1 %."""
+	is left is B-bar, see above; without it both are the same to round-off."""
 	report, tolerance = Report("Space.ThawedSlice", "the plane"), 0.02
 	for spacing in (0.25, 0.125):
 		plane, space = (np.linalg.norm(thawedAndSlid(dimension, spacing), axis=1) for dimension in (2, 3))
@@ -231,7 +231,7 @@ def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane
 		report.expectRelative(f"{case}: mean displacement [m], h = {spacing} m", space.mean(), plane.mean(), tolerance)
 		size = [math.sqrt(np.mean(displacement**2)) for displacement in (space, plane)]
 		report.expectRelative(f"{case}: root of the mean square displacement [m], h = {spacing} m", *size, tolerance)
-		report.expectRelative(f"{case}: largest displacement [m], h = {spacing} m", space.max(), plane.max(), tolerance + 0.01)
+		report.expectRelative(f"{case}: largest displacement [m], h = {spacing} m", space.max(), plane.max(), tolerance)
 
 
 # ---- a column that collapses --------------------------------------------------------------------------------------------------
