@@ -33,11 +33,8 @@ def readRows(folder):
 
 def bySpeed(rows):
 	"""(begin, end, rows) of the table of the everyday tests and of that of the slow ones, which may be empty."""
-	slow = [row["test"].endswith("_slow") for row in rows]
-	return (
-		(begin, end, [row for row, isSlow in zip(rows, slow) if not isSlow]),
-		(slowBegin, slowEnd, [row for row, isSlow in zip(rows, slow) if isSlow]),
-	)
+	tables = ((begin, end, False), (slowBegin, slowEnd, True))
+	return [(first, last, [row for row in rows if row["test"].endswith("_slow") == slow]) for first, last, slow in tables]
 
 
 def severity(row):
