@@ -113,10 +113,9 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		        if (!average) return;
 		        if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
 		        if (water) water->addPressure(*cells, first, last);
-		        useMeanStress(first, last - first);
 		        const double* volume = points->volume();
 		        for (int p = first; p < last; ++p)
-			        cells->add(p, volume[p] * motion->meanStress[p]);
+			        cells->add(p, volume[p] * averagedStress(p));
 	        },
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
@@ -130,18 +129,16 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	water->findDrivingPressure(grid, around, *cells, motion->settings->gravity, liquidDensity());
 }
 
-template <int D> void Ground<D>::Parts::useMeanStress(int first, int count)
+/// Of the total stress.
+template <int D> double Ground<D>::Parts::averagedStress(int p) const { return motion->averagedStress(p) - (water ? water->pressure[p] : 0.0); }
+
+template <int D> void Ground<D>::Parts::addStress(int first, int last)
 {
-	double* mean = motion->meanStress;
-	for (int p = first; p < first + count; ++p) {
-		double sum = motion->stress[0][p];
-		for (int a = 1; a < D; ++a)
-			sum += motion->stress[a][p];
-		mean[p] = sum * (1.0 / D);
+	const bool average = averaging();
+	for (int p = first; p < last; ++p) {
+		const double own       = averagedStress(p);
+		motion->addedStress[p] = (average ? cells->mean(p, own) : own) - motion->averagedStress(p);
 	}
-	if (!water) return;
-	for (int p = first; p < first + count; ++p)
-		mean[p] -= water->pressure[p];
 }
 
 template SkeletonBatch<2>        Ground<2>::Parts::batch(const std::vector<int>&) const;
@@ -152,7 +149,7 @@ template void                    Ground<2>::Parts::sort();
 template void                    Ground<2>::Parts::afterReordering(bool);
 template void                    Ground<2>::Parts::clearNodes();
 template void                    Ground<2>::Parts::locateInCells();
-template void                    Ground<2>::Parts::useMeanStress(int, int);
+template void                    Ground<2>::Parts::addStress(int, int);
 template SkeletonBatch<3>        Ground<3>::Parts::batch(const std::vector<int>&) const;
 template SkeletonBatch<3>        Ground<3>::Parts::batch(const int*, int) const;
 template std::string             Ground<3>::Parts::whereabouts(int) const;
@@ -161,6 +158,6 @@ template void                    Ground<3>::Parts::sort();
 template void                    Ground<3>::Parts::afterReordering(bool);
 template void                    Ground<3>::Parts::clearNodes();
 template void                    Ground<3>::Parts::locateInCells();
-template void                    Ground<3>::Parts::useMeanStress(int, int);
+template void                    Ground<3>::Parts::addStress(int, int);
 
 } // namespace talik

@@ -274,15 +274,16 @@ template <int D> struct Ground<D>::Parts {
 	}
 
 	// ---- pieces of a step -----------------------------------------------------------------------------------------------
-	void clearNodes();
-	void clearNodes(int first, int last);
-	void afterReordering(bool pointsMoved = false);
-	void locateInCells();
-	void useMeanStress(int first, int count);
-	void findKeptFractions();
-	void openStep(double dt);
-	bool heatMayRest();
-	void settleHeat();
+	void   clearNodes();
+	void   clearNodes(int first, int last);
+	void   afterReordering(bool pointsMoved = false);
+	void   locateInCells();
+	double averagedStress(int p) const;
+	void   addStress(int first, int last);
+	void   findKeptFractions();
+	void   openStep(double dt);
+	bool   heatMayRest();
+	void   settleHeat();
 	/// What the step has added to the accounts of the run; collective.
 	void bookStep();
 	/// Calendar time at the end of the step.

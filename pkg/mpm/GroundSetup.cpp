@@ -103,7 +103,7 @@ template <int D> void Ground<D>::Parts::listReadArrays()
 	for (ArraysAhead* ahead : { &read.toGrid, &read.flows, &read.seepage, &read.toPoints })
 		reads(*ahead, points->positions());
 	if (motion) {
-		reads(read.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->meanStress);
+		reads(read.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->addedStress);
 		reads(read.toPoints, motion->velocity, motion->displacement, motion->gradient);
 	}
 	if (averaging()) reads(read.toPoints, motion->volume);

@@ -222,14 +222,15 @@ template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
 {
 	const std::array<double*, D* D> g     = motion->gradient;
 	const CellMeans<D>&             means = *cells;
+	const Vec<D>                    share = motion->traceShare;
 #pragma GCC ivdep
 	for (int p = first; p < last; ++p) {
 		double trace = g[0][p];
 		for (int a = 1; a < D; ++a)
 			trace += g[a * D + a][p];
-		const double replace = (means.mean(p, trace) - trace) * (1.0 / D);
+		const double missing = means.mean(p, trace) - trace;
 		for (int a = 0; a < D; ++a)
-			g[a * D + a][p] += replace;
+			g[a * D + a][p] += missing * share[a];
 	}
 }
 
@@ -320,15 +321,16 @@ template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool
 	const std::array<double*, D* D>          g      = motion->gradient;
 	const std::array<double*, stressSize<D>> stress = motion->stress;
 	const double* const                      volume = points->volume();
+	const Vec<D>                             share  = motion->traceShare;
 	return inOrder<D>(
 	        first, last, g, replace ? cells.get() : nullptr, [&](int p, double trace, double mean) __attribute__((always_inline)) {
-		        const double missing = (mean - trace) * (1.0 / D);
+		        const double missing = mean - trace;
 		        double       density = 0.0;
 #pragma GCC unroll 3
 		        for (int i = 0; i < D; ++i)
 #pragma GCC unroll 3
 			        for (int j = 0; j < D; ++j)
-				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing : 0.0));
+				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing * share[i] : 0.0));
 		        return volume[p] * density;
 	        });
 }
@@ -498,10 +500,7 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 	        [](int, int, int) {},
 	        PassPart { bool(motion), CostMeter::motion,
 	                   [&](const WeightBlock<D>& w, double*) {
-		                   if (average)
-			                   for (int p = w.first; p < w.first + w.count; ++p)
-				                   motion->meanStress[p] = cells->mean(p, motion->meanStress[p]);
-		                   else if (water) useMeanStress(w.first, w.count);
+		                   if (motion->addedStress) addStress(w.first, w.first + w.count);
 		                   motion->map(w, sharedWithMotion, share ? heat->temperature : nullptr, share ? heat->reference : 0.0);
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },

@@ -114,7 +114,7 @@ def test_points_about_to_leave_the_grid_are_named_and_the_ground_stays_as_it_was
 	print(left.value)
 	after = stateOf(mpm)
 	after["scene"][2] = before["scene"][2]  # the time step may have been chosen anew
-	for madeAnewInEveryStep in ("meanStress", "gradient"):
+	for madeAnewInEveryStep in ("addedStress", "gradient"):
 		del before[madeAnewInEveryStep], after[madeAnewInEveryStep]
 	difference = largestDifference(before, after)
 	print(f"after {O.iter} steps; largest difference over {len(before)} fields and balances to the state before the refused step: {difference}")

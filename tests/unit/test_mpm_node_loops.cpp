@@ -59,12 +59,13 @@ public:
                         work(copy.data());
                         keep(copy.data(), copy.size());
 		};
-		for (const bool replaced : { false, true })
+		for (const bool added : { false, true })
 			for (const bool carried : { false, true }) {
 				if (carried && !Columns::Moving::carriesHeat) continue;
 				onGrid([&](double* g) {
-					typename Loops::MotionMap m { at(0), at(1), replaced ? at(2) : nullptr, {}, {}, carried ? at(11) : nullptr, at(12),
-						                      0.4,   g };
+					typename Loops::MotionMap m {
+						at(0), at(1), added ? at(2) : nullptr, {}, {}, carried ? at(11) : nullptr, at(12), 0.4, g
+					};
 					for (int a = 0; a < D; ++a)
 						m.velocity[a] = at(3 + a);
 					for (int c = 0; c < stressSize<D>; ++c)

@@ -11,7 +11,7 @@ import talik
 square = talik.geometry.rectangle(0, 0, 1, 1)
 
 pointsAlone = {"position", "volume"}
-ofMotion = {"velocity", "displacement", "mass", "stress", "initialVolume", "gradient", "meanStress", "deformationGradient"}
+ofMotion = {"velocity", "displacement", "mass", "stress", "initialVolume", "gradient", "addedStress", "deformationGradient"}
 ofContent = {"solidMass", "waterMass", "porosity"}
 ofHeat = {"enthalpy", "temperature", "heatCapacity", "conductivity"}
 ofFreezing = {"iceMass", "iceSaturation", "heatShare"}

@@ -318,7 +318,7 @@ def test_a_ground_loaded_meanwhile_is_looked_into_on_its_own(sample, tmp_path):
 	other = O.engines[0]
 	other.initialise()
 	loaded = everything(other)
-	ofOneStep = [list(other.fieldNames()).index(name) for name in ("gradient", "meanStress")]  # made anew in every step, not archived
+	ofOneStep = [list(other.fieldNames()).index(name) for name in ("gradient", "addedStress")]  # made anew in every step, not archived
 	assert [k for k, (now, then) in enumerate(zip(loaded, before)) if now != then] == ofOneStep
 	with other.inspect(4):
 		assert len(O.bodies) == 40

@@ -203,10 +203,10 @@ def slidInEqualSteps(dimension, **settings):
 
 
 def test_a_thawing_slope_in_a_slice_of_space_moves_as_in_the_plane():
-	"""Without B-bar to round-off. With it the plane corrects the two strains in it by half of what the mean of a cell differs from them, space all three
-	by a third: that is as much as the grid changes."""
+	"""A slice one cell thick strains as the plane does, with B-bar too. With it the points of a freezing cell level their water, each over the half of the
+	cell; space has twice as many of them."""
 	report = Report("Space.Slice", "the plane")
-	for name, tolerance, settings in (("without B-bar", 1e-9, dict(bBar=False)), ("with B-bar", 0.02, {})):
+	for name, tolerance, settings in (("without B-bar", 1e-9, dict(bBar=False)), ("with B-bar", 1e-3, {})):
 		plane, space = (slidInEqualSteps(dimension, **settings) for dimension in (2, 3))
 		case = "thawing slope in a slice of space, equal steps"
 		report.expectRelative(f"{case}: largest displacement {name} [m]", np.linalg.norm(space, axis=1).max(), np.linalg.norm(plane, axis=1).max(), tolerance)
@@ -221,10 +221,10 @@ def thawedAndSlid(dimension, spacing):
 	return inPlane(mpm)
 
 
-def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane_within_2_per_cent_on_two_grids_slow():
+def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane_on_two_grids_slow():
 	"""In equal steps: those that are stable are 17 % shorter in space, and amid a slide that alone is 2 % of the mean displacement on the finer grid. What
-	is left is B-bar, see above; without it both are the same to round-off."""
-	report, tolerance = Report("Space.ThawedSlice", "the plane"), 0.02
+	is left is round-off, which a slide enlarges."""
+	report, tolerance = Report("Space.ThawedSlice", "the plane"), 1e-4
 	for spacing in (0.25, 0.125):
 		plane, space = (np.linalg.norm(thawedAndSlid(dimension, spacing), axis=1) for dimension in (2, 3))
 		case = "slope that thaws for 15 days in a slice of space"

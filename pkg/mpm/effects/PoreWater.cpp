@@ -469,7 +469,8 @@ void PoreWater<D>::levelCells(
         const EnthalpyModel* enthalpy)
 {
 	findFaces(grid, range, cells, gravity, dt, liquidDensity);
-	const auto compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
+	const double sides      = 2.0 * grid.severalCells();
+	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int c = firstCell; c < lastCell; ++c) {
 			Cell& cell = cells_[c];
@@ -485,7 +486,7 @@ void PoreWater<D>::levelCells(
 					        place + 1 == last || from + 2 * stride >= range.lastCell);
 					if (unseen == 0.0) continue;
 					const double least  = std::min(compliance(from), compliance(from + stride));
-					const double mass   = liquidDensity * dt * unseen / (1.0 + 4.0 * D * dt * faces_[a][from].conductance / least);
+					const double mass   = liquidDensity * dt * unseen / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
 					const int    donor  = mass > 0.0 ? from : from + stride;
 					const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
 					cell.exchange[Gathered::water] += gained;

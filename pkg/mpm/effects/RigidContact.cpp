@@ -242,13 +242,11 @@ template <int D> void RigidContact<D>::pushPoint(int p, const std::vector<int>& 
 /// Of the stress that the momentum balance uses.
 template <int D> double RigidContact<D>::pressureOn(int p, const Vec<D>& normal) const
 {
-	double mean = 0.0, sum = 0.0;
-	for (int i = 0; i < D; ++i) {
-		mean += motion_->stress[i][p] / D;
+	double sum = motion_->addedStress ? motion_->addedStress[p] : 0.0;
+	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			sum += normal[i] * motion_->stress[stressIndex<D>(i, j)][p] * normal[j];
-	}
-	return -(sum + (motion_->meanStress ? motion_->meanStress[p] - mean : 0.0));
+	return -sum;
 }
 
 template <int D> void RigidContact<D>::boxBodies()

@@ -7,7 +7,7 @@
 namespace talik {
 
 template <int D>
-SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool replacesMean)
+SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool addsStress)
         : settings(&motion)
 {
 	const char* area = D == 2 ? "m^2" : "m^3";
@@ -17,7 +17,7 @@ SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion
 	stress_          = fields.declare("stress", "motion", "Pa", S);
 	initialVolume_   = fields.declare("initialVolume", "motion", area, 1);
 	gradient_        = fields.declare("gradient", "motion", "-", D * D, false);
-	if (replacesMean) meanStress_ = fields.declare("meanStress", "motion", "Pa", 1, false);
+	if (addsStress) addedStress_ = fields.declare("addedStress", "motion", "Pa", 1, false);
 }
 
 template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
@@ -35,14 +35,15 @@ template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid
 	mass          = f.component(mass_);
 	volume        = points.volume();
 	initialVolume = f.component(initialVolume_);
-	meanStress    = f.component(meanStress_);
+	addedStress   = f.component(addedStress_);
+	traceShare    = traceShares(grid);
 	nodes.allocate(grid.nodeCount());
 	solved.allocate(grid.nodeCount());
 }
 
 template <int D> void SolidMotion<D>::map(const WeightBlock<D>& w, const double* capacity, const double* carried, double carriedFrom)
 {
-	typename NodeLoops<D>::MotionMap of { mass, volume, meanStress, {}, {}, capacity, carried, carriedFrom, nodes[0] };
+	typename NodeLoops<D>::MotionMap of { mass, volume, addedStress, {}, {}, capacity, carried, carriedFrom, nodes[0] };
 	std::copy(velocity.begin(), velocity.end(), of.velocity.begin());
 	std::copy(stress.begin(), stress.end(), of.stress.begin());
 	nodeLoops<D>().mapMotion(w, of);

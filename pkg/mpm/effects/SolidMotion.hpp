@@ -18,16 +18,25 @@ public:
 	using Solved                = typename NodeColumns<D>::Solved;
 	static constexpr int massAt = Record::mass, momentumAt = Record::momentum, forceAt = Record::force, velocityAt = Solved::velocity;
 
-	/// replacesMean: a mean stress other than that of the stress enters the momentum balance.
-	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool replacesMean = true);
+	/// addsStress: a stress other than the effective one enters the momentum balance.
+	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool addsStress = true);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 
-	/// Adds mass, momentum and internal force of a block; the mean stress is that of meanStress. Maps capacity and capacity times
-	/// (carried - carriedFrom) along, if not null, where records Moving have columns for them.
+	/// Adds mass, momentum and internal force of a block, with addedStress. Maps capacity and capacity times (carried - carriedFrom) along, if
+	/// not null, where records Moving have columns for them.
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
 	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. rise, unless null: what the points gather
 	/// of column rise, where records Solved have one.
 	void gather(const WeightBlock<D>& w, double dt, double* rise = nullptr);
+
+	/// What B-bar averages of the effective stress [Pa].
+	double averagedStress(int p) const
+	{
+		double sum = traceShare[0] * stress[0][p];
+		for (int a = 1; a < D; ++a)
+			sum += traceShare[a] * stress[a][p];
+		return sum;
+	}
 
 	const MotionSettings<D>* settings;
 	double                   kept = 1.0; ///< chi of this step, see keptFraction()
@@ -38,13 +47,14 @@ public:
 	double*                    mass;     ///< that moves with the solid [kg]
 	double*                    volume;
 	double*                    initialVolume;
-	double*                    meanStress; ///< total mean stress that the momentum balance uses [Pa]; null: that of the stress
+	double*                    addedStress; ///< by the momentum balance to each normal stress: cell means and -p [Pa]; null: nothing
+	Vec<D>                     traceShare;  ///< of the strains in what B-bar adds to their sum, see traceShares()
 
 	NodeField<Record::size> nodes;
 	NodeField<Solved::size> solved; ///< chi dt a + (1 - chi) v, and v
 
 private:
-	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, meanStress_ = -1;
+	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, addedStress_ = -1;
 };
 
 extern template class SolidMotion<2>;

@@ -180,6 +180,8 @@ private:
 	bool          rests(const Meeting& meeting, double dt) const;
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
+	static double takenBy(const Meeting& m, const Vec<D>& shear, const Vec<D>& slip);
+	static double passive(const Meeting& m, double opening, double taken);
 	Vec<D>        areaAround(int node, const Vec<D>& own, const MotionConstraints<D>& constraints) const;
 	static bool   statesStrength(const Meeting& meeting);
 	double        fullMass(int place) const;

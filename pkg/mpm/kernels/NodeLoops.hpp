@@ -22,7 +22,7 @@ template <int D> struct NodeLoops {
 	/// Mass, momentum and internal force, eq. (8.1), to records Moving.
 	struct MotionMap {
 		const double *                           mass, *volume;
-		const double*                            meanStress; ///< replaces that of the stress; may be null
+		const double*                            addedStress; ///< to the diagonal of the stress; may be null
 		std::array<const double*, D>             velocity;
 		std::array<const double*, stressSize<D>> stress;
 		const double *                           capacity,

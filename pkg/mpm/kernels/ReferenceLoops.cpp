@@ -10,17 +10,14 @@ namespace {
 
 	template <int D> using Tensor = std::array<Vec<D>, D>;
 
-	/// Stress of a point, its mean replaced by meanStress unless that is null.
+	/// Stress of a point, with addedStress on its diagonal unless that is null.
 	template <int D> Tensor<D> stressOf(const typename NodeLoops<D>::MotionMap& a, int p)
 	{
-		double mean = 0.0;
-		for (int i = 0; i < D; ++i)
-			mean += a.stress[i][p];
-		const double replace = a.meanStress ? a.meanStress[p] - mean * (1.0 / D) : 0.0;
+		const double added = a.addedStress ? a.addedStress[p] : 0.0;
 		Tensor<D>    stress;
 		for (int i = 0; i < D; ++i)
 			for (int j = 0; j < D; ++j)
-				stress[i][j] = a.stress[stressIndex<D>(i, j)][p] + (i == j ? replace : 0.0);
+				stress[i][j] = a.stress[stressIndex<D>(i, j)][p] + (i == j ? added : 0.0);
 		return stress;
 	}
 

@@ -330,31 +330,28 @@ namespace HWY_NAMESPACE {
 			double heat[2][blockSize];                                              ///< capacity, capacity times carried
 		};
 
-		template <bool Carried, bool Replaced, int D>
+		template <bool Carried, bool Added, int D>
 		HWY_INLINE void load(const WeightBlock<D>& w, const typename NodeLoops<D>::MotionMap& a, MotionOfBlock<D>& b)
 		{
 			for (int k = 0; k < w.count; ++k) {
-				const int p    = w.first + k;
-				double    mean = 0.0;
-				for (int i = 0; i < D; ++i)
-					mean += a.stress[i][p];
-				const double replace = Replaced ? a.meanStress[p] - mean * (1.0 / D) : 0.0;
-				b.mass[k]            = a.mass[p];
+				const int    p     = w.first + k;
+				const double added = Added ? a.addedStress[p] : 0.0;
+				b.mass[k]          = a.mass[p];
 				for (int i = 0; i < D; ++i) {
 					b.momentum[i][k] = a.mass[p] * a.velocity[i][p];
 					for (int j = 0; j < D; ++j)
-						b.force[i][j][k] = -a.volume[p] * (i == j ? a.stress[i][p] + replace : a.stress[stressIndex<D>(i, j)][p]);
+						b.force[i][j][k] = -a.volume[p] * (i == j ? a.stress[i][p] + added : a.stress[stressIndex<D>(i, j)][p]);
 				}
 				b.heat[0][k] = Carried ? a.capacity[p] : 0.0;
 				b.heat[1][k] = Carried ? a.capacity[p] * (a.carried[p] - a.carriedFrom) : 0.0;
 			}
 		}
 
-		template <bool Carried, bool Replaced, int D> void mapMotionWith(const WeightBlock<D>& w, const typename NodeLoops<D>::MotionMap& a)
+		template <bool Carried, bool Added, int D> void mapMotionWith(const WeightBlock<D>& w, const typename NodeLoops<D>::MotionMap& a)
 		{
 			using Moving = typename NodeColumns<D>::Moving;
 			MotionOfBlock<D> b;
-			load<Carried, Replaced>(w, a, b);
+			load<Carried, Added>(w, a, b);
 			if constexpr (D == 3 && mostTogether == 8) {
 				scatterBlock<Numbers<8>>(w, a.nodes, Moving::size, [&](int k) {
 					return Share<3, Numbers<8>, Numbers<8>> { beforeFour(numbers(b.mass[k], b.momentum, k)),
@@ -374,8 +371,8 @@ namespace HWY_NAMESPACE {
 
 		template <int D> void mapMotion(const WeightBlock<D>& w, const typename NodeLoops<D>::MotionMap& a)
 		{
-			if (a.capacity) a.meanStress ? mapMotionWith<true, true>(w, a) : mapMotionWith<true, false>(w, a);
-			else a.meanStress ? mapMotionWith<false, true>(w, a) : mapMotionWith<false, false>(w, a);
+			if (a.capacity) a.addedStress ? mapMotionWith<true, true>(w, a) : mapMotionWith<true, false>(w, a);
+			else a.addedStress ? mapMotionWith<false, true>(w, a) : mapMotionWith<false, false>(w, a);
 		}
 
 		/// What the points of a block gather from records Solved.

@@ -198,6 +198,8 @@ namespace HWY_NAMESPACE {
 			HWY_INLINE const std::uint32_t* shift() const { return pairs.shift + packedWidth * block + lane; }
 		};
 
+		constexpr bool passesOver = HWY_TARGET == HWY_SCALAR; ///< vectors pass over no pair
+
 		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
 		template <bool Bonded, bool Rolling, int Dim> HWY_INLINE bool passedOver(const Place<Dim>& p, Many distance)
 		{
@@ -249,7 +251,7 @@ namespace HWY_NAMESPACE {
 			Gathered              gathered[chunk * perBlock];
 			Moved                 moved[chunk * perBlock];
 			Response              responses[chunk * perBlock];
-			bool                  idle[chunk * perBlock];
+			bool                  idle[passesOver ? chunk * perBlock : 1];
 			for (std::size_t from = 0; from < pairs.blocks; from += chunk) {
 				const auto forPlaces = [&](auto visit) HWY_ATTR TALIK_INLINED {
 					std::size_t k = 0;
@@ -260,13 +262,13 @@ namespace HWY_NAMESPACE {
 				};
 				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED { gather(p, gathered[k]); });
 				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED {
-					if (!(idle[k] = passedOver<Bonded, Rolling>(p, gathered[k].distance()))) move(p, gathered[k], moved[k]);
+					if (!passesOver || !(idle[k] = passedOver<Bonded, Rolling>(p, gathered[k].distance()))) move(p, gathered[k], moved[k]);
 				});
 				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED {
-					if (!idle[k]) respond(p, gathered[k], moved[k], responses[k]);
+					if (!passesOver || !idle[k]) respond(p, gathered[k], moved[k], responses[k]);
 				});
 				forPlaces([&](const Place<Dim>& p, std::size_t k) HWY_ATTR TALIK_INLINED {
-					if (!idle[k]) scatter(p, gathered[k], responses[k]);
+					if (!passesOver || !idle[k]) scatter(p, gathered[k], responses[k]);
 				});
 			}
 		}
