@@ -58,6 +58,13 @@ implausible = {
 	"load in kPa": (lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", pressure=20)]), ("SurfaceLoad.pressure is 20", "2e+04"), False),
 	"stress in kPa": (lambda: ground(points={"stress": (-20, -40, -30, 0)}), ("stress is 40", "4e+04"), False),
 	"pore pressure in kPa": (lambda: wet(points={"pressure": 10.0}), ("pressure is 10", "1e+04"), False),
+	"temperature without heat": (lambda: ground(points={"temperature": -2}), ("temperature is -2 degC", "no heat", "HeatTransfer"), True),
+	"pore pressure without water": (lambda: ground(points={"pressure": 2e4}), ("pressure is 2e+04 Pa", "no water", "PoreWater"), True),
+	"velocity of rigid ground": (
+		lambda: warm(motion=False, points={"velocity": (1, 0), "temperature": -2}),
+		("velocity is 1 m/s", "no motion", "motion=True"),
+		True,
+	),
 	"stiffness in MPa": (lambda: skeleton(wrapper.ElasticSkeleton, young=20), ("young is 20", "2e+04"), False),
 	"stiffness of creeping ground in GPa": (
 		lambda: ground(skeleton=wrapper.CreepingSkeleton(young=9, iceCreep=wrapper.IceCreep()), heat=wrapper.HeatTransfer()),
@@ -94,6 +101,7 @@ plausible = {
 	"without friction": lambda: skeleton(MohrCoulomb, frictionAngle=0),
 	"soft clay of small cohesion": lambda: skeleton(MohrCoulomb, frictionAngle=20, cohesion=50, young=2e6),
 	"no gravity": lambda: ground(gravity=(0, 0)),
+	"frozen, with heat": lambda: warm(points={"temperature": -2}),
 	"compressed": lambda: ground(points={"stress": (-2e4, -4e4, -3e4, 0)}),
 }
 

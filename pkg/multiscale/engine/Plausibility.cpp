@@ -138,6 +138,24 @@ namespace {
 			doubts.add(false, "addPoints: pressure is ", pressure, " Pa at most: was ", pressure * 1e3, " Pa (kPa) meant?");
 	}
 
+	/// What points carry for an effect that the scene does not have.
+	template <int D> void doubtUnused(Doubts& doubts, const MpmEngine& mpm, const Points<D>& points)
+	{
+		const auto unused = [&](bool used, const char* attribute, const char* unit, const char* without, const char* remedy, auto numberOf) {
+			if (used) return;
+			double most = 0;
+			for (const auto& point : points)
+				if (const double number = numberOf(point); std::abs(number) > std::abs(most)) most = number;
+			if (most != 0)
+				doubts.add(
+				        true, "addPoints: ", attribute, " is ", most, unit, " and is not used, since the scene has no ", without, ": ", remedy,
+				        ", or leave ", attribute, " out.");
+		};
+		unused(bool(mpm.heat), "temperature", " degC", "heat", "add heat=HeatTransfer()", [](const auto& p) { return p.temperature; });
+		unused(bool(mpm.water), "pressure", " Pa", "water", "add water=PoreWater()", [](const auto& p) { return p.pressure; });
+		unused(mpm.motion, "velocity", " m/s", "motion", "set motion=True", [](const auto& p) { return lengthOf<D>(p.velocity); });
+	}
+
 	struct Range {
 		const char* name;
 		double      value, least, most;
@@ -241,6 +259,7 @@ namespace {
 		for (const auto& m : mpm.activeMaterials())
 			if (m) doubtMaterial(doubts, mpm, *m);
 		doubtStates<D>(doubts, mpm, points);
+		doubtUnused<D>(doubts, mpm, points);
 		if (mpm.motion) doubtSkeletons(doubts, mpm);
 		if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))
 			doubts.add(
