@@ -474,7 +474,7 @@ def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_b
 
 
 def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
-	preset = thawslump.Preset(gridSpacing=0.5, grains=60, days=200.0)
+	preset = thawslump.Preset(gridSpacing=0.25, grains=60, days=200.0)  # on 1/2 m two points of the thawed toe slide by 50 mm
 	with talik.scratchScene():
 		slump = thawslump.ThawSlump(case, preset, tmp_path)
 		summary = slump.run()
@@ -484,7 +484,7 @@ def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
 		f"frozen ground moved by {1e3 * roof:.2f} mm, thawed ground by {1e3 * summary['largest displacement [m]']:.2f} mm, thawed part "
 		f"{summary['thawed part [-]']:.2f}"
 	)
-	# thawed ground at the side walls of the pocket is not held by friction there (31 mm); a roof that breaks moves by half a metre
+	# thawed ground at the side walls of the pocket is not held by friction there (14 mm); a roof that breaks moves by half a metre
 	assert summary["thawed part [-]"] > 0.1 and roof < 0.01 and summary["largest displacement [m]"] < 0.05
 	assert slump.band() is None and slump.slipSurface() is None
 
