@@ -483,8 +483,8 @@ template <int D> void Ground<D>::Parts::findFront()
 
 template <int D> void Ground<D>::Parts::mapToGrid()
 {
-	using Columns               = NodeColumns<D>;
-	const bool          average = averaging(), conducts = heat && !heatRests;
+	using Columns                        = NodeColumns<D>;
+	const bool          conducts         = heat && !heatRests;
 	const double* const share            = conducts ? heat->carriedShare() : nullptr;
 	const double* const sharedWithMotion = Columns::Moving::carriesHeat ? share : nullptr;
 	inBlocks(

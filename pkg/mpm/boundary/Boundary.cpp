@@ -316,8 +316,8 @@ void TimeTable::validate(const std::string& owner) const
 			throw std::invalid_argument(owner + ": entry " + std::to_string(i) + " of the table is not finite; give finite times and values");
 		if (i == 0 || times_[i] > times_[i - 1]) continue;
 		std::ostringstream text;
-		text << owner << ": entry " << i << " of the table is at " << times_[i] << " s, day " << times_[i] / 86400 << ", the one before it at "
-		     << times_[i - 1] << " s, day " << times_[i - 1] / 86400 << "; times must increase";
+		text << owner << ": entry " << i << " of the table is at " << times_[i] << " s, day " << times_[i] / secondsPerDay << ", the one before it at "
+		     << times_[i - 1] << " s, day " << times_[i - 1] / secondsPerDay << "; times must increase";
 		throw std::invalid_argument(text.str());
 	}
 }

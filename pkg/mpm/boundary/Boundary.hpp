@@ -9,6 +9,8 @@
 
 namespace talik {
 
+constexpr double secondsPerDay = 86400;
+
 /// A value that changes with time: piecewise linear between the given instants, constant before the first and after the last.
 class TimeTable {
 public:

@@ -8,7 +8,7 @@
 
 namespace yade {
 
-constexpr double secondsPerDay = 86400;
+using talik::secondsPerDay;
 
 /// Condition on a part of the ground's surface; derived classes say which.
 class GroundBoundary : public Serializable {
