@@ -282,7 +282,7 @@ template <int D> void RigidContact<D>::shareTouches(Bands& bands)
 		std::size_t count = 0;
 		std::memcpy(&count, from, sizeof count);
 		touches.resize(count);
-		std::memcpy(touches.data(), from + sizeof count, count * sizeof(Touch));
+		if (count > 0) std::memcpy(touches.data(), from + sizeof count, count * sizeof(Touch)); // no bytes into no array: undefined in C++
 		from += sizeof count + count * sizeof(Touch);
 	}
 }
