@@ -76,3 +76,13 @@ def test_a_build_that_fails_shows_its_end_and_names_its_log(built, tmp_path):
 def test_where_ccache_is_installed_it_compiles(built, tmp_path):
 	status, _ = built(launcher=True)
 	assert status == 0 and "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache" in (tmp_path / "build" / "asked").read_text()
+
+
+def test_compilers_warn_of_nothing_in_the_last_build():
+	log = Path(os.environ.get("TALIK_BUILD", root / "build")) / "build.log"
+	if not log.exists():
+		pytest.skip("built without the scripts: there is no build.log")
+	lines = log.read_text().splitlines()
+	warnings = [line for line in lines if "warning:" in line]
+	print(f"{sum('Building CXX' in line for line in lines)} files compiled, {len(warnings)} warnings")
+	assert warnings == []
