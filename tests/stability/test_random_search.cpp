@@ -203,6 +203,14 @@ TEST(RandomSearch, SidesOfAThawFrontThatFlyApartDoNotPushEachOther)
 		expectSmall("sides that fly apart, seed " + std::to_string(seed) + ": energy from nowhere", energyCreated<2>(seed), 0.01);
 }
 
+/// Found by the search (plane): at nodes beside a front in dry ground a force parted the sides faster than they had met, once in 9000737, and in
+/// 9006965 in a mode that grew.
+TEST(RandomSearch, ForcesBesideADryThawFrontMakeNoEnergy)
+{
+	for (const std::uint64_t seed : { 9000737, 9006965 })
+		expectSmall("forces beside a dry front, seed " + std::to_string(seed) + ": energy from nowhere", energyCreated<2>(seed), 0.01);
+}
+
 /// Found by the search (plane, seed 802391): at a node on a wall that a trace of thawed ground touches, the shear stress of that ground along the
 /// wall's normal pushed it, with the area of the front, to 86 km/s in a step.
 TEST(RandomSearch, TraceOfThawedGroundAtANodeOnAWallIsNotPushedAlongTheWallsNormal)

@@ -469,7 +469,7 @@ void PoreWater<D>::levelCells(
         const EnthalpyModel* enthalpy)
 {
 	findFaces(grid, range, cells, gravity, dt, liquidDensity);
-	const double sides      = 2.0 * grid.severalCells();
+	const double sides      = 2.0 * (grid.isSlice() ? 2 : D);
 	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int c = firstCell; c < lastCell; ++c) {

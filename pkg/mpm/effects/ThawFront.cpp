@@ -774,12 +774,13 @@ template <int D> double ThawFront<D>::takenBy(const Meeting& m, const Vec<D>& sh
 }
 
 /// Impulse along the normal that parts the sides no faster than they met, but for what adds a part of the energy to their motion that the shear force
-/// takes from it: the sides never make energy.
-template <int D> double ThawFront<D>::passive(const Meeting& m, double opening, double taken)
+/// takes from it: the normal force adds no more.
+template <int D> double ThawFront<D>::passive(const Meeting& m, double opening, const Vec<D>& shear, const Vec<D>& slip)
 {
-	const double tie = -m.reducedMass * opening, returned = mostReturned * std::max(0.0, taken);
-	const double most = tie + std::sqrt(tie * tie + 2.0 * m.reducedMass * returned);
-	return m.impulse > 2.0 * std::max(0.0, tie) ? std::min(m.impulse, std::max(0.0, most)) : m.impulse;
+	const double tie = -m.reducedMass * opening;
+	if (!(m.impulse > 2.0 * std::max(0.0, tie))) return m.impulse;
+	const double returned = mostReturned * std::max(0.0, takenBy(m, shear, slip));
+	return std::min(m.impulse, std::max(0.0, tie + std::sqrt(tie * tie + 2.0 * m.reducedMass * returned)));
 }
 
 /// Friction between the sides, and the jump that is left. Returns the work that the force between the sides takes up.
@@ -798,7 +799,7 @@ template <int D> double ThawFront<D>::slide(int slot, double dt)
 		for (int i = 0; i < D; ++i)
 			shear[i] = -held * m.reducedMass * slip[i];
 	else shear = carriedShear(slot, slip, dt);
-	m.impulse   = passive(m, opening, takenBy(m, shear, slip));
+	m.impulse   = passive(m, opening, shear, slip);
 	double work = 0.0;
 	for (int i = 0; i < D; ++i) {
 		const double impulse = shear[i] + m.impulse * m.normal[i];

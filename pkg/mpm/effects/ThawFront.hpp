@@ -181,7 +181,7 @@ private:
 	void          press(int slot, double dt);
 	void          pressAsBeside(int slot, double dt);
 	static double takenBy(const Meeting& m, const Vec<D>& shear, const Vec<D>& slip);
-	static double passive(const Meeting& m, double opening, double taken);
+	static double passive(const Meeting& m, double opening, const Vec<D>& shear, const Vec<D>& slip);
 	Vec<D>        areaAround(int node, const Vec<D>& own, const MotionConstraints<D>& constraints) const;
 	static bool   statesStrength(const Meeting& meeting);
 	double        fullMass(int place) const;

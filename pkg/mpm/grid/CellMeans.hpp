@@ -9,14 +9,12 @@
 
 namespace talik {
 
-/// Shares of the direct strains in what B-bar adds to their sum, one in all: equal ones, but none for the thickness of a slice of space one cell
-/// thick. Between two smooth walls it strains as the plane does, where that outside it has none either (de Souza Neto et al. 1996).
+/// Shares of the direct strains in what B-bar adds to their sum, one in all: equal ones, but none for the thickness of a slice of space. Between two smooth walls it strains as the plane does, where that outside it has none either (de Souza Neto et al. 1996).
 template <int D> Vec<D> traceShares(const Grid<D>& grid)
 {
-	const bool slice = D == 3 && grid.severalCells() == 2;
-	Vec<D>     share;
+	Vec<D> share;
 	for (int a = 0; a < D; ++a)
-		share[a] = !slice ? 1.0 / D : grid.cells(a) > 1 ? 0.5 : 0.0;
+		share[a] = !grid.isSlice() ? 1.0 / D : grid.cells(a) > 1 ? 0.5 : 0.0;
 	return share;
 }
 

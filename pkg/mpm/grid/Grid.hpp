@@ -32,11 +32,8 @@ public:
 	int nodeCount() const { return nodeCount_; }
 	int cellCount() const { return cellCount_; }
 	int slowAxis() const { return slowAxis_; }
-	/// Directions in which there is more than one cell.
-	int severalCells() const
-	{
-		return int(std::count_if(cells_.begin(), cells_.end(), [](int n) { return n > 1; }));
-	}
+	/// Whether this is a slice of space: one cell thick in one direction, and in one only.
+	bool isSlice() const { return D == 3 && std::count(cells_.begin(), cells_.end(), 1) == 1; }
 
 	/// Volume (area per metre of thickness in 2-D) of a cell [m^D].
 	double cellVolume() const;
