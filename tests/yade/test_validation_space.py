@@ -223,7 +223,7 @@ def thawedAndSlid(dimension, spacing):
 
 def test_a_slope_that_thaws_and_slides_in_a_slice_of_space_moves_as_in_the_plane_on_two_grids_slow():
 	"""In equal steps: those that are stable are 17 % shorter in space, and amid a slide that alone is 2 % of the mean displacement on the finer grid. What
-	is left is round-off, which a slide enlarges."""
+	is left is how points of a freezing cell level their water, and round-off, which a slide enlarges."""
 	report, tolerance = Report("Space.ThawedSlice", "the plane"), 1e-4
 	for spacing in (0.25, 0.125):
 		plane, space = (np.linalg.norm(thawedAndSlid(dimension, spacing), axis=1) for dimension in (2, 3))
