@@ -9,7 +9,8 @@
 
 namespace talik {
 
-/// Shares of the direct strains in what B-bar adds to their sum, one in all: equal ones, but none for the thickness of a slice of space. Between two smooth walls it strains as the plane does, where that outside it has none either (de Souza Neto et al. 1996).
+/// Shares of the direct strains in what B-bar adds to their sum, one in all: equal ones, but none for the thickness of a slice of space.
+/// Between two smooth walls it strains as the plane does, where that outside it has none either (de Souza Neto et al. 1996).
 template <int D> Vec<D> traceShares(const Grid<D>& grid)
 {
 	Vec<D> share;
