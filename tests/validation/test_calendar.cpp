@@ -13,7 +13,7 @@ namespace {
 constexpr double day = 86400.0;
 
 struct SlopeRun {
-	double largestScale = 2.16e5, tolerance = 0.01;
+	double largestScale = 1.08e5, tolerance = 0.005;
 };
 
 /// The first event, and what it came to.
@@ -91,7 +91,8 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 } // namespace
 
 // Of an endless face 0.21 m slide (Davis 1968), on day 6. This one is held at its toe and its crest until day 21. Rough stress at the front, as
-// slip left it that the stress of points carried, brought it down between days 7 and 9, depending on the least change of any setting.
+// slip left it that the stress of points carried, brought it down between days 7 and 9, depending on the least change of any setting. With twice the
+// scale and tolerance the first event is 6 % later.
 TEST(CalendarOfASlope, HalfTheLargestScaleAndHalfTheToleranceGiveTheSameCalendar_slow)
 {
 	citing("own, 1 x f_T and v_0");
