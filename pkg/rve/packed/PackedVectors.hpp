@@ -247,7 +247,7 @@ namespace HWY_NAMESPACE {
 		        class Gathered, class Moved, class Response, bool Bonded, bool Rolling, int Dim, class Gather, class Move, class Respond, class Scatter>
 		HWY_INLINE void inStages(const PackedPairs<Dim>& pairs, Gather gather, Move move, Respond respond, Scatter scatter)
 		{
-			constexpr std::size_t chunk = HWY_MAX(12 / perBlock, 1); // blocks
+			constexpr std::size_t chunk = HWY_MAX(6 / perBlock, 1); // blocks: twice as many no longer stay in the first cache beside the rows
 			Gathered              gathered[chunk * perBlock];
 			Moved                 moved[chunk * perBlock];
 			Response              responses[chunk * perBlock];
