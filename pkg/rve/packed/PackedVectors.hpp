@@ -348,7 +348,7 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET <= HWY_AVX3_DL
 		/// Numbers of both vectors, by their place in the first one, or in the second one from 8 on.
-		template <long long... Places> HWY_INLINE Many chosen(Many a, Many b)
+		template <long long... Places> HWY_INLINE Many permuted(Many a, Many b)
 		{
 			alignas(64) static constexpr long long places[8] = { Places... };
 			return Many { _mm512_permutex2var_pd(a.raw, _mm512_load_si512(places), b.raw) };
@@ -356,20 +356,22 @@ namespace HWY_NAMESPACE {
 		/// Columns of eight rows of four numbers, one after another, two in a vector.
 		HWY_INLINE Columns columnsOfRun(const Many (&rows)[4])
 		{
-			const Many firstAB = chosen<0, 4, 8, 12, 1, 5, 9, 13>(rows[0], rows[1]), firstCD = chosen<2, 6, 10, 14, 3, 7, 11, 15>(rows[0], rows[1]);
-			const Many lastAB = chosen<0, 4, 8, 12, 1, 5, 9, 13>(rows[2], rows[3]), lastCD = chosen<2, 6, 10, 14, 3, 7, 11, 15>(rows[2], rows[3]);
+			const Many firstAB = permuted<0, 4, 8, 12, 1, 5, 9, 13>(rows[0], rows[1]),
+			           firstCD = permuted<2, 6, 10, 14, 3, 7, 11, 15>(rows[0], rows[1]);
+			const Many lastAB  = permuted<0, 4, 8, 12, 1, 5, 9, 13>(rows[2], rows[3]),
+			           lastCD  = permuted<2, 6, 10, 14, 3, 7, 11, 15>(rows[2], rows[3]);
 			return { hn::ConcatLowerLower(lanes, lastAB, firstAB), hn::ConcatUpperUpper(lanes, lastAB, firstAB),
 				 hn::ConcatLowerLower(lanes, lastCD, firstCD), hn::ConcatUpperUpper(lanes, lastCD, firstCD) };
 		}
 		/// The way back, into memory.
 		HWY_INLINE void putRun(const Columns& c, double* to)
 		{
-			const Many firstAB = chosen<0, 8, 1, 9, 2, 10, 3, 11>(c.a, c.b), firstCD = chosen<0, 8, 1, 9, 2, 10, 3, 11>(c.c, c.d);
-			const Many lastAB = chosen<4, 12, 5, 13, 6, 14, 7, 15>(c.a, c.b), lastCD = chosen<4, 12, 5, 13, 6, 14, 7, 15>(c.c, c.d);
-			store(chosen<0, 1, 8, 9, 2, 3, 10, 11>(firstAB, firstCD), to);
-			store(chosen<4, 5, 12, 13, 6, 7, 14, 15>(firstAB, firstCD), to + 8);
-			store(chosen<0, 1, 8, 9, 2, 3, 10, 11>(lastAB, lastCD), to + 16);
-			store(chosen<4, 5, 12, 13, 6, 7, 14, 15>(lastAB, lastCD), to + 24);
+			const Many firstAB = permuted<0, 8, 1, 9, 2, 10, 3, 11>(c.a, c.b), firstCD = permuted<0, 8, 1, 9, 2, 10, 3, 11>(c.c, c.d);
+			const Many lastAB = permuted<4, 12, 5, 13, 6, 14, 7, 15>(c.a, c.b), lastCD = permuted<4, 12, 5, 13, 6, 14, 7, 15>(c.c, c.d);
+			store(permuted<0, 1, 8, 9, 2, 3, 10, 11>(firstAB, firstCD), to);
+			store(permuted<4, 5, 12, 13, 6, 7, 14, 15>(firstAB, firstCD), to + 8);
+			store(permuted<0, 1, 8, 9, 2, 3, 10, 11>(lastAB, lastCD), to + 16);
+			store(permuted<4, 5, 12, 13, 6, 7, 14, 15>(lastAB, lastCD), to + 24);
 		}
 #endif
 
@@ -406,22 +408,21 @@ namespace HWY_NAMESPACE {
 			});
 		}
 		/// The way back.
+#if HWY_TARGET <= HWY_AVX3_DL
 		template <std::size_t Row> HWY_INLINE void putColumns(const Columns& columns, double* to)
 		{
-#if HWY_TARGET <= HWY_AVX3_DL
-			if constexpr (Row == 4) return putRun(columns, to);
-#endif
-			putRows<Row>(rowsOf(columns), to);
+			static_assert(Row == 4, "rows of four numbers are one after another");
+			putRun(columns, to);
 		}
+		template <std::size_t Row> HWY_INLINE void putColumns(const EightColumns& columns, double* to) { putRows<Row>(rowsOf(columns), to); }
+#else
+		template <std::size_t Row> HWY_INLINE void putColumns(const Columns& columns, double* to) { putRows<Row>(rowsOf(columns), to); }
 		template <std::size_t Row> HWY_INLINE void putColumns(const EightColumns& columns, double* to)
 		{
-#if HWY_TARGET <= HWY_AVX3_DL
-			putRows<Row>(rowsOf(columns), to);
-#else
 			putColumns<Row>(columns.low, to);
 			putColumns<Row>(columns.high, to + 4);
-#endif
 		}
+#endif
 
 		/// A sum over grains, kept by place in four neighbouring ones, so that all vectors give the same.
 		struct Quad {
