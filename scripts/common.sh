@@ -128,6 +128,13 @@ ensureBuilt() {
 			$(compilerLauncher)
 	fi
 	showingProgress "the build" "$build/build.log" cmake --build "$build" -j "$(nproc)" "${target[@]}"
+	tellWarnings "$build/build.log"
+}
+
+tellWarnings() {
+	local number
+	number=$(grep -c 'warning:' "$1" || true)
+	[ "$number" -eq 0 ] || note "Warnings of the compiler: $number; they are in $1"
 }
 
 # Packages, the right YADE, and an up-to-date build.
