@@ -134,7 +134,7 @@ ensureBuilt() {
 tellWarnings() {
 	local number
 	number=$(grep -c 'warning:' "$1" || true)
-	[ "$number" -eq 0 ] || note "Warnings of the compiler: $number; they are in $1"
+	[ "$number" = 0 ] || note "Warnings of the compiler: $number; they are in $1"
 }
 
 # Packages, the right YADE, and an up-to-date build.
