@@ -71,28 +71,27 @@ class Record:
 			self.forces.append(forces)
 			if self.instants and O.time >= self.instants[0]:
 				self.instants.pop(0)
-				self.states.append((O.time, self.mpm.field("position"), self.mpm.field("volume"), self.mpm.field("velocity")))
+				self.states.append({"time": O.time, **output.allFields(self.mpm)})
 
 
 def draw(record, path):
-	fig = plots.figure(8, 2.1 * len(record.states) + 2.6)
+	fig = plots.figure(7.5, 2.5 * len(record.states) + 2.6)
 	panels = fig.subplots(len(record.states) + 1, 1)
-	fastest = max(np.linalg.norm(velocity, axis=1).max() for *_, velocity in record.states)
-	for axes, (time, position, volume, velocity) in zip(panels, record.states):
-		plots.slopeField(axes, position, velocity, volume, limits=(0, fastest))
+	speed = plots.bandsOf("velocity", [state["velocity"] for state in record.states])
+	for axes, state in zip(panels, record.states):
+		plots.ground(axes, state, "velocity", speed, bar=False, arrows="velocity")
 		bodies.draw(axes, O.bodies)
-		axes.set_xlim(0, 4.6)
-		axes.set_ylim(-0.15, 1.8)
-		axes.set_ylabel("across [m]")
-		axes.set_title(plots.timeLabel(time), loc="left", fontsize=10)
+		axes.set(xlim=(0, 4.6), ylim=(-0.12, 1.75), xlabel="", ylabel="across [m]")
+		fastest = np.linalg.norm(state["velocity"], axis=1).max()
+		axes.set_title(f"{plots.timeLabel(state['time'])}: up to {fastest:.2g} m/s; dashed: the mass at the start", loc="left", fontsize=10)
 	panels[-2].set_xlabel("along the chute [m]")
-	fig.colorbar(panels[0].collections[0], ax=list(panels[:-1]), label="speed [m/s]", shrink=0.7)
+	plots.colourBar(panels[:-1], speed, shrink=0.7)
 	times, forces = np.array(record.times), np.array(record.forces)
 	panels[-1].plot(times, forces[:, 1, 0] / 1e3, color="black", label="barrier, along")
 	panels[-1].plot(times, -forces[:, 0, 1] / 1e3, color="steelblue", label="floor, down")
 	panels[-1].set_xlabel("time [s]")
 	panels[-1].set_ylabel("force [kN/m]")
-	panels[-1].legend()
+	panels[-1].legend(frameon=False)
 	plots.save(fig, path, dpi=100)
 
 

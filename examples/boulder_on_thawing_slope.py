@@ -89,8 +89,8 @@ class Record:
 			self.rows.append((O.time, self.stone.state.displ()[0], self.stone.state.displ()[1], *self.force))
 
 	def keepState(self):
-		f = self.mpm.field
-		self.states.append((O.time, f("position"), f("volume"), f("iceSaturation"), f("displacement"), [bodies.outline(member) for member in self.members]))
+		stone = [bodies.outline(member) for member in self.members]
+		self.states.append({"time": O.time, "day": O.time * thermalTimeScale / talik.day, "stone": stone, **output.allFields(self.mpm)})
 
 	def momentumGap(self):
 		"""Momentum of ground times thickness and boulder, less all that came from outside: what the contact would have made."""
@@ -101,24 +101,21 @@ class Record:
 
 
 def draw(record, path):
-	fig = plots.figure(8, 8)
-	panels = fig.subplots(3, 1, height_ratios=(1, 1, 0.7))
-	scene = ((record.states[0], 3, "Blues", "ice saturation [-]", (0, 1)), (record.states[-1], 4, "viridis", "displacement [m]", (0, None)))
-	for axes, (state, field, colours, label, limits) in zip(panels, scene):
-		plots.slopeField(axes, state[1], state[field], state[2], label=label, colourMap=colours, limits=limits)
-		for line in state[5]:
-			axes.fill(*line.T, facecolor="0.7", edgecolor="black", linewidth=0.8)
-		if axes is panels[1]:
-			plots.thawFront(axes, state[1], state[3], state[2])
-		axes.set_xlim(0, 13)
-		axes.set_ylim(0, 4.6)
-		axes.set_ylabel("y [m]")
-		axes.set_title(plots.timeLabel(state[0], state[0] * thermalTimeScale / talik.day), loc="left", fontsize=10)
-	panels[1].set_xlabel("x [m]")
+	fig = plots.figure(8, 10.5)
+	panels = fig.subplots(4, 1, height_ratios=(1, 1, 1, 0.75))
+	first, last = record.states[0], record.states[-1]
+	for axes, (state, field) in zip(panels, ((first, "iceSaturation"), (last, "iceSaturation"), (last, "displacement"))):
+		plots.ground(axes, state, field, arrows="displacement" if field == "displacement" else None)
+		for line in state["stone"]:
+			axes.fill(*line.T, facecolor="0.7", edgecolor="black", linewidth=0.8, zorder=3)
+		axes.set(xlim=(0, 13), ylim=(0, 4.6), xlabel="")
+		axes.set_title(plots.timeLabel(state["time"], state["day"]), loc="left", fontsize=10)
+	panels[1].set_title("crimson: thaw front; dashed: ground at the start", loc="right", fontsize=9)
+	panels[2].set_xlabel("x [m]")
 	rows = np.array(record.rows)
-	panels[2].plot(rows[:, 0], np.hypot(rows[:, 1] - rows[0, 1], rows[:, 2] - rows[0, 2]), color="black")
-	panels[2].set_xlabel("time [s]")
-	panels[2].set_ylabel("path of the boulder [m]")
+	days = rows[:, 0] * thermalTimeScale / talik.day
+	panels[3].plot(days, np.hypot(rows[:, 1] - rows[0, 1], rows[:, 2] - rows[0, 2]), color="black")
+	panels[3].set(xlabel="day", ylabel="path of the boulder [m]", xlim=(0, days[-1]), ylim=(0, None))
 	plots.save(fig, path, dpi=100)
 
 

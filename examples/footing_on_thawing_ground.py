@@ -76,9 +76,7 @@ class Record:
 			self.rows.append((O.time, self.block.state.displ()[1], O.forces.f(self.block.id)[1], thawed))
 
 	def keepState(self):
-		f = self.mpm.field
-		line = bodies.outline(self.block)
-		self.states.append((O.time, f("position"), f("volume"), f("iceSaturation"), line))
+		self.states.append({"time": O.time, "line": bodies.outline(self.block), **output.allFields(self.mpm)})
 
 	def meanForce(self, last=10):
 		return np.mean([row[2] for row in self.rows[-last:]])
@@ -87,22 +85,23 @@ class Record:
 def draw(record, weight, path):
 	fig = plots.figure(8, 7.5)
 	panels = fig.subplots(3, 1, height_ratios=(1, 1, 0.8))
-	for axes, (time, position, volume, ice, line) in zip(panels, record.states):
-		plots.slopeField(axes, position, ice, volume, colourMap="Blues", limits=(0, 1))
-		axes.fill(*line.T, facecolor="0.7", edgecolor="black")
-		axes.set_xlim(0, width)
-		axes.set_ylim(0, depth + 1.5)
-		axes.set_ylabel("y [m]")
-		axes.set_title(plots.timeLabel(time, time * thermalTimeScale / talik.day), loc="left", fontsize=10)
+	ice = plots.bandsOf("iceSaturation", [state["iceSaturation"] for state in record.states])
+	for axes, state in zip(panels, record.states):
+		plots.ground(axes, state, "iceSaturation", ice, bar=False)
+		axes.fill(*state["line"].T, facecolor="0.7", edgecolor="black", zorder=3)
+		axes.set(xlim=(0, width), ylim=(0, depth + 1.5), xlabel="")
+		axes.set_title(plots.timeLabel(state["time"], state["time"] * thermalTimeScale / talik.day), loc="left", fontsize=10)
+	panels[1].set_title("crimson: thaw front; dashed: ground at the start", loc="right", fontsize=9)
 	panels[1].set_xlabel("x [m]")
-	fig.colorbar(panels[0].collections[0], ax=list(panels[:2]), label="ice saturation [-]", shrink=0.7)
+	plots.colourBar(panels[:2], ice, shrink=0.7)
 	time, settled, force, thawed = np.array(record.rows).T
-	panels[2].plot(time, 1e3 * settled, color="black", label="footing [mm]")
-	panels[2].set_xlabel("time [s]")
-	panels[2].set_ylabel("settlement [mm]")
+	days = time * thermalTimeScale / talik.day
+	panels[2].plot(days, -1e3 * settled, color="black", label="settlement of the footing (left)")
+	panels[2].set(xlabel="day", ylabel="settlement [mm]", xlim=(0, days[-1]))
 	other = panels[2].twinx()
-	other.plot(time, thawed, color="crimson", linestyle="--")
-	other.set_ylabel("thawed (dashed) [m]")
+	other.plot(days, thawed, color="crimson", linestyle="--", label="thawed depth (right)")
+	other.set_ylabel("thawed depth [m]")
+	panels[2].legend(handles=[*panels[2].lines, *other.lines], frameon=False)
 	plots.save(fig, path, dpi=100)
 
 

@@ -44,14 +44,14 @@ layers = talik.layers.fill(mpm, {"silt": silt, "ice-rich": iceRich}, lateralRati
 O.engines = [mpm]
 O.step()
 
-rows, states = [], [(0.0, mpm.field("position"), mpm.field("volume"), mpm.field("iceSaturation"))]
+rows, states = [], [(0.0, output.allFields(mpm))]
 while mpm.field("iceSaturation")[layers["ice-rich"]].max() > 0:
 	talik.runUntilDay(mpm, mpm.calendar["day"] + 5)
 	ice = mpm.field("iceSaturation")[layers["ice-rich"]]
 	rows.append((mpm.calendar["day"], width * depth - mpm.field("volume").sum(), ice.min()))
-states.append((rows[-1][0], mpm.field("position"), mpm.field("volume"), mpm.field("iceSaturation")))
+states.append((rows[-1][0], output.allFields(mpm)))
 
-area, cover = talik.geometry.polygonArea(lens)[0], depth - states[0][1][layers["ice-rich"], 1].max()  # cover of the highest point of the lens
+area, cover = talik.geometry.polygonArea(lens)[0], depth - states[0][1]["position"][layers["ice-rich"], 1].max()  # cover of the highest point of the lens
 latent, conductivity = 0.4 * 910 * 334e3, 0.6 * 1.0 + 0.4 * 0.6  # of the silt [J/m3, W/(m K)]
 day, settled = np.interp(-0.5, [-ice for _, _, ice in rows], [day for day, _, _ in rows]), rows[-1][1]
 dayByHand, settledByHand = latent * cover**2 / (2 * conductivity * warm) / talik.day, strain * area
@@ -61,11 +61,15 @@ print(f"settled area {settled:.4f} m2, by hand {settledByHand:.4f} m2")
 
 figure = plots.figure(8, 6.5)
 panels = figure.subplots(2, 1, sharex=True)
-for axes, (time, position, volume, ice) in zip(panels, states):
-	plots.slopeField(axes, position, ice, volume, "ice saturation [-]", "Blues", (0, 1))
-	axes.plot(*zip(*lens, lens[0]), color="crimson")
-	axes.set_title(f"day {time:.0f}; outline of the lens at the start in red", loc="left", fontsize=10)
-	axes.set_ylim(0, depth + 0.2)
+ice = plots.bandsOf("iceSaturation", [frame["iceSaturation"] for _, frame in states])
+for axes, (time, frame) in zip(panels, states):
+	plots.ground(axes, frame, "iceSaturation", ice, bar=False)
+	axes.plot(*zip(*lens, lens[0]), color="black", linestyle=":", linewidth=1.2)
+	axes.set_title(f"day {time:.0f}", loc="left", fontsize=10)
+	axes.set(xlim=(0, width), ylim=(0, depth + 0.2))
+panels[0].set(xlabel="")
+panels[1].set_title("dotted: outline of the lens at the start; dashed: ground at the start; crimson: thaw front", loc="right", fontsize=9)
+plots.colourBar(panels, ice)
 plots.save(figure, folder / "ice_rich_layer.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",

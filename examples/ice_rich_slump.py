@@ -13,6 +13,8 @@ Change the thaw strain of a layer, or its grains, first.
 import argparse
 
 import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
 from yade import O
 
 import talik
@@ -93,15 +95,24 @@ print(f"{slid:.1f} m2 have slid sideways by more than 0.1 m, by hand at most {sl
 for name, ids in layers.items():
 	print(f"{name}: {thawed[ids].sum():.2f} m2 of {startVolume[ids].sum():.2f} m2 have thawed; moved by up to {moved[ids].max():.2f} m")
 
-figure = plots.figure(8, 7)
-panels = figure.subplots(2, 1, sharex=True)
-position, volume = mpm.field("position"), mpm.field("volume")
-plots.slopeField(panels[0], position, ice, volume, "ice saturation [-]", "Blues", (0, 1))
-plots.slopeField(panels[1], position, moved, volume, "displacement [m]")
-for axes in panels:
+figure = plots.figure(8, 10)
+panels = figure.subplots(3, 1, sharex=True)
+frame, number = output.allFields(mpm), np.zeros(mpm.pointCount)
+for place, ids in enumerate(layers.values()):
+	number[ids] = place
+soilBands = plots.Bands("", np.arange(len(soils) + 1) - 0.5, ListedColormap(["#d9c08c", "#8fb3c9", "#9a8f86"]))
+for axes, field, bands in ((panels[0], number, soilBands), (panels[1], "iceSaturation", None), (panels[2], "displacement", None)):
+	plots.ground(axes, frame, field, bands, bar=False, arrows="displacement" if field == "displacement" else None)
 	for soil in soils.values():
-		axes.plot(*zip(*soil["polygon"], soil["polygon"][0]), color="crimson", linewidth=0.8)
-panels[0].set_title(f"day {lastDay}; the layers at the start in red, the ice-rich one in the middle", loc="left", fontsize=10)
+		axes.plot(*zip(*soil["polygon"], soil["polygon"][0]), color="0.35", linewidth=0.6, linestyle=":")
+	axes.set(xlim=(0, 12), ylim=(0, 4.3), xlabel="")
+	if axes is not panels[0]:
+		plots.colourBar(axes, plots.bandsOf(field, frame[field]))
+panels[2].set_xlabel("x [m]")
+handles = [Patch(color=soilBands.map(place), label=name) for place, name in enumerate(soils)]
+panels[0].legend(handles=handles, loc="upper right", frameon=False)
+panels[0].set_title(f"day {lastDay}; dotted: layers at the start; crimson: thaw front", loc="left", fontsize=10)
+panels[2].set_title(f"largest {moved.max():.1f} m", loc="right", fontsize=9)
 plots.save(figure, folder / "ice_rich_slump.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",

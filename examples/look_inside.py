@@ -62,11 +62,10 @@ for row, (letter, id) in enumerate({"A": A, "B": B}.items()):
 	plots.normalRose(fig.add_subplot(grid[row, 2], projection="polar"), sample["normal"])
 
 positions = dict(zip("AB", mpm.field("position")[[A, B]]))
-slope = plots.slopeField(
-	fig.add_subplot(grid[0, 0]), mpm.field("position"), mpm.field("bondsBroken"), mpm.field("volume"), "bonds broken [-]", "inferno_r", (0, None), positions
+slope = plots.ground(
+	fig.add_subplot(grid[0, 0]), output.allFields(mpm), "bondsBroken", label="bonds broken [-]", colourMap="YlOrRd", limits=(0, None), watched=positions
 )
-plots.thawFront(slope, mpm.field("position"), mpm.field("iceSaturation"), mpm.field("volume"))
-slope.set_title(f"{mpm.time:.3g} s; line: thaw front")
+slope.set_title(f"day {mpm.calendar['day']:.0f}; crimson: thaw front, dashed: start", fontsize=10)
 past = mpm.history(A)
 plots.bondHistory(fig.add_subplot(grid[1, 0]), past["deviatoricStrain"], past["bondsIntact"], past["bondsBroken"], past["bondsMelted"]).set_title("bonds of A")
 picture = plots.save(fig, folder / "look_inside.png", dpi=80)

@@ -139,9 +139,9 @@ def bank(scene, spacing, endTime):
 
 
 def drawBank(axes, mpm, title, widest):
-	position = mpm.field("position")
-	plots.slopeField(axes, position, np.linalg.norm(mpm.field("displacement"), axis=1), mpm.field("volume"), "displacement [m]", "viridis", (0, widest))
-	axes.set_title(title)
+	frame = output.allFields(mpm)
+	plots.ground(axes, frame, "displacement", plots.bandsOf("displacement", frame["displacement"], limits=(0, widest)), arrows="displacement")
+	axes.set(title=title, xlim=(0, 3.5), ylim=(0, 1.1))
 
 
 def summaryOf(mpm):

@@ -75,7 +75,7 @@ while mpm.calendar["day"] < lastDay:
 	volume, ice = mpm.field("volume"), mpm.field("iceSaturation")
 	rows.append((mpm.calendar["day"], volume[ice > 0.5].sum(), (volume * ice * porosity).sum(), volume.sum() - area))
 	if not states and rows[-1][0] > 165:
-		states["late in the first winter"] = mpm.field("position"), volume, ice
+		states[f"day {rows[-1][0]:.0f}, late in the first winter"] = output.allFields(mpm)
 day, frozen, iceArea, growth = np.array(rows).T
 record = np.genfromtxt(folder / "thrust.csv", delimiter=",", skip_header=1)
 
@@ -114,10 +114,11 @@ panels[1].set_ylabel("thrust [kN/m]")
 panels[1].legend()
 panels[0].set_xlim(0, lastDay)
 panels[1].set_xlim(0, lastDay)
-for title, (position, volume, ice) in states.items():
-	plots.slopeField(panels[2], position, ice, volume, "ice saturation [-]", "Blues", (0, 1))
-	bodies.draw(panels[2], [O.bodies[wall]], color="0.6")
-	panels[2].set_title(title, loc="left", fontsize=10)
+for title, frame in states.items():
+	plots.ground(panels[2], frame, "iceSaturation", start=False)
+	bodies.draw(panels[2], [O.bodies[wall]], color="0.3")
+	panels[2].set(xlim=(-0.4, width + 0.1), ylim=(-0.1, height + 0.6))
+	panels[2].set_title(f"{title}; grey: the wall, crimson: front of frost", loc="left", fontsize=10)
 plots.save(figure, folder / "retaining_wall.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",

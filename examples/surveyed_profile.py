@@ -66,7 +66,7 @@ surface = {name: (x, talik.geometry.surfaceHeight(outline, x)) for name, x in pl
 table = output.PointTable(mpm, folder / "points.csv", surface, fields=("temperature", "displacement"), everyDays=1)
 O.engines = [mpm, table.engine]
 start, startVolume = mpm.field("position"), mpm.field("volume")
-startTemperature = mpm.field("temperature")
+atStart = output.allFields(mpm)
 talik.runUntilDay(mpm, lastDay)
 talik.runSerially(500)  # the last cell comes to rest
 
@@ -88,14 +88,15 @@ for name, (thawed, byHand, settled, settledByHand) in results.items():
 figure = plots.figure(8, 9)
 panels = figure.subplots(3, 1)
 lines = [*outline, outline[0]]
-plots.slopeField(panels[0], start, startTemperature, startVolume, "temperature [°C]", "Blues_r", (-3, 0))
-plots.slopeField(panels[1], mpm.field("position"), ice, mpm.field("volume"), "ice saturation [-]", "Blues", (0, 1))
-plots.slopeField(panels[2], mpm.field("position"), -1e3 * displacement[:, 1], mpm.field("volume"), "settlement [mm]", "viridis", (0, None))
-for axes, title in zip(panels, ("start, from the borehole", f"day {lastDay}; the survey in red", f"day {lastDay}")):
+now = output.allFields(mpm)
+plots.ground(panels[0], atStart, "temperature", colourMap="Blues_r", start=False, front=False)
+plots.ground(panels[1], now, "iceSaturation", start=False)
+plots.ground(panels[2], now, -1e3 * displacement[:, 1], label="settlement [mm]", limits=(0, None), start=False)
+for axes, title in zip(panels, ("start, from the borehole", f"day {lastDay}; crimson: thaw front", f"day {lastDay}; dashed: the survey")):
 	axes.set_title(title, loc="left", fontsize=10)
 	for soil in soils.values():
 		axes.plot(*zip(*soil["polygon"], soil["polygon"][0]), color="0.3", linewidth=0.6)
-panels[1].plot(*zip(*lines), color="crimson", linewidth=0.8)
+panels[2].plot(*zip(*lines), color="0.35", linestyle="--", linewidth=0.8)
 plots.save(figure, folder / "surveyed_profile.png", dpi=100)
 output.writeSummary(folder / "summary.json", **{f"{name}: thawed, by hand, settled, by hand [m]": values for name, values in results.items()})
 for name, (thawed, byHand, settled, settledByHand) in results.items():

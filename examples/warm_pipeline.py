@@ -78,18 +78,23 @@ print(f"{mpm.pointCount} points, {O.iter} steps, {day / 365:.1f} years")
 print(f"radius of the thaw bulb {bulb:.2f} m, by hand {byHand:.2f} m; lowest point {lowest:.2f} m below the axis, in the end, by hand, {steady:.2f} m")
 print(f"the pipe has settled by {1e3 * settlement:.0f} mm, by hand {1e3 * settledByHand:.0f} mm")
 
-figure = plots.figure(8, 8.5)
-panels = figure.subplots(2, 1)
-plots.slopeField(panels[0], mpm.field("position"), mpm.field("iceSaturation"), mpm.field("volume"), "ice saturation [-]", "Blues", (0, 1))
-for sunk, colour in ((0, "crimson"), (settlement, "black")):
-	panels[0].plot(*(np.array(trench + trench[:1]) - (0, sunk)).T, color=colour)
-panels[0].set_title(f"after {day / 365:.1f} years; the pipe at the start in red, now in black", loc="left", fontsize=10)
-time, bulbs, _, settlements = np.array(rows).T
-panels[1].plot(time / 365, bulbs, color="black", label="radius of the thaw bulb [m]")
-panels[1].plot(time / 365, np.interp(time - 10, days, radii), "--", color="black", label="by hand, no heat lost to frozen ground [m]")
-panels[1].plot(time / 365, 10 * settlements, color="crimson", label="settlement of the pipe [0.1 m]")
-panels[1].set_xlabel("time [years]")
-panels[1].legend()
+figure = plots.figure(8, 10.5)
+panels = figure.subplots(3, 1, height_ratios=(2.2, 1, 1))
+plots.ground(panels[0], output.allFields(mpm), "iceSaturation", start=False)
+circle = np.array(trench + trench[:1])
+panels[0].fill(*(circle - (0, settlement)).T, facecolor="0.75", edgecolor="black")
+panels[0].plot(*circle.T, color="0.35", linestyle="--", linewidth=0.8)
+panels[0].set_title(f"after {day / 365:.1f} years; dashed: the pipe at the start, grey: now; crimson: thaw front", loc="left", fontsize=10)
+time, bulbs, lowests, settlements = np.array(rows).T
+panels[1].plot(time / 365, bulbs, color="black", label="computed")
+panels[1].plot(time / 365, np.interp(time - 10, days, radii), "--", color="black", label="by hand, no heat lost to frozen ground")
+panels[1].set(ylabel="radius of the thaw bulb [m]", ylim=(0, None))
+panels[2].plot(time / 365, settlements, color="black", label="computed")
+panels[2].plot(time / 365, silt.thawStrain * (lowests - radius), "--", color="black", label="thaw strain times the depth thawed below the pipe")
+panels[2].set(xlabel="time [years]", ylabel="settlement of the pipe [m]", ylim=(0, None))
+for axes in panels[1:]:
+	axes.set_xlim(0, time[-1] / 365)
+	axes.legend(frameon=False)
 plots.save(figure, folder / "warm_pipeline.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",

@@ -26,6 +26,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--days", type=_days, help="of the thaw, in place of the case's; with --resume the run goes on until then")
 	parser.add_argument("--duration", type=_oldDuration, help=argparse.SUPPRESS)
 	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
+	parser.add_argument("--film", action="store_true", help="also a film, film.gif, of the frames that the motion took; with --redraw of those in the folder")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
 	parser.add_argument(
 		"--thaw-strain", default=thawStrain, type=_thawStrain, help="area strain that thawing grains of the samples release: 0, a fraction, or full (eq. 8)"
@@ -101,6 +102,8 @@ def runCase(case, options, ofCase=None):
 		if options.days is not None:
 			slump.endAt(options.days)
 		report(slump.run(), slump.folder)
+		if options.film and talik.ranks.first:
+			print(page.film(slump.folder))
 		return slump
 	settings = comparison(options)
 	folders = {label: Path(options.output) / ("" if len(settings) == 1 else label.replace(" ", "-")) for label in settings}
@@ -115,6 +118,8 @@ def runCase(case, options, ofCase=None):
 				)
 				slump.presetName = options.preset
 				slump.run()
+		if options.film and talik.ranks.first:
+			print(page.film(folders[label]))
 		if talik.ranks.first:  # the files are its own
 			report(page.summaryOf(folders[label]), folders[label])
 	if len(folders) > 1 and talik.ranks.first:

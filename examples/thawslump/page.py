@@ -4,6 +4,7 @@
 	page        S_i, deviatoric strain and displacement at four times; samples of two points: force chains by bond state, contact normals
 	sideBySide  runs of one slope that differ in one thing: fields at the end, displacement over time, broken bonds, bill
 	draw        the pictures of a run from the files in its folder, without the run
+	film        the same of a film
 """
 
 import json
@@ -12,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 import talik
-from talik import output, packing, plots
+from talik import movie, output, packing, plots
 from thawslump import shearband
 
-pageTimes = 4
+pageTimes, filmPictures = 4, 40
+linesOfPictures = "crimson: thaw front, $S_i$ = 0.5; dashed: ground at the start; arrows: direction of displacement"
 framesName, samplesName, summaryName = "frames.npz", "samples.npz", "summary.json"  # what a run leaves in its folder to be drawn from
 
 
@@ -58,32 +60,43 @@ def draw(folder, outline, threshold=0.2):
 	folder = Path(folder)
 	if not (folder / framesName).exists():
 		raise FileNotFoundError(f"{folder} holds no {framesName} to draw from: give the folder in which a run left its results (--output)")
-	frames, (samples, watched) = output.loadFrames(folder / framesName)[1:], loadSamples(folder / samplesName)
+	frames, (samples, watched) = output.loadFrames(folder / framesName), loadSamples(folder / samplesName)
+	told = output.telling(frames[1:], pageTimes)
 	summary = summaryOf(folder)
-	title = f"{summary['case']}; {slipSurfaces(frames[-1], outline, threshold)}"
-	plots.save(plots.slopeHistory(frames), folder / "slope.png")
-	plots.save(page(frames, samples, watched, title), folder / "page.png", dpi=80)
+	title = f"{summary['case']}; {slipSurfaces(frames[-1], outline, threshold)}\n{linesOfPictures}"
+	fig = plots.slopeHistory(told)
+	fig.suptitle(title, fontsize=11)
+	plots.save(fig, folder / "slope.png", dpi=100)
+	plots.save(page(told, samples, watched, title), folder / "page.png", dpi=80)
 	fig = plots.figure(7, 3.2)
-	plots.calendarHistory(fig.subplots(), summary["history"], summary["events"])
+	looked = [(frame["day"], frame["time"], plots.magnitude(frame["displacement"]).max()) for frame in frames]
+	plots.calendarHistory(fig.subplots(), sorted([*map(tuple, summary["history"]), *looked]), summary["events"])
 	plots.save(fig, folder / "calendar.png")
+
+
+def film(folder):
+	"""film.gif from the frames in the folder of a run: ice saturation above displacement."""
+	folder = Path(folder)
+	frames = output.loadFrames(folder / framesName)
+	return movie.slope(frames, folder / "film.gif", field=("iceSaturation", "displacement"), pictures=filmPictures, framesPerSecond=8, width=7.2, dpi=80)
 
 
 def page(frames, samples=None, watched=None, title=None):
 	"""The page of one case.
 
-	frames   of talik.output.Frames; the last four are shown
+	frames   of talik.output.Frames, four or fewer; talik.output.telling chooses such
 	samples  {letter: arrays of sampleOf}, drawn below the slope
 	watched  {letter: id} points marked on the slope
 	Returns the figure."""
-	frames, samples = frames[-pageTimes:], samples or {}
-	slopeHeight, sampleHeight = plots.historyHeight(frames), 4.0 if samples else 0.0
+	samples = samples or {}
+	slopeHeight, sampleHeight = plots.historyHeight(frames) + 0.4, 4.0 if samples else 0.0
 	fig = plots.figure(12.6, slopeHeight + sampleHeight)
 	upper, lower = fig.subfigures(2, 1, height_ratios=(slopeHeight, sampleHeight)) if samples else (fig.subfigures(1, 1), None)
 	plots.slopeHistory(frames, watched=watched, into=upper)
 	for place, (letter, sample) in enumerate(samples.items()):
 		_drawSample(lower, place, 2 * len(samples), letter, sample, frames[-1], (watched or {}).get(letter))
 	if title:
-		fig.suptitle(title)
+		fig.suptitle(title, fontsize=11)
 	return fig
 
 

@@ -19,6 +19,7 @@ from yade import wrapper
 from talik import slope
 
 meltSaturation = wrapper.IceBondMat().meltSaturation  # at or below it every bond is gone
+torn = 0.25  # deviatoric strain beyond which a frozen sample has opened along a crack and hangs together no more
 levels = (0.25, 0.5, 0.75)  # of the way from the ground that stayed to the mass that moved; the middle one counts, the others tell how sure it is
 
 
@@ -154,14 +155,22 @@ def describe(band, ground="frozen"):
 
 def watchedPoints(frame, outline, threshold=0.05):
 	"""{"A": id, "B": id}: A the frozen point, in the band where there is one, that lost most bonds mechanically, of equals the one with least
-	ice, B the thawed point that is strained most; each among those that still have contacts, if any have. A letter is left out where there is no such point."""
+	ice, B the thawed point that is strained most; each among those that still have contacts, and A among those whose samples are in one piece, strained
+	by no more than `torn`, if there are any. A letter is left out where there is no such point."""
 	solid, icy = frame["coordinationNumber"] > 2, frozen(frame)
 	band = measure(frame, outline, threshold)
 	inBand = np.isin(np.arange(len(solid)), band.points) if band else np.ones(len(solid), bool)
-	choices = {"A": (icy & inBand, frame["bondsBroken"] + 1 - frame["iceSaturation"]), "B": (~icy, frame["deviatoricStrain"])}
-	return {
-		letter: _highest(rank, possible & solid if (possible & solid).any() else possible) for letter, (possible, rank) in choices.items() if possible.any()
+	whole = solid & (frame["deviatoricStrain"] < torn)
+	choices = {
+		"A": (icy & inBand, [whole & (frame["bondsBroken"] > 0), whole, solid], frame["bondsBroken"] + 1 - frame["iceSaturation"]),
+		"B": (~icy, [solid], frame["deviatoricStrain"]),
 	}
+	return {letter: _highest(rank, _first(possible, better)) for letter, (possible, better, rank) in choices.items() if possible.any()}
+
+
+def _first(possible, better):
+	"""The possible ones that meet the first of the wishes that any meets."""
+	return next((possible & wish for wish in better if (possible & wish).any()), possible)
 
 
 def _highest(rank, possible):

@@ -38,6 +38,7 @@ remembered = (
 	"history",
 )  # attributes of a run
 frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames
+framesByMotion, stepsPerLook = 48, 20  # frames between them, at most, and after so many steps it is looked whether the ground has moved
 never = 1e12  # [s of calendar time]
 bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
 frozenDensity = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)  # [kg/m3]
@@ -101,12 +102,13 @@ class ThawSlump:
 			) from missing
 
 	def _frames(self):
-		return output.Frames(self.mpm, self.frameDays, clock=self.thawTime, days=True)
+		return output.Frames(self.mpm, self.frameDays, clock=self.thawTime, days=True, byMotion=framesByMotion)
 
 	def endAt(self, days):
 		"""The thaw ends on day `days` in place of the preset's: for a run to be gone on with. Frames taken stay."""
 		self.preset = replace(self.preset, days=days)
-		taken, untaken = self.frameDays[: len(self.frames.frames)], self.frameDays[len(self.frames.frames) :]
+		count = len(self.frames.timed())
+		taken, untaken = self.frameDays[:count], self.frameDays[count:]
 		self.frameDays = self.frames.times = taken + [day for day in untaken if day < days] + [days]
 
 	# ---- building
@@ -190,6 +192,7 @@ class ThawSlump:
 		self.mpm.heat.thermalTimeScale, self.mpm.heat.movingTimeScale = self.ground.thermalTimeScale, self.ground.movingTimeScale
 		self.mpm.setDay(0)
 		self.reached = -1.0
+		O.engines = [self.mpm, self.frames.runner(iterPeriod=stepsPerLook)]
 
 	def _thaw(self, look):
 		seriesDays, self._kept = np.linspace(0, self.preset.days, seriesLength + 1), time.monotonic()
@@ -236,6 +239,7 @@ class ThawSlump:
 			"ground": asdict(self.ground),
 			"initialBalance": output.plain(self.initialBalance),
 			"series": self.series.entries,
+			"motion": [self.frames.moved, self.frames.change],
 			"seconds": time.monotonic() - self.wallStart,
 			"cpuSeconds": time.process_time() - self.cpuStart,
 		}
@@ -249,6 +253,8 @@ class ThawSlump:
 		self.cpuStart -= memory["cpuSeconds"]
 		self.frames = self._frames()
 		self.frames.frames = [frame for frame in output.loadFrames(self.folder / framesName) if frame["time"] <= self.thawTime()]
+		self.frames.moved, self.frames.change = memory["motion"]
+		O.engines[-1].command = self.frames.runner().command  # calls of the process that was stopped are gone
 		self.series = output.ParaViewSeries(self.mpm, self.folder / "paraview", clock=self.day)
 		self.series.entries = [tuple(entry) for entry in memory["series"]]
 

@@ -1,70 +1,105 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A film of a slope in the plane, a picture of it at each time that was kept:
+"""A film of a slope in the plane:
 
 	talik.movie.slope("output/thaw_slump_surface/frames.npz", "slump.gif", field="displacement")
 
-The frames are those of talik.output.Frames, or the file that its save() wrote. A GIF needs nothing but Matplotlib; .mp4 needs ffmpeg.
+The frames are those of talik.output.Frames, or the file that its save() wrote. A slide takes seconds of a calendar of months: frames that motion took
+(byMotion of Frames) show it, and the pictures are chosen by what happened. A GIF needs nothing but Matplotlib and Pillow; .mp4 needs ffmpeg.
 """
 
 import os
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from matplotlib import animation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
 
 from talik import output, plots, ranks
 from talik.files import writableFolder, writeWhole
 
-_writers = {".gif": animation.PillowWriter, ".mp4": animation.FFMpegWriter}
+colours = 64  # of a GIF
 
 
-def slope(frames, path, field="deviatoricStrain", framesPerSecond=5, watched=None, limits=(None, None), width=7.0, dpi=90):
+def slope(frames, path, field="deviatoricStrain", framesPerSecond=5, watched=None, limits=(None, None), width=7.0, dpi=90, pictures=None):
 	"""Writes the film and returns its path; in a job of several ranks rank 0 does.
 
 	frames           list of frames of talik.output.Frames, at least one, or the path of a file that Frames.save wrote; ground in the plane
 	path             of the film: .gif, or .mp4 where ffmpeg is installed
-	field            of the frames, by which points are coloured; vectors by their length
+	field            of the frames, drawn as plots.ground does; vectors by their length. Several are drawn one above the other
 	framesPerSecond  above 0; a GIF counts in hundredths of a second
 	watched          {letter: id} points that are followed, or {letter: (x, y)} places [m]
-	limits           (lowest, highest) value of the colours; None: from all frames
+	limits           (lowest, highest) value of the colours of the (first) field; None: from all frames
 	width            of the picture [inch], and dpi its dots per inch
+	pictures         at most so many, evenly over the motion (three quarters) and the time (a quarter); None: one of each frame
 
-	All pictures have the same place and colours; the crimson line is the thaw front S_i = 0.5. ValueError names what is wrong.
+	All pictures have the same place and colours; the crimson line is the thaw front S_i = 0.5, the dashed one the ground at the start. ValueError names
+	what is wrong.
 
 	>>> frames = talik.output.Frames(mpm, times=[0])
 	>>> frames.take()
 	>>> film = talik.movie.slope(frames.frames, folder + "/slope.gif", field="displacement")"""
 	frames = output.loadFrames(frames) if isinstance(frames, (str, os.PathLike)) else frames
-	path = Path(path)
-	_check(frames, path, field, framesPerSecond)
+	path, fields = Path(path), [field] if isinstance(field, str) else list(field)
+	_check(frames, path, fields, framesPerSecond)
 	if not ranks.first:
 		return str(path)
-	fig = plots.figure(width, width * _heightOverWidth(frames))
-	draw = plots.slopeFilm(fig, frames, field, watched, limits)
+	fig = plots.figure(width, width * len(fields) * _heightOverWidth(frames) + 0.25)
+	draw = plots.slopeFilm(fig, frames, fields, watched, limits)
 	writableFolder(path.parent)
 	with tempfile.TemporaryDirectory() as folder:
 		whole = Path(folder, "film" + path.suffix.lower())
-		film = _writers[path.suffix.lower()](fps=framesPerSecond)
-		with film.saving(fig, whole, dpi):
-			for frame in frames:
-				draw(frame)
-				film.grab_frame()
+		_writers[path.suffix.lower()](fig, (draw(frame) for frame in _shown(frames, pictures)), whole, framesPerSecond, dpi)
 		writeWhole(path, whole.read_bytes())
 	return str(path)
 
 
-def _check(frames, path, field, framesPerSecond):
+def _shown(frames, pictures):
+	"""Every one of so many equal steps of progress has the frame next to it."""
+	if pictures is None or len(frames) <= pictures:
+		return frames
+	progress = output.progressOf(frames, byTime=0.25)
+	places = [int(np.argmin(np.abs(progress - part))) for part in np.linspace(0, 1, pictures)]
+	return [frames[place] for place in sorted(set(places))]
+
+
+def _writeGif(fig, drawn, path, framesPerSecond, dpi):
+	"""One palette for all pictures, so that a picture stores what differs from the one before."""
+	fig.set_dpi(dpi)
+	pictures, canvas = [], FigureCanvasAgg(fig)
+	for _ in drawn:
+		canvas.draw()
+		pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+		fig.set_layout_engine("none")  # the first one arranges the axes for all
+	some = pictures[:: max(1, len(pictures) // 4)][:5] + [pictures[-1]]
+	palette = Image.fromarray(np.vstack([np.asarray(picture) for picture in some])).quantize(colours, method=Image.Quantize.MEDIANCUT)
+	film = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+	film[0].save(path, save_all=True, append_images=film[1:], duration=round(100 / framesPerSecond) * 10, loop=0, optimize=False)
+
+
+def _writeMp4(fig, drawn, path, framesPerSecond, dpi):
+	film = animation.FFMpegWriter(fps=framesPerSecond)
+	with film.saving(fig, path, dpi):
+		for _ in drawn:
+			film.grab_frame()
+
+
+_writers = {".gif": _writeGif, ".mp4": _writeMp4}
+
+
+def _check(frames, path, fields, framesPerSecond):
 	if not len(frames):
 		raise ValueError("frames is empty; give at least one frame of talik.output.Frames")
-	if field not in frames[0]:
-		known = sorted(name for name, values in frames[0].items() if getattr(values, "ndim", 0) in (1, 2))
-		raise ValueError(f"field is '{field}', which the frames do not have; choose one of {', '.join(known)}")
+	for field in fields:
+		if field not in frames[0]:
+			known = sorted(name for name, values in frames[0].items() if getattr(values, "ndim", 0) in (1, 2))
+			raise ValueError(f"field is '{field}', which the frames do not have; choose one of {', '.join(known)}")
 	if not 0 < framesPerSecond <= 100:
 		raise ValueError(f"framesPerSecond is {framesPerSecond}; give a number above 0, at most 100")
-	writer = _writers.get(path.suffix.lower())
-	if writer is None:
+	if path.suffix.lower() not in _writers:
 		raise ValueError(f"path is '{path}'; give a name that ends in {' or '.join(_writers)}")
-	if not writer.isAvailable():
+	if path.suffix.lower() == ".mp4" and not animation.FFMpegWriter.isAvailable():
 		raise ValueError(f"path is '{path}', which ffmpeg makes, and there is none here; install the package ffmpeg or give a name that ends in .gif")
 
 
@@ -72,4 +107,4 @@ def _heightOverWidth(frames):
 	"""Of the whole picture: the ground at its largest, title and colour bar."""
 	low = [min(frame["position"][:, axis].min() for frame in frames) for axis in (0, 1)]
 	high = [max(frame["position"][:, axis].max() for frame in frames) for axis in (0, 1)]
-	return max((high[1] - low[1]) / max(high[0] - low[0], 1e-12), 0.2) + 0.25
+	return max((high[1] - low[1]) / max(high[0] - low[0], 1e-12), 0.2) + 0.1

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Files that a run leaves behind: a ParaView series of all point fields, frames for pictures, a summary.
 
-	series = talik.output.ParaViewSeries(mpm, "output/slope")
+	series = talik.output.ParaViewSeries(mpm, "output/slope")  # open output/slope/surface.pvd
 	frames = talik.output.Frames(mpm, times=[2.5, 5, 10, 15])  # or days=True: days of the calendar
 	O.engines = [mpm, talik.output.runner(series.write, iterPeriod=100), frames.runner()]
 	talik.output.writeSummary("output/slope/summary.json", points=mpm.pointCount, ...)
@@ -18,12 +18,14 @@ from pathlib import Path
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_VERTEX, vtkCellArray, vtkUnstructuredGrid
+from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_TRIANGLE, VTK_VERTEX, vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from talik import ranks
 from talik.files import writableFolder, writeWhole
+from talik.resampling import Resampled, SpaceRaster, surfaceLevel
 
+surfaceNodes = 2  # of the raster of a surface for ParaView along the side of a point
 tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}  # of stress and strain
 _callbacks = []
 
@@ -58,25 +60,74 @@ def allFields(mpm):
 
 
 class ParaViewSeries:
-	"""Files <name>_<number>.vtu and <name>.pvd in `folder`; open the .pvd in ParaView. Times are those of `clock`, default O.time;
-	lambda: mpm.calendar["day"] gives days.
+	"""The ground for ParaView in `folder`: open surface.pvd, the ground as a surface with the fields of its points, or points.pvd, the points
+	themselves. Times are those of `clock`, default O.time; lambda: mpm.calendar["day"] gives days.
+
+	name  of the files of points, <name>.pvd and <name>_<number>.vtu; those of surfaces begin with <name>_ too, if it is not "points"
 
 	>>> file = talik.output.ParaViewSeries(mpm, folder).write()"""
 
 	def __init__(self, mpm, folder, name="points", clock=None):
 		self.mpm, self.name = mpm, name
+		self.surfaceName = "surface" if name == "points" else f"{name}_surface"
 		self.folder = writableFolder(folder)
 		self.clock = clock or _sceneTime
 		self.entries = []
 
 	def write(self):
-		"""Adds the present state; returns the path of the new .vtu file."""
-		file = f"{self.name}_{len(self.entries):05d}.vtu"
+		"""Adds the present state; returns the path of the new .vtu file of points."""
+		number, time = len(self.entries), self.clock()
+		file = f"{self.name}_{number:05d}.vtu"
 		fields = allFields(self.mpm)
-		writePoints(self.folder / file, fields.pop("position"), fields)
-		self.entries.append((self.clock(), file))
+		box = [getattr(self.mpm, corner, None) for corner in ("lower", "upper")]
+		writePoints(self.folder / file, fields["position"], {name: values for name, values in fields.items() if name != "position"})
+		self.entries.append((time, file))
 		writeCollection(self.folder / f"{self.name}.pvd", self.entries)
+		if "volume" in fields:
+			writeSurface(self.folder / f"{self.surfaceName}_{number:05d}.vtu", fields, *box)
+			writeCollection(self.folder / f"{self.surfaceName}.pvd", [(when, self._surfaceOf(place)) for place, (when, *_) in enumerate(self.entries)])
 		return str(self.folder / file)
+
+	def _surfaceOf(self, number):
+		return f"{self.surfaceName}_{number:05d}.vtu"
+
+
+def writeSurface(path, frame, lower=None, upper=None):
+	"""One .vtu file of the ground as a surface with all fields of a frame, {"position": ..., "volume": ..., name: array by point}, in single precision. In the
+	plane it is filled and covers the area of its points within 1 % (talik.resampling); in space it is closed, and needs the corners of the grid
+	`lower`, `upper` [m].
+
+	>>> talik.output.writeSurface(folder + "/surface.vtu", talik.output.allFields(mpm))"""
+	if not ranks.first:
+		return
+	fields = {name: np.asarray(values, dtype=float) for name, values in frame.items() if np.ndim(values) in (1, 2) and name != "position"}
+	draw = _surfaceInPlane if np.shape(frame["position"])[1] == 2 else _surfaceInSpace
+	columns = [(name, values.reshape(len(values), -1)) for name, values in fields.items()]
+	points, cells, cellType, shown = draw(frame, np.column_stack([column for _, column in columns]), lower, upper)
+	ends = np.cumsum([0] + [column.shape[1] for _, column in columns])
+	parts = {name: shown[:, first:last].astype(np.float32) for (name, _), first, last in zip(columns, ends, ends[1:])}
+	_writeGrid(path, points, cells, cellType, {name: part[:, 0] if part.shape[1] == 1 else part for name, part in parts.items()}, {})
+
+
+def _surfaceInPlane(frame, columns, lower, upper):
+	"""Triangles of the raster, those on the outline cut there."""
+	ground = Resampled(frame["position"], frame["volume"], frame.get("deformationGradient"), nodesPerSide=surfaceNodes)
+	points, triangles, rows, weights = ground.triangles()
+	values = ground(np.nan_to_num(columns)).reshape(-1, columns.shape[1])
+	for gappy in np.flatnonzero(~np.isfinite(columns).all(axis=0)):
+		values[:, gappy] = ground(columns[:, gappy]).ravel()
+	return points, triangles, VTK_TRIANGLE, (weights[:, :1] * values[rows[:, 0]] + weights[:, 1:] * values[rows[:, 1]])
+
+
+def _surfaceInSpace(frame, columns, lower, upper):
+	position = np.asarray(frame["position"], dtype=float)
+	if lower is None or upper is None:
+		lower, upper = position.min(axis=0), position.max(axis=0)
+	raster = SpaceRaster(position, frame["volume"], lower, upper)
+	filled = raster.smeared(1.0)
+	means = [raster.smeared(column) / np.maximum(filled, 1e-12) for column in np.nan_to_num(columns).T]
+	vertices, triangles, shown = raster.contour(filled / surfaceLevel, 1.0, means)
+	return vertices, triangles, VTK_TRIANGLE, np.column_stack(shown)
 
 
 def writePoints(path, position, fields):
@@ -144,7 +195,7 @@ def _vtkArray(name, values, count):
 	if values.dtype == bool:
 		values = values.astype(np.uint8)
 	if values.ndim == 2 and values.shape[1] == 2:
-		values = _padded(values)
+		values = _padded(values).astype(values.dtype if values.dtype == np.float32 else float)
 	array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
 	array.SetName(name)
 	if values.ndim == 2 and any(word in name.lower() for word in ("stress", "strain")):
@@ -195,26 +246,69 @@ class SampleSeries:
 class Frames:
 	"""Keeps all fields at given simulated times, for talik.plots; `frames` is a list of {"time": t [s], "day": of the calendar, field: array}.
 
-	days  the times are days of the engine's calendar, not those of the clock
+	days      the times are days of the engine's calendar, not those of the clock
+	byMotion  0, or an even number: so many frames at most, half of it or more once the ground has moved, are taken between them whenever the mean
+			  displacement of the ground has changed by as much again. Their numbers have single precision
+
+	A slide of seconds lies between two days of a calendar: frames by motion show it.
 
 	>>> frames = talik.output.Frames(mpm, times=[0.1, 0.2])
 	>>> O.engines = O.engines + [frames.runner()]"""
 
-	def __init__(self, mpm, times, clock=None, days=False):
-		self.mpm, self.clock, self.days = mpm, clock or _sceneTime, days
+	firstMotion = 1e-5  # change of the mean displacement over the size of the ground, for the first frames by motion
+
+	def __init__(self, mpm, times, clock=None, days=False, byMotion=0):
+		self.mpm, self.clock, self.days, self.byMotion = mpm, clock or _sceneTime, days, int(byMotion)
 		self.times = sorted(float(t) for t in times)
 		self.frames = []
+		self.moved, self.change = 0.0, None  # mean displacement at the last frame by motion, and how much it has to change for the next [m]
 
 	def take(self):
-		"""Keeps a frame when the next of the times is reached."""
+		"""Keeps a frame when the next of the times is reached, or when the ground has moved."""
 		reached = self.mpm.calendar["day"] if self.days else self.clock()
-		if len(self.frames) < len(self.times) and reached >= self.times[len(self.frames)] * (1 - 1e-12):
+		taken = len(self.timed())
+		if taken < len(self.times) and reached >= self.times[taken] * (1 - 1e-12):
 			self.takeNow()
+		elif self.byMotion and self.frames:
+			self._takeIfMoved()
 
 	def takeNow(self):
 		"""Keeps a frame, whatever the time."""
+		self.frames.append(self._present())
+
+	def _present(self):
 		day = self.mpm.calendar["day"] if self.days else _dayOf(self.mpm)
-		self.frames.append({"time": self.clock(), **({} if day is None else {"day": day}), **allFields(self.mpm)})
+		return {"time": self.clock(), **({} if day is None else {"day": day}), **allFields(self.mpm)}
+
+	def timed(self):
+		"""Those of the frames that their times took."""
+		return [frame for frame in self.frames if not _byMotion(frame)]
+
+	def _takeIfMoved(self):
+		now = motionOf({name: self.mpm.field(name) for name in ("volume", "displacement")})
+		if self.change is None:
+			position = self.frames[0]["position"]
+			self.change = self.firstMotion * float(np.ptp(position, axis=0).max())
+		if abs(now - self.moved) < self.change:
+			return
+		self.moved = now
+		single = {name: value.astype(np.float32) if getattr(value, "dtype", None) == np.float64 else value for name, value in self._present().items()}
+		self.frames.append({**single, "byMotion": 1})
+		while len(self.frames) - len(self.timed()) > self.byMotion:
+			self._thinOut()
+
+	def _thinOut(self):
+		"""Twice the change between two frames by motion; those that lie closer are given up."""
+		self.change *= 2
+		kept, last = [], 0.0
+		for frame in self.frames:
+			if _byMotion(frame):
+				moved = motionOf(frame)
+				if abs(moved - last) < 0.999 * self.change:
+					continue
+				last = moved
+			kept.append(frame)
+		self.frames[:] = kept
 
 	def runner(self, iterPeriod=1):
 		"""A YADE PyRunner that takes the frames that are due, every `iterPeriod` steps."""
@@ -228,6 +322,62 @@ class Frames:
 		content = io.BytesIO()
 		np.savez_compressed(content, **arrays)
 		writeWhole(path, content.getvalue())
+
+
+def _byMotion(frame):
+	return "byMotion" in frame
+
+
+def motionOf(frame):
+	"""Mean displacement of the ground of a frame [m], weighted by volume.
+
+	>>> talik.output.motionOf(talik.output.allFields(mpm)) < 1e-3
+	True"""
+	return float(np.average(np.linalg.norm(frame["displacement"], axis=1), weights=frame["volume"]))
+
+
+def telling(frames, count=4, first=0.05):
+	"""Of many frames so many that tell what happened, in their order: spread over the share of motion, from where `first` of it was done to the end. Frames
+	without motion are spread over time.
+
+	>>> frames = talik.output.Frames(mpm, times=[0])
+	>>> frames.take()
+	>>> len(talik.output.telling(frames.frames, 3))
+	1"""
+	if len(frames) <= count:
+		return list(frames)
+	share = progressOf(frames)
+	targets = np.linspace(first, 1, count) if count > 1 else [1.0]
+	chosen, begin = [], 0
+	for place, target in enumerate(targets):
+		left = len(frames) - (count - place - 1)  # one for each that comes after
+		found = begin + int(np.argmin(np.abs(share[begin:left] - target))) if place < count - 1 else len(frames) - 1
+		chosen.append(frames[found])
+		begin = found + 1
+	return chosen
+
+
+def progressOf(frames, byTime=0.0):
+	"""Share (n,) of the path of the ground that is done at each frame, 0 to 1; byTime: of so much of it the share of time instead. That of time alone
+	where nothing moved.
+
+	>>> frames = talik.output.Frames(mpm, times=[0])
+	>>> frames.take()
+	>>> talik.output.progressOf(frames.frames).tolist()
+	[1.0]"""
+	times = np.array([frame.get("day", frame["time"]) for frame in frames], dtype=float)
+	elapsed = (times - times[0]) / (times[-1] - times[0]) if times[-1] > times[0] else np.linspace(0, 1, len(times)) if len(times) > 1 else np.ones(1)
+	if "displacement" not in frames[0]:
+		return elapsed
+	path, last = [0.0], frames[0]
+	for frame in frames[1:]:
+		same = frame["displacement"].shape == last["displacement"].shape
+		change = {"displacement": frame["displacement"] - last["displacement"], "volume": frame["volume"]}
+		path.append(path[-1] + (motionOf(change) if same else abs(motionOf(frame) - motionOf(last))))
+		last = frame
+	if not path[-1] > 1e-6 * np.ptp(frames[0]["position"], axis=0).max():
+		return elapsed
+	return byTime * elapsed + (1 - byTime) * np.array(path) / path[-1]
 
 
 def _dayOf(mpm):

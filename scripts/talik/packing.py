@@ -245,7 +245,8 @@ def sampleArrays():
 	"""The current scene as plain arrays, for pictures and files. With m grains and n contacts in d dimensions:
 
 	centre (m, d) [m] inside the cell, radius (m,) [m]; start, end (n, d) [m] ends of the branch vectors, start inside the cell;
-	normal (n, d); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken.
+	normal (n, d); normalForce (n,) [N], compression positive; shearForce (n,) [N], its size; state (n,) 0 frictional, 1 bonded, 2 broken;
+	cell (d, d) [m], whose rows are the sides of the periodic cell, which begins at the origin.
 
 	>>> with mpm.inspect(5):
 	...     forces = talik.packing.sampleArrays()["normalForce"]"""
@@ -263,6 +264,7 @@ def sampleArrays():
 		normalForce=np.array([i.phys.normalForce.dot(i.geom.normal) for i in contacts]),
 		shearForce=np.array([i.phys.shearForce.norm() for i in contacts]),
 		state=np.array([getattr(i.phys, "bondState", 0) for i in contacts], dtype=int),
+		cell=_rows(h.col(k) for k in range(dimension())),
 	)
 
 

@@ -2,35 +2,50 @@
 """Pictures of slopes and samples. Every function draws into Matplotlib axes that the caller gives (and may compose) and returns
 them, takes plain arrays, and needs no display; figure() makes a figure that can be saved without one.
 
-Slope:   slopeField, markPoints; isolines, thawFront and slopeHistory (rows = times, columns = fields) return what they make
+Ground:  ground (a field in contour bands, with outline, thaw front, start and arrows), slopeHistory (rows = times, columns = fields)
+Points:  slopeField, markPoints; isolines, thawFront and profile return what they make
 Sample:  forceChains, sampleForces, normalRose, stressPath, bondHistory
 """
 
-from pathlib import Path
+from dataclasses import dataclass
+from pathlib import Path as FilePath
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from talik import ranks
 from talik.files import writableFolder
+from talik.resampling import Resampled, inPlane
 
 # state of a contact, as the ice-bond law counts it
 contactNone, contactBonded, contactBroken = 0, 1, 2
 
+# thawed ground is brown, frozen ground blue; neither is white, as the air is
+thawedToFrozen = "talik.thawedToFrozen"
+_thawedToFrozenColours = ["#a67c4e", "#d8c3a0", "#d3e3ee", "#74add1", "#2b6cb0", "#0b3a73"]
+colormaps.register(LinearSegmentedColormap.from_list(thawedToFrozen, _thawedToFrozenColours), force=True)
+frontColour, frontSaturation = "crimson", 0.5  # of the thaw front
+
 # what is known about the usual fields: label, colour map, limits (None: from the data)
 slopeFields = {
-	"iceSaturation": ("ice saturation $S_i$ [-]", "Blues", (0.0, 1.0)),
-	"deviatoricStrain": (r"deviatoric strain $\varepsilon_d$ [-]", "inferno_r", (0.0, None)),
+	"iceSaturation": ("ice saturation $S_i$ [-]", thawedToFrozen, (0.0, 1.0)),
+	"deviatoricStrain": (r"deviatoric strain $\varepsilon_d$ [-]", "YlOrRd", (0.0, None)),
 	"displacement": ("displacement $|u|$ [m]", "viridis", (0.0, None)),
+	"velocity": ("speed $|v|$ [m/s]", "viridis", (0.0, None)),
 	"temperature": ("temperature [°C]", "coolwarm", (None, None)),
 	"pressure": ("pore pressure [Pa]", "PuOr_r", (None, None)),
 }
+rising = ("deviatoricStrain",)  # fields whose bands widen with their values, 1 : 2 : 5
+symmetric = ("temperature",)  # fields whose colours are centred on 0
 
 
 def figure(width, height):
@@ -44,7 +59,7 @@ def save(fig, path, dpi=150):
 	"""Writes a picture, making its folder if need be; in a job of several ranks rank 0 does.
 
 	>>> picture = talik.plots.save(talik.plots.figure(6, 4), folder + "/picture.png")"""
-	path = Path(path)
+	path = FilePath(path)
 	if not ranks.first:
 		return str(path)
 	writableFolder(path.parent)
@@ -52,7 +67,207 @@ def save(fig, path, dpi=150):
 	return str(path)
 
 
-# --- slope -----------------------------------------------------------------------------------------------------------------
+# --- ground ----------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Bands:
+	"""Colours of a field in bands between levels.
+
+	>>> talik.plots.Bands("settlement [mm]", np.array([0, 1, 2, 5]), "viridis").extend
+	'neither'"""
+
+	label: str
+	levels: np.ndarray
+	colourMap: object  # name or Colormap of Matplotlib
+	extend: str = "neither"  # neither, min, max or both: where values lie beyond the levels
+
+	@property
+	def map(self):
+		return self.colourMap if isinstance(self.colourMap, Colormap) else colormaps[self.colourMap]
+
+	@property
+	def norm(self):
+		return BoundaryNorm(self.levels, self.map.N, extend=self.extend)
+
+
+def bandsOf(field, values, label=None, colourMap=None, levels=None, limits=(None, None)):
+	"""Colours for a field: round levels over its range, about ten of them.
+
+	field   a name in slopeFields has label, colours and limits of its own; else the name is the label
+	values  (n,) or (n, 2), or a list of such arrays of all pictures that share the colours; vectors by their length
+	levels  ascending [in units of the field], or None; limits (lowest, highest) of the levels, None: those of the values
+
+	>>> talik.plots.bandsOf("displacement", mpm.field("displacement")).label
+	'displacement $|u|$ [m]'"""
+	usual = slopeFields.get(field, (field, "viridis", (None, None)))
+	columns = values if isinstance(values, (list, tuple)) else [values]
+	low, high = finiteRange(np.concatenate([magnitude(column) for column in columns]))
+	given = [mine if mine is not None else common for mine, common in zip(limits, usual[2])]
+	first, last = (found if limit is None else limit for limit, found in zip(given, (low, high)))
+	if levels is None:
+		levels = _levels(first, last, field in rising and first == 0, field in symmetric and given == [None, None])
+	levels = np.asarray(levels, dtype=float)
+	slack = 1e-6 * (levels[-1] - levels[0])
+	ends = low < levels[0] - slack, high > levels[-1] + slack
+	extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}[ends]
+	return Bands(label or usual[0], levels, colourMap or usual[1], extend)
+
+
+def _levels(low, high, widening=False, centred=False):
+	if centred and low < 0 < high:
+		high = max(-low, high)
+		low = -high
+	if not high - low > 1e-9 * max(abs(low), abs(high)):
+		high = low + (abs(low) or 1.0)
+	if widening:
+		rows = [mantissa * 10.0**power for power in range(-12, 13) for mantissa in (1, 2, 5)]
+		last = next(place for place, row in enumerate(rows) if row >= high * (1 - 1e-9))
+		return np.array([0.0, *rows[last - 6 : last + 1]])
+	ticks = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+	spacing = ticks[1] - ticks[0]
+	return ticks[(ticks > low - spacing * (1 - 1e-6)) & (ticks < high + spacing * (1 - 1e-6))]
+
+
+def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arrows=None, watched=None, surface=None, **colours):
+	"""Ground in the plane as it is seen: a field in contour bands, the outline of the ground, the thaw front, and where the ground was at the start.
+
+	frame    {"position": (n, 2) [m], "volume": (n,) [m2], field: (n,) or (n, 2), ...}, as talik.output.allFields(mpm) and Frames have it
+	field    name of a field of the frame, vectors by their length, or values (n,)
+	bands    of bandsOf, where several pictures share their colours; else made with **colours: label, colourMap, levels, limits as there
+	bar      a colour bar beside the axes
+	front    crimson line where the ice saturation of the frame is 1/2
+	start    dashed outline of the ground before its displacement
+	arrows   name of a vector of the frame, "displacement" or "velocity": its direction, where it is above 10 % of its largest, or of the top of the
+			 bands if they show it
+	watched  {letter: (x, y)} marked points
+	surface  talik.resampling.Resampled of the frame, where it was made already
+
+	The field is resampled from the points, each a kernel of its area stretched at most 1 : 2 as its "deformationGradient" says; ground is drawn over
+	the area of its points within 1 % (talik.resampling). slopeField draws the points themselves. Returns the axes.
+
+	>>> drawn = talik.plots.ground(axes, talik.output.allFields(mpm), "temperature", arrows="displacement")"""
+	values = frame[field] if isinstance(field, str) else field
+	surface = surface or surfaceOf(frame)
+	bands = bands or bandsOf(field if isinstance(field, str) else "", values, **colours)
+	area = Path(*surface.polygons())
+	drawBands(axes, surface.x, surface.y, surface(magnitude(values)), area, bands)
+	for line in surface.outline():
+		axes.plot(*line.T, color="0.15", linewidth=0.9, solid_joinstyle="round")
+	seen = [surface]
+	if front and "iceSaturation" in frame:
+		frontLine(axes, surface.x, surface.y, surface(frame["iceSaturation"]), surface.ground, area)
+	if start and "displacement" in frame:
+		seen.append(startOf(frame))
+		for line in seen[1].outline():
+			axes.plot(*line.T, color="0.35", linewidth=0.8, linestyle=(0, (4, 3)))
+	if arrows is not None:
+		_arrows(axes, surface, surface(inPlane(frame[arrows])), bands.levels[-1] if arrows == field else 0.0)
+	markPoints(axes, watched or {})
+	metricAxes(axes, np.vstack([line for one in seen for line in one.outline()]), margin=0.01)
+	axes.set_xlabel("x [m]")
+	axes.set_ylabel("y [m]")
+	for side in ("top", "right"):
+		axes.spines[side].set_visible(False)
+	if bar:
+		colourBar(axes, bands)
+	return axes
+
+
+def surfaceOf(frame):
+	"""talik.resampling.Resampled of the points of a frame.
+
+	>>> talik.plots.surfaceOf(talik.output.allFields(mpm)).area() / mpm.field("volume").sum()
+	1.0"""
+	return Resampled(frame["position"], frame["volume"], frame.get("deformationGradient"))
+
+
+def startOf(frame):
+	"""The same before its displacement and strain.
+
+	>>> start = talik.plots.startOf(talik.output.allFields(mpm))"""
+	volume = np.asarray(frame["volume"], dtype=float)
+	if "deformationGradient" in frame:
+		volume = volume / np.abs(np.linalg.det(np.asarray(frame["deformationGradient"], dtype=float).reshape(-1, 2, 2)))
+	return Resampled(inPlane(frame["position"]) - frame["displacement"], volume)
+
+
+def drawBands(axes, x, y, field, outline, bands):
+	"""Contour bands of a field (y, x) on a raster, within an outline (matplotlib.path.Path).
+
+	>>> surface = talik.plots.surfaceOf(talik.output.allFields(mpm))
+	>>> area = talik.plots.Path(*surface.polygons())
+	>>> T = mpm.field("temperature")
+	>>> talik.plots.drawBands(axes, surface.x, surface.y, surface(T), area, talik.plots.bandsOf("temperature", T))"""
+	span = bands.levels[-1] - bands.levels[0]
+	inside = np.clip(
+		field, None if bands.extend in ("min", "both") else bands.levels[0], None if bands.extend in ("max", "both") else bands.levels[-1] - 1e-9 * span
+	)
+	filled = axes.contourf(x, y, np.ma.masked_invalid(inside), levels=bands.levels, cmap=bands.map, norm=bands.norm, extend=bands.extend)
+	_clip(axes, filled, outline)
+
+
+def frontLine(axes, x, y, ice, inGround, outline):
+	"""The line within an outline where the ice saturation (y, x) of a raster is 1/2; nothing where there is no front.
+
+	>>> surface = talik.plots.surfaceOf(talik.output.allFields(mpm))
+	>>> talik.plots.frontLine(axes, surface.x, surface.y, surface(mpm.field("iceSaturation")), surface.ground, talik.plots.Path(*surface.polygons()))"""
+	low, high = finiteRange(ice[inGround])
+	if low < frontSaturation < high:
+		_clip(axes, axes.contour(x, y, np.ma.masked_invalid(ice), levels=[frontSaturation], colors=frontColour, linewidths=1.4), outline)
+
+
+def _clip(axes, contours, outline):
+	for collection in getattr(contours, "collections", [contours]):  # one of each level in Matplotlib 3.6, one of all in 3.10
+		collection.set_clip_path(outline, transform=axes.transData)
+
+
+def _arrows(axes, surface, vectors, largest, across=24):
+	"""Directions of a vector field (y, x, 2), about so many over the width of the ground, where it is above a tenth of its largest, or of `largest`."""
+	step = surface.x[1] - surface.x[0]
+	every = max(1, round(np.ptp(surface.x) / across / step))
+	chosen = (slice(every // 2, None, every), slice(every // 2, None, every))
+	x, y, vectors = surface.x[chosen[1]], surface.y[chosen[0]], vectors[chosen]
+	size = np.where(surface.ground[chosen], np.nan_to_num(np.linalg.norm(vectors, axis=2)), 0.0)
+	shown = size > 0.1 * max(size.max(initial=0), largest, 1e-300)
+	if not shown.any():
+		return
+	u, v = (vectors[..., k][shown] / size[shown] for k in (0, 1))
+	xs, ys = (grid[shown] for grid in np.meshgrid(x, y))
+	length = 0.75 * every * step
+	axes.quiver(
+		xs,
+		ys,
+		u * length,
+		v * length,
+		angles="xy",
+		scale_units="xy",
+		scale=1,
+		pivot="mid",
+		width=0.0035,
+		headwidth=4,
+		color="white",
+		edgecolor="0.2",
+		linewidth=0.25,
+	)
+
+
+def colourBar(axes, bands, **style):
+	"""Colour bar of bands beside axes, or beside several that share it; style: of Matplotlib's colorbar. Returns the bar.
+
+	>>> bar = talik.plots.colourBar(axes, talik.plots.bandsOf("temperature", mpm.field("temperature")))"""
+	figure = (axes if hasattr(axes, "figure") else np.ravel(axes)[0]).figure
+	axes = axes if hasattr(axes, "figure") else list(np.ravel(axes))
+	every = 1 if len(bands.levels) <= 8 else 2
+	style = {"label": bands.label, "ticks": bands.levels[::every], "spacing": "uniform", "shrink": 0.85, **style}
+	bar = figure.colorbar(ScalarMappable(bands.norm, bands.map), ax=axes, **style)
+	bar.ax.minorticks_off()
+	bar.formatter = lambda value, _: f"{value:.6g}".replace("-", "\u2212")
+	bar.update_ticks()
+	return bar
+
+
+# --- points ----------------------------------------------------------------------------------------------------------------
 
 
 def slopeField(axes, position, values, volume, label=None, colourMap="viridis", limits=(None, None), watched=None, deformation=None):
@@ -89,15 +304,8 @@ def markPoints(axes, points):
 	return axes
 
 
-def _inPlane(position):
-	position = np.asarray(position, dtype=float)
-	if position.ndim != 2 or position.shape[1] != 2:
-		raise ValueError(f"position has shape {position.shape}; pictures are of ground in the plane, (n, 2); talik.output.ParaViewSeries shows ground in space")
-	return position
-
-
 def _squares(axes, position, values, volume, colourMap, limits, deformation=None):
-	position, values = _inPlane(position), magnitude(values)
+	position, values = inPlane(position), magnitude(values)
 	half = 0.5 * np.sqrt(np.asarray(volume, dtype=float))  # their thin edges leave no gaps between rows
 	corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
 	squares = position[:, None, :] + half[:, None, None] * _strained(corners, deformation)
@@ -131,7 +339,7 @@ def isolines(axes, position, values, volume, levels=None, unit="", **style):
 	least and the largest; unit: written behind the numbers on the lines, None: no numbers; style: of Matplotlib's tricontour.
 
 	>>> lines = talik.plots.isolines(axes, mpm.field("position"), mpm.field("temperature"), mpm.field("volume"), [-1, 0, 1], unit=" °C")"""
-	position, values = _inPlane(position), magnitude(values)
+	position, values = inPlane(position), magnitude(values)
 	known = np.isfinite(values)
 	position, values, sizes = position[known], values[known], np.sqrt(np.asarray(volume, dtype=float))
 	if len(values) < 3:
@@ -157,7 +365,7 @@ def profile(axes, position, values, start, end, label=None, points=200, **style)
 	>>> depth, temperature = talik.plots.profile(axes, mpm.field("position"), mpm.field("temperature"), (0.5, 1.0), (0.5, 0.0), "temperature [°C]")"""
 	from scipy.interpolate import LinearNDInterpolator
 
-	position, values = _inPlane(position), magnitude(values)
+	position, values = inPlane(position), magnitude(values)
 	start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
 	distance = np.linspace(0, np.linalg.norm(end - start), points)
 	along = start + np.linspace(0, 1, points)[:, None] * (end - start)
@@ -184,50 +392,69 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 	if not frames:
 		raise ValueError("frames is empty; give at least one frame of talik.output.Frames")
 	fields = [name for name in fields if name in frames[0]]
-	everything = np.vstack([frame["position"] for frame in frames])
 	fig = into or figure(4.2 * len(fields), historyHeight(frames))
 	grid = fig.subplots(len(frames), len(fields), squeeze=False, sharex=True, sharey=True)
+	surfaces = [surfaceOf(frame) for frame in frames]
 	for column, name in enumerate(fields):
-		label, colourMap, limits = slopeFields.get(name, (name, "viridis", (None, None)))
-		limits = _sharedLimits([frame[name] for frame in frames], limits)
-		for row, frame in enumerate(frames):
-			drawn = _slopePanel(grid[row, column], frame, name, colourMap, limits, _placesOf(watched, frame))
+		shared = bandsOf(name, [frame[name] for frame in frames])
+		for axes, frame, surface in zip(grid[:, column], frames, surfaces):
+			arrows = name if name in ("displacement", "velocity") else None
+			ground(axes, frame, name, shared, bar=False, arrows=arrows, watched=_placesOf(watched, frame), surface=surface)
+			axes.set(xlabel="", ylabel="")
 			if name in (lines or {}):
-				isolines(grid[row, column], frame["position"], frame[name], frame["volume"], lines[name])
-		fig.colorbar(drawn, ax=grid[:, column], label=label, location="bottom", shrink=0.85, aspect=30)
+				isolines(axes, frame["position"], frame[name], frame["volume"], lines[name])
+			if arrows:
+				axes.set_title(f"largest {magnitude(frame[name]).max():.2g} {'m' if name == 'displacement' else 'm/s'}", loc="right", fontsize=9)
+		colourBar(grid[:, column], shared, location="bottom", aspect=30)
 	for row, frame in enumerate(frames):
 		grid[row, 0].set_title(timeLabel(frame["time"], frame.get("day")), loc="left", fontsize=10)
 		grid[row, 0].set_ylabel("y [m]")
 	for axes in grid[-1]:
 		axes.set_xlabel("x [m]")
-	metricAxes(grid[0, 0], everything)
+	metricAxes(grid[0, 0], _ends(frames), margin=0.01)
 	return fig
 
 
-def slopeFilm(fig, frames, field, watched=None, limits=(None, None)):
-	"""Makes axes and colour bar for pictures of one slope at many times; returns the function that draws a frame in place of the one before.
+def slopeFilm(fig, frames, fields, watched=None, limits=(None, None)):
+	"""Makes axes and colour bars for pictures of one slope at many times; returns the function that draws a frame in place of the one before.
 
-	frames, watched as in slopeHistory; limits (lowest, highest) value of the colours, None: from all frames. See talik.movie.
+	frames, watched as in slopeHistory; fields: a name, or several that are drawn one above the other; limits (lowest, highest) value of the
+	colours of the first, None: from all frames. See talik.movie.
 
 	>>> frames = talik.output.Frames(mpm, times=[0])
 	>>> frames.take()
 	>>> draw = talik.plots.slopeFilm(talik.plots.figure(6, 4), frames.frames, "displacement")
 	>>> draw(frames.frames[0])"""
-	label, colourMap, usual = slopeFields.get(field, (field, "viridis", (None, None)))
-	given = [mine if mine is not None else common for mine, common in zip(limits, usual)]
-	limits = _sharedLimits([frame[field] for frame in frames], given)
-	axes, everything = fig.subplots(), np.vstack([frame["position"] for frame in frames])
-	drawn = _slopePanel(axes, frames[0], field, colourMap, limits, None)
-	fig.colorbar(drawn, ax=axes, label=label, location="bottom", shrink=0.85, aspect=40)
+	names = [fields] if isinstance(fields, str) else list(fields)
+	panels = fig.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
+	shared = [bandsOf(name, [frame[name] for frame in frames], limits=limits if name == names[0] else (None, None)) for name in names]
+	for axes, colours in zip(panels, shared):
+		colourBar(axes, colours, location="right" if len(names) > 1 else "bottom", aspect=20 if len(names) > 1 else 40)
+	ends = _ends(frames)
 
 	def draw(frame):
-		axes.clear()
-		_slopePanel(axes, frame, field, colourMap, limits, _placesOf(watched, frame))
-		axes.set(xlabel="x [m]", ylabel="y [m]")
-		axes.set_title(timeLabel(frame["time"], frame.get("day")), loc="left", fontsize=10)
-		metricAxes(axes, everything)
+		surface = surfaceOf(frame)
+		for axes, name, colours in zip(panels, names, shared):
+			axes.clear()
+			arrows = name if name in ("displacement", "velocity") else None
+			ground(axes, frame, name, colours, bar=False, arrows=arrows, watched=_placesOf(watched, frame), surface=surface)
+			metricAxes(axes, ends, margin=0.01)
+			axes.set(xlabel="", ylabel="y [m]")
+		panels[-1].set_xlabel("x [m]")
+		panels[0].set_title(timeLabel(frame["time"], frame.get("day")), loc="left", fontsize=10)
 
 	return draw
+
+
+def _ends(frames):
+	"""Corners (2, 2) [m] of the box around the points of all frames and where they were at the start."""
+	low, high = [], []
+	for frame in frames:
+		half = 0.5 * np.sqrt(np.median(frame["volume"]))
+		for position in [frame["position"]] + ([frame["position"] - frame["displacement"]] if "displacement" in frame else []):
+			low.append(position.min(axis=0) - half)
+			high.append(position.max(axis=0) + half)
+	return np.array([np.min(low, axis=0), np.max(high, axis=0)])
 
 
 def historyHeight(frames):
@@ -236,8 +463,8 @@ def historyHeight(frames):
 	>>> frames = talik.output.Frames(mpm, times=[0])
 	>>> frames.take()
 	>>> height = talik.plots.historyHeight(frames.frames)"""
-	extent = np.ptp(np.vstack([frame["position"] for frame in frames]), axis=0)
-	return 4.2 * len(frames) * max(extent[1] / extent[0], 0.25) * 0.95 + 0.3 * len(frames) + 0.9
+	extent = np.ptp(_ends(frames), axis=0)
+	return (3.75 * max(extent[1] / extent[0], 0.2) + 0.36) * len(frames) + 1.15
 
 
 def _placesOf(watched, frame):
@@ -261,7 +488,7 @@ def calendarHistory(axes, history, events, label=None):
 	>>> talik.plots.calendarHistory(talik.plots.figure(5, 3).subplots(), [(0, 0, 0), (1, 0.1, 0.02)], [{"day": 0.5, "days": 0.01, "volume": 1.5, "largest": 0.02}])
 	"""
 	history = np.asarray(history, dtype=float).reshape(-1, 3)
-	(line,) = axes.plot(history[:, 0], history[:, 2], linewidth=1.2, label=label)
+	(line,) = axes.plot(history[:, 0], history[:, 2], linewidth=1.2, marker=".", markersize=3, label=label)
 	for event in events:
 		axes.axvspan(event["day"], event["day"] + event["days"], color=line.get_color(), alpha=0.25, linewidth=1)
 	apart, named = 0.04 * np.ptp(history[:, 0]), []
@@ -271,17 +498,16 @@ def calendarHistory(axes, history, events, label=None):
 		named.append(event["day"])
 		axes.annotate(f"{event['volume']:.2g} m²", (event["day"], 1), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
 	axes.set(xlabel="day", ylabel="largest displacement [m]")
-	axes.set_yscale("symlog", linthresh=0.01)
-	axes.set_ylim(bottom=0)
+	axes.set_ylim(bottom=0, top=max(1.15 * finiteRange(history[:, 2])[1], 1e-6) if len(history) else None)
 
 
-def metricAxes(axes, position):
-	"""Equal scales and limits around the points.
+def metricAxes(axes, position, margin=0.03):
+	"""Equal scales and limits around the points, with a margin of so much of their extent.
 
 	>>> talik.plots.metricAxes(axes, mpm.field("position"))"""
 	position = np.asarray(position, dtype=float)
 	low, high = position.min(axis=0), position.max(axis=0)
-	margin = 0.03 * max((high - low).max(), 1e-12)
+	margin = margin * max((high - low).max(), 1e-12)
 	axes.set_aspect("equal")
 	axes.set_xlim(low[0] - margin, high[0] + margin)
 	axes.set_ylim(low[1] - margin, high[1] + margin)
@@ -305,20 +531,6 @@ def finiteRange(values):
 	return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
 
 
-def _slopePanel(axes, frame, name, colourMap, limits, watched):
-	drawn = _squares(axes, frame["position"], frame[name], frame["volume"], colourMap, limits, frame.get("deformationGradient"))
-	if "iceSaturation" in frame:
-		thawFront(axes, frame["position"], frame["iceSaturation"], frame["volume"])
-	markPoints(axes, watched or {})
-	return drawn
-
-
-def _sharedLimits(columns, limits):
-	low, high = finiteRange(np.concatenate([magnitude(values) for values in columns]))
-	low, high = (value if limit is None else limit for limit, value in zip(limits, (low, high)))
-	return low, max(high, low + 1e-12)
-
-
 def _longestSides(mesh):
 	corners = np.column_stack([mesh.x, mesh.y])[mesh.triangles]
 	return np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
@@ -327,24 +539,30 @@ def _longestSides(mesh):
 # --- sample ----------------------------------------------------------------------------------------------------------------
 
 
-def forceChains(axes, start, end, force, state, centre=None, radius=None, widest=6.0, legend=True):
+def forceChains(axes, start, end, force, state, centre=None, radius=None, widest=6.0, legend=True, cell=None):
 	"""Contacts as lines between the grains, width by force: intact bonds red, broken or frictional contacts black.
 
 	start, end  (n, 2) [m] ends of the branch vectors; force (n,) [N], its size is drawn; state (n,) 0 frictional, 1 bonded, 2 broken
 	centre      (m, 2) and radius (m,) [m] of the grains, drawn pale behind
 	widest      width in points of the largest force; contacts without force keep a hair line
+	cell        (2, 2) [m] rows are the sides of the periodic cell, from the origin, drawn as a dotted parallelogram; contacts go on beyond it
 	Returns the axes.
 
 	>>> drawn = talik.plots.forceChains(axes, start=[(0, 0)], end=[(0.01, 0)], force=[5.0], state=[1])"""
 	start, end = np.asarray(start, dtype=float).reshape(-1, 2), np.asarray(end, dtype=float).reshape(-1, 2)
 	force, state = np.abs(np.asarray(force, dtype=float)), np.asarray(state, dtype=int)
 	_grains(axes, centre, radius)
+	corners = np.zeros((0, 2))
+	if cell is not None:
+		first, second = np.asarray(cell, dtype=float)
+		corners = np.array([0 * first, first, first + second, second, 0 * first])
+		axes.plot(*corners.T, color="0.5", linewidth=0.8, linestyle=":", zorder=1)
 	width = 0.3 + widest * force / (force.max() if force.size and force.max() > 0 else 1.0)
 	segments = np.stack([start, end], axis=1)
 	bonded = state == contactBonded
 	for chosen, colour, layer in ((~bonded, "black", 2), (bonded, "red", 3)):
 		axes.add_collection(LineCollection(segments[chosen], linewidths=width[chosen], colors=colour, capstyle="round", zorder=layer))
-	shown = [points for points in (start, end, centre) if points is not None and len(points)]
+	shown = [points for points in (start, end, centre, corners) if points is not None and len(points)]
 	if shown:
 		metricAxes(axes, np.vstack(shown))
 	axes.set_xlabel("x [m]")
@@ -359,6 +577,7 @@ def sampleForces(axes, sample, **style):
 
 	>>> with mpm.inspect(5):
 	...     drawn = talik.plots.sampleForces(axes, talik.packing.sampleArrays())"""
+	style = {"cell": sample.get("cell"), **style}
 	return forceChains(axes, sample["start"], sample["end"], sample["normalForce"], sample["state"], sample["centre"], sample["radius"], **style)
 
 

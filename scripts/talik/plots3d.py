@@ -21,21 +21,15 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from scipy.ndimage import gaussian_filter
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
 
 from talik import bodies as bodiesOfScene
-from talik.plots import contactBonded, finiteRange, magnitude, slopeFields
+from talik.plots import Path as Outline
+from talik.plots import bandsOf, colourBar, contactBonded, drawBands, finiteRange, frontLine, frontSaturation, magnitude, slopeFields
+from talik.resampling import SpaceRaster, polygonsOf, surfaceLevel
 
 python = "/usr/bin/python3"  # Debian's, which has VTK
 oversampling = 2  # pixels rendered for each one shown, in each direction: smooth edges
-nodesPerSpacing = 3  # of the raster on which the surface of the ground is found, for each spacing of points
-smearing = 0.5  # standard deviation of a point on that raster, in spacings
 renderTimeout = 300  # [s]
-surfaceLevel = 0.45  # part of the volume filled at the surface
-frontSaturation = 0.5  # ice saturation at the thaw front
 frozenColour, cutColour, bodyColour, grainColour = "#d6e6f2", "#a07850", "#9a9a9a", "#d9d3c7"
 _bar = dict(shrink=0.7, aspect=35, pad=0.02)  # of colours
 viewFromSlope = (-50.0, 28.0)  # azimuth from x and elevation of the viewer [deg]: down the slope, to its right
@@ -86,40 +80,36 @@ def _extending(norm, values):
 	return {"extend": "max"} if np.nanmax(values) > norm.vmax * (1 + 1e-9) else {}
 
 
-def section(axes, frame, field, y, lower, upper, limits=None, label=None, colourMap=None, bar=True):
-	"""Ground in space cut at a y [m]: a field over x and z, the outline of the ground black, the thaw front crimson where there is ice.
+def section(axes, frame, field, y, lower, upper, limits=None, label=None, colourMap=None, bar=True, levels=None):
+	"""Ground in space cut at a y [m]: a field in contour bands over x and z, the outline of the ground black, the thaw front crimson where there is ice.
 
-	Arguments as those of slope(); vectors by their length.
+	Arguments as those of slope() and talik.plots.ground; vectors by their length.
 
 	>>> lattice = np.stack(np.meshgrid(*3 * [np.arange(8) + 0.5]), axis=-1).reshape(-1, 3)
 	>>> frame = {"position": lattice, "volume": np.ones(512), "displacement": 0.1 * lattice}
 	>>> drawn = talik.plots3d.section(axes, frame, "displacement", 4.2, (0, 0, 0), (8, 8, 10))"""
-	usual = slopeFields.get(field, (field, "viridis", (None, None)))
-	raster = _Raster(frame["position"], frame["volume"], lower, upper)
-	filled, values = raster.smeared(1.0), magnitude(frame[field])
-	row = int(np.clip((y - raster.lower[1]) / raster.step[1], 0, raster.shape[1] - 1))
-	cut = lambda smeared: smeared[:, row].T / np.maximum(filled[:, row].T, 1e-12)
-	level, shown = filled[:, row].T / surfaceLevel, cut(raster.smeared(values))
-	low, high = (given if given is not None else found for given, found in zip(limits or usual[2], finiteRange(shown[level >= 1])))
-	x, z = raster.nodes(0), raster.nodes(2)
-	drawn = axes.pcolormesh(x, z, np.where(level >= 1, shown, np.nan), cmap=colourMap or usual[1], vmin=low, vmax=max(high, low + 1e-12), shading="nearest")
-	axes.contour(x, z, level, levels=[1.0], colors="black", linewidths=0.8)
+	raster = SpaceRaster(frame["position"], frame["volume"], lower, upper)
+	x, z, filled = raster.cut(1.0, y)
+	mean = lambda values: raster.cut(values, y)[2] / np.maximum(filled, 1e-12)
+	level, shown = filled / surfaceLevel, mean(magnitude(frame[field]))
+	bands = bandsOf(field, shown[level >= 1], label, colourMap, levels, limits or (None, None))
+	outline = Outline(*polygonsOf(x, z, level, 1.0))
+	drawBands(axes, x, z, shown, outline, bands)
+	axes.contour(x, z, level, levels=[1.0], colors="0.15", linewidths=0.9)
 	if "iceSaturation" in frame:
-		ice = np.where(level >= 1, cut(raster.smeared(frame["iceSaturation"])), np.nan)
-		if np.nanmin(ice) < frontSaturation < np.nanmax(ice):
-			axes.contour(x, z, ice, levels=[frontSaturation], colors="crimson", linewidths=1.4)
+		frontLine(axes, x, z, mean(frame["iceSaturation"]), level >= 1, outline)
 	axes.set_aspect("equal")
 	axes.set_xlabel("x [m]")
 	axes.set_ylabel("z [m]")
 	if bar:
-		axes.figure.colorbar(drawn, ax=axes, label=label or usual[0], location="bottom", ticks=MaxNLocator(6), **_bar)
+		colourBar(axes, bands, location="bottom", **_bar)
 	return axes
 
 
 def _surface(frame, values, lower, upper, stripped):
 	"""(vertices (n, 3), triangles (m, 3), value (n,) at the vertices, bare (n,): 1 where only frozen ground is shown, between 0 and 1 on
 	the cut)."""
-	raster = _Raster(frame["position"], frame["volume"], lower, upper)
+	raster = SpaceRaster(frame["position"], frame["volume"], lower, upper)
 	filled = raster.smeared(1.0)
 	mean = lambda field: raster.smeared(field) / np.maximum(filled, 1e-12)
 	level, bare = filled / surfaceLevel, np.zeros(filled.shape)
@@ -128,50 +118,6 @@ def _surface(frame, values, lower, upper, stripped):
 		level = np.where(bare > 0, np.minimum(level, mean(frame["iceSaturation"]) / frontSaturation), level)
 	vertices, triangles, (shown, bare) = raster.contour(level, 1.0, [mean(values), bare])
 	return vertices, triangles, shown, bare
-
-
-class _Raster:
-	"""Cells of a regular raster in the box of the ground, onto which points are smeared."""
-
-	def __init__(self, position, volume, lower, upper):
-		spacing = np.median(volume) ** (1 / 3)
-		lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-		upper[2] = min(upper[2], position[:, 2].max() + 3 * spacing)
-		self.shape = np.maximum(2, np.round((upper - lower) / spacing * nodesPerSpacing).astype(int))
-		self.lower, self.step = lower, (upper - lower) / self.shape
-		self.position, self.volume = position, volume
-		self.spread = smearing * spacing / self.step
-
-	def nodes(self, axis):
-		return self.lower[axis] + (np.arange(self.shape[axis]) + 0.5) * self.step[axis]
-
-	def smeared(self, weight):
-		"""Density of weight times volume in the cells; the sides of the box mirror it."""
-		ends = [self.lower[a] + np.arange(self.shape[a] + 1) * self.step[a] for a in range(3)]
-		cells, _ = np.histogramdd(self.position, bins=ends, weights=np.broadcast_to(weight * self.volume, len(self.position)))
-		return gaussian_filter(cells / self.step.prod(), self.spread, mode="reflect")
-
-	def contour(self, level, at, fields):
-		"""Closed surface on which `level` has a value: (vertices, triangles, fields at the vertices)."""
-		image, finder = vtkImageData(), vtkFlyingEdges3D()
-		image.SetDimensions(*(self.shape + 2))
-		image.SetOrigin(*(self.lower - 0.5 * self.step))
-		image.SetSpacing(*self.step)
-		for name, values, mode in (("level", level, "constant"), *((f"field{k}", field, "edge") for k, field in enumerate(fields))):
-			array = numpy_to_vtk(np.pad(values, 1, mode=mode).ravel(order="F"), deep=True)
-			array.SetName(name)
-			image.GetPointData().AddArray(array)
-		image.GetPointData().SetActiveScalars("level")
-		finder.SetInputData(image)
-		finder.SetValue(0, at)
-		finder.InterpolateAttributesOn()
-		finder.Update()
-		surface = finder.GetOutput()
-		vertices = vtk_to_numpy(surface.GetPoints().GetData()).astype(float)
-		# the raster reaches half a step beyond the sides of the box
-		vertices = np.clip(vertices, self.lower, self.lower + self.shape * self.step)
-		triangles = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
-		return vertices, triangles, [vtk_to_numpy(surface.GetPointData().GetArray(f"field{k}")) for k in range(len(fields))]
 
 
 # --- sample ----------------------------------------------------------------------------------------------------------------

@@ -39,6 +39,12 @@ def randomPacking(count=120, seed=3):
 	return centre, radius, centre[pairs[:, 0]], centre[pairs[:, 1]], force, state
 
 
+def bandColours(axes):
+	"""Of all bands of contourf, whether there is a collection of each or one of all."""
+	filled = [c for c in axes.collections if c.get_clip_path() is not None and len(c.get_facecolor()) and not len(c.get_linestyle()[0][1] or ())]
+	return np.array([colour for c in filled for colour in c.get_facecolor()])
+
+
 def test_slope_history_has_a_row_per_time_a_column_per_field_and_one_scale_per_column(folder):
 	frames = [{**thawingSlope(time), "day": 10 * time} for time in (2.5, 5, 10, 15)]
 	fig = plots.slopeHistory(frames, watched={"A": (3.0, 2.0), "B": (4.6, 2.2)})
@@ -47,8 +53,9 @@ def test_slope_history_has_a_row_per_time_a_column_per_field_and_one_scale_per_c
 	assert len(panels) == 4 * 3
 	assert [axes.get_title(loc="left") for axes in panels[::3]] == [f"day {10 * t:g} ({t:g} s of motion)" for t in (2.5, 5, 10, 15)]
 	for column in range(3):
-		limits = {axes.collections[0].get_clim() for axes in panels[column::3]}
-		assert len(limits) == 1
+		colours = [bandColours(axes) for axes in panels[column::3]]
+		print(f"column {column}: {len(colours[0])} bands")
+		assert len(colours[0]) >= 5 and all(np.array_equal(colours[0], other) for other in colours)
 	labels = [axes.get_xlabel() for axes in fig.axes if axes.get_label() == "<colorbar>"]
 	print("colour bars:", labels)
 	assert all("[" in label for label in labels)
@@ -72,6 +79,49 @@ def test_squares_strained_with_the_ground_leave_no_gaps_where_it_sheared_and_shr
 	assert corners / 0.25 == pytest.approx(np.rint(corners / 0.25), abs=1e-9)
 
 
+def test_thawed_ground_is_brown_frozen_ground_blue_and_none_is_white_as_the_air(folder):
+	frame = {**thawingSlope(10), "day": 100}
+	fig = plots.figure(8, 4)
+	axes = plots.ground(fig.subplots(), frame, "iceSaturation", arrows="displacement", watched={"A": (3.0, 2.0)})
+	pixels = imread(plots.save(fig, os.path.join(folder, "ground.png"), dpi=100))[..., :3]
+	place = lambda x, y: axes.transData.transform((x, y))  # in pixels, from below
+	colour = lambda x, y: pixels[round(len(pixels) - place(x, y)[1]), round(place(x, y)[0])]
+	thawed, frozen, air = colour(1.5, 3.7), colour(1.0, 1.0), colour(8.0, 3.0)
+	print(f"thawed {np.round(thawed, 2)}, frozen {np.round(frozen, 2)}, air {np.round(air, 2)} (red, green, blue)")
+	assert thawed[0] > thawed[2] + 0.2 and frozen[2] > frozen[0] + 0.2 and (air == 1).all()
+	assert [bar.get_ylabel() for bar in fig.axes if bar.get_label() == "<colorbar>"] == ["ice saturation $S_i$ [-]"]
+	dashed = [line for line in axes.lines if line.is_dashed()]
+	start = dashed[0].get_xydata()
+	print(f"dashed line from ({start[:, 0].min():.2f}, {start[:, 1].min():.2f}) to ({start[:, 0].max():.2f}, {start[:, 1].max():.2f}) m")
+	assert len(dashed) == 1 and np.abs([start.min(axis=0) - (0, 0), start.max(axis=0) - (10, 4)]).max() < 0.05
+	assert [text.get_text() for text in axes.texts] == ["A"]
+
+
+@pytest.mark.parametrize(
+	"field, values, levels",
+	[
+		("iceSaturation", [0.05, 0.95], np.linspace(0, 1, 11)),
+		("deviatoricStrain", [0, 3.1], [0, 0.05, 0.1, 0.2, 0.5, 1, 2, 5]),
+		("displacement", [0, 4.55], np.arange(0, 5.1, 0.5)),
+		("displacement", [[0.0, 0.0], [0.3, 0.4]], np.arange(0, 0.51, 0.05)),
+		("temperature", [-3.0, 9.5], np.arange(-10, 10.1, 2)),
+		("settlement [mm]", [7.0, 7.0], None),
+	],
+)
+def test_bands_have_round_levels_over_the_range_of_a_field(field, values, levels):
+	bands = plots.bandsOf(field, np.array(values))
+	print(f"{field} {values}: levels {bands.levels.tolist()}, extend {bands.extend}")
+	assert bands.extend == "neither" and (np.diff(bands.levels) > 0).all()
+	if levels is not None:
+		np.testing.assert_allclose(bands.levels, levels, atol=1e-12)
+
+
+def test_values_beyond_given_limits_are_told_by_an_arrow_of_the_colour_bar():
+	found = [plots.bandsOf("settlement [mm]", np.array([-5.0, 5.0]), limits=limits).extend for limits in ((-5, 5), (0, 5), (-5, 2), (-2, 2))]
+	print(found)
+	assert found == ["neither", "min", "max", "both"]
+
+
 def test_thaw_front_lies_at_half_ice_saturation():
 	frame = thawingSlope(10)
 	axes = plots.figure(4, 3).subplots()
@@ -82,6 +132,17 @@ def test_thaw_front_lies_at_half_ice_saturation():
 	print(f"front on the bench {depth.mean():.4f} m deep, given {0.293 * np.sqrt(10):.4f} m, spread {np.ptp(depth):.4f} m")
 	assert len(onBench) > 5
 	assert np.abs(depth - 0.293 * np.sqrt(10)).max() < 0.02
+
+
+def test_thaw_front_in_resampled_ground_lies_at_half_ice_saturation():
+	frame = thawingSlope(10)
+	frame = {**frame, "position": frame["position"] - frame["displacement"]}
+	axes = plots.ground(plots.figure(4, 3).subplots(), frame, "iceSaturation", bar=False)
+	red = [c for c in axes.collections if len(c.get_edgecolor()) and tuple(np.round(c.get_edgecolor()[0][:3], 2)) == (0.86, 0.08, 0.24)]
+	line = np.vstack([path.vertices for c in red for path in c.get_paths()])
+	depth = 1 - line[(line[:, 0] > 7) & (line[:, 0] < 9.8), 1]
+	print(f"front on the bench {depth.mean():.4f} m deep, given {0.293 * np.sqrt(10):.4f} m, spread {np.ptp(depth):.4f} m, points 0.1 m")
+	assert len(depth) > 5 and np.abs(depth - 0.293 * np.sqrt(10)).max() < 0.02
 
 
 def test_thaw_front_is_absent_while_all_is_frozen():

@@ -66,12 +66,14 @@ def test_a_slope_in_space_is_drawn_with_scales_in_metres_and_a_labelled_colour_b
 def test_a_section_shows_the_field_inside_the_ground_and_the_thaw_front():
 	frame = block()
 	axes = plots3d.section(plots.figure(6, 4).subplots(), frame, "displacement", 1.5, *box)
-	values = axes.collections[0].get_array().reshape(-1)
-	shown = values.compressed() if np.ma.isMaskedArray(values) else values[np.isfinite(values)]
-	lines = [path.vertices for collection in axes.collections[1:] for path in collection.get_paths() if len(path.vertices)]
+	filled = [c for c in axes.collections if len(c.get_facecolor())]
+	bands = [path.vertices for c in filled for path in c.get_paths() if len(path.vertices)]
+	lines = [path.vertices for c in axes.collections if not len(c.get_facecolor()) for path in c.get_paths() if len(path.vertices)]
 	front = lines[-1][:, 1]
-	print(f"values {shown.min():.2f} to {shown.max():.2f} m, front at z = {front.min():.3f} to {front.max():.3f} m")
-	assert 0 <= shown.min() < 0.3 and 3.7 < shown.max() <= 4 and np.abs(front - 1).max() < 0.05
+	ends = np.sort([band[:, 0].min() for band in bands])
+	print(f"{len(bands)} bands begin at x = {ends.round(2).tolist()} m, half a metre each due; front at z = {front.min():.3f} to {front.max():.3f} m")
+	assert len(bands) >= 7 and np.abs(ends[1:] - 0.5 * np.arange(1, len(bands))).max() < 0.1  # displacement is x, bands of half a metre
+	assert np.abs(front - 1).max() < 0.05
 
 
 def test_a_sample_of_spheres_shows_intact_bonds_red_and_counts_them(folder):
