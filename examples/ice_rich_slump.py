@@ -95,9 +95,9 @@ print(f"{slid:.1f} m2 have slid sideways by more than 0.1 m, by hand at most {sl
 for name, ids in layers.items():
 	print(f"{name}: {thawed[ids].sum():.2f} m2 of {startVolume[ids].sum():.2f} m2 have thawed; moved by up to {moved[ids].max():.2f} m")
 
-figure = plots.figure(8, 10)
+figure = plots.figure(8, 8.4)
 panels = figure.subplots(3, 1, sharex=True)
-frame, number = output.allFields(mpm), np.zeros(mpm.pointCount)
+frame, number = output.allFields(mpm), np.zeros(mpm.pointCount, dtype=int)
 for place, ids in enumerate(layers.values()):
 	number[ids] = place
 soilBands = plots.Bands("", np.arange(len(soils) + 1) - 0.5, ListedColormap(["#d9c08c", "#8fb3c9", "#9a8f86"]))

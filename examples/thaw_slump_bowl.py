@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Retrogressive thaw slump in space: a hollow in a frozen hillside thaws from its surface, slides, and meets a barrier of facets.
 
-	scripts/run thaw_slump_bowl [--preset test|draft|standard] [--skeleton MohrCoulomb] [--heights FILE]
+	scripts/run thaw_slump_bowl [--preset test|draft|standard] [--skeleton MohrCoulomb] [--heights FILE] [--redraw]
 
 The hillside is a height grid, thawbowl/hillside.asc, which thawbowl/hillside.py makes by a formula. Behind every point stands a sample of
 spheres with ice bonds, brought to the weight above it before it freezes. Ground, freezing curve, air and scale of time are those of Case I of Yu &
@@ -10,6 +10,7 @@ divides both by about ten; spheres have no thickness. Change the heights, the pl
 """
 
 import argparse
+import json
 import sys
 import time
 from dataclasses import dataclass
@@ -73,14 +74,19 @@ def barrier(hill):
 	return O.bodies.append(wall)
 
 
+def boxOf(preset, hill):
+	"""Corners of the grid [m]."""
+	cells = np.ceil(hill.upper / preset.gridSpacing + (0, 0, 2) - 1e-9)
+	return (0, 0, 0), tuple(preset.gridSpacing * cells)
+
+
 def build(preset, kind, hill):
 	"""The frozen hillside at rest and its barrier: (ground, ids of the facets)."""
-	h = preset.gridSpacing
-	cells = np.ceil(hill.upper / h + (0, 0, 2) - 1e-9)
+	lower, upper = boxOf(preset, hill)
 	mpm = MpmEngine(
-		gridSpacing=h,
-		lower=(0, 0, 0),
-		upper=tuple(h * cells),
+		gridSpacing=preset.gridSpacing,
+		lower=lower,
+		upper=upper,
 		gravity=(0, 0, -9.81),
 		damping=restDamping,
 		skeleton=skeleton(preset, kind),
@@ -144,27 +150,27 @@ def watched(mpm):
 	}
 
 
-def drawSlope(frame, mpm, path):
+def drawSlope(frame, box, path):
 	"""The hillside coloured by displacement, as it is and with its front half stripped of what has thawed."""
 	fig = plots.figure(13, 5.6)
 	panels = fig.subplots(1, 2)
-	middle = 0.5 * (mpm.lower[1] + mpm.upper[1])
+	(lower, upper), middle = box, 0.5 * (box[0][1] + box[1][1])
 	largest = np.quantile(plots.magnitude(frame["displacement"]), 0.995)  # a few points may run ahead
 	for axes, stripped in zip(panels, (None, middle)):
-		plots3d.slope(axes, frame, "displacement", mpm.lower, mpm.upper, stripped, O.bodies, limits=(0, largest), colourMap="YlOrRd")
+		plots3d.slope(axes, frame, "displacement", lower, upper, stripped, O.bodies, limits=(0, largest), colourMap="YlOrRd")
 	panels[0].set_title(f"day {frame['day']:.0f} of thaw")
 	panels[1].set_title("left half: only what is frozen ($S_i \\geq 0.5$); cut: thawed ground")
 	return plots.save(fig, path, dpi=110)
 
 
-def drawSection(frame, mpm, hill, path):
+def drawSection(frame, box, hill, path):
 	"""Fields along the axis of the hollow."""
-	middle, former = 0.5 * (mpm.lower[1] + mpm.upper[1]), np.linspace(hill.lower[0], hill.upper[0], 200)
+	middle, former = 0.5 * (box[0][1] + box[1][1]), np.linspace(hill.lower[0], hill.upper[0], 200)
 	foot = hill.surface(np.array([barrierAt]), np.array([middle]))[0]
-	fig = plots.figure(13, 3.6)
+	fig = plots.figure(13, 3.3)
 	for axes, name in zip(fig.subplots(1, 3, sharey=True), ("iceSaturation", "deviatoricStrain", "displacement")):
-		plots3d.section(axes, frame, name, middle, mpm.lower, mpm.upper, colourMap={"displacement": "YlOrRd"}.get(name))
-		axes.plot(former, hill.surface(former, np.full(200, middle)), color="0.4", linestyle="--", linewidth=0.8)
+		plots3d.section(axes, frame, name, middle, *box)
+		axes.plot(former, hill.surface(former, np.full(200, middle)), color="0.35", linestyle="--", linewidth=0.8)
 		axes.plot(2 * [barrierAt], [foot, foot + barrierHeight], color="black", linewidth=2.5)
 		axes.set_ylim(0, hill.upper[2] + 0.3)
 		axes.set_ylabel("z [m]" if name == "iceSaturation" else "")
@@ -196,6 +202,12 @@ def drawHistory(history, path):
 		axes.set(xlabel="day", ylabel=label)
 		axes.set_ylim(bottom=min(0, values.min()))
 	return plots.save(fig, path, dpi=110)
+
+
+def draw(frame, history, box, hill, folder):
+	drawSlope(frame, box, folder / "slope.png")
+	drawSection(frame, box, hill, folder / "section.png")
+	drawHistory(history, folder / "history.png")
 
 
 def summary(run, options, points, started):
@@ -239,10 +251,15 @@ def main():
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample of spheres behind every point, or a law")
 	parser.add_argument("--heights", default=Path(sys.argv[0]).parent / "thawbowl" / "hillside.asc", help="height grid: ESRI ASCII grid or GeoTIFF")
 	parser.add_argument("--days", type=_days, help="of thaw, in place of the preset's")
+	parser.add_argument("--redraw", action="store_true", help="draw all pictures but those of the samples anew from the files in the folder, without a run")
 	options = parser.parse_args()
 	started, folder, preset = time.monotonic(), writableFolder(Path(options.output)), presets[options.preset]
 	preset.days = options.days or preset.days
 	hill = solids.terrain(solids.readHeights(options.heights), base=0.0)
+	if options.redraw:
+		barrier(hill)
+		draw(output.loadFrames(folder / "frames.npz")[-1], json.loads((folder / "summary.json").read_text())["history"], boxOf(preset, hill), hill, folder)
+		return
 	mpm, facets = build(preset, options.skeleton, hill)
 	print(f"{mpm.pointCount} points, {mpm.field('volume').sum():.0f} m3 of ground, {len(facets)} facets")
 	run = Run(mpm, facets, preset, folder)
@@ -251,10 +268,7 @@ def main():
 	points = watched(mpm) if options.skeleton == "samples" else {}
 	output.writeSummary(folder / "summary.json", **summary(run, options, points, started))
 	run.frames.save(folder / "frames.npz")
-	last = run.frames.frames[-1]
-	drawSlope(last, mpm, folder / "slope.png")
-	drawSection(last, mpm, hill, folder / "section.png")
-	drawHistory(run.history, folder / "history.png")
+	draw(run.frames.frames[-1], run.history, boxOf(preset, hill), hill, folder)
 	if points:
 		drawSamples(mpm, points, folder / "samples.png", folder / "paraview")
 	print(f"pictures, ParaView files and summary.json are in {folder}")

@@ -45,7 +45,7 @@ def slope(frames, path, field="deviatoricStrain", framesPerSecond=5, watched=Non
 	_check(frames, path, fields, framesPerSecond)
 	if not ranks.first:
 		return str(path)
-	fig = plots.figure(width, width * len(fields) * _heightOverWidth(frames) + 0.25)
+	fig = plots.figure(width, width * len(fields) * _heightOverWidth(frames, 1.0 if len(fields) == 1 else 0.82) + 0.3)
 	draw = plots.slopeFilm(fig, frames, fields, watched, limits)
 	writableFolder(path.parent)
 	with tempfile.TemporaryDirectory() as folder:
@@ -74,6 +74,7 @@ def _writeGif(fig, drawn, path, framesPerSecond, dpi):
 		fig.set_layout_engine("none")  # the first one arranges the axes for all
 	some = pictures[:: max(1, len(pictures) // 4)][:5] + [pictures[-1]]
 	palette = Image.fromarray(np.vstack([np.asarray(picture) for picture in some])).quantize(colours, method=Image.Quantize.MEDIANCUT)
+	palette.putpalette([255 if min(palette.getpalette()[k - k % 3 : k - k % 3 + 3]) > 240 else value for k, value in enumerate(palette.getpalette())])
 	film = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
 	film[0].save(path, save_all=True, append_images=film[1:], duration=round(100 / framesPerSecond) * 10, loop=0, optimize=False)
 
@@ -103,8 +104,8 @@ def _check(frames, path, fields, framesPerSecond):
 		raise ValueError(f"path is '{path}', which ffmpeg makes, and there is none here; install the package ffmpeg or give a name that ends in .gif")
 
 
-def _heightOverWidth(frames):
-	"""Of the whole picture: the ground at its largest, title and colour bar."""
+def _heightOverWidth(frames, part):
+	"""Of the picture of one field: the ground at its largest over a part of the width, title and colour bar."""
 	low = [min(frame["position"][:, axis].min() for frame in frames) for axis in (0, 1)]
 	high = [max(frame["position"][:, axis].max() for frame in frames) for axis in (0, 1)]
-	return max((high[1] - low[1]) / max(high[0] - low[0], 1e-12), 0.2) + 0.1
+	return part * max((high[1] - low[1]) / max(high[0] - low[0], 1e-12), 0.2) + (0.1 if part == 1 else 0.07)

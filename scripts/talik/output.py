@@ -25,7 +25,7 @@ from talik import ranks
 from talik.files import writableFolder, writeWhole
 from talik.resampling import Resampled, SpaceRaster, surfaceLevel
 
-surfaceNodes = 2  # of the raster of a surface for ParaView along the side of a point
+surfaceNodes = 1.5  # of the raster of a surface for ParaView along the side of a point: as smooth as the fields are, in a small file
 tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}  # of stress and strain
 _callbacks = []
 

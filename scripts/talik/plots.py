@@ -133,7 +133,8 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	"""Ground in the plane as it is seen: a field in contour bands, the outline of the ground, the thaw front, and where the ground was at the start.
 
 	frame    {"position": (n, 2) [m], "volume": (n,) [m2], field: (n,) or (n, 2), ...}, as talik.output.allFields(mpm) and Frames have it
-	field    name of a field of the frame, vectors by their length, or values (n,)
+	field    name of a field of the frame, vectors by their length, or values (n,); whole numbers (n,) are kinds of ground: each place is of the kind of
+			 most of its points
 	bands    of bandsOf, where several pictures share their colours; else made with **colours: label, colourMap, levels, limits as there
 	bar      a colour bar beside the axes
 	front    crimson line where the ice saturation of the frame is 1/2
@@ -151,7 +152,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	surface = surface or surfaceOf(frame)
 	bands = bands or bandsOf(field if isinstance(field, str) else "", values, **colours)
 	area = Path(*surface.polygons())
-	drawBands(axes, surface.x, surface.y, surface(magnitude(values)), area, bands)
+	drawBands(axes, surface.x, surface.y, _kinds(surface, values) if _areKinds(field) else surface(magnitude(values)), area, bands)
 	for line in surface.outline():
 		axes.plot(*line.T, color="0.15", linewidth=0.9, solid_joinstyle="round")
 	seen = [surface]
@@ -174,10 +175,19 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	return axes
 
 
+def _areKinds(field):
+	return not isinstance(field, str) and np.issubdtype(np.asarray(field).dtype, np.integer)
+
+
+def _kinds(surface, numbers):
+	known, place = np.unique(numbers, return_inverse=True)
+	return known[np.argmax(surface(np.eye(len(known))[place]), axis=2)].astype(float)
+
+
 def surfaceOf(frame):
 	"""talik.resampling.Resampled of the points of a frame.
 
-	>>> talik.plots.surfaceOf(talik.output.allFields(mpm)).area() / mpm.field("volume").sum()
+	>>> round(talik.plots.surfaceOf(talik.output.allFields(mpm)).area() / mpm.field("volume").sum(), 2)
 	1.0"""
 	return Resampled(frame["position"], frame["volume"], frame.get("deformationGradient"))
 
@@ -259,12 +269,21 @@ def colourBar(axes, bands, **style):
 	figure = (axes if hasattr(axes, "figure") else np.ravel(axes)[0]).figure
 	axes = axes if hasattr(axes, "figure") else list(np.ravel(axes))
 	every = 1 if len(bands.levels) <= 8 else 2
-	style = {"label": bands.label, "ticks": bands.levels[::every], "spacing": "uniform", "shrink": 0.85, **style}
+	largest = np.abs(bands.levels).max()
+	power = 0 if 1e-3 <= largest < 1e5 else 3 * int(np.floor(np.log10(largest) / 3))
+	label = bands.label if power == 0 else _withPower(bands.label, power)
+	style = {"label": label, "ticks": bands.levels[::every], "spacing": "uniform", "shrink": 0.85, **style}
 	bar = figure.colorbar(ScalarMappable(bands.norm, bands.map), ax=axes, **style)
 	bar.ax.minorticks_off()
-	bar.formatter = lambda value, _: f"{value:.6g}".replace("-", "\u2212")
+	bar.formatter = lambda value, _: f"{value / 10.0**power:.6g}".replace("-", "\u2212")
 	bar.update_ticks()
 	return bar
+
+
+def _withPower(label, power):
+	"""A label whose unit is 10^power times as large."""
+	factor = f"$10^{{{power}}}$"
+	return label.replace("[-]", f"[{factor}]") if "[-]" in label else label.replace("[", f"[{factor} ")
 
 
 # --- points ----------------------------------------------------------------------------------------------------------------
@@ -476,7 +495,7 @@ def timeLabel(time, day=None):
 
 	>>> talik.plots.timeLabel(2.0, day=20)
 	'day 20 (2 s of motion)'"""
-	return f"t = {time:.3g} s" if day is None else f"day {day:.3g} ({time:.3g} s of motion)"
+	return f"t = {time:.3g} s" if day is None else f"day {day:.3g} ({round(time, 2):.3g} s of motion)"
 
 
 def calendarHistory(axes, history, events, label=None):
@@ -496,7 +515,7 @@ def calendarHistory(axes, history, events, label=None):
 		if len(named) == 5 or any(abs(event["day"] - day) < apart for day in named):
 			continue
 		named.append(event["day"])
-		axes.annotate(f"{event['volume']:.2g} m²", (event["day"], 1), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
+		axes.annotate(f"{event['volume']:.2g} m² move", (event["day"], 1), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
 	axes.set(xlabel="day", ylabel="largest displacement [m]")
 	axes.set_ylim(bottom=0, top=max(1.15 * finiteRange(history[:, 2])[1], 1e-6) if len(history) else None)
 

@@ -40,7 +40,7 @@ class Resampled:
 	position     (n, 2) [m]
 	volume       (n,) [m2]
 	deformation  (n, 4) gradient xx, xy, yx, yy, or None: round points
-	nodesPerSide of the raster along the side of a point, 2 or more; fewer where the ground has very many points
+	nodesPerSide of the raster along the side of a point, 1.5 or more; fewer, but two, where the ground has very many points
 
 	x, y (m,), (k,) [m] are the nodes of the raster, `filled` (k, m) is above 1/2 where there is ground. ValueError if there are no points or positions
 	of another shape.
@@ -298,12 +298,13 @@ class SpaceRaster:
 		return ndimage.gaussian_filter(cells / self.step.prod(), self.spread, mode="reflect")
 
 	def cut(self, weight, y):
-		"""(x (m,), z (k,) [m], smeared weight (k, m)) in the plane of a y [m]: between two rows of cells that of both."""
+		"""(x (m,), z (k,) [m], smeared weight (k, m)) in the plane of a y [m], between two rows of cells that of both, from side to side of the box."""
 		smeared, place = self.smeared(weight), (y - self.lower[1]) / self.step[1] - 0.5
 		first = int(np.clip(np.floor(place), 0, max(self.shape[1] - 2, 0)))
 		share = float(np.clip(place - first, 0, 1))
 		between = (1 - share) * smeared[:, first] + share * smeared[:, min(first + 1, self.shape[1] - 1)]
-		return self.nodes(0), self.nodes(2), between.T
+		ends = [np.concatenate([[self.lower[a]], self.nodes(a), [self.lower[a] + self.shape[a] * self.step[a]]]) for a in (0, 2)]
+		return *ends, np.pad(between, 1, mode="edge").T
 
 	def contour(self, level, at, fields):
 		"""Closed surface on which `level` has a value: (vertices, triangles, fields at the vertices)."""

@@ -122,6 +122,15 @@ def test_values_beyond_given_limits_are_told_by_an_arrow_of_the_colour_bar():
 	assert found == ["neither", "min", "max", "both"]
 
 
+def test_the_bar_of_a_field_of_microns_has_short_numbers_and_a_unit_with_its_power_of_ten():
+	axes = plots.figure(4, 3).subplots()
+	bar = plots.colourBar(axes, plots.bandsOf("displacement", np.array([0.0, 8e-5])))
+	written = [text.get_text() for text in bar.ax.get_yticklabels()]
+	print(bar.ax.get_ylabel(), written)
+	assert bar.ax.get_ylabel() == "displacement $|u|$ [$10^{-6}$ m]" and written[0] == "0" and written[-1] == "80"
+	assert plots.colourBar(axes, plots.bandsOf("deviatoricStrain", np.array([0.0, 2e-5]))).ax.get_ylabel().endswith("[$10^{-6}$]")
+
+
 def test_thaw_front_lies_at_half_ice_saturation():
 	frame = thawingSlope(10)
 	axes = plots.figure(4, 3).subplots()

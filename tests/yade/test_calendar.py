@@ -104,7 +104,10 @@ def test_a_flight_is_an_event_of_the_calendar_in_summaries_pictures_and_series(t
 	assert f'timestep="{mpm.calendar["day"]:.17g}"' in (tmp_path / "points.pvd").read_text()
 	axes = plots.figure(5, 3).subplots()
 	plots.calendarHistory(axes, history, mpm.events())
-	assert axes.get_xlabel() == "day" and len(axes.patches) == 1 and [text.get_text() for text in axes.texts] == ["1 m²"]
+	assert axes.get_xlabel() == "day" and len(axes.patches) == 1 and [text.get_text() for text in axes.texts] == ["1 m² move"]
+	drawn = axes.lines[0].get_ydata()[-1] / axes.get_ylim()[1]
+	print(f"the event takes {100 * drawn:.0f} % of the height of its picture")
+	assert axes.get_yscale() == "linear" and axes.get_ylim()[0] == 0 and drawn > 0.8  # an axis of powers of ten would hide it among what creeps
 	assert list(commandline.eventLines(mpm.events())) == [
 		f"day 0.0: 1.00 m2 per metre move for {event['duration']:.2f} s, by up to {event['largest']:.2f} m, and go on"
 	]

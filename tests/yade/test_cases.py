@@ -314,6 +314,7 @@ def asCommanded(folder, **options):
 				output=folder,
 				resume=False,
 				redraw=False,
+				film=False,
 				days=None,
 				no_thaw=False,
 				thaw_strain=0.03,
@@ -495,15 +496,19 @@ def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points_and
 		frames = slump.frames.frames
 		sample = page.sampleOf(slump.skeleton, 0)
 		page.saveSamples(tmp_path / page.samplesName, {"A": sample, "B": sample}, {"A": 0, "B": 1})
-	figure = page.page(frames, {"A": sample, "B": sample}, {"A": 0, "B": 1}, f"{case.name}; {page.slipSurfaces(frames[-1], case.outline)}")
+	title = f"{case.name}; {page.slipSurfaces(frames[-1], case.outline)}\n{page.linesOfPictures}"
+	figure = page.page(output.telling(frames[1:], 4), {"A": sample, "B": sample}, {"A": 0, "B": 1}, title)
 	fields = [axes for axes in figure.axes if axes.collections and axes.name == "rectilinear"]
 	roses = [axes for axes in figure.axes if axes.name == "polar"]
 	wanted = Path(plots.save(figure, tmp_path / "wanted.png", dpi=80)).read_bytes()
 	(tmp_path / "page.png").unlink()
 	told = capsys.readouterr().out.splitlines()[-3:]
 	monkeypatch.setattr(commandline, "ThawSlump", None)  # no run
-	commandline.runCase(case, asCommanded(tmp_path, redraw=True))
+	commandline.runCase(case, asCommanded(tmp_path, redraw=True, film=True))
 	assert capsys.readouterr().out.splitlines()[-3:] == told
+	film = (tmp_path / "film.gif").stat().st_size
+	print(f"film of {len(frames)} frames: {film / 1e6:.2f} MB, less than 2 MB due")
+	assert 5000 < film < 2e6
 	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}; the page drawn anew has the same {len(wanted)} bytes")
 	assert len(roses) == 2 and len(fields) >= 12 + 2
 	assert {"ice saturation $S_i$ [-]", r"deviatoric strain $\varepsilon_d$ [-]", "displacement $|u|$ [m]"} <= labels(figure)
