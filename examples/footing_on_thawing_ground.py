@@ -83,7 +83,7 @@ class Record:
 
 
 def draw(record, weight, path):
-	fig = plots.figure(8, 7.5)
+	fig = plots.figure(8, 8)
 	panels = fig.subplots(3, 1, height_ratios=(1, 1, 0.8))
 	ice = plots.bandsOf("iceSaturation", [state["iceSaturation"] for state in record.states])
 	for axes, state in zip(panels, record.states):
@@ -91,8 +91,8 @@ def draw(record, weight, path):
 		axes.fill(*state["line"].T, facecolor="0.7", edgecolor="black", zorder=3)
 		axes.set(xlim=(0, width), ylim=(0, depth + 1.5), xlabel="")
 		axes.set_title(plots.timeLabel(state["time"], state["time"] * thermalTimeScale / talik.day), loc="left", fontsize=10)
-	panels[1].set_title("crimson: thaw front; dashed: ground at the start", loc="right", fontsize=9)
-	panels[1].set_xlabel("x [m]")
+	panels[1].set(xlabel="x [m]")
+	fig.suptitle("A footing on ground that thaws; crimson: thaw front", fontsize=10)
 	plots.colourBar(panels[:2], ice, shrink=0.7)
 	time, settled, force, thawed = np.array(record.rows).T
 	days = time * thermalTimeScale / talik.day

@@ -78,7 +78,7 @@ def film(folder):
 	"""film.gif from the frames in the folder of a run: ice saturation above displacement."""
 	folder = Path(folder)
 	frames = output.loadFrames(folder / framesName)
-	return movie.slope(frames, folder / "film.gif", field=("iceSaturation", "displacement"), pictures=filmPictures, framesPerSecond=8, width=7.2, dpi=80)
+	return movie.slope(frames, folder / "film.gif", field=("iceSaturation", "displacement"), pictures=filmPictures, framesPerSecond=8, width=7.2, dpi=100)
 
 
 def page(frames, samples=None, watched=None, title=None):

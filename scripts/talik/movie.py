@@ -19,7 +19,7 @@ from PIL import Image
 from talik import output, plots, ranks
 from talik.files import writableFolder, writeWhole
 
-colours = 64  # of a GIF
+colours = 128  # of a GIF
 
 
 def slope(frames, path, field="deviatoricStrain", framesPerSecond=5, watched=None, limits=(None, None), width=7.0, dpi=90, pictures=None):
@@ -70,13 +70,35 @@ def _writeGif(fig, drawn, path, framesPerSecond, dpi):
 	pictures, canvas = [], FigureCanvasAgg(fig)
 	for _ in drawn:
 		canvas.draw()
-		pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+		pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
 		fig.set_layout_engine("none")  # the first one arranges the axes for all
-	some = pictures[:: max(1, len(pictures) // 4)][:5] + [pictures[-1]]
-	palette = Image.fromarray(np.vstack([np.asarray(picture) for picture in some])).quantize(colours, method=Image.Quantize.MEDIANCUT)
-	palette.putpalette([255 if min(palette.getpalette()[k - k % 3 : k - k % 3 + 3]) > 240 else value for k, value in enumerate(palette.getpalette())])
-	film = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+	palette = _palette(pictures)
+	film = [_withPalette(picture, palette) for picture in pictures]
 	film[0].save(path, save_all=True, append_images=film[1:], duration=round(100 / framesPerSecond) * 10, loop=0, optimize=False)
+
+
+def _palette(pictures):
+	"""The colours (n, 3) that most pixels have: bands are of one colour each, so all of theirs are among them."""
+	found, count = np.unique(np.concatenate([_numbered(picture) for picture in pictures[:: max(1, len(pictures) // 8)] + pictures[-1:]]), return_counts=True)
+	return _coloursOf(found[np.argsort(-count)][:colours])
+
+
+def _withPalette(picture, palette):
+	"""Each pixel has the colour of the palette that is next to its own."""
+	height, wide = picture.shape[:2]
+	found, place = np.unique(_numbered(picture), return_inverse=True)
+	nearest = np.argmin(((_coloursOf(found)[:, None] - palette) ** 2).sum(axis=2), axis=1)
+	image = Image.fromarray(nearest[place].reshape(height, wide).astype(np.uint8), mode="P")
+	image.putpalette(palette.astype(np.uint8).tobytes())
+	return image
+
+
+def _numbered(picture):
+	return picture.reshape(-1, 3).astype(int) @ (1 << 16, 1 << 8, 1)
+
+
+def _coloursOf(numbers):
+	return np.column_stack([numbers >> 16, numbers >> 8 & 255, numbers & 255])
 
 
 def _writeMp4(fig, drawn, path, framesPerSecond, dpi):
