@@ -511,7 +511,8 @@ def test_page_shows_fields_at_four_times_and_chains_and_roses_of_both_points_and
 	assert 5000 < film < 2e6
 	print(f"{len(fields)} panels, {len(roses)} roses, labels {sorted(labels(figure))}; the page drawn anew has the same {len(wanted)} bytes")
 	assert len(roses) == 2 and len(fields) >= 12 + 2
-	assert {"ice saturation $S_i$ [-]", r"deviatoric strain $\varepsilon_d$ [-]", "displacement $|u|$ [m]"} <= labels(figure)
+	named = {label.split(" [")[0] for label in labels(figure)}  # units have a power of ten here, as little has moved
+	assert {"ice saturation $S_i$", r"deviatoric strain $\varepsilon_d$", "displacement $|u|$"} <= named
 	assert (tmp_path / "page.png").read_bytes() == wanted
 
 
