@@ -141,7 +141,7 @@ def bank(scene, spacing, endTime):
 def drawBank(axes, mpm, title, widest):
 	frame = output.allFields(mpm)
 	plots.ground(axes, frame, "displacement", plots.bandsOf("displacement", frame["displacement"], limits=(0, widest)), arrows="displacement")
-	axes.set(title=title, xlim=(0, 3.5), ylim=(0, 1.1))
+	axes.set(title=title, xlim=(0, 2.4), ylim=(0, 1.1))
 
 
 def summaryOf(mpm):

@@ -138,7 +138,7 @@ def sideBySide(runs, outline, fields=("iceSaturation", "deviatoricStrain", "disp
 		if "bondsFormed" in frames[0]:
 			broken.plot(times, [100 * shearband.brokenShare(frame, slice(None)) for frame in frames], marker="o", markersize=3, label=label)
 	moved.set(xlabel="day", ylabel="largest displacement [m]")
-	moved.set_yscale("symlog", linthresh=0.01)
+	moved.set_ylim(bottom=0)
 	moved.legend(fontsize=8, frameon=False)
 	broken.set(xlabel="day", ylabel="bonds broken mechanically [%]", ylim=(0, None))
 	if not any("bondsFormed" in frames[0] for frames, _ in runs.values()):

@@ -515,7 +515,7 @@ def calendarHistory(axes, history, events, label=None):
 		if len(named) == 5 or any(abs(event["day"] - day) < apart for day in named):
 			continue
 		named.append(event["day"])
-		axes.annotate(f"{event['volume']:.2g} m² move", (event["day"], 1), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
+		axes.annotate(f"{event['volume']:.2g} m² move", (event["day"], 0.98), xycoords=("data", "axes fraction"), rotation=90, va="top", ha="right", fontsize=7)
 	axes.set(xlabel="day", ylabel="largest displacement [m]")
 	axes.set_ylim(bottom=0, top=max(1.15 * finiteRange(history[:, 2])[1], 1e-6) if len(history) else None)
 
