@@ -136,6 +136,7 @@ _submodules = (
 	"realisation",
 	"refinement",
 	"refrozen",
+	"resampling",
 	"running",
 	"rve",
 	"slope",

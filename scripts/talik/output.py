@@ -255,7 +255,7 @@ class Frames:
 	>>> frames = talik.output.Frames(mpm, times=[0.1, 0.2])
 	>>> O.engines = O.engines + [frames.runner()]"""
 
-	firstMotion = 1e-5  # change of the mean displacement over the size of the ground, for the first frames by motion
+	firstMotion = 2e-4  # change of the mean displacement over the size of the ground, for the first frames by motion
 
 	def __init__(self, mpm, times, clock=None, days=False, byMotion=0):
 		self.mpm, self.clock, self.days, self.byMotion = mpm, clock or _sceneTime, days, int(byMotion)

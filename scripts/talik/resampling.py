@@ -289,6 +289,7 @@ class SpaceRaster:
 		self.spread = smearing * spacing / self.step
 
 	def nodes(self, axis):
+		"""Places [m] of the cells along an axis, 0, 1 or 2."""
 		return self.lower[axis] + (np.arange(self.shape[axis]) + 0.5) * self.step[axis]
 
 	def smeared(self, weight):
