@@ -102,7 +102,7 @@ for place, ids in enumerate(layers.values()):
 	number[ids] = place
 soilBands = plots.Bands("", np.arange(len(soils) + 1) - 0.5, ListedColormap(["#d9c08c", "#8fb3c9", "#9a8f86"]))
 for axes, field, bands in ((panels[0], number, soilBands), (panels[1], "iceSaturation", None), (panels[2], "displacement", None)):
-	plots.ground(axes, frame, field, bands, bar=False, arrows="displacement" if field == "displacement" else None)
+	plots.ground(axes, frame, field, bands, bar=False, arrows="displacement" if axes is panels[2] else None)
 	for soil in soils.values():
 		axes.plot(*zip(*soil["polygon"], soil["polygon"][0]), color="0.35", linewidth=0.6, linestyle=":")
 	axes.set(xlim=(0, 12), ylim=(0, 4.3), xlabel="")

@@ -163,7 +163,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 		for line in seen[1].outline():
 			axes.plot(*line.T, color="0.35", linewidth=0.8, linestyle=(0, (4, 3)))
 	if arrows is not None:
-		_arrows(axes, surface, surface(inPlane(frame[arrows])), bands.levels[-1] if arrows == field else 0.0)
+		_arrows(axes, surface, surface(inPlane(frame[arrows])), bands.levels[-1] if isinstance(field, str) and arrows == field else 0.0)
 	markPoints(axes, watched or {})
 	metricAxes(axes, np.vstack([line for one in seen for line in one.outline()]), margin=0.01)
 	axes.set_xlabel("x [m]")
