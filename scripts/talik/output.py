@@ -23,7 +23,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from talik import ranks
 from talik.files import writableFolder, writeWhole
-from talik.resampling import Resampled, SpaceRaster, surfaceLevel
+from talik.resampling import SpaceRaster, groundOf, surfaceLevel
 
 surfaceNodes = 1.5  # of the raster of a surface for ParaView along the side of a point: as smooth as the fields are, in a small file
 tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}  # of stress and strain
@@ -112,7 +112,7 @@ def writeSurface(path, frame, lower=None, upper=None):
 
 def _surfaceInPlane(frame, columns, lower, upper):
 	"""Triangles of the raster, those on the outline cut there."""
-	ground = Resampled(frame["position"], frame["volume"], frame.get("deformationGradient"), nodesPerSide=surfaceNodes)
+	ground = groundOf(frame, surfaceNodes)
 	points, triangles, rows, weights = ground.triangles()
 	values = ground(np.nan_to_num(columns)).reshape(-1, columns.shape[1])
 	for gappy in np.flatnonzero(~np.isfinite(columns).all(axis=0)):

@@ -24,7 +24,7 @@ from matplotlib.tri import Triangulation
 
 from talik import ranks
 from talik.files import writableFolder
-from talik.resampling import Resampled, inPlane
+from talik.resampling import Resampled, atStart, groundOf, inPlane
 
 # state of a contact, as the ice-bond law counts it
 contactNone, contactBonded, contactBroken = 0, 1, 2
@@ -189,17 +189,14 @@ def surfaceOf(frame):
 
 	>>> round(talik.plots.surfaceOf(talik.output.allFields(mpm)).area() / mpm.field("volume").sum(), 2)
 	1.0"""
-	return Resampled(frame["position"], frame["volume"], frame.get("deformationGradient"))
+	return groundOf(frame)
 
 
 def startOf(frame):
 	"""The same before its displacement and strain.
 
 	>>> start = talik.plots.startOf(talik.output.allFields(mpm))"""
-	volume = np.asarray(frame["volume"], dtype=float)
-	if "deformationGradient" in frame:
-		volume = volume / np.abs(np.linalg.det(np.asarray(frame["deformationGradient"], dtype=float).reshape(-1, 2, 2)))
-	return Resampled(inPlane(frame["position"]) - frame["displacement"], volume)
+	return Resampled(*atStart(frame))
 
 
 def drawBands(axes, x, y, field, outline, bands):

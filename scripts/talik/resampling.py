@@ -41,6 +41,7 @@ class Resampled:
 	volume       (n,) [m2]
 	deformation  (n, 4) gradient xx, xy, yx, yy, or None: round points
 	nodesPerSide of the raster along the side of a point, 1.5 or more; fewer, but two, where the ground has very many points
+	sides        as sidesOf gives them: straight sides that are known; one that a point has passed is none
 
 	x, y (m,), (k,) [m] are the nodes of the raster, `filled` (k, m) is above 1/2 where there is ground. ValueError if there are no points or positions
 	of another shape.
@@ -49,7 +50,7 @@ class Resampled:
 	>>> ground(mpm.field("temperature")).shape == ground.filled.shape
 	True"""
 
-	def __init__(self, position, volume, deformation=None, nodesPerSide=4):
+	def __init__(self, position, volume, deformation=None, nodesPerSide=4, sides=None):
 		position, volume = inPlane(position), np.asarray(volume, dtype=float)
 		if not len(position):
 			raise ValueError("position is empty; give at least one point")
@@ -59,11 +60,12 @@ class Resampled:
 		longest = np.ptp(position, axis=0).max() + self.side
 		step = max(self.side / nodesPerSide, min(longest / mostNodes, self.side / 2))
 		inverse, largest = _kernels(volume, deformation)
-		x, y, margin = *position.T, reach * largest.max()
-		determinant = inverse[:, 0] * inverse[:, 2] - inverse[:, 1] ** 2
-		halfX, halfY = (0.5 / width * np.sqrt(inverse[:, k] / determinant) for k in (2, 0))  # of the side of a point along each axis
-		self.x, self._stepX, self._mirrorX = _nodes(x, halfX, y, halfY, step, margin, (True, True))
-		self.y, self._stepY, self._mirrorY = _nodes(y, halfY, x, halfX, step, margin, (True, False))
+		self.sides = [
+			_within(position[:, axis], found, known) for axis, found, known in zip((0, 1), sidesOf(position, volume, deformation), sides or 2 * [(None, None)])
+		]
+		margin = reach * largest.max()
+		self.x, self._stepX, self._mirrorX = _nodes(position[:, 0], side, self.sides[0], step, margin)
+		self.y, self._stepY, self._mirrorY = _nodes(position[:, 1], side, self.sides[1], step, margin)
 		low = (self.x[0], self.y[0])
 		self._weights = self._spread(position - low, volume, inverse, reach * largest)
 		self._sum = self._weights @ np.ones(len(position))
@@ -161,15 +163,16 @@ class Resampled:
 
 	def _levelled(self):
 		"""The sum of areas, without the gaps between points, scaled in each piece such that it is above 1/2 over the area of its points."""
-		filled = self._withoutPockets(self._sum.reshape(self._piece.shape))
 		nearest = ndimage.distance_transform_edt(self._piece == 0, return_distances=False, return_indices=True)
-		owner = self._piece[tuple(nearest)]
-		scale = np.full(len(self._area), 0.5 / levels[0])
-		for number, window in enumerate(ndimage.find_objects(self._piece), start=1):
-			window = tuple(slice(max(s.start - 4, 0), s.stop + 4) for s in window)  # its edge is in the air
-			inside = np.where(owner[window] == number, filled[window], 0.0)
-			scale[number] = 0.5 / _levelOf(self.x[window[1]], self.y[window[0]], inside, self._area[number])
-		return filled * scale[owner]
+		owner, filled = self._piece[tuple(nearest)], self._withoutPockets(self._sum.reshape(self._piece.shape))
+		for _ in range(2):  # what the level of a piece opens again is closed again, and counts
+			scale = np.full(len(self._area), 0.5 / levels[0])
+			for number, window in enumerate(ndimage.find_objects(self._piece), start=1):
+				window = tuple(slice(max(s.start - 4, 0), s.stop + 4) for s in window)  # its edge is in the air
+				inside = np.where(owner[window] == number, filled[window], 0.0)
+				scale[number] = 0.5 / _levelOf(self.x[window[1]], self.y[window[0]], inside, self._area[number])
+			filled = self._withoutPockets(filled * scale[owner])
+		return filled
 
 	def _withoutPockets(self, filled):
 		air, count = ndimage.label(filled < 0.55)
@@ -181,18 +184,63 @@ class Resampled:
 		return np.where(small[air], 0.75, filled)
 
 
-def _nodes(along, half, across, halfAcross, step, margin, mirrored):
+def sidesOf(position, volume, deformation=None):
+	"""[(left, right) x, (lower, upper) y] [m] of the straight sides in which the ground of points ends, None where a side is not straight. Above there is
+	none: ground ends in the air there.
+
+	>>> talik.resampling.sidesOf(mpm.field("position"), mpm.field("volume"))[1]
+	(0.0, None)"""
+	position, (inverse, _) = inPlane(position), _kernels(volume, deformation)
+	determinant = inverse[:, 0] * inverse[:, 2] - inverse[:, 1] ** 2
+	half = [0.5 / width * np.sqrt(inverse[:, k] / determinant) for k in (2, 0)]  # of the side of a point along each axis
+	found = []
+	for along, across in ((0, 1), (1, 0)):
+		extent = np.ptp(position[:, across]) + 2 * np.median(half[across])
+		sides = []
+		for sign in (-1, 1):
+			ends = sign * position[:, along] + half[along]
+			beside, on = ends.max() - ends < half[along], ends.max() - ends < 0.3 * half[along]
+			isStraight = on.sum() > max(3, 0.8 * beside.sum()) and 2 * half[across][on].sum() > straight * extent
+			sides.append(float(sign * ends.max()) + 0.0 if isStraight and (along, sign) != (1, 1) else None)
+		found.append(tuple(sides))
+	return found
+
+
+def groundOf(frame, nodesPerSide=4):
+	"""Resampled of the points of a frame, {"position": ..., "volume": ..., "deformationGradient" and "displacement" where they are known}: a side that was straight
+	before the displacement and that no point has passed is a wall.
+
+	>>> ground = talik.resampling.groundOf(talik.output.allFields(mpm))"""
+	position, volume, deformation = frame["position"], np.asarray(frame["volume"], dtype=float), frame.get("deformationGradient")
+	sides = sidesOf(*atStart(frame)) if "displacement" in frame else None
+	return Resampled(position, volume, deformation, nodesPerSide, sides)
+
+
+def atStart(frame):
+	"""(position, volume) of the points of a frame before their displacement and strain.
+
+	>>> position, volume = talik.resampling.atStart(talik.output.allFields(mpm))"""
+	volume = np.asarray(frame["volume"], dtype=float)
+	if "deformationGradient" in frame:
+		volume = volume / np.abs(np.linalg.det(np.asarray(frame["deformationGradient"], dtype=float).reshape(-1, 2, 2)))
+	return inPlane(frame["position"]) - frame["displacement"], volume
+
+
+def _within(along, found, known):
+	"""Sides (below, above) along an axis: those found, and known ones that no point has passed."""
+	passed = along.min() <= (known[0] if known[0] is not None else np.inf), along.max() >= (known[1] if known[1] is not None else -np.inf)
+	return tuple(mine if beyond else other for mine, other, beyond in zip(found, known, passed))
+
+
+def _nodes(along, side, sides, step, margin):
 	"""Nodes of the raster along one axis, their distance, and whether the raster ends in a straight side of the ground (below, above) in which it is
-	mirrored; else it ends in the air. half: of the side of each point."""
-	ends, straightSides, extent = [], [], np.ptp(across) + 2 * np.median(halfAcross)
-	for sign, may in zip((-1, 1), mirrored):
-		sides = sign * along + half
-		edge = sides.max()
-		beside, on = edge - sides < half, edge - sides < 0.3 * half
-		straightSides.append(bool(may and on.sum() > max(3, 0.8 * beside.sum()) and 2 * halfAcross[on].sum() > straight * extent))
-		ends.append(sign * (edge if straightSides[-1] else edge + margin + 2 * step))
+	mirrored; else it ends in the air."""
+	ends = [
+		sides[0] if sides[0] is not None else along.min() - 0.5 * side.max() - margin - 2 * step,
+		sides[1] if sides[1] is not None else along.max() + 0.5 * side.max() + margin + 2 * step,
+	]
 	count = int(np.ceil((ends[1] - ends[0]) / step - 1e-9))
-	return np.linspace(*ends, count + 1), (ends[1] - ends[0]) / count, tuple(straightSides)
+	return np.linspace(*ends, count + 1), (ends[1] - ends[0]) / count, tuple(end is not None for end in sides)
 
 
 def _images(nodes, count, mirrored):

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.path import Path
 
 from talik import geometry, plots
-from talik.resampling import Resampled
+from talik.resampling import Resampled, groundOf
 
 slope = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 allowed = 0.01  # of the area of the points
@@ -123,6 +123,26 @@ def test_the_ground_in_a_picture_covers_the_area_of_its_points():
 	drawn = outline.contains_points(np.column_stack([x.ravel(), y.ravel()])).sum() * 0.02**2
 	print(f"{drawn:.3f} m2 within the outline at which bands are cut, points {volume.sum():.3f} m2, 1 % allowed")
 	assert drawn == pytest.approx(volume.sum(), rel=allowed)
+
+
+def test_ground_does_not_reach_through_a_wall_that_uneven_points_lie_at():
+	position, volume = block()
+	uneven = position + np.column_stack([0 * volume, np.where(position[:, 1] < 0.1, 0.05 * np.sin(7 * position[:, 0]), 0)])
+	lowest = [
+		min(line[:, 1].min() for line in ground.outline())
+		for ground in (Resampled(uneven, volume), groundOf(dict(position=uneven, volume=volume, displacement=uneven - position)))
+	]
+	print(f"lowest place of the outline {lowest[0]:.3f} m from the points alone, {lowest[1]:.3f} m where their displacement tells of the wall at 0")
+	assert lowest[0] < -0.01 and lowest[1] == 0
+
+
+def test_ground_that_left_a_straight_side_or_passed_it_is_drawn_where_it_is():
+	position, volume = block()
+	for shift in ((1.0, 0.0), (-0.7, 0.0)):
+		ground = groundOf(dict(position=position + shift, volume=volume, displacement=np.tile(shift, (len(volume), 1))))
+		ends = np.vstack(ground.outline())[:, 0].min(), np.vstack(ground.outline())[:, 0].max()
+		print(f"moved by {shift[0]} m: from x = {ends[0]:.3f} to {ends[1]:.3f} m, area {ground.area():.4f} of {volume.sum():.4f} m2")
+		assert ends == pytest.approx((shift[0], 4 + shift[0]), abs=0.01) and ground.area() == pytest.approx(volume.sum(), rel=allowed)
 
 
 def test_points_without_a_value_leave_the_field_to_their_neighbours():

@@ -208,6 +208,19 @@ def test_without_a_jump_of_displacement_in_frozen_ground_there_is_no_band_and_A_
 	assert shearband.watchedPoints(frame, block) == watched  # thawed ground that has lost its contacts is shown as well
 
 
+def test_the_sample_shown_of_a_band_is_in_one_piece_where_any_of_its_broken_ones_is():
+	frame = inclinedBand(50)
+	band = shearband.measure(frame, block)
+	first, second = band.points[:2]
+	frame["bondsBroken"][:], frame["deviatoricStrain"][band.points] = 0, 1.0
+	frame["bondsBroken"][first], frame["bondsBroken"][second] = 80, 30
+	alone = shearband.watchedPoints(frame, block)["A"]
+	frame["deviatoricStrain"][second] = 0.1
+	found = shearband.watchedPoints(frame, block)["A"]
+	print(f"all torn: the one with 80 bonds broken, {alone}; one with 30 strained by 0.1: {found} of {first}, {second}")
+	assert alone == first and found == second
+
+
 # ---- calibration ----------------------------------------------------------------------------------------------------------
 
 
