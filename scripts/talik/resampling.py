@@ -188,8 +188,9 @@ def sidesOf(position, volume, deformation=None):
 	"""[(left, right) x, (lower, upper) y] [m] of the straight sides in which the ground of points ends, None where a side is not straight. Above there is
 	none: ground ends in the air there.
 
-	>>> talik.resampling.sidesOf(mpm.field("position"), mpm.field("volume"))[1]
-	(0.0, None)"""
+	>>> lower, upper = talik.resampling.sidesOf(mpm.field("position"), mpm.field("volume"))[1]
+	>>> abs(lower) < 1e-4, upper
+	(True, None)"""
 	position, (inverse, _) = inPlane(position), _kernels(volume, deformation)
 	determinant = inverse[:, 0] * inverse[:, 2] - inverse[:, 1] ** 2
 	half = [0.5 / width * np.sqrt(inverse[:, k] / determinant) for k in (2, 0)]  # of the side of a point along each axis
