@@ -37,7 +37,7 @@ remembered = (
 	"reached",
 	"history",
 )  # attributes of a run
-frameParts = (0, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames
+frameParts = (0, 0.025, 0.05, 0.075, 0.1, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames, with some before anything moves
 framesByMotion, stepsPerLook = 48, 20  # frames between them, at most, and after so many steps it is looked whether the ground has moved
 never = 1e12  # [s of calendar time]
 bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
@@ -59,7 +59,7 @@ class ThawSlump:
 	case        the scene
 	preset      a name in presets or a Preset
 	folder      for the results
-	frameDays   days of the thaw at which all fields are kept; default five
+	frameDays   days of the thaw at which all fields are kept; default nine, four of them in the first tenth
 	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.calibrate"""
 
 	def __init__(self, case, preset="draft", folder="output", ground=None, thaw=True, frameDays=None, skeleton="samples"):

@@ -684,4 +684,4 @@ def _forceLegend(axes, force, bonded):
 		Line2D([], [], color="black", linewidth=2, label=f"broken or frictional ({(~bonded).sum()})"),
 	]
 	below = dict(loc="upper center", bbox_to_anchor=(0.5, 0), borderaxespad=4)  # in heights of its letters: clear of the label of x at any size
-	axes.legend(handles=handles, title=f"widest: {largest:.3g} N", ncol=2, frameon=False, fontsize=8, title_fontsize=8, **below)
+	axes.legend(handles=handles, title=f"widest: {float(f'{largest:.3g}'):g} N", ncol=2, frameon=False, fontsize=8, title_fontsize=8, **below)

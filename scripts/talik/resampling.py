@@ -228,9 +228,9 @@ def atStart(frame):
 
 
 def _within(along, found, known):
-	"""Sides (below, above) along an axis: those found, and known ones that no point has passed."""
+	"""Sides (below, above) along an axis: those found, else known ones that no point has passed."""
 	passed = along.min() <= (known[0] if known[0] is not None else np.inf), along.max() >= (known[1] if known[1] is not None else -np.inf)
-	return tuple(mine if beyond else other for mine, other, beyond in zip(found, known, passed))
+	return tuple(mine if mine is not None or beyond else other for mine, other, beyond in zip(found, known, passed))
 
 
 def _nodes(along, side, sides, step, margin):

@@ -138,7 +138,7 @@ def test_ground_does_not_reach_through_a_wall_that_uneven_points_lie_at():
 
 def test_ground_that_left_a_straight_side_or_passed_it_is_drawn_where_it_is():
 	position, volume = block()
-	for shift in ((1.0, 0.0), (-0.7, 0.0)):
+	for shift in ((1.0, 0.0), (-0.7, 0.0), (0.03, 0.0)):
 		ground = groundOf(dict(position=position + shift, volume=volume, displacement=np.tile(shift, (len(volume), 1))))
 		ends = np.vstack(ground.outline())[:, 0].min(), np.vstack(ground.outline())[:, 0].max()
 		print(f"moved by {shift[0]} m: from x = {ends[0]:.3f} to {ends[1]:.3f} m, area {ground.area():.4f} of {volume.sum():.4f} m2")
