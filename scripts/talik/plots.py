@@ -138,7 +138,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	bands    of bandsOf, where several pictures share their colours; else made with **colours: label, colourMap, levels, limits as there
 	bar      a colour bar beside the axes
 	front    crimson line where the ice saturation of the frame is 1/2
-	start    dashed outline of the ground before its displacement
+	start    dashed outline of the ground before its displacement; or the Resampled of the ground then
 	arrows   name of a vector of the frame, "displacement" or "velocity": its direction, where it is above 10 % of its largest, or of the top of the
 			 bands if they show it
 	watched  {letter: (x, y)} marked points
@@ -159,7 +159,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	if front and "iceSaturation" in frame:
 		frontLine(axes, surface.x, surface.y, surface(frame["iceSaturation"]), surface.ground, area)
 	if start and "displacement" in frame:
-		seen.append(startOf(frame))
+		seen.append(start if isinstance(start, Resampled) else startOf(frame))
 		for line in seen[1].outline():
 			axes.plot(*line.T, color="0.35", linewidth=0.8, linestyle=(0, (4, 3)))
 	if arrows is not None:
@@ -411,11 +411,12 @@ def slopeHistory(frames, fields=("iceSaturation", "deviatoricStrain", "displacem
 	fig = into or figure(4.2 * len(fields), historyHeight(frames))
 	grid = fig.subplots(len(frames), len(fields), squeeze=False, sharex=True, sharey=True)
 	surfaces = [surfaceOf(frame) for frame in frames]
+	starts = [startOf(frame) if "displacement" in frame else False for frame in frames]
 	for column, name in enumerate(fields):
 		shared = bandsOf(name, [frame[name] for frame in frames])
-		for axes, frame, surface in zip(grid[:, column], frames, surfaces):
+		for axes, frame, surface, start in zip(grid[:, column], frames, surfaces, starts):
 			arrows = name if name in ("displacement", "velocity") else None
-			ground(axes, frame, name, shared, bar=False, arrows=arrows, watched=_placesOf(watched, frame), surface=surface)
+			ground(axes, frame, name, shared, bar=False, start=start, arrows=arrows, watched=_placesOf(watched, frame), surface=surface)
 			axes.set(xlabel="", ylabel="")
 			if name in (lines or {}):
 				isolines(axes, frame["position"], frame[name], frame["volume"], lines[name])
@@ -449,11 +450,11 @@ def slopeFilm(fig, frames, fields, watched=None, limits=(None, None)):
 	ends = _ends(frames)
 
 	def draw(frame):
-		surface = surfaceOf(frame)
+		surface, start = surfaceOf(frame), startOf(frame) if "displacement" in frame else False
 		for axes, name, colours in zip(panels, names, shared):
 			axes.clear()
 			arrows = name if name in ("displacement", "velocity") else None
-			ground(axes, frame, name, colours, bar=False, arrows=arrows, watched=_placesOf(watched, frame), surface=surface)
+			ground(axes, frame, name, colours, bar=False, start=start, arrows=arrows, watched=_placesOf(watched, frame), surface=surface)
 			metricAxes(axes, ends, margin=0.01)
 			axes.set(xlabel="", ylabel="y [m]")
 		panels[-1].set_xlabel("x [m]")
