@@ -9,5 +9,5 @@
 
 The scenes are thaw_slump_surface.py and thaw_slump_base.py beside this folder."""
 
-from thawslump.settings import Ground, Preset, flowingPicTimeFactor, fullThawStrain, oneGrainThick, presets, skeletons, slips, softened
+from thawslump.settings import Ground, Preset, flowingPicTimeFactor, fullThawStrain, oneGrainThick, presets, skeletons, softened
 from thawslump.slump import Case, ThawSlump

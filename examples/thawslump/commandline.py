@@ -11,7 +11,7 @@ import talik
 from talik import output, plots
 from thawslump import page
 from thawslump.page import framesName
-from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, oneGrainThick, presets, skeletons, slips, softened
+from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, oneGrainThick, presets, skeletons, softened
 from thawslump.slump import ThawSlump, bandStrain
 
 shownEvents = 12
@@ -49,13 +49,6 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 		type=_thickness,
 		default=Ground.thickness,
 		help="of the slice of ground that carries the forces of the discs [m]; stiffness and strength of the samples go with its inverse",
-	)
-	parser.add_argument(
-		"--slip",
-		choices=slips,
-		default=Ground.slip,
-		help="what carries the slip of samples at the thaw front: the strength that is measured on them in simple shear, or their stress, which is "
-		"rough and lets slopes on fine cells fail too early",
 	)
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both", "thickness"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
@@ -143,7 +136,6 @@ def groundOf(options, setting):
 	return Ground(
 		thawStrain=setting["thawStrain"],
 		thickness=thickness,
-		slip=options.slip,
 		thawedCohesion=cohesion,
 		followsMotion=calendar == "follows-motion",
 		picTimeFactor=flowingPicTimeFactor if flowing else Ground.picTimeFactor,

@@ -25,7 +25,6 @@ class Preset:
 
 
 skeletons = ("samples", "MohrCoulomb")
-slips = ("strength", "stress")
 calendars = ("follows-motion", "constant")
 # of Ground with the law alone, of samples 0.1 m thick: five times as stiff as thawed ground is enough, at half the steps
 softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)
@@ -70,7 +69,6 @@ class Ground:
 	lateralRatio: float = 0.7  # horizontal over vertical stress at rest (O)
 	thawStrain: float = 0.0  # area strain that thawing grains release [-], or fullThawStrain; 0: bookkeeping of grain size, eq. (8) (O)
 	thickness: float = 0.1  # of the slice of ground that carries the forces of the discs [m]; stiffness and strength go with its inverse (O)
-	slip: str = "strength"  # what carries slip of samples at the thaw front: their strength in simple shear, or their stress (O)
 	thawedCohesion: float = 0.0  # cohesion that stays when the ice has gone [Pa], C_0 of eq. (5); 0: none, and a slope without a length of its own (O)
 	damping: float = 0.02  # local damping during failure (O)
 	picTimeFactor: float = 1.0  # points keep what the grid does not see for so many times sqrt(h/g) during failure (O); 1: MpmEngine's default

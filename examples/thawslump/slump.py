@@ -18,7 +18,7 @@ from talik.files import writableFolder
 from talik.progress import Progress
 from thawslump import page, shearband
 from thawslump.page import framesName, samplesName, summaryName
-from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons, slips
+from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons
 from yade import O, wrapper
 
 seriesLength = 40  # states in the ParaView series
@@ -64,9 +64,8 @@ class ThawSlump:
 
 	def __init__(self, case, preset="draft", folder="output", ground=None, thaw=True, frameDays=None, skeleton="samples"):
 		ground = ground or Ground()
-		for name, given, known in (("skeleton", skeleton, skeletons), ("slip", ground.slip, slips)):
-			if given not in known:
-				raise ValueError(f"{name} is {given!r}; choose one of {', '.join(known)}")
+		if skeleton not in skeletons:
+			raise ValueError(f"skeleton is {skeleton!r}; choose one of {', '.join(skeletons)}")
 		self.skeletonName = skeleton
 		self.name, self.outline, self.thaws = case.name, case.outline, thaw
 		self.presetName = preset if isinstance(preset, str) else "own"
@@ -138,8 +137,6 @@ class ThawSlump:
 
 	def _slipOf(self, samples, cohesion):
 		"""Attributes of RveSkeleton for the slip at the thaw front of samples with a thawed cohesion [Pa]."""
-		if self.ground.slip == "stress":
-			return {}
 		self.thawed["friction measured [-]"] = calibrate.thawedFriction(samples)
 		return {"slipFriction": self.thawed["friction measured [-]"], "slipCohesion": cohesion}
 

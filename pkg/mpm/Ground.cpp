@@ -284,6 +284,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 	b.wallWork           = g.clock.account.wallWork;
 	b.skeletonWork       = g.clock.skeletonWork;
 	b.porePressureWork   = g.clock.porePressureWork;
+	b.workAhead          = g.clock.workAhead;
 	if (g.heat) b.heatIn = g.heat->heatIn;
 	if (g.water) {
 		b.waterOut    = g.water->waterOut;

@@ -12,8 +12,8 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/effects/ThawFront.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
+#include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
@@ -58,7 +58,7 @@ template <int D> struct Clock {
 	long               sortWanted   = 0;
 	long               halfDone     = 0; ///< points have moved and the step has not ended
 	double             initialMass  = 0.0;
-	double             skeletonWork = 0.0, porePressureWork = 0.0;
+	double             skeletonWork = 0.0, porePressureWork = 0.0, workAhead = 0.0;
 	MomentumAccount<D> account;
 	ActiveRange        range;
 };
@@ -292,7 +292,7 @@ template <int D> struct Ground<D>::Parts {
 	/// Velocities of moving walls in this step. Throws, with the ground as it was before the step, if one leaves its nodes.
 	void moveWalls();
 	bool allRests() const { return heatRests && !motion; }
-	void findFrontStiffness();
+	void findFrontStrength();
 	void findFront();
 	void mapToGrid();
 	void collectSurfaces();

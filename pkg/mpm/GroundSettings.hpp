@@ -208,6 +208,7 @@ template <int D> struct Balance {
 	double gravityEnergy      = 0.0; ///< relative to the origin of coordinates; water that leaves takes its own along
 	double skeletonWork       = 0.0; ///< done on the skeleton by effective stress
 	double porePressureWork   = 0.0; ///< done by pore pressure on the pore content
+	double workAhead          = 0.0; ///< part of both works that the state at the end of the last step did on its strain: it moves the ground in the next
 	double dragDissipation    = 0.0;
 	double dampingDissipation = 0.0;
 	double loadWork           = 0.0; ///< done by surface loads

@@ -80,7 +80,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 		content->bind(*points);
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
-	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, content->waterMass, content->iceMass, content->porosity);
+	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, { content->waterMass, content->iceMass, content->porosity });
 	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
 	if (calendar) calendar->bind(*points, *motion, *heat);
 	shareRecords();
@@ -172,7 +172,6 @@ template <int D> void Ground<D>::Parts::placePoints()
 		showAll(heat->heatCapacity, heat->volume, heat->conductivity);
 		heat->chooseSmoothing(grid, n);
 	}
-	if (front && hasThawStrain()) front->settleTogether();
 	if (front) front->start(first, end);
 	if (thawStrain) thawStrain->start(first, end);
 }

@@ -257,10 +257,11 @@ template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 	const bool   replace = atStart && averaging();
 	const double share   = atStart ? startShare() : 1.0 - startShare();
 	bookByStrip([&](StepAccount<D>& account, int first, int last) {
-		account.skeletonWork += 0.5 * skeletonWork(first, last, replace);
-		// slip is not strain of the grid: its work is that of the force between the sides
-		if (front && !atStart) account.skeletonWork -= 0.5 * front->stressWork(first, last);
-		if (water && share != 0.0) account.porePressureWork -= share * pressureWork(first, last, replace);
+		const double ofStress   = 0.5 * skeletonWork(first, last, replace);
+		const double ofPressure = water && share != 0.0 ? -share * pressureWork(first, last, replace) : 0.0;
+		account.skeletonWork += ofStress;
+		account.porePressureWork += ofPressure;
+		if (!atStart) account.workAhead += ofStress + ofPressure;
 	});
 	if (water && share != 0.0 && !atStart) water->bookSeepageWork(reached, share, liquidDensity(), ledger);
 }
@@ -278,6 +279,7 @@ template <int D> void Ground<D>::Parts::bookStep()
 	all.wallWork += step.wallWork;
 	clock.skeletonWork += step.skeletonWork;
 	clock.porePressureWork += step.porePressureWork;
+	clock.workAhead = step.workAhead;
 	if (heat) heat->heatIn += step.heatIn;
 	if (!water) return;
 	water->waterOut += step.waterOut;
@@ -435,7 +437,7 @@ template <int D> void Ground<D>::beginStep(double dt)
 }
 
 /// Of the thawed points that may slip, from their skeletons.
-template <int D> void Ground<D>::Parts::findFrontStiffness()
+template <int D> void Ground<D>::Parts::findFrontStrength()
 {
 	if (!front->present()) return;
 	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
@@ -444,7 +446,6 @@ template <int D> void Ground<D>::Parts::findFrontStiffness()
 		near.place                     = places.data();
 		near.count                     = int(places.size());
 		if (near.count == 0) continue;
-		settings.skeletons[k]->tangentModulus(near, front->modulus());
 		for (const int p : places)
 			front->setStrength(p, settings.skeletons[k]->shearStrength(near.iceSaturation[p]));
 	}
@@ -478,7 +479,7 @@ template <int D> void Ground<D>::Parts::collectSurfaces()
 template <int D> void Ground<D>::Parts::findFront()
 {
 	front->find(grid, around, momentum->mirrors(), momentum->freeLiquid());
-	findFrontStiffness();
+	findFrontStrength();
 }
 
 template <int D> void Ground<D>::Parts::mapToGrid()
@@ -648,7 +649,6 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 			                   g.ledger.ofStrip(strip).momentumOut[a] += lost[a];
 	                   } },
 	        PassPart { bool(g.motion), CostMeter::motion, [&](int, int first, int last, Sample&) { g.averageStrain(first, last); } },
-	        PassPart { bool(g.front), CostMeter::front, [&](int, int first, int last, Sample&) { g.front->addSlip(first, last); } },
 	        PassPart { bool(g.record), CostMeter::record,
 	                   [&](int, int first, int last, Sample&) { g.record->accumulate(first, last, g.motion->gradient); } },
 	        PassPart { bool(g.content), CostMeter::freezing, [&](int strip, int first, int last, Sample& sample) {

@@ -94,7 +94,7 @@ private:
 	{
 		const double brought = outsideStart_ - outside_.energy();
 		const double held    = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy - brought;
-		const double spent   = b.skeletonWork + b.porePressureWork + b.dragDissipation + b.dampingDissipation - b.loadWork - b.wallWork;
+		const double spent   = b.skeletonWork + b.porePressureWork - b.workAhead + b.dragDissipation + b.dampingDissipation - b.loadWork - b.wallWork;
 		const double turned  = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
 		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(b.wallWork)
 		        + std::abs(brought);

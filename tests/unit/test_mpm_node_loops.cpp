@@ -144,10 +144,8 @@ public:
 			const auto                keepSums = [&] { keep(reinterpret_cast<const double*>(&sums), sizeof(sums) / sizeof(double)); };
 			loops.gatherFrozen(weights_, k, some, sums);
 			keepSums();
-			for (const bool strains : { false, true }) {
-				loops.gatherThawed(weights_, k, some, strains, sums);
-				keepSums();
-			}
+			loops.gatherThawed(weights_, k, some, sums);
+			keepSums();
 		}
 	}
 

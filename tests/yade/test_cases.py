@@ -335,7 +335,6 @@ def asCommanded(folder, **options):
 				compare=None,
 				grains=None,
 				thickness=0.1,
-				slip="strength",
 				realisations=1,
 				seed=1,
 				thawed_cohesion=None,
@@ -391,7 +390,6 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		["--thawed-cohesion", "-5"],
 		["--thickness", "0"],
 		["--thickness", "2"],
-		["--slip", "grease"],
 		["--seed", "x"],
 	):
 		monkeypatch.setattr(sys, "argv", ["example", *wrong])
@@ -401,8 +399,6 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 		commandline.runCase(case, asCommanded(tmp_path, redraw=True))
 	with pytest.raises(ValueError, match="skeleton is 'Cam-Clay'; choose one of samples, MohrCoulomb"):
 		thawslump.ThawSlump(case, "test", skeleton="Cam-Clay")
-	with pytest.raises(ValueError, match="slip is 'grease'; choose one of strength, stress"):
-		thawslump.ThawSlump(case, "test", ground=thawslump.Ground(slip="grease"))
 
 
 def test_a_slump_takes_realisations_grains_and_a_thawed_cohesion_for_samples_and_law(tmp_path):

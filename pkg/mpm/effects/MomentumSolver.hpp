@@ -4,7 +4,7 @@
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 

@@ -55,27 +55,23 @@ template <int D> struct NodeColumns {
 	// Records of front nodes: what points of the frozen side bring, those of the thawed side, and their pores. The numbers from straight on
 	// take values and slopes of the shape functions, those before values alone. The first of each stands at number at of the record.
 	struct Frozen {
-		static constexpr int at = 0, mass = 0, momentum = 1, liquidMass = 1 + D, liquidMomentum = 2 + D, straight = 8, volume = plane ? 6 : 8,
-		                     force = plane ? 8 : 9, area = force + D, size = plane ? 12 : 16;
+		static constexpr int at = 0, mass = 0, momentum = 1, liquidMass = 1 + D, liquidMomentum = 2 + D, straight = 8, force = 8, area = force + D,
+		                     volume = plane ? 6 : 14, size = plane ? 12 : 16;
 	};
 	struct Thawed {
 		static constexpr int at = Frozen::at + Frozen::size, volume = 0, mass = 1, momentum = 2, liquidMass = 2 + D, friction = 3 + D, cohesion = 4 + D,
-		                     pressure = 5 + D, modulus = 6 + D, stress = 7 + D, size = 16, straight = size;
+		                     stress = 5 + D, straight = plane ? 12 : 16, area = straight, size = straight + 4;
 	};
 	struct Pores {
-		static constexpr int at = Thawed::at + Thawed::size, straight = 0, fullMass = 0, heldVolume = 1, force = 2, size = plane ? 4 : 8;
+		static constexpr int at = Thawed::at + Thawed::size, straight = 0, fullMass = 0, force = 1, size = 4;
 	};
-	/// What points of a side gather from front nodes: correction of the velocity, one, of what points gain of it, and of what their liquid gains.
+	/// What points of a side gather from front nodes: correction of the velocity, of what points gain of it, and of what their liquid gains.
 	struct Side {
-		static constexpr int velocity = 0, present = D, gain = 4, liquidGain = plane ? 6 : 8, size = plane ? 8 : 12;
+		static constexpr int velocity = 0, gain = 4, liquidGain = plane ? 6 : 8, size = plane ? 8 : 12;
 	};
-	/// And thawed points alone: velocity of the slip and the limit of what leads back; rate of slip strain [1/s] and lacking pressure [Pa], both
-	/// times the normal.
+	/// And thawed points alone: velocity of their slip along the front.
 	struct Slip {
-		static constexpr int at = 2 * Side::size, velocity = 0, limit = D, size = 4;
-	};
-	struct SlipStrain {
-		static constexpr int at = Slip::at + Slip::size, slip = 0, lacking = D * D, size = plane ? 8 : 20;
+		static constexpr int at = 2 * Side::size, velocity = 0, size = 4;
 	};
 };
 

@@ -654,9 +654,11 @@ template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells,
 template <int D> void PoreWater<D>::bookSeepageWork(const ActiveRange& range, double share, double liquidDensity, StepLedger<D>& ledger) const
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c)
-		if (cells_[c].liquidMass > 0.0)
-			ledger.ofCell(c).porePressureWork += share / liquidDensity * cells_[c].fillPressure
-			        * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
+		if (cells_[c].liquidMass > 0.0) {
+			const double work = share / liquidDensity * cells_[c].fillPressure * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
+			ledger.ofCell(c).porePressureWork += work;
+			ledger.ofCell(c).workAhead += work;
+		}
 }
 
 template class PoreWater<2>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/effects/ThawFront.hpp>
+#include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/grid/Vector.hpp>

@@ -105,15 +105,15 @@ template <int D> struct NodeLoops {
 	void (*mapThawed)(const WeightBlock<D>& w, const Shares<typename Columns::Thawed>& shares, const SomeRecords<double>& records);
 	void (*mapPores)(const WeightBlock<D>& w, const Shares<typename Columns::Pores>& shares, const SomeRecords<double>& records);
 
-	/// What one point gathers from records Side, Slip and SlipStrain.
+	/// What one point gathers from records Side and Slip.
 	struct FrontSums {
 		double side[Columns::Side::size];
 		double gradient[D][4]; ///< of velocity component i along axis a at [a][i]
-		double slip[Columns::Slip::size], strain[Columns::SlipStrain::size];
+		double slip[Columns::Slip::size];
 	};
-	/// Sums of point k of a block on the frozen side: side and gradient. On the thawed side slip too, and strain if there is any.
+	/// Sums of point k of a block on the frozen side: side and gradient. On the thawed side slip too.
 	void (*gatherFrozen)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, FrontSums& sums);
-	void (*gatherThawed)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, bool strains, FrontSums& sums);
+	void (*gatherThawed)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, FrontSums& sums);
 };
 
 /// The loops that all ground uses: the vector version for this processor, unless others were chosen.

@@ -263,13 +263,12 @@ namespace {
 
 	template <int D>
 	void gatherThawed(
-	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records, bool strains,
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records,
 	        typename NodeLoops<D>::FrontSums& sums)
 	{
 		using C = NodeColumns<D>;
 		gatherSide<D>(w, k, records, C::Side::size, sums);
 		addSome<D>(w, k, records, C::Slip::at, C::Slip::size, sums.slip);
-		if (strains) addSome<D>(w, k, records, C::SlipStrain::at, C::SlipStrain::size, sums.strain);
 	}
 
 } // namespace

@@ -751,14 +751,13 @@ namespace HWY_NAMESPACE {
 
 		template <int D>
 		void gatherThawed(
-		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& some, bool strains,
+		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& some,
 		        typename NodeLoops<D>::FrontSums& sums)
 		{
 			using Columns = NodeColumns<D>;
 			const ChosenRecords<D, const double> records(w, k, some, zeros);
 			gatherSide(w, k, records, Columns::Side::size, sums);
 			gatherSome<Columns::Slip::size>(w, k, records, Columns::Slip::at, sums.slip);
-			if (strains) gatherSome<Columns::SlipStrain::size>(w, k, records, Columns::SlipStrain::at, sums.strain);
 		}
 
 	} // namespace

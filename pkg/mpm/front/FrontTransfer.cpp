@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/front/FrontTransfer.hpp>
+
+#include <algorithm>
+
+namespace talik {
+
+namespace {
+	/// Friction [-] and cohesion [Pa] of ground whose law states no strength: no load overcomes them.
+	constexpr double unlimited = 1e30;
+	/// Water over what the pores hold, from which on they begin to be full, and from which on they are.
+	constexpr double nearlyFull = 0.97, full = 0.99;
+} // namespace
+
+template <int D>
+void FrontTransfer<D>::bind(
+        const FrontNodes<D>& nodes, FrontRecords<D>& records, SolidMotion<D>& motion, PoreWater<D>* water, const Pores& pores, double* slip, int points)
+{
+	nodes_   = &nodes;
+	records_ = &records;
+	motion_  = &motion;
+	water_   = water;
+	pores_   = pores;
+	slip_    = slip;
+	friction_.reset(points);
+	cohesion_.reset(points);
+	if (water) mappedLiquid_.reset(points);
+}
+
+template <int D> void FrontTransfer<D>::keepOnly(int firstPoint, int endPoint)
+{
+	for (auto* values : { &friction_, &cohesion_, &mappedLiquid_ })
+		values->keepOnly(firstPoint, endPoint);
+}
+
+template <int D> void FrontTransfer<D>::setStrength(int place, const std::optional<ShearStrength>& strength)
+{
+	friction_[place] = strength ? strength->friction : unlimited;
+	cohesion_[place] = strength ? strength->cohesion : unlimited;
+}
+
+template <int D> void FrontTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
+{
+	if (nodes_->empty()) return;
+	typename Loops::template Shares<Frozen>            frozenShares;
+	typename Loops::template Shares<Thawed>            thawedShares;
+	typename Loops::template Shares<typename R::Pores> poreShares;
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		if (!nodes_->near(p)) continue;
+		if (water_) mappedLiquid_[p] = liquidMass(p);
+		if (nodes_->frozen(p)) bringFrozen(p, frozenShares.next(k));
+		else {
+			bringThawed(p, thawedShares.next(k));
+			if (water_) bringPores(p, poreShares.next(k));
+		}
+		if (affine) bringAffine(grid, w, k, *affine);
+	}
+	const typename Loops::template SomeRecords<double> records { nodes_->slots(), records_->firstSums(), R::sumsSize };
+	nodeLoops<D>().mapFrozen(w, frozenShares, records);
+	nodeLoops<D>().mapThawed(w, thawedShares, records);
+	nodeLoops<D>().mapPores(w, poreShares, records);
+}
+
+template <int D> void FrontTransfer<D>::bringFrozen(int p, Share<Frozen>& share) const
+{
+	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0, volume = motion_->volume[p];
+	const double added              = motion_->addedStress ? motion_->addedStress[p] : 0.0;
+	share.value[Frozen::mass]       = m;
+	share.value[Frozen::liquidMass] = ml;
+	share.value[Frozen::volume]     = volume;
+	for (int i = 0; i < D; ++i) {
+		share.value[Frozen::momentum + i] = m * motion_->velocity[i][p];
+		if (water_) share.value[Frozen::liquidMomentum + i] = ml * water_->velocity[i][p];
+		for (int a = 0; a < D; ++a)
+			share.slope[a][Frozen::force - Frozen::straight + i] = -volume * (motion_->stress[stressIndex<D>(i, a)][p] + (i == a ? added : 0.0));
+		share.slope[i][Frozen::area - Frozen::straight + i] = volume;
+	}
+}
+
+template <int D> void FrontTransfer<D>::bringThawed(int p, Share<Thawed>& share) const
+{
+	const double volume = motion_->volume[p], m = motion_->mass[p], pressure = water_ ? water_->pressure[p] : 0.0;
+	share.value[Thawed::volume] = volume;
+	share.value[Thawed::mass]   = m;
+	for (int i = 0; i < D; ++i)
+		share.value[Thawed::momentum + i] = m * motion_->velocity[i][p];
+	share.value[Thawed::liquidMass] = water_ ? liquidMass(p) : 0.0;
+	share.value[Thawed::friction]   = volume * friction_[p];
+	share.value[Thawed::cohesion]   = volume * cohesion_[p];
+	for (int c = 0; c < stressSize<D>; ++c)
+		share.value[Thawed::stress + c] = volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
+	for (int a = 0; a < D; ++a)
+		share.slope[a][Thawed::area - Thawed::straight + a] = volume;
+}
+
+/// Mass of water that fills the volume of a thawed point where its pores are full [kg]: what it would bear of its weight if it were still.
+template <int D> double FrontTransfer<D>::fullMass(int p) const
+{
+	const double liquid = liquidMass(p), fraction = water_->liquidFraction[p];
+	if (!(liquid > 0.0) || !(fraction > 0.0)) return 0.0;
+	const double fill = fraction * pores_.waterMass[p] / (liquid * pores_.porosity[p]);
+	return liquid / fraction * std::clamp((fill - nearlyFull) / (full - nearlyFull), 0.0, 1.0);
+}
+
+template <int D> void FrontTransfer<D>::bringPores(int p, Share<typename R::Pores>& share) const
+{
+	using Columns                  = typename R::Pores;
+	share.value[Columns::fullMass] = fullMass(p);
+	for (int a = 0; a < D; ++a)
+		share.slope[a][Columns::force + a] = motion_->volume[p] * water_->pressure[p];
+}
+
+template <int D> void FrontTransfer<D>::bringAffine(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>& affine)
+{
+	const int p = w.first + k, at = nodes_->frozen(p) ? R::momentumAt : R::thawedMomentumAt;
+	affine.overMomenta(grid, w, k, motion_->mass[p], [&](int node, const Vec<D>& momentum) {
+		if (nodes_->slot(node) < 0) return;
+		for (int i = 0; i < D; ++i)
+			records_->sums(nodes_->slot(node))[at + i] += momentum[i];
+	});
+}
+
+template <int D> void FrontTransfer<D>::push(const WeightBlock<D>& w, int k, const Vec<D>& force)
+{
+	if (nodes_->empty() || !nodes_->near(w.first + k) || !nodes_->frozen(w.first + k)) return;
+	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
+		if (nodes_->slot(node) < 0) return;
+		for (int i = 0; i < D; ++i)
+			records_->sums(nodes_->slot(node))[R::forceAt + i] += s * force[i];
+	});
+}
+
+template <int D> void FrontTransfer<D>::addGravity()
+{
+	for (int slot = 0; slot < nodes_->count(); ++slot) {
+		double*      sums = records_->sums(slot);
+		const double mass = sums[R::massAt] + sums[R::liquidMassAt];
+		for (int a = 0; a < D; ++a)
+			sums[R::forceAt + a] += mass * motion_->settings->gravity[a];
+	}
+}
+
+template <int D> void FrontTransfer<D>::addLoad(int slot, const Vec<D>& force)
+{
+	double*      sums  = records_->sums(slot);
+	const double share = sums[R::massAt] / motion_->nodes[nodes_->node(slot)][SolidMotion<D>::massAt];
+	for (int a = 0; a < D; ++a)
+		sums[R::forceAt + a] += share * force[a];
+}
+
+template <int D> void FrontTransfer<D>::shareMapped(const std::vector<int>& rowStarts, SharedRows& rows)
+{
+	rows.someNodes(records_->firstSums(), R::sumsSize, rowStarts);
+}
+
+template <int D> const double* FrontTransfer<D>::correction(int node, int p) const
+{
+	if (nodes_->empty() || !nodes_->near(p) || nodes_->slot(node) < 0) return nullptr;
+	return records_->answer(nodes_->slot(node)) + (nodes_->frozen(p) ? 0 : R::sideSize) + R::velocityAt;
+}
+
+template <int D> void FrontTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine)
+{
+	if (nodes_->empty()) return;
+	const typename Loops::template SomeRecords<const double> records { nodes_->slots(), records_->firstAnswer(), R::answerSize };
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k;
+		if (!nodes_->near(p)) continue;
+		typename Loops::FrontSums sums;
+		if (nodes_->frozen(p)) nodeLoops<D>().gatherFrozen(w, k, records, sums);
+		else {
+			nodeLoops<D>().gatherThawed(w, k, records, sums);
+			Vec<D> slipping;
+			for (int i = 0; i < D; ++i)
+				slipping[i] = sums.slip[R::Slip::velocity + i];
+			slip_[p] += dt * lengthOf<D>(slipping);
+		}
+		move(p, dt, sums);
+		if (affine) affine->addGradient(grid, w, k, [&](int node) { return correction(node, p); });
+	}
+}
+
+template <int D> void FrontTransfer<D>::move(int p, double dt, const typename Loops::FrontSums& sums)
+{
+	for (int i = 0; i < D; ++i) {
+		const double velocity = sums.side[R::velocityAt + i];
+		motion_->velocity[i][p] += sums.side[R::gainAt + i];
+		// water that came by seepage since has diluted the momentum
+		if (water_) water_->velocity[i][p] += sums.side[R::liquidGainAt + i] * (mappedLiquid_[p] / liquidMass(p));
+		motion_->position[i][p] += dt * velocity;
+		motion_->displacement[i][p] += dt * velocity;
+		for (int j = 0; j < D; ++j)
+			motion_->gradient[i * D + j][p] += dt * sums.gradient[j][i];
+	}
+}
+
+template class FrontTransfer<2>;
+template class FrontTransfer<3>;
+
+} // namespace talik

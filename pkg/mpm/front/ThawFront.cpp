@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/front/ThawFront.hpp>
+#include <pkg/thm/Errors.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+void ThawFrontSettings::validate() const
+{
+	requireSetting(thawedBelow >= 0.0 && thawedBelow < 1.0, "thawFront.thawedBelow", thawedBelow, "must lie in [0, 1)");
+	requireSetting(frozenAbove > thawedBelow && frozenAbove <= 1.0, "thawFront.frozenAbove", frozenAbove, "must lie above thawedBelow, up to 1");
+}
+
+template <int D>
+ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
+        : sideField_(fields.declare("frozenSide", "thaw front", "-", 1))
+        , slipField_(fields.declare("slip", "thaw front", "m", 1))
+        , nodes_(settings)
+{}
+
+template <int D>
+void ThawFront<D>::bind(
+        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
+        const typename FrontTransfer<D>::Pores& pores)
+{
+	motion_            = &motion;
+	water_             = water;
+	double* const slip = points.fields().component(slipField_);
+	nodes_.bind(grid, points, points.fields().component(sideField_), slip, iceSaturation);
+	transfer_.bind(nodes_, records_, motion, water, pores, slip, points.count());
+}
+
+template <int D> void ThawFront<D>::keepOnly(int firstPoint, int endPoint)
+{
+	nodes_.keepOnly(firstPoint, endPoint);
+	transfer_.keepOnly(firstPoint, endPoint);
+}
+
+template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
+{
+	nodes_.find(grid, range, mirrors, freeLiquid);
+	records_.clear(nodes_.count());
+}
+
+template <int D> void ThawFront<D>::addLoad(int node, const Vec<D>& force)
+{
+	if (present() && nodes_.slot(node) >= 0) transfer_.addLoad(nodes_.slot(node), force);
+}
+
+template <int D>
+void ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger)
+{
+	fastest_ = 0.0;
+	if (!present()) return;
+	walls_.fold(nodes_, mirrors, dt, records_);
+	walls_.pushAhead(nodes_, mirrors, *motion_, dt, records_);
+	contact_.solve({ nodes_, *motion_, water_, constraints, dt }, range.parallel, records_, work_);
+	walls_.leadWalls(nodes_, mirrors, *motion_, contact_, water_ != nullptr, records_, ledger);
+	walls_.unfold(nodes_, mirrors, records_, ledger);
+	for (int slot = 0; slot < nodes_.count(); ++slot)
+		ledger.ofNode(nodes_.node(slot)).slipWork += work_[slot];
+	findFastest();
+}
+
+template <int D> void ThawFront<D>::findFastest()
+{
+	for (int slot = 0; slot < nodes_.count(); ++slot)
+		for (int side = 0; side < 2; ++side)
+			for (int a = 0; a < D; ++a) {
+				const double v = records_.answer(slot)[side * FrontRecords<D>::sideSize + FrontRecords<D>::velocityAt + a];
+				fastest_       = std::abs(v) <= fastest_ ? fastest_ : std::abs(v); // keeps what is not a number
+			}
+}
+
+template class ThawFront<2>;
+template class ThawFront<3>;
+
+} // namespace talik

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/front/FrontContact.hpp>
+#include <pkg/mpm/front/FrontNodes.hpp>
+#include <pkg/mpm/front/FrontTransfer.hpp>
+#include <pkg/mpm/front/FrontWalls.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace talik {
+
+/// Effect: ground that ice holds (F) and ground that it does not (T) have velocities of their own on the nodes that both reach, the
+/// front nodes. With one velocity a thawed layer thinner than the reach of the shape functions moves with its frozen base.
+///
+/// The solved velocity of a node is that of both sides together. Here each side's balance without the other gives the velocity at
+/// which it would move, eq. (20.1), and the force between the sides changes it: M_F d_F + M_T d_T = 0 are the corrections that the points of
+/// each side see. One rule holds at all front nodes, with the normal n from F to T and the area A, both from sum_F V grad S:
+///   normal:     the sides share their normal velocity unless the thawed points would have to carry more tension than they do; thawed ground that
+///               lies on frozen ground and does not slide shares it always;
+///   tangential: Coulomb friction and cohesion of the thawed ground in simple shear at the effective part of the reaction, eq. (20.2), and no
+///               more than what makes the tangential velocities equal.
+/// Sides whose thawed law states no strength stay together. The liquid of a side jumps as far as drag takes it along within the step; temperature,
+/// pressure and the velocity of the water through the grains have one value on a node.
+template <int D> class ThawFront {
+public:
+	using Mirrors = typename FrontNodes<D>::Mirrors;
+
+	ThawFront(PointFields& fields, const ThawFrontSettings& settings);
+	/// iceSaturation and pores are whole arrays of the pore content; water may be null.
+	void bind(
+	        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
+	        const typename FrontTransfer<D>::Pores& pores);
+	/// Sides of all points at the start of the scene.
+	void start(int first, int end) { nodes_.start(first, end); }
+	/// Only points of this part are used from now on; all others are zero and take no memory.
+	void keepOnly(int firstPoint, int endPoint);
+
+	/// Sides of the points and the front nodes of the step, see FrontNodes::find.
+	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const { nodes_.exceptFromMeans(cells, water_ != nullptr, first, last); }
+	/// True if there are front nodes in this step.
+	bool present() const { return !nodes_.empty(); }
+
+	/// Thawed points near the front among some places, ascending.
+	const std::vector<int>& thawedNear(const std::vector<int>& places) { return nodes_.thawedNear(places); }
+	void                    setStrength(int place, const std::optional<ShearStrength>& strength) { transfer_.setStrength(place, strength); }
+
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine) { transfer_.map(grid, w, affine); }
+	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
+	void push(const WeightBlock<D>& w, int k, const Vec<D>& force) { transfer_.push(w, k, force); }
+	void addGravity() { transfer_.addGravity(); }
+	/// Gives the frozen side its part of a surface load on a node [N]; call before mirrors are folded.
+	void addLoad(int node, const Vec<D>& force);
+	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Books what the force between the
+	/// sides takes from their slip, and what walls give to the sides apart.
+	void solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger);
+	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine) { transfer_.gather(grid, w, dt, affine); }
+	/// What map() and push() add to.
+	void shareMapped(const Grid<D>& grid, SharedRows& rows) { transfer_.shareMapped(nodes_.rowStarts(grid), rows); }
+	/// Largest correction of a velocity at the front nodes, along any axis [m/s].
+	double fastest() const { return fastest_; }
+	/// Correction of the velocity [m/s] with which a point of the given place moves at a node; null for none.
+	const double* correction(int node, int place) const { return transfer_.correction(node, place); }
+
+private:
+	void findFastest();
+
+	PointFields::Handle sideField_, slipField_;
+	SolidMotion<D>*     motion_ = nullptr;
+	PoreWater<D>*       water_  = nullptr;
+	FrontNodes<D>       nodes_;
+	FrontRecords<D>     records_;
+	FrontTransfer<D>    transfer_;
+	FrontContact<D>     contact_;
+	FrontWalls<D>       walls_;
+	std::vector<double> work_; ///< by slot, taken up by the force between the sides in the step [J]
+	double              fastest_ = 0.0;
+};
+
+extern template class ThawFront<2>;
+extern template class ThawFront<3>;
+
+} // namespace talik
