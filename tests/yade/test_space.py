@@ -186,7 +186,7 @@ def test_water_is_squeezed_out_along_each_axis_as_in_the_plane_and_as_terzaghi_h
 tensor = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 
 
-def thawingHeap(turned, steps=220):
+def thawingHeap(turned, steps=200):
 	"""Freezing, wet Mohr-Coulomb ground that slides over its floor, with all axes turned on by so many: what pointed along x points along y."""
 	moved = lambda vector: np.roll(vector, turned, axis=-1)
 	side = lambda axis, upper: sides[(axis + turned) % 3][upper]
@@ -196,7 +196,7 @@ def thawingHeap(turned, steps=220):
 		gridSpacing=spacing,
 		lower=(0, 0, 0),
 		upper=tuple(moved(np.array([2.0, 1.0, 1.5]))),
-		gravity=tuple(moved(np.array([3.0, 1.0, -9.0]))),
+		gravity=tuple(moved(np.array([5.0, 2.0, -9.0]))),
 		skeleton=wrapper.MohrCoulombSkeleton(young=2e6, youngFrozen=2e7, cohesion=500, frictionAngle=20),
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
 		freezing=wrapper.FreezingCurve(),
