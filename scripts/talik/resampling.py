@@ -208,8 +208,8 @@ def sidesOf(position, volume, deformation=None):
 
 
 def groundOf(frame, nodesPerSide=4):
-	"""Resampled of the points of a frame, {"position": ..., "volume": ..., "deformationGradient" and "displacement" where they are known}: a side that was straight
-	before the displacement and that no point has passed is a wall.
+	"""Resampled of the points of a frame, {"position": ..., "volume": ..., "deformationGradient" and "displacement" where they are known}: a side that was
+	straight before the displacement and that no point has passed is a wall.
 
 	>>> ground = talik.resampling.groundOf(talik.output.allFields(mpm))"""
 	position, volume, deformation = frame["position"], np.asarray(frame["volume"], dtype=float), frame.get("deformationGradient")
