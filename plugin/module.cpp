@@ -10,6 +10,7 @@
 #include <pkg/common/OpenGLRenderer.hpp>
 #include <pkg/multiscale/checkpoints/Checkpoint.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
+#include <pkg/python/HeldObject.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
@@ -53,11 +54,21 @@ namespace {
 		announced.swap(all);
 	}
 
+	/// Of YADE's own classes those by which scenes and engines hold what a script gave them, ours among it.
+	void holdScriptsObjects()
+	{
+		HeldPointer<Serializable>::registerOnce();
+		HeldPointer<Engine>::registerOnce();
+		HeldPointer<Scene>::registerOnce();
+		HeldPointer<Body>::registerOnce();
+	}
+
 	py::list registerClasses()
 	{
 		const std::string mismatch = interfaceMismatch();
 		if (!mismatch.empty()) raise(PyExc_ImportError, mismatch);
 		const auto ours = unregisteredClasses();
+		holdScriptsObjects();
 		if (!ours.empty()) registerIntoRunningYade(ours);
 		checkpointClasses().insert(checkpointClasses().end(), ours.begin(), ours.end());
 		py::list result;

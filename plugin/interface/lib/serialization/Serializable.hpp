@@ -7,6 +7,7 @@
 #include <boost/python/raw_function.hpp>
 #include <lib/factory/Factorable.hpp>
 #include <lib/serialization/StockArchives.hpp>
+#include <pkg/python/HeldObject.hpp>
 
 namespace yade {
 template <typename T> void preLoad(T&) {}
@@ -204,6 +205,7 @@ public:                                                                         
 		::boost::python::docstring_options                                                                           plainText(true, false); \
 		::boost::python::class_<Class, ::boost::shared_ptr<Class>, ::boost::python::bases<Base>, boost::noncopyable> classObject(            \
 		        #Class, docString, ::boost::python::no_init);                                                                                \
+		::talik::HeldPointer<Class>::registerOnce();                                                                                         \
 		classObject.def("__init__", ::boost::python::raw_function(&::talik::scripting::constructFromKeywords<Class>, 1));                    \
 		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_EXPOSE, Class, attrs)                                                                               \
 		(void)classObject py;                                                                                                                \
@@ -247,6 +249,7 @@ public:                                                                         
 		::boost::python::docstring_options                                                                           plainText(true, false); \
 		::boost::python::class_<Class, ::boost::shared_ptr<Class>, ::boost::python::bases<Base>, boost::noncopyable> classObject(            \
 		        #Class, docString BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_TEXT, Class, attrs), ::boost::python::no_init);                         \
+		::talik::HeldPointer<Class>::registerOnce();                                                                                         \
 		classObject.def("__init__", ::boost::python::raw_function(&::talik::scripting::constructFromKeywords<Class>, 1));                    \
 		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_EXPOSE, Class, attrs)                                                                             \
 	}
