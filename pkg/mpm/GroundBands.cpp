@@ -73,9 +73,9 @@ template <int D> void Ground<D>::Parts::chooseRows()
 	const auto limit = [&](ActiveRange& range, const Bands::Part& part) {
 		const int axis = points->strips().axis, nodes = grid.nodeStride(axis), cells = grid.cellStride(axis);
 		range.firstNode = std::max(range.firstNode, part.firstNode * nodes);
-		range.lastNode  = std::min(range.lastNode, part.endNode * nodes);
+		range.lastNode  = std::max(range.firstNode, std::min(range.lastNode, part.endNode * nodes)); // none in strips of the box that have no ground
 		range.firstCell = std::max(range.firstCell, part.firstCell * cells);
-		range.lastCell  = std::min(range.lastCell, part.endCell * cells);
+		range.lastCell  = std::max(range.firstCell, std::min(range.lastCell, part.endCell * cells));
 	};
 	limit(reached, bands->touched(false));
 	limit(around, bands->touched(true));

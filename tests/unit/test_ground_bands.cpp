@@ -28,6 +28,7 @@ struct Scene {
 	VelocityTransfer transfer = VelocityTransfer::flip;
 	bool             bodies = false, calendar = false, walls = false;
 	double           thawStrain = 0.0;
+	int              columns    = 0; ///< of points, along the slope; 0: all that have room
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -108,7 +109,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	auto               ground = std::make_unique<Ground<D>>(s);
 	std::array<int, D> n, i {};
 	for (int a = 0; a < D; ++a)
-		n[a] = a == 0 ? (D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
+		n[a] = a == 0 ? (scene.columns ? scene.columns : D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
 	for (int a = 0; a < D;) {
 		PointInput<D> p;
 		p.volume = std::pow(0.5 * h, D);
@@ -220,6 +221,15 @@ TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
 	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	expectSameBits<3>(all, 130, { 2 }, { 1 });
+}
+
+TEST(GroundBands, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
+{
+	Scene half   = all;
+	half.name    = "heat, water, freezing, thaw front, a box that is filled to a third";
+	half.columns = 26;
+	expectSameBits<2>(half, 260, { 3 }, { 1 });
+	expectSameBits<3>(half, 130, { 3 }, { 1 });
 }
 
 TEST(GroundBands, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)

@@ -236,13 +236,13 @@ def bandsHeated():
 	return seenBefore(sampledBands(), ())
 
 
-def bandedGround(space=False, thrown=False):
+def bandedGround(space=False, thrown=False, top=5):
 	"""Wet ground of a law that thaws from its surface, its upper half pushed sideways; each rank computes a band of its strips."""
 	upright = (0, 0, -9.81) if space else (0, -9.81)
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.25,
 		lower=(-1, 0, 0) if space else (-1, 0),
-		upper=(3, 1, 8) if space else (7.5, 5),
+		upper=(3, 1, 8) if space else (7.5, top),
 		gravity=upright,
 		distribute="ground",
 		energyLedger=True,
@@ -318,6 +318,15 @@ def bandsCheckpoint():
 
 def bandsResumed():
 	return goOn(talik.resume(folder / "bands.checkpoint"))
+
+
+def bandsUnderRoom():
+	"""The upper two thirds of the box are empty: the last of three ranks has strips without points."""
+	return writtenInMidRun(bandedGround(top=12), 205, "room.checkpoint")
+
+
+def bandsUnderRoomResumed():
+	return goOn(talik.resume(folder / "room.checkpoint"))
 
 
 def softLaw(step):

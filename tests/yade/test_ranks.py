@@ -103,7 +103,7 @@ def size(states):
 quick = ["packed", "uneven", "resting", "thawed", "creeping", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
 quick += ["replaced", "heated"]
 inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft", "bandsReplaced", "bandsHeated"]
-inBands += ["bandsOfScripts", "bandsShaken", "bandsLawFails", "bandsThrough"]
+inBands += ["bandsOfScripts", "bandsShaken", "bandsLawFails", "bandsThrough", "bandsUnderRoom"]
 samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint"]
 everything = [*quick, *inBands, *samplesInBands]
 
@@ -603,6 +603,15 @@ def keep(cache, folder, ranks):
 def test_a_rank_that_dies_while_all_write_leaves_the_former_checkpoint_and_one_rank_goes_on(alone, pair, sampleCache, tmp_path):
 	keep(sampleCache, pair.folder, 2)
 	checkResumed(alone, sampleCache, tmp_path / "later", pair.folder, 1)
+
+
+def test_a_rank_without_points_has_the_bits_of_one_and_three_ranks_go_on_with_the_checkpoint_of_two(alone, pair, sampleCache, tmp_path):
+	shutil.copy(pair.folder / "room.checkpoint", tmp_path)
+	states = played(tmp_path, sampleCache, ["bandsUnderRoomResumed", "bandsUnderRoom"], 3).states
+	for name, its in states.items():
+		count = differing({name: alone.states["bandsUnderRoom"]}, {name: its})
+		print(f"ranks: {name}, 3 against 1, {size({name: its})} numbers | {count} | 0 | {count} | 0 | exact")
+		assert count == 0
 
 
 @pytest.mark.parametrize("ranks, threads, later", [(1, 2, 0), (2, 2, 3), (3, 1, 1), (4, 2, 2)])
