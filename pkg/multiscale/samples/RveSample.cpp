@@ -57,7 +57,8 @@ template <int Dim> const PackedState<Dim>& RveSample::packed() const
 {
 	if (dimension() != Dim)
 		throw std::invalid_argument(
-		        Dim == 2 ? "The sample has spheres and the ground is in the plane: give samples of discs."
+		        Dim == 2 ? "The sample has spheres and the ground is in the plane: give samples of discs, or run it open, "
+		                   "RveSkeleton(scenes=[sample.open()])."
 		                 : "The sample has discs and the ground is in space: give samples of spheres, see talik.rve.prepare(dimension=3).");
 	return *std::get<StatePointer<Dim>>(state);
 }
@@ -223,8 +224,10 @@ py::dict RveSample::statistics() const
 	return withState([](const auto& s) {
 		const auto stats = SampleOf<decltype(s)>(s).statistics();
 		py::dict   d;
-		TALIK_PUT_MEMBERS(d, stats, (contacts)(bondsIntact)(bondsBroken))
+		TALIK_PUT_MEMBERS(d, stats, (contacts)(bondsIntact))
+		d["bondsBroken"] = s.bondsBrokenInTension + s.bondsBrokenInShear; // as MpmEngine.field has it
 		TALIK_PUT_MEMBERS(d, s, (bondsFormed)(bondsBrokenInTension)(bondsBrokenInShear)(bondsMelted))
+		d["brokenBondsInContact"] = stats.bondsBroken;
 		TALIK_PUT_MEMBERS(d, stats, (coordinationNumber)(porosity))
 		d["fabric"] = tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(stats.fabric));
 		TALIK_PUT_MEMBERS(d, stats, (unbalancedForce)(kineticEnergy))

@@ -106,8 +106,9 @@ public:
 				"stress-free.")
 		.def("servo",&RveSample::servo,(::boost::python::arg("stressX"),::boost::python::arg("stressY"),::boost::python::arg("stressZ")=::boost::python::object()),
 				"Bring the sample to principal stresses [Pa], all negative; stressZ for spheres only. True when they were reached.")
-		.def("statistics",&RveSample::statistics,"Dictionary: contacts, bondsIntact, bondsBroken, bondsFormed, bondsBrokenInTension, bondsBrokenInShear, "
-				"bondsMelted, coordinationNumber, porosity, fabric (components as of stress), unbalancedForce, kineticEnergy, steps (DEM steps done so far).")
+		.def("statistics",&RveSample::statistics,"Dictionary: contacts and bondsIntact (now), since preparation bondsFormed, bondsBroken = bondsBrokenInTension + "
+				"bondsBrokenInShear, and bondsMelted, as MpmEngine.field has them; brokenBondsInContact, those that broke and whose grains touch now; "
+				"coordinationNumber, porosity, fabric (components as of stress), unbalancedForce, kineticEnergy, steps (DEM steps done so far).")
 		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays for d=2 or 3 dimensions: position (n,d) [m], radius (n,) [m], contact (m,2) grain indices, "
 				"cellDist (m,d), bond (m,) 0 frictional 1 intact 2 broken, shear (m,) or (m,3) [N], hSize (d,d) [m].")
 		.def("copy",&RveSample::copy,"An independent copy.")

@@ -6,6 +6,7 @@
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceBondMoments.hpp>
 #include <pkg/python/StepGate.hpp>
+#include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 
@@ -674,8 +675,12 @@ template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedSt
 	std::string reason = reasonAgainstPacking(scene);
 	if (reason.empty() && packedDimension(scene) != Dim)
 		reason = Dim == 2 ? "it has spheres and a sample of discs is wanted" : "it has discs and a sample of spheres is wanted";
-	if (!reason.empty())
-		throw std::invalid_argument("The scene cannot be packed: " + reason + ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines.");
+	if (!reason.empty()) {
+		const std::string open = reasonAgainstSample(scene);
+		throw std::invalid_argument(
+		        "The scene cannot be packed: " + reason
+		        + (open.empty() ? ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines." : ", and it cannot run open: " + open + "."));
+	}
 	PackedState<Dim>   state;
 	std::map<int, int> indexOf;
 	packGrains(scene, former, state, indexOf);
