@@ -24,6 +24,11 @@ def warm(**settings):
 	return ground(**{"heat": wrapper.HeatTransfer(), **settings})
 
 
+def freezing(values, **settings):
+	surface = wrapper.SurfaceTemperature(region="surface", days=[50 * k for k in range(len(values))], values=values)
+	return wet(heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), boundaries=[surface], **settings)
+
+
 def sparse():
 	mpm = ground()
 	mpm.gridSpacing = 0.05
@@ -71,6 +76,27 @@ implausible = {
 		("CreepingSkeleton.young is 9",),
 		False,
 	),
+	"days of a temperature given as times": (
+		lambda: warm(boundaries=[wrapper.SurfaceTemperature(region="surface", times=[0, 10], values=[-5, 10])]),
+		("SurfaceTemperature.times ends at 10 s", "3.162 mm", "days=[0, 10]"),
+		False,
+	),
+	"days of a load given as times": (
+		lambda: warm(heat=wrapper.HeatTransfer(thermalTimeScale=1e6), boundaries=[wrapper.SurfaceLoad(region="surface", times=[0, 30], values=[0, 2e4])]),
+		("SurfaceLoad.times ends at 30 s", "3e-05 s of motion", "days=[0, 30]"),
+		False,
+	),
+	"ground that freezes and has water to draw": (
+		lambda: freezing(points={"temperature": 1.0}, values=[1, -5]),
+		("frost heave by segregation", "ice lenses", "cryosuction", "absent"),
+		False,
+	),
+	"frozen ground that thaws and freezes again": (lambda: freezing(points={"temperature": -1.0}, values=[-5, 5, -5]), ("frost heave by segregation",), False),
+	"seepage that took the scale of the heat": (
+		lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5)),
+		("hydraulicTimeScale is not given", "1e+05 times", "give 1 for seepage in seconds of motion"),
+		False,
+	),
 	"rain in mm/h": (lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=5)]), ("flux is 5", "1.389e-06"), False),
 }
 
@@ -102,6 +128,12 @@ plausible = {
 	"soft clay of small cohesion": lambda: skeleton(MohrCoulomb, frictionAngle=20, cohesion=50, young=2e6),
 	"no gravity": lambda: ground(gravity=(0, 0)),
 	"frozen, with heat": lambda: warm(points={"temperature": -2}),
+	"frozen ground that thaws": lambda: freezing(points={"temperature": -1.0}, values=[-5, 5]),
+	"freezing ground without water that flows": lambda: warm(
+		freezing=wrapper.FreezingCurve(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=-5)], points={"temperature": 1.0}
+	),
+	"a calendar that follows the motion, with seepage": lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5, followsMotion=True)),
+	"a load that comes in seconds": lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", times=[0, 0.1], values=[0, 2e4])]),
 	"compressed": lambda: ground(points={"stress": (-2e4, -4e4, -3e4, 0)}),
 }
 
@@ -130,6 +162,38 @@ def test_of_grounds_as_people_mean_them_nothing_is_said(case, capfd):
 	assert talik.check(mpm) == []
 	mpm.initialise()
 	assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+	"boundary, words",
+	[
+		(lambda: wrapper.RollerBoundary(region="topp"), "region is 'topp'"),
+		(lambda: wrapper.SurfaceTemperature(region="surface", temperature=-5), "heat"),
+		(lambda: wrapper.SurfaceLoad(region="front", pressure=2e4), "front"),
+	],
+)
+def test_the_check_says_what_the_first_step_will_refuse_and_leaves_the_ground_as_it_is(boundary, words, capfd):
+	mpm = ground(boundaries=[boundary()])
+	(line,) = talik.check(mpm)
+	print(line)
+	assert line.startswith("The first step refuses this ground: ") and words in line
+	assert not mpm.initialised
+	with pytest.raises(ValueError) as refusal:
+		mpm.initialise()
+	assert line.endswith(str(refusal.value))
+	mpm.boundaries = []
+	assert talik.check(mpm) == [] and not mpm.begun
+
+
+def test_samples_that_do_not_fit_their_depth_are_named_until_they_are_settled(smallSample, capfd):
+	mpm = ground(
+		skeleton=wrapper.RveSkeleton(samples=[smallSample]), heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), points={"temperature": -2.0}
+	)
+	(line,) = talik.check(mpm)
+	print(line)
+	assert "samples begin with a vertical stress of -" in line and "talik.slope.settle" in line
+	talik.slope.settle(mpm, [(0, 0), (1, 0), (1, 1), (0, 1)])
+	assert talik.check(mpm) == []
 
 
 def test_a_ground_that_is_made_anew_before_its_first_step_does_not_say_it_again(capfd):

@@ -302,17 +302,39 @@ void MpmEngine::dropGround()
 	groundOfScene.reset();
 }
 
-py::list MpmEngine::doubts() const
+py::list MpmEngine::doubts()
 {
 	py::list sentences;
 	for (const auto& doubt : talik::doubtsAbout(*this))
 		sentences.append(doubt.sentence);
+	for (const string& sentence : doubtsOfTheStart())
+		sentences.append(sentence);
+	return sentences;
+}
+
+/// What shows once the ground is made. Not on several ranks, of which one alone may ask.
+vector<string> MpmEngine::doubtsOfTheStart()
+{
+	vector<string> sentences;
+	if (begun || !saved.empty() || pointCount() == 0 || talik::jobTalk()) return sentences;
+	const bool waiting = ground != nullptr;
+	silent             = true;
+	try {
+		initialise();
+		for (const auto& doubt : talik::doubtsAboutSamples(*this, *ground))
+			sentences.push_back(doubt.sentence);
+	} catch (const std::invalid_argument& refusal) {
+		sentences.push_back("The first step refuses this ground: " + string(refusal.what()));
+	}
+	silent = false;
+	if (ground && !waiting) discardGround();
 	return sentences;
 }
 
 /// Once, however often a ground that has not begun is made anew.
 void MpmEngine::say(const string& sentence)
 {
+	if (silent) return;
 	if (said.insert(sentence).second && talik::isFirstRank()) std::cerr << sentence << std::endl;
 }
 

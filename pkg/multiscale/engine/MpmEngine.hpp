@@ -68,7 +68,7 @@ public:
 	void                    setDay(Real day);
 	double                  skemptonB();
 	/// Sentences about settings that are valid and hardly meant.
-	::boost::python::list doubts() const;
+	::boost::python::list doubts();
 	void                  resetDisplacement();
 	void                  setTemperature(::boost::python::object values);
 	/// Gives points other skeleton laws between two steps; on an exception the ground is as before.
@@ -117,6 +117,7 @@ private:
 	void                            warnOfCalendar();
 	void                            stopAtTheDay(double before);
 	void                            sayGraveDoubts();
+	vector<string>                  doubtsOfTheStart();
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
 	bool                            mayBeInBands() const;
@@ -150,6 +151,7 @@ private:
 	long                           nextComparison = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed    = false; ///< boundaries have found the bodies that they name
 	bool                           begun = false, watchesDefault = false;
+	bool                           silent = false; ///< the ground is made to see whether the first step would refuse it
 	string                         failure;
 	std::set<string>               said;
 	long                           failures         = 0;
@@ -326,5 +328,7 @@ struct Doubt {
 };
 
 std::vector<Doubt> doubtsAbout(const yade::MpmEngine& mpm);
+/// Of a ground that was made and has not begun: samples whose stress does not fit their depth.
+std::vector<Doubt> doubtsAboutSamples(const yade::MpmEngine& mpm, const AnyGround& ground);
 
 } // namespace talik

@@ -230,6 +230,87 @@ namespace {
 			}
 		}
 	}
+
+	template <class... Kinds> bool isOneOf(const yade::GroundBoundary& boundary) { return (dynamic_cast<const Kinds*>(&boundary) || ...); }
+
+	bool isThermal(const yade::GroundBoundary& boundary)
+	{
+		return isOneOf<yade::SurfaceTemperature, yade::WallTemperature, yade::BodyTemperature, yade::HeatFlux, yade::HeatSource>(boundary);
+	}
+
+	/// Tables in seconds that are over before anything comes of them.
+	void doubtTables(Doubts& doubts, const MpmEngine& mpm)
+	{
+		constexpr double diffusivity = 1e-6, shareOfCell = 0.1, shortest = 1e-3; // of ground [m^2/s]; -; of a table [s of motion]
+		const double     scale = mpm.heat ? mpm.heat->thermalTimeScale : 1;
+		for (const auto& boundary : mpm.boundaries) {
+			if (!boundary || boundary->times.size() < 2 || isOneOf<yade::MovingBoundary>(*boundary)) continue;
+			const double       end = boundary->times.back(), depth = std::sqrt(diffusivity * std::max(0., end));
+			std::ostringstream days;
+			for (const double time : boundary->times)
+				days << (days.tellp() > 0 ? ", " : "") << time;
+			const string name = boundary->getClassName() + ".times ends at ";
+			if (!(end > 0)) continue;
+			if (isThermal(*boundary) && depth < shareOfCell * mpm.gridSpacing)
+				doubts.add(
+				        false, name, end, " s of the calendar, in which heat comes some ", 1e3 * depth, " mm deep in cells of ",
+				        mpm.gridSpacing, " m: was days=[", days.str(), "] meant?");
+			else if (!isThermal(*boundary) && end < shortest * scale)
+				doubts.add(
+				        false, name, end, " s of the calendar, which pass within ", end / scale, " s of motion: was days=[", days.str(),
+				        "] meant?");
+		}
+	}
+
+	/// The lowest value of the table, or the constant; after: of those that follow a value above zero.
+	double lowest(double constant, const std::vector<double>& table, bool after)
+	{
+		if (table.empty()) return after ? std::numeric_limits<double>::infinity() : constant;
+		double least = std::numeric_limits<double>::infinity();
+		bool   warm  = !after;
+		for (const double value : table) {
+			if (warm) least = std::min(least, value);
+			warm = warm || value > 0;
+		}
+		return least;
+	}
+
+	template <int D> void doubtHeave(Doubts& doubts, const MpmEngine& mpm, const Points<D>& points)
+	{
+		if (!mpm.water || !mpm.freezing || !mpm.heat) return;
+		const bool thawed  = std::any_of(points.begin(), points.end(), [](const auto& point) { return point.temperature >= 0; });
+		bool       freezes = false;
+		const auto look    = [&](const auto* boundary) {
+                        if (boundary) freezes = freezes || lowest(boundary->temperature, boundary->values, !thawed) < 0;
+		};
+		for (const auto& boundary : mpm.boundaries) {
+			look(dynamic_cast<const yade::SurfaceTemperature*>(boundary.get()));
+			look(dynamic_cast<const yade::WallTemperature*>(boundary.get()));
+			look(dynamic_cast<const yade::BodyTemperature*>(boundary.get()));
+			if (const auto* flux = dynamic_cast<const yade::HeatFlux*>(boundary.get()))
+				freezes = freezes || (thawed && lowest(flux->flux, flux->values, false) < 0);
+		}
+		if (!freezes) return;
+		doubts.add(
+		        false,
+		        "Ground freezes here and has water to draw: frost heave by segregation (ice lenses, cryosuction) is absent. What heaves is pore water "
+		        "that "
+		        "freezes where it is, by 9 % of its volume at most.");
+	}
+
+	/// Scenes of before seepage took the scale of the calendar.
+	void doubtSeepage(Doubts& doubts, const MpmEngine& mpm)
+	{
+		if (!mpm.water || !mpm.heat || mpm.heat->followsMotion || !std::isnan(mpm.water->hydraulicTimeScale)) return;
+		const double scale = mpm.heat->thermalTimeScale;
+		if (!(scale > 1)) return;
+		doubts.add(
+		        false, "PoreWater.hydraulicTimeScale is not given, so that seepage and rain run up to ", scale,
+		        " times as fast as motion, as HeatTransfer.thermalTimeScale says (the default was 1 before 0.2): give 1 for seepage in seconds of "
+		        "motion, or "
+		        "HeatTransfer(followsMotion=True), whose calendar slows down while the ground moves.");
+	}
+
 	template <int D> void doubtGravity(Doubts& doubts, const MpmEngine& mpm)
 	{
 		if (mpm.gravity.isGiven() && mpm.gravity.components() != D) return; // refused anyway
@@ -266,9 +347,85 @@ namespace {
 			        false, "PoreWater.conductivity is ", mpm.water->conductivity,
 			        " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
 		doubtBoundaries(doubts, mpm);
+		doubtTables(doubts, mpm);
+		doubtHeave<D>(doubts, mpm, points);
+		doubtSeepage(doubts, mpm);
+		return doubts.list;
+	}
+
+	double loadAtStart(const MpmEngine& mpm)
+	{
+		double sum = 0;
+		for (const auto& boundary : mpm.boundaries)
+			if (const auto* load = dynamic_cast<const yade::SurfaceLoad*>(boundary.get()))
+				sum += load->values.empty() ? load->pressure : load->values.front();
+		return sum;
+	}
+
+	/// Vertical effective stress that the weight above each point makes [Pa], compression positive, by columns as wide as a cell.
+	template <int D> std::vector<double> weightAbove(const MpmEngine& mpm, const Points<D>& points, double gravity)
+	{
+		std::map<Box<D>, std::vector<int>> columns;
+		for (std::size_t i = 0; i < points.size(); ++i) {
+			Box<D> place {};
+			for (int a = 0; a < D - 1; ++a)
+				place[a] = long(std::floor(points[i].position[a] / mpm.gridSpacing + 1e-6));
+			columns[place].push_back(int(i));
+		}
+		const auto          soils = mpm.activeMaterials();
+		const double        width = std::pow(mpm.gridSpacing, D - 1), load = loadAtStart(mpm);
+		const double        usual = !std::isnan(mpm.poreFill) ? mpm.poreFill : mpm.heat || mpm.water ? 1 : 0;
+		std::vector<double> weight(points.size());
+		for (auto& column : columns) {
+			auto& ids = column.second;
+			std::sort(ids.begin(), ids.end(), [&](int i, int j) { return points[i].position[D - 1] > points[j].position[D - 1]; });
+			double sum = load;
+			for (const int i : ids) {
+				const auto&  point = points[i];
+				const auto&  soil  = *soils[std::size_t(point.material)];
+				const double fill  = std::isnan(point.poreFill) ? usual : point.poreFill;
+				const double own   = point.volume * gravity / width
+				        * ((1 - point.porosity) * soil.solidDensity + point.porosity * fill * soil.liquidDensity);
+				weight[i] = sum + 0.5 * own - (mpm.water ? point.pressure : 0);
+				sum += own;
+			}
+		}
+		return weight;
+	}
+
+	template <int D> std::vector<Doubt> doubtSamples(const MpmEngine& mpm, const AnyGround& ground)
+	{
+		constexpr double least = 3e3, factor = 2; // weight that a sample feels [Pa], and how far its stress may be from that [-]
+		Doubts           doubts;
+		const double     gravity = -mpm.gravity.in<D>("gravity")[D - 1];
+		if (!mpm.motion || !(gravity > 0)) return {};
+		Points<D> points;
+		for (int id = 0; id < mpm.points.count(); ++id)
+			points.push_back(mpm.points.point<D>(id));
+		std::vector<double> stress(points.size()), found, due;
+		ground.copyById("stress", D - 1, stress.data());
+		const auto weight  = weightAbove<D>(mpm, points, gravity);
+		const auto laws    = mpm.activeSkeletons();
+		long       misfits = 0;
+		for (std::size_t i = 0; i < points.size(); ++i) {
+			if (!laws[std::size_t(points[i].skeleton)]->beginsWithOwnStress() || weight[i] < least) continue;
+			found.push_back(-stress[i]);
+			due.push_back(weight[i]);
+			misfits += !(found.back() < factor * due.back() && factor * found.back() > due.back());
+		}
+		if (2 * misfits > long(found.size()))
+			doubts.add(
+			        false, "RveSkeleton: samples begin with a vertical stress of ", -median(found),
+			        " Pa (median) where the weight above their points makes ", -median(due),
+			        " Pa: ground bursts or falls together as it thaws; talik.slope.settle(mpm, outline) brings them to it.");
 		return doubts.list;
 	}
 } // namespace
+
+std::vector<Doubt> doubtsAboutSamples(const MpmEngine& mpm, const AnyGround& ground)
+{
+	return mpm.usedDimension() == 2 ? doubtSamples<2>(mpm, ground) : doubtSamples<3>(mpm, ground);
+}
 
 std::vector<Doubt> doubtsAbout(const MpmEngine& mpm) { return mpm.usedDimension() == 2 ? doubtsIn<2>(mpm) : doubtsIn<3>(mpm); }
 

@@ -86,8 +86,9 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag "
 			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
 			"PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
-		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 1e-2 it is lowered, with a warning, "
-				"so that pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
+		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 12.5 ms * g * referencePorosity, "
+				"0.049 by default (1e-2 at least), it is lowered to that, with a warning: pressure then comes to rest within a fraction of a second. "
+				"MpmEngine.calendar['largestConductivity'] has the number in force."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
 		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
 		((Real,impedance,6,,"Omega of impedance [-], >= 0."))
