@@ -83,3 +83,22 @@ def test_a_build_tells_how_often_the_compiler_warned(built, tmp_path):
 	status, said = built(build=f"{compiling}; echo '{warning}'; echo '{warning}' >&2")
 	print(said)
 	assert status == 0 and said.splitlines()[-1] == f"Warnings of the compiler: 2; they are in {tmp_path}/build/build.log"
+
+
+def test_run_takes_a_script_of_the_users_with_its_arguments(tmp_path):
+	programs, build = tmp_path / "bin", tmp_path / "build"
+	programs.mkdir()
+	build.mkdir()
+	for name, text in {"cmake": cmake.format(build="true", root=root), "yade": '#!/bin/sh\necho "$PYTHONPATH:" "$@"\n'}.items():
+		(programs / name).write_text(text)
+		(programs / name).chmod(0o755)
+	(tmp_path / "my script.py").write_text("import talik\n")
+	environment = {**os.environ, "PATH": f"{programs}:/usr/bin:/bin", "TALIK_BUILD": str(build), "PYTHONPATH": ""}
+	told = {}
+	for arguments in (["my script.py", "--preset", "mine", "-j3", "x y"], [str(root / "examples" / "barrier.py"), "-j1", "--output", str(tmp_path)], ["no.py"]):
+		done = subprocess.run([root / "scripts" / "run", *arguments], env=environment, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+		told[arguments[0]] = (done.returncode, done.stdout.strip() or done.stderr.strip())
+	print(*told.values(), sep="\n")
+	assert told["my script.py"] == (0, f"{build}/python: -n -x -j 3 {tmp_path}/my script.py --preset mine x y")
+	assert f"-j 1 {root}/examples/barrier.py --preset draft --output {tmp_path}" in told[str(root / "examples" / "barrier.py")][1]
+	assert told["no.py"][0] == 1 and "there is no example 'no'" in told["no.py"][1] and told["no.py"][1].endswith("and no such file")
