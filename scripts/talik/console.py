@@ -332,10 +332,19 @@ def _seenByGrounds(part, names, stockSet):
 				stockSet(part, changed, before[changed])
 			raise ValueError(
 				f"{type(part).__name__}.{name} is {value!r} too late: the running ground was built with {before[name]!r} and stays so. "
-				"Set it before the first step or begin anew; what changes in time is given by times and values."
+				f"Set it before the first step or begin anew{_whatChangesInTime(part, name)}."
 			)
 	if any(not _same(before[name], getattr(part, name)) for name in waiting):
 		wrapper.MpmEngine.renewWaitingGrounds(part)
+
+
+def _whatChangesInTime(part, name):
+	"""The remedy for who wanted a number that changes in time, where there is one."""
+	if hasattr(type(part), "times"):
+		return "; what changes in time is given by times, or days, and values"
+	if (type(part).__name__, name) == ("HeatTransfer", "source"):
+		return "; a source that changes in time is a boundary, HeatSource(region='box', days=[…], values=[…])"
+	return ""
 
 
 # What a running ground reads again and again; with all else of an MpmEngine and of the objects that it holds it was built.

@@ -46,7 +46,7 @@ def rectangle(x0, y0, x1, y1):
 
 
 def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
-	"""Adds points that fill an outline, or in space a solid, to an MpmEngine, on the lattice of its grid; returns what mpm.addPoints returns.
+	"""Adds points that fill an outline, or in space a solid, to an MpmEngine, on the lattice of its grid; returns the ids of the new points (n,).
 
 	polygon        corners (m, 2) of an outline [m], or a solid of talik.solids: box, extruded, closedSurface, terrain
 	pointsPerCell  a square number, in space a cubic one; default: two points in each direction
@@ -59,7 +59,9 @@ def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 	of the points' coordinates [m], arrays (n,), that returns such an array. ValueError names what lies outside of the grid's box:
 
 	>>> mpm = MpmEngine(gridSpacing=0.5, heat=HeatTransfer())
-	>>> added = talik.geometry.fill(mpm, [(0, 0), (4, 0), (0, 2)], temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))"""
+	>>> added = talik.geometry.fill(mpm, [(0, 0), (4, 0), (0, 2)], temperature=lambda x, y: -5 + 0.5 * y, pressure=lambda x, y: 9810 * (2 - y))
+	>>> len(added) == mpm.pointCount
+	True"""
 	solid = polygon if isinstance(polygon, Solid) else None
 	_checkDimension(mpm, solid)
 	if solid is None:
@@ -70,7 +72,9 @@ def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 		_refuseOutside(mpm, solid)
 		positions, volumes = solid.points(_latticeSide(mpm.gridSpacing, 8 if pointsPerCell is None else pointsPerCell, 3), _gridOrigin(mpm, 3))
 	values = {name: value(*positions.T) if callable(value) else value for name, value in attributes.items()}
-	return mpm.addPoints(position=positions, volume=volumes, **values)
+	first = mpm.pointCount
+	mpm.addPoints(position=positions, volume=volumes, **values)
+	return np.arange(first, mpm.pointCount)
 
 
 def fillPolygon(polygon, gridSpacing, pointsPerCell=4, origin=(0.0, 0.0), holes=()):

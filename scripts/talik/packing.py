@@ -410,6 +410,35 @@ def strainLimit(grains, pressure):
 	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean)) / slowness
 
 
+def contactStiffness():
+	"""Elastic stiffness M of the current scene in compression [Pa], whatever its law: sum of k_n l^2 over its contacts, times 3/8 per volume for discs, 1/5
+	for spheres; without contacts that of its materials.
+
+	>>> with talik.inspect(packed.open()):
+	...     modulus = talik.packing.contactStiffness()"""
+	d = dimension()
+	volume = abs(np.linalg.det(cell())) * (thickness() if d == 2 else 1)
+	bodies, h = O.bodies, O.cell.hSize
+	total = 0.0
+	for contact in O.interactions:
+		if contact.isReal:
+			branch = bodies[contact.id2].state.pos - bodies[contact.id1].state.pos + h * Vector3(*contact.cellDist)
+			total += getattr(contact.phys, "kn", 0.0) * branch.squaredNorm()
+	if total > 0:
+		return float(total / volume * (3 / 8 if d == 2 else 1 / 5))
+	young, radius = max(getattr(body.mat, "young", 0.0) for body in bodies), np.mean([body.shape.radius for body in bodies if hasattr(body.shape, "radius")])
+	if not young > 0:
+		raise PackingError("the scene has no contacts and no material with young, so that its stiffness is unknown; compact it in its own script first")
+	return float(young * (radius / thickness() if d == 2 else 0.5))
+
+
+def _strainLimitOfScene(pressure):
+	"""As strainLimit, of the masses and the time step that the current scene has."""
+	heavy = [body for body in O.bodies if body.state.mass > 0]
+	mass, size = np.mean([body.state.mass for body in heavy]), 2 * np.mean([body.shape.radius for body in heavy if hasattr(body.shape, "radius")])
+	return float(inertialLimit * O.dt * math.sqrt(max(pressure, 1e3) * (thickness() if dimension() == 2 else size) / mass))
+
+
 def strainSince(former):
 	"""Largest strain component between an earlier cell matrix and the present one [-].
 
@@ -427,14 +456,16 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=None, maxStrain=0.1):
 	a proportional control creeps. `tolerance` is in units of the mean pressure. A stress beyond the strength of the packing is
 	refused when the strain passes `maxStrain`.
 
+	grains  Grains of the scene; None: a scene of any law, whose stiffness and masses are measured as it stands
+
 	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, 0.1, 0.6e9, 0.8, 2650.0, 0.3, False, ())
 	>>> with talik.inspect(talik.rve.openScene(sample)):
 	...     talik.packing.servoStress(grains, (-95e3, -100e3, 0), tolerance=0.02)"""
-	maxSteps = maxSteps or round(servoMaxSteps * math.sqrt(grains.rotationalStiffening))
+	maxSteps = maxSteps or round(servoMaxSteps * math.sqrt(grains.rotationalStiffening if grains else 1))
 	goal = np.asarray(goal, dtype=float)
-	pressure = max(-float(np.mean(goal[: grains.dimension])), 1.0)
-	gain = 1 / (servoSteps * grains.stiffness)
-	limit = strainLimit(grains, pressure)
+	pressure = max(-float(np.mean(goal[: dimension()])), 1.0)
+	gain = 1 / (servoSteps * (grains.stiffness if grains else contactStiffness()))
+	limit = strainLimit(grains, pressure) if grains else _strainLimitOfScene(pressure)
 	integral = np.zeros(len(goal))
 	start, first = O.iter, cell()
 	while O.iter - start < maxSteps and strainSince(first) < maxStrain:

@@ -11,6 +11,8 @@ import numbers
 import time
 from contextlib import contextmanager
 
+import numpy as np
+
 from yade import O
 
 import talik
@@ -31,10 +33,10 @@ def runUntil(instant, look=None, interval=0.2, progress=False):
 	"""Runs O until its time reaches `instant` [s], calling `look` every `interval` seconds of wall time; progress: shows how far it is, see
 	talik.progress.
 
-	Of several ranks (talik.ranks) the first one looks.
+	A look that returns True ends the run after the present step. Of several ranks (talik.ranks) the first one looks, and may not end it alone.
 	The engines run in YADE's background thread, so that Ctrl-C stops between two steps and leaves a usable scene.
 
-	>>> talik.runUntil(O.time + 2 * O.dt)"""
+	>>> talik.runUntil(O.time + 2 * O.dt, look=lambda: mpm.calendar["moving"])"""
 	if _number("instant", instant, "s of O.time") <= O.time:
 		return
 	if progress:
@@ -48,7 +50,9 @@ def runUntil(instant, look=None, interval=0.2, progress=False):
 			time.sleep(pause)
 			pause = min(1.5 * pause, 0.01)
 			if look is not None and ranks.first and time.monotonic() > nextLook:
-				look()
+				if _wantsToStop(look()):
+					O.pause()
+					awaitEndOfStep(O)
 				nextLook = time.monotonic() + interval
 	except KeyboardInterrupt:
 		O.pause()
@@ -70,6 +74,8 @@ def runUntilDay(mpm, day, look=None, longest=math.inf, progress=False):
 			return runUntilDay(mpm, day, _both(look, bar.update), longest)
 	mpm.stopAtDay = day
 	runUntil(longest, look)
+	if mpm.calendar["day"] < day:  # it ended before
+		mpm.stopAtDay = math.inf
 
 
 def _number(name, value, unit):
@@ -83,11 +89,19 @@ def _runs(mpm, engines):
 	return any(_talik.sameObject(mpm, engine) for engine in talik._flat(engines))
 
 
+def _wantsToStop(answer):
+	"""True for True alone: what a look counts or lists by the way is no answer."""
+	stops = isinstance(answer, (bool, np.bool_)) and bool(answer)
+	if stops and ranks.count > 1:
+		raise RuntimeError("runUntil: look returned True, which would end the run on this rank alone; of several ranks set O.stopAtIter or mpm.stopAtDay")
+	return stops
+
+
 def _both(look, update):
 	def lookAndUpdate():
-		if look is not None:
-			look()
+		answer = None if look is None else look()
 		update()
+		return answer
 
 	return lookAndUpdate
 

@@ -11,6 +11,7 @@ A sample is a file, an ordinary saved YADE scene, with what was measured in it. 
 The scene that is current in `O` is left alone. Stresses are in Pa, tension positive; pressures are compression positive.
 """
 
+import contextlib
 import dataclasses
 import functools
 import gzip
@@ -186,16 +187,24 @@ def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True, st
 	"""The same sample brought to another stress [Pa, tension positive, so both are negative], drained and ice-free.
 
 	For the depth bands of a slope: servo to the geostatic stress first, freeze afterwards. `tolerance` is in units of the mean
-	pressure. stressZ is that of spheres. Works for samples that were made by prepare or servo.
+	pressure. stressZ is that of spheres.
+
+	sample  of prepare, servo or load; or a YADE Scene of any grains and law that runs as a sample: then a Scene is returned, the given one stays as it is, and
+			nothing is cached. talik.rve.pack(file).servo(...) does the same for the packed form, and faster
 
 	>>> deep = talik.rve.servo(sample, stressX=-80e3, stressY=-110e3)"""
-	material = _grainsOf(sample)
-	_require("stressZ", stressZ, (stressZ is None) == (material.dimension == 2), "given for spheres, and for them only")
+	isScene = isinstance(sample, wrapper.Scene)
+	material = None if isScene else _grainsOf(sample)
+	dimension = dimensionOf(sample) if isScene else sample.dimension
+	_require("stressZ", stressZ, (stressZ is None) == (dimension == 2), "given for spheres, and for them only")
 	normal = dict(stressX=stressX, stressY=stressY, **({} if stressZ is None else dict(stressZ=stressZ)))
 	for name, value in normal.items():
 		_require(name, value, value < 0, "compressive, that is negative: grains without ice carry no tension")
 	goal = (*map(float, normal.values()), *([] if stressZ is None else [0.0, 0.0]), float(stressXY))
-	parameters = dict(kind="servo", recipe=recipeVersion, **_valuesOf(material), goal=goal, tolerance=tolerance, parent=_digest(sample.path))
+	if isScene:
+		return _servoedScene(sample, goal, tolerance)
+	grains = dict(ice=False) if material is None else _valuesOf(material)
+	parameters = dict(kind="servo", recipe=recipeVersion, **grains, goal=goal, tolerance=tolerance, parent=_digest(sample.path))
 
 	def make():
 		openFile(sample.path)
@@ -204,6 +213,31 @@ def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True, st
 
 	with ranks.inTurn("preparing a sample"):
 		return _cached(parameters, cache, make)
+
+
+def dimensionOf(scene):
+	"""2 if a YADE Scene has discs, 3 if it has spheres.
+
+	>>> talik.rve.dimensionOf(packed.open())
+	2"""
+	with _sceneInPlace(scene):
+		return packing.dimension()
+
+
+@contextlib.contextmanager
+def _sceneInPlace(scene):
+	"""The scene is that of `O` for the block."""
+	with talik.scratchScene():
+		talik._talik.exchangeScene(scene)
+		yield
+
+
+def _servoedScene(scene, goal, tolerance):
+	wrapper.OpenRveSample(source=scene).statistics()  # refuses what is no sample
+	copied = talik._talik.objectFromBytes(talik._talik.objectToBytes(scene))
+	with _sceneInPlace(copied):
+		packing.servoStress(None, goal, tolerance)
+	return copied
 
 
 def load(path):
@@ -477,9 +511,10 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 
 
 def _grainsOf(sample):
+	"""What the sample was prepared from; None for a scene of another script."""
 	names = [field.name for field in dataclasses.fields(Grains) if field.name in sample.parameters]
 	if any(field.name not in names for field in dataclasses.fields(Grains) if field.default is dataclasses.MISSING):
-		raise ValueError(f"sample '{sample.path}' was not made by talik.rve.prepare; bring it to its stress in the script that made it")
+		return None
 	values = {name: sample.parameters[name] for name in names}
 	return Grains(**{**values, "iceBond": tuple(tuple(pair) for pair in values["iceBond"])})
 

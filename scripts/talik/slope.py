@@ -5,6 +5,8 @@ A slope at rest carries a different stress at every depth. Its samples are there
 bands while they are still frictional; they are frozen afterwards, by the first step, so that bonds and ice start free of stress.
 """
 
+import math
+
 import numpy as np
 
 from talik import rve
@@ -28,8 +30,8 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 
 	position       (n,2) or, in space, (n,3) of the points [m]
 	polygon        outline of the ground, in space its solid (box, extruded, terrain), for the depth below its surface
-	sample         RveSample, frictional, that is brought to the stress in the middle of each band; a list: realisations of it, dealt to
-				   the points of every band by chance
+	sample         RveSample, or YADE Scene of any law, frictional, that is brought to the stress in the middle of each band; a list: realisations of
+				   it, dealt to the points of every band by chance
 	density        of the ground [kg/m3]
 	bandThickness  [m]
 	lateralRatio   horizontal over vertical stress at rest [-]
@@ -51,8 +53,9 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 	"""Brings the samples of a filled MpmEngine to the weight above their points, before they freeze and before the first step.
 
 	A sample that freezes at a pressure that its point does not carry expands when its ice melts: 8 mm in two metres of ground with
-	samples of 100 kPa under 20 kPa. The samples of every RveSkeleton, of layers too, are replaced by those of depth bands; several of one are
-	realisations. The weight is that of the mean density of the ground.
+	samples of 100 kPa under 20 kPa. The samples and scenes of every RveSkeleton, of layers too, are replaced by those of depth bands;
+	several of one are realisations. Scenes that can be packed become samples, others stay scenes, which run open. The weight is that of
+	the mean density of the ground.
 
 	polygon        outline of the ground, in space its solid (box, extruded, terrain), for the depth below its surface
 	bandThickness  [m]; default a cell of the grid
@@ -82,16 +85,60 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 		own = np.flatnonzero(lawOf == number)
 		if not _hasSamples(law) or not len(own):
 			continue
-		law.samples, ofOwn = depthBands(
-			position[own], polygon, list(law.samples), density, bandThickness or mpm.gridSpacing, lateralRatio, weight, law.seed, load
-		)
+		realisations = [*law.samples, *map(_packedWhereItCanBe, law.scenes)]
+		banded, ofOwn = depthBands(position[own], polygon, realisations, density, bandThickness or mpm.gridSpacing, lateralRatio, weight, law.seed, load)
+		packed = [not isinstance(one, wrapper.Scene) for one in banded]
+		order = sorted(range(len(banded)), key=lambda k: not packed[k])  # samples are numbered before scenes
+		place = {former: now for now, former in enumerate(order)}
 		sampleOf = np.zeros(len(position), dtype=int)
-		sampleOf[own] = ofOwn
+		sampleOf[own] = [place[number] for number in ofOwn]
+		law.samples, law.scenes = [one for one, isPacked in zip(banded, packed) if isPacked], [one for one, isPacked in zip(banded, packed) if not isPacked]
 		law.sampleOf = sampleOf.tolist()
 
 
+def infiniteSlope(angle, depth, frictionAngle, cohesion=0.0, unitWeight=19e3, waterDepth=math.inf, waterWeight=9810.0):
+	"""Factor of safety of an infinite slope against sliding along a plane parallel to its surface [-], a number to stand beside a run.
+
+	angle          of the slope [degrees], above 0, below 90
+	depth          of the sliding plane below the surface, vertical [m], above 0: the thaw depth, where thawed ground slides on frozen ground
+	frictionAngle  effective, of what slides [degrees], 0 to below 90
+	cohesion       effective [Pa], 0 or more
+	unitWeight     of the ground, water included [N/m3]
+	waterDepth     vertical depth of the water table [m], 0 (at the surface) or more; water below it seeps parallel to the slope
+	waterWeight    of water [N/m3]
+
+	F = [c + (gamma z cos^2 beta - u) tan phi]/(gamma z sin beta cos beta), u = gamma_w (z - z_w) cos^2 beta below the water table (Skempton and DeLory
+	1957). Excess pressure of thawing ground is not in it: add it by a smaller waterDepth.
+
+	>>> round(talik.slope.infiniteSlope(angle=20, depth=1, frictionAngle=30), 3)
+	1.586
+	>>> round(talik.slope.infiniteSlope(angle=20, depth=1, frictionAngle=30, waterDepth=0), 3)
+	0.767"""
+	for name, value, valid, remedy in (
+		("angle", angle, 0 < angle < 90, "degrees above 0 and below 90"),
+		("depth", depth, depth > 0, "a depth in m above 0"),
+		("frictionAngle", frictionAngle, 0 <= frictionAngle < 90, "degrees from 0 to below 90"),
+		("cohesion", cohesion, cohesion >= 0, "a stress in Pa, 0 or more"),
+		("unitWeight", unitWeight, unitWeight > 0, "a weight in N/m3 above 0"),
+		("waterDepth", waterDepth, waterDepth >= 0, "a depth in m, 0 or more"),
+	):
+		if not valid:
+			raise ValueError(f"infiniteSlope: {name} is {value!r}; give {remedy}")
+	slope, friction = math.radians(angle), math.radians(frictionAngle)
+	pressure = waterWeight * max(0.0, depth - waterDepth) * math.cos(slope) ** 2
+	normal = unitWeight * depth * math.cos(slope) ** 2
+	return (cohesion + (normal - pressure) * math.tan(friction)) / (unitWeight * depth * math.sin(slope) * math.cos(slope))
+
+
 def _hasSamples(law):
-	return isinstance(law, wrapper.RveSkeleton) and len(law.samples) > 0
+	return isinstance(law, wrapper.RveSkeleton) and len(law.samples) + len(law.scenes) > 0
+
+
+def _packedWhereItCanBe(scene):
+	try:
+		return rve.pack(scene)
+	except ValueError:
+		return scene
 
 
 def _depth(ground, position):
@@ -101,7 +148,14 @@ def _depth(ground, position):
 
 
 def _broughtTo(sample, goal, band):
-	banded, (across, down) = sample.copy(), goal
+	across, down = goal
+	if isinstance(sample, wrapper.Scene):
+		try:
+			inPlane = rve.dimensionOf(sample) == 2
+			return rve.servo(sample, across, down) if inPlane else rve.servo(sample, across, across, stressZ=down)
+		except rve.PackingError as problem:
+			raise RuntimeError(f"depthBands: the scene does not reach the stress of band {band}: {problem}") from None
+	banded = sample.copy()
 	if not banded.servo(*(across,) * (banded.dimension - 1), down):
 		raise RuntimeError(f"depthBands: the sample does not reach {goal[0]:.0f}, {goal[1]:.0f} Pa of band {band}; choose a lateralRatio nearer to 1")
 	return banded

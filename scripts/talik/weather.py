@@ -3,12 +3,19 @@
 
 	times, values = talik.weather.airTemperature("station.csv")
 	SurfaceTemperature(region="surface", heatTransferCoefficient=15, times=times, values=values)
+
+Where the exchange with the air is not computed, n-factors make the temperature of the surface from that of the air:
+
+	SurfaceTemperature(region="surface", times=times, values=talik.weather.surfaceTemperature(values, thawing=0.9, freezing=0.4))
 """
 
 import math
 
+import numpy as np
+
 from talik.tables import numberedRows
 
+secondsPerDay = 86400.0
 coldest, warmest = -100.0, 100.0  # what SurfaceTemperature accepts [degC]
 
 
@@ -40,3 +47,55 @@ def airTemperature(path, start=0.0, thermalTimeScale=None):
 	if not times:
 		raise ValueError(f"{path} holds no data; it must have lines with time [s] and air temperature [degC]")
 	return [time - start for time in times], values
+
+
+def degreeDays(times, temperature, threshold=0.0):
+	"""(thawing, freezing) degree-days of a series [K d]: integrals of what is above and, as a positive number, below the threshold [degC].
+
+	times        [s], increasing, as times of a boundary; the series is linear in between
+	temperature  of air, surface or ground [degC]
+
+	>>> talik.weather.degreeDays([0, 10 * talik.day, 20 * talik.day], [-10, 10, 10])
+	(125.0, 25.0)"""
+	time, value = np.asarray(times, dtype=float), np.asarray(temperature, dtype=float) - threshold
+	if time.ndim != 1 or time.shape != value.shape or len(time) < 2 or not (np.diff(time) > 0).all():
+		raise ValueError(
+			f"degreeDays: times and temperature have the shapes {time.shape} and {value.shape}; give two series of the same length, times increasing"
+		)
+	if not (np.isfinite(time).all() and np.isfinite(value).all()):
+		raise ValueError("degreeDays: times or temperature have a value that is not finite; leave such lines out")
+	first, second, step = value[:-1], value[1:], np.diff(time) / secondsPerDay
+	crosses = first * second < 0
+	whole = 0.5 * (first + second) * step
+	change = np.where(crosses, first - second, 1.0)
+	ofFirst, ofSecond = (np.where(crosses, 0.5 * own * abs(own) / abs(change) * step, 0.0) for own in (first, second))  # triangles
+	thawing = np.where(crosses, np.maximum(ofFirst, 0) + np.maximum(ofSecond, 0), np.maximum(whole, 0)).sum()
+	freezing = -np.where(crosses, np.minimum(ofFirst, 0) + np.minimum(ofSecond, 0), np.minimum(whole, 0)).sum()
+	return float(thawing), float(freezing)
+
+
+def nFactors(times, air, surface):
+	"""n-factors (thawing, freezing) of a surface [-]: its degree-days over those of the air; nan where the air has none.
+
+	times, air, surface  series of the same length: [s], [degC], [degC]
+
+	>>> talik.weather.nFactors([0, 10 * talik.day], [10, 20], [8, 16])
+	(0.8, nan)"""
+	ofAir, ofSurface = degreeDays(times, air), degreeDays(times, surface)
+	return tuple(own / below if below > 0 else math.nan for own, below in zip(ofSurface, ofAir))
+
+
+def surfaceTemperature(air, thawing=1.0, freezing=1.0):
+	"""Temperatures of a surface [degC] from those of the air by n-factors, as a list for the attribute values of SurfaceTemperature.
+
+	air       [degC]
+	thawing   n-factor of what is above 0 degC [-], above 0
+	freezing  of what is below [-], above 0; snow makes it small
+
+	>>> talik.weather.surfaceTemperature([-20, 10], thawing=0.9, freezing=0.4)
+	[-8.0, 9.0]"""
+	for name, factor in (("thawing", thawing), ("freezing", freezing)):
+		if not (math.isfinite(factor) and factor > 0):
+			raise ValueError(f"surfaceTemperature: {name} is {factor!r}; give an n-factor above 0, usually 0.2 to 2")
+	air = np.asarray(air, dtype=float)
+	return np.where(air > 0, thawing * air, freezing * air).tolist()

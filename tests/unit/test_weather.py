@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Weather series: what a file says arrives unchanged, what it must not say is refused with its line."""
 
+import numpy as np
 import pytest
 
 from talik import weather
@@ -54,3 +55,32 @@ def test_a_missing_file_and_the_scale_of_former_days_are_refused(tmp_path):
 		weather.airTemperature(tmp_path / "none.csv")
 	with pytest.raises(ValueError, match="thermalTimeScale is 864000.0: tables are read at calendar time"):
 		weather.airTemperature(written(tmp_path, series), thermalTimeScale=8.64e5)
+
+
+def test_degree_days_of_a_year_are_those_of_the_sine_and_n_factors_give_them_back():
+	days = np.arange(0, 366)
+	air = -3 + 12 * np.sin(2 * np.pi * days / 365)
+	thawing, freezing = weather.degreeDays(days * 86400.0, air)
+	fine = np.linspace(0, 365, 2_000_001)
+	curve = -3 + 12 * np.sin(2 * np.pi * fine / 365)
+	reference = [np.clip(sign * curve, 0, None).mean() * 365 for sign in (1, -1)]
+	print(f"degree-days {thawing:.2f} and {freezing:.2f} of daily values, {reference[0]:.2f} and {reference[1]:.2f} of the sine; tolerance 0.05 %")
+	assert (thawing, freezing) == pytest.approx(reference, rel=5e-4)
+	surface = weather.surfaceTemperature(air, thawing=0.8, freezing=0.35)
+	found = weather.nFactors(days * 86400.0, air, surface)
+	print(f"n-factors {found[0]:.4f} and {found[1]:.4f}; exact 0.8 and 0.35 but for the two days that cross 0 degC")
+	assert found == pytest.approx((0.8, 0.35), rel=2e-4)
+
+
+@pytest.mark.parametrize(
+	"call, words",
+	[
+		(lambda: weather.degreeDays([0, 0], [1, 2]), "times increasing"),
+		(lambda: weather.degreeDays([0, 1], [1, np.nan]), "not finite"),
+		(lambda: weather.surfaceTemperature([1], thawing=0), "thawing is 0"),
+	],
+)
+def test_degree_days_and_n_factors_refuse_what_they_cannot_use(call, words):
+	with pytest.raises(ValueError, match=words) as refusal:
+		call()
+	print(refusal.value)

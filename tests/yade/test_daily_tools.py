@@ -172,3 +172,71 @@ def test_spin_up_takes_the_heat_of_boundaries_in_python_along():
 		steady.append(float(talik.thermal.spinUp(mpm, 2000)(0.25, 1.9)))
 	print(f"at the surface {steady[0]:.3f} degC by HeatFlux, {steady[1]:.3f} degC by PythonBoundary")
 	assert steady[0] == steady[1] and steady[0] > -0.9
+
+
+def test_thaw_depth_by_column_is_where_the_temperature_crosses_the_isotherm():
+	mpm = wrapper.MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(4, 4), heat=wrapper.HeatTransfer(), motion=False)
+	front = lambda x: 1.1 + 0.3 * x  # noqa: E731: height of the isotherm
+	talik.geometry.fill(mpm, [(0, 0), (4, 0), (4, 3), (0, 2)], temperature=lambda x, y: 5 * (y - front(x)) - 1)
+	columns = talik.thermal.thawDepth(mpm, isotherm=-1)
+	byHand = columns["surface"] - front(columns["place"])
+	off = abs(columns["depth"] - byHand).max()
+	print(f"{len(byHand)} columns, depth {columns['depth'].min():.3f} to {columns['depth'].max():.3f} m, off by {off:.1e} m at most; tolerance 5 mm")
+	assert len(byHand) == 32 and off < 5e-3  # parts of points at the surface lie beside the middle of their column
+	mpm.setTemperature(-2)
+	assert (talik.thermal.thawDepth(mpm)["depth"] == 0).all()
+	mpm.setTemperature(2)
+	assert np.isnan(talik.thermal.thawDepth(mpm)["depth"]).all()
+	wide = talik.thermal.thawDepth(mpm, width=1.0)
+	assert np.allclose(wide["place"], (0.5, 1.5, 2.5, 3.5), atol=0.02)
+
+
+def test_thaw_depth_in_space_has_a_column_for_each_place():
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0, 0), upper=(2, 1, 3), heat=wrapper.HeatTransfer(), motion=False)
+	talik.geometry.fill(mpm, talik.solids.box((0, 0, 0), (2, 1, 2)), temperature=lambda x, y, z: z - 1.2 - 0.1 * y)
+	columns = talik.thermal.thawDepth(mpm)
+	off = abs(columns["depth"] - (0.8 - 0.1 * columns["place"][:, 1])).max()
+	print(f"{len(columns['depth'])} columns, off by {off:.1e} m; tolerance 1e-9")
+	assert columns["place"].shape == (32, 2) and off < 1e-9
+
+
+def test_the_factor_of_safety_of_an_infinite_slope_is_that_of_the_textbooks():
+	cases = {
+		"dry sand, tan phi/tan beta": (dict(angle=25, depth=2, frictionAngle=32), np.tan(np.radians(32)) / np.tan(np.radians(25))),
+		"seepage along the slope, (1 - gamma_w/gamma) tan phi/tan beta": (
+			dict(angle=15, depth=3, frictionAngle=30, unitWeight=20e3, waterDepth=0, waterWeight=10e3),
+			0.5 * np.tan(np.radians(30)) / np.tan(np.radians(15)),
+		),
+		"cohesion alone, c/(gamma z sin cos)": (dict(angle=45, depth=1, frictionAngle=0, cohesion=10e3, unitWeight=20e3), 1.0),
+	}
+	for name, (slope, reference) in cases.items():
+		found = talik.slope.infiniteSlope(**slope)
+		print(f"{name}: {found:.6f}, by hand {reference:.6f}")
+		assert found == pytest.approx(reference, rel=1e-12)
+	with pytest.raises(ValueError, match="depth is -1"):
+		talik.slope.infiniteSlope(20, -1, 30)
+
+
+def test_a_look_that_returns_true_ends_the_run_and_one_that_counts_does_not():
+	O.engines = [column(-3)]
+	mpm, seen = O.engines[0], []
+
+	def look():
+		seen.append(O.iter)
+		return len(seen) == 3
+
+	talik.runUntil(O.time + 1e3, look=look, interval=0.01)
+	print(f"ended after looks at steps {seen}, in step {O.iter}")
+	assert len(seen) == 3 and not O.running
+	talik.runUntil(O.time + 20 * O.dt, look=lambda: len(seen), interval=1e-4)
+	before = mpm.calendar["day"]
+	talik.runUntilDay(mpm, before + 3650, look=lambda: True)
+	assert mpm.calendar["day"] < before + 3650 and mpm.stopAtDay == np.inf
+
+
+def test_fill_returns_the_ids_of_the_points_that_it_adds():
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.ElasticSkeleton())
+	first = talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 2, 1))
+	second = talik.geometry.fill(mpm, talik.geometry.rectangle(0, 1, 2, 2))
+	print(f"ids {first[0]} to {first[-1]} and {second[0]} to {second[-1]}")
+	assert [*first, *second] == list(range(mpm.pointCount)) and (mpm.field("position")[second, 1] > 1).all()

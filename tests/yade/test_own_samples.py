@@ -131,3 +131,52 @@ def test_the_user_is_told_once_that_samples_run_open_and_what_that_costs(kind, c
 	print(f"\n{told[0]}\n{mpm.skeleton.cost()['calls']} calls")
 	assert len(told) == 1 and "run open" in told[0] and "times as long" in told[0] and "cannot be packed" in told[0]
 	assert mpm.skeleton.cost()["form"] == "open" and mpm.skeleton.cost()["calls"] > 0 and np.isfinite(mpm.field("stress")).all()
+
+
+@pytest.mark.parametrize("kind", kinds)
+def test_a_scene_of_any_law_is_brought_to_another_stress_and_the_given_one_stays(kind):
+	scene, goal = ownScene(kind), (-6e3, -9e3, 0)
+	before = talik._talik.sceneBytes(scene)
+	banded = talik.rve.servo(scene, goal[0], goal[1])
+	with talik.inspect(banded):
+		reached, unbalanced = packing.stress(), utils.unbalancedForce()
+	off = np.abs(reached - goal).max() / 7.5e3
+	print(f"{kind}: {np.round(reached, 1)} Pa, off by {off:.1e} of the mean pressure; tolerance 2e-3; unbalanced force {unbalanced:.1e}")
+	assert off < 2.1e-3 and unbalanced < 1e-2 and talik._talik.sceneBytes(scene) == before
+
+
+def test_scenes_of_a_users_law_are_settled_at_the_weight_above_their_points_and_begin_there():
+	block = talik.geometry.rectangle(0, 0, 1, 1)
+
+	def column(form):
+		scenes = [ownScene("Hertz-Mindlin"), ownScene("Cundall-Strack")]
+		mpm = wrapper.MpmEngine(
+			gridSpacing=0.5,
+			lower=(0, 0),
+			upper=(1, 2),
+			gravity=(0, -9.81),
+			skeleton=wrapper.RveSkeleton(scenes=scenes, form=form, sampleOf=[k % 2 for k in range(16)]),
+			boundaries=[wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")],
+		)
+		talik.geometry.fill(mpm, block, porosity=0.2)
+		return mpm
+
+	mpm = column("open")
+	(before,) = talik.check(mpm) or [""]
+	talik.slope.settle(mpm, block, lateralRatio=0.8)
+	depth, weight = 1 - mpm.field("position")[:, 1], 9.81 * 2650 * 0.8
+	band = 0.5 * (np.floor(depth / 0.5) + 0.5)
+	ratio = mpm.field("stress")[:, 1] / (-weight * band)
+	law = mpm.skeleton
+	print(f"{len(law.samples)} samples and {len(law.scenes)} scenes; vertical stress over that of the weight {ratio.min():.4f} to {ratio.max():.4f}; {before}")
+	assert abs(ratio - 1).max() < 5e-3 and (len(law.samples), len(law.scenes)) == (2, 2) and talik.check(mpm) == []
+
+
+def test_a_loaded_file_is_brought_to_another_stress_and_kept(tmp_path):
+	with talik.scratchScene():
+		talik._talik.exchangeScene(ownScene("Hertz-Mindlin"))
+		O.save(str(tmp_path / "own.yade.gz"))
+	sample = talik.rve.servo(talik.rve.load(tmp_path / "own.yade.gz"), -5e3, -7e3, cache=str(tmp_path))
+	print(sample)
+	assert np.allclose(sample.stress, (-5e3, -7e3, 0), atol=15)
+	assert talik.rve.servo(talik.rve.load(tmp_path / "own.yade.gz"), -5e3, -7e3, cache=str(tmp_path)) == sample

@@ -198,3 +198,15 @@ def test_a_setting_that_is_refused_leaves_a_ground_that_can_be_mended():
 		mpm.field("stress")
 	mpm.heat = wrapper.HeatTransfer()
 	assert len(mpm.field("stress")) == 8
+
+
+def test_a_change_that_is_too_late_is_refused_with_a_remedy_that_the_object_has():
+	mpm = column()
+	after(mpm, 1)
+	with pytest.raises(ValueError, match=r"HeatTransfer.source .* too late: .* is a boundary, HeatSource\(region='box', days=") as ofSource:
+		mpm.heat.source = 3
+	with pytest.raises(ValueError, match="SurfaceTemperature.temperature .* too late: .* by times, or days, and values") as ofTable:
+		mpm.boundaries[3].temperature = 8
+	with pytest.raises(ValueError, match="solidDensity .* begin anew[.]$") as ofDensity:
+		mpm.material.solidDensity = 2000
+	print(ofSource.value, ofTable.value, ofDensity.value, sep="\n")
