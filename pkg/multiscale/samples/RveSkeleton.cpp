@@ -171,10 +171,9 @@ template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 		return;
 	}
 	if (!reason.empty() && !told && talik::isFirstRank())
-		std::cerr
-		        << "RveSkeleton: the samples run open, with YADE's own engines, and a call takes some 30 times as long as with packed discs, 75 times "
-		           "with Hertz-Mindlin contacts (examples/own_sample.py measures it): "
-		        << reason << "." << std::endl;
+		std::cerr << "RveSkeleton: the samples run open, with YADE's own engines, and a call takes 20 to 30 times as long as with packed "
+		             "discs, more with Hertz-Mindlin contacts (examples/own_sample.py measures it): "
+		          << reason << "." << std::endl;
 	const auto ofSpheres = [](const auto& scene) { return talik::packedDimension(*scene) == 3; };
 	if (Dim == 2 && reason.empty() && !told && talik::isFirstRank() && std::any_of(scenes.begin(), scenes.end(), ofSpheres))
 		std::cerr << "RveSkeleton: samples of spheres behind points in the plane run open only, strained in that plane; their stress out of it is not "

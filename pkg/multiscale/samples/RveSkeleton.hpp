@@ -96,7 +96,7 @@ public:
 		((vector<shared_ptr<Scene>>,scenes,,,"Further samples, numbered after those: ordinary periodic YADE scenes (O._sceneObj) of any grains and contact law that "
 				"stock YADE runs."))
 		((string,form,"packed",,"packed: fused step (default), or open: YADE's own engines, a Scene behind every point that was asked. If one of the scenes cannot "
-				"be packed all run open, which is said once; a call then takes about 20 times as long."))
+				"be packed all run open, which is said once; a call then takes 20 to 30 times as long."))
 		((vector<int>,sampleOf,,,"Which of the samples each point takes, by point id; empty: they are dealt to the points by chance, see seed. See "
 				"talik.slope.depthBands."))
 		((int,seed,1,,"Seed of the random numbers by which samples are dealt to points where sampleOf is empty, >= 0. The place of a point and the seed decide, "
