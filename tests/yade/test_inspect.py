@@ -793,3 +793,25 @@ def test_the_inspector_and_the_3d_view_show_the_sample_behind_a_point_bonds_by_s
 	)
 	assert intact > 0 and others > 0
 	assert red > 300 and black > 300
+
+
+def test_a_sample_and_the_fields_of_the_ground_have_the_same_numbers_of_bonds_and_contacts(sample):
+	mpm = running(sample, steps=30)
+	names = dict(
+		bondsIntact="bondsIntact",
+		bondsFormed="bondsFormed",
+		bondsBroken="bondsBroken",
+		bondsMelted="bondsMelted",
+		contacts="contacts",
+		coordinationNumber="coordinationNumber",
+		porosity="samplePorosity",
+	)
+	fields, differing, broken, inContact = {name: mpm.field(field) for name, field in names.items()}, {}, 0, 0
+	for id in range(mpm.pointCount):
+		said = mpm.skeleton.sample(id).statistics()
+		broken, inContact = broken + said["bondsBroken"], inContact + said["brokenBondsInContact"]
+		for name in names:
+			if abs(said[name] - fields[name][id]) > 1e-12 * abs(said[name]):
+				differing.setdefault(name, []).append((id, said[name], fields[name][id]))
+	print(f"{mpm.pointCount} points, {broken} bonds broken, {inContact} of grains that touch; numbers that differ: {differing}")
+	assert not differing and broken > inContact

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fixtures import sixtySpheres
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
@@ -180,3 +181,26 @@ def test_a_loaded_file_is_brought_to_another_stress_and_kept(tmp_path):
 	print(sample)
 	assert np.allclose(sample.stress, (-5e3, -7e3, 0), atol=15)
 	assert talik.rve.servo(talik.rve.load(tmp_path / "own.yade.gz"), -5e3, -7e3, cache=str(tmp_path)) == sample
+
+
+def test_a_scene_that_can_neither_be_packed_nor_run_open_is_refused_with_both_reasons():
+	with talik.scratchScene():
+		talik._talik.exchangeScene(talik._talik.objectFromBytes(talik._talik.objectToBytes(ownScene("Cundall-Strack"))))
+		O.engines = O.engines + [wrapper.PeriTriaxController()]
+		with pytest.raises(ValueError, match="cannot be packed: .* PeriTriaxController, and it cannot run open: .*remove it or set dead=True") as refusal:
+			talik.rve.pack(O._sceneObj)
+	print(refusal.value)
+
+
+def test_spheres_behind_points_in_the_plane_are_told_of_whether_they_are_packed_or_open(sampleCache, capfd):
+	spheres = talik.rve.pack(talik.rve.prepare(**sixtySpheres, cache=sampleCache))
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, skeleton=wrapper.RveSkeleton(samples=[spheres]))
+	mpm.addPoints(position=[(0.1, 0.1)], volume=0.25)
+	with pytest.raises(ValueError, match=r"has spheres and the ground is in the plane: .* run it open, RveSkeleton\(scenes=\[sample.open\(\)\]\)"):
+		mpm.initialise()
+	mpm.skeleton = wrapper.RveSkeleton(scenes=[spheres.open()], form="open")
+	capfd.readouterr()
+	mpm.initialise()
+	told = capfd.readouterr().err
+	print(told)
+	assert told.count("samples of spheres behind points in the plane run open only") == 1
