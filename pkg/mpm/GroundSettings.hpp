@@ -92,10 +92,22 @@ struct WaterSettings {
 	/// The choice is made by state.massCoefficient.
 };
 
+/// Constants of the contact at the thaw front. What each does is measured by `scripts/accuracy front`.
+struct FrontConstants {
+	/// Part of gravity along the normal from which on thawed ground lies on frozen ground and settles with it [-].
+	double restingWeight = 0.5;
+	/// Slip of thawed points over h from which on the frozen points of a saturated cell have a mean strain of their own [-]. Rows that have thawed
+	/// without sliding share the strain of their cell: they would not close again after a winter without it.
+	double slidPart = 1e-2;
+	/// Water over what the pores hold from which on they begin to be full, and from which on they are, so that still water bears its part [-].
+	double nearlyFull = 0.97, full = 0.99;
+};
+
 /// The effect of two velocities where ground that ice holds meets ground that it does not, see ThawFront.
 struct ThawFrontSettings {
-	double thawedBelow = 0.02; ///< ice saturation at and below which a point becomes thawed ground [-], in [0, 1): bonds are gone there
-	double frozenAbove = 0.05; ///< ice saturation at and above which it becomes frozen ground again [-], above thawedBelow: bonds form there
+	double         thawedBelow = 0.02; ///< ice saturation at and below which a point becomes thawed ground [-], in [0, 1): bonds are gone there
+	double         frozenAbove = 0.05; ///< ice saturation at and above which it becomes frozen ground again [-], above thawedBelow: bonds form there
+	FrontConstants constants;
 
 	/// Throws std::invalid_argument naming attribute, value and remedy.
 	void validate() const;

@@ -10,8 +10,6 @@ namespace talik {
 namespace {
 	/// A side with less of a node's mass than this has no velocity of its own there: the quotient would be round-off.
 	constexpr double smallestMassShare = 1e-9;
-	/// Part of gravity along the normal from which on thawed ground lies on frozen ground.
-	constexpr double leastWeight = 0.5;
 	/// Cohesion [Pa] from which on the law of the thawed points states no strength, so that the sides stay together.
 	constexpr double unlimited = 1e20;
 
@@ -150,7 +148,7 @@ namespace {
 	{
 		const Vec<D>& gravity = in.motion.settings->gravity;
 		const double  weight = lengthOf<D>(gravity), along = dot<D>(c.jump, c.normal), slipping = dot<D>(c.jump, c.jump) - along * along;
-		return -dot<D>(gravity, c.normal) > leastWeight * weight && slipping <= std::max(along * along, weight * weight * in.dt * in.dt);
+		return -dot<D>(gravity, c.normal) > in.restingWeight * weight && slipping <= std::max(along * along, weight * weight * in.dt * in.dt);
 	}
 
 	/// The sides share their normal velocity unless the thawed ground would have to carry more tension than it does. The reaction is that of forces

@@ -41,6 +41,7 @@ public:
 		const PoreWater<D>*         water; ///< null in ground without
 		const MotionConstraints<D>& constraints;
 		double                      dt;
+		double                      restingWeight; ///< see FrontConstants
 	};
 	/// Corrections of the velocities of both sides at all front nodes, from the folded sums, and the work [J] that the forces between the sides
 	/// take up at each.

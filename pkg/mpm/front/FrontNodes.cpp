@@ -8,10 +8,6 @@ namespace talik {
 namespace {
 	constexpr unsigned char thawedBit = 1, frozenBit = 2, bothBits = 3;
 
-	/// Slip of thawed points over h from which on the sides of a cell strain each on their own. Rows that have thawed without sliding share
-	/// the strain of their cell: they would not close again after a winter without it.
-	constexpr double leastSlip = 1e-2;
-
 	/// Offsets of the nodes first .. last away along each axis.
 	template <int D> std::vector<int> offsetsOf(const Grid<D>& grid, int first, int last)
 	{
@@ -74,7 +70,7 @@ template <int D> void FrontNodes<D>::markCells(const Grid<D>& grid, int first, i
 			lower += (std::min(int((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
 		cell_[p] = lower;
 		sides_[lower] |= frozen(p) ? frozenBit : thawedBit;
-		slid_[lower] |= !frozen(p) && slip_[p] > leastSlip * spacing_;
+		slid_[lower] |= !frozen(p) && slip_[p] > settings_.constants.slidPart * spacing_;
 	}
 }
 

@@ -8,8 +8,6 @@ namespace talik {
 namespace {
 	/// Friction [-] and cohesion [Pa] of ground whose law states no strength: no load overcomes them.
 	constexpr double unlimited = 1e30;
-	/// Water over what the pores hold, from which on they begin to be full, and from which on they are.
-	constexpr double nearlyFull = 0.97, full = 0.99;
 } // namespace
 
 template <int D>
@@ -100,7 +98,7 @@ template <int D> double FrontTransfer<D>::fullMass(int p) const
 	const double liquid = liquidMass(p), fraction = water_->liquidFraction[p];
 	if (!(liquid > 0.0) || !(fraction > 0.0)) return 0.0;
 	const double fill = fraction * pores_.waterMass[p] / (liquid * pores_.porosity[p]);
-	return liquid / fraction * std::clamp((fill - nearlyFull) / (full - nearlyFull), 0.0, 1.0);
+	return liquid / fraction * std::clamp((fill - constants_.nearlyFull) / (constants_.full - constants_.nearlyFull), 0.0, 1.0);
 }
 
 template <int D> void FrontTransfer<D>::bringPores(int p, Share<typename R::Pores>& share) const

@@ -19,6 +19,9 @@ public:
 	struct Pores {
 		const double *waterMass, *iceMass, *porosity;
 	};
+	explicit FrontTransfer(const FrontConstants& constants)
+	        : constants_(constants)
+	{}
 	/// water: null in ground without. slip: path of each point along the front [m], which gather() adds to.
 	void bind(
 	        const FrontNodes<D>& nodes, FrontRecords<D>& records, SolidMotion<D>& motion, PoreWater<D>* water, const Pores& pores, double* slip,
@@ -59,6 +62,7 @@ private:
 	double liquidMass(int place) const { return pores_.waterMass[place] - pores_.iceMass[place]; }
 	double fullMass(int place) const;
 
+	FrontConstants       constants_;
 	const FrontNodes<D>* nodes_   = nullptr;
 	FrontRecords<D>*     records_ = nullptr;
 	SolidMotion<D>*      motion_  = nullptr;

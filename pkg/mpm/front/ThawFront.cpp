@@ -17,6 +17,8 @@ ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
         : sideField_(fields.declare("frozenSide", "thaw front", "-", 1))
         , slipField_(fields.declare("slip", "thaw front", "m", 1))
         , nodes_(settings)
+        , transfer_(settings.constants)
+        , restingWeight_(settings.constants.restingWeight)
 {}
 
 template <int D>
@@ -55,7 +57,7 @@ void ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors&
 	if (!present()) return;
 	walls_.fold(nodes_, mirrors, dt, records_);
 	walls_.pushAhead(nodes_, mirrors, *motion_, dt, records_);
-	contact_.solve({ nodes_, *motion_, water_, constraints, dt }, range.parallel, records_, work_);
+	contact_.solve({ nodes_, *motion_, water_, constraints, dt, restingWeight_ }, range.parallel, records_, work_);
 	walls_.leadWalls(nodes_, mirrors, *motion_, contact_, water_ != nullptr, records_, ledger);
 	walls_.unfold(nodes_, mirrors, records_, ledger);
 	for (int slot = 0; slot < nodes_.count(); ++slot)

@@ -77,6 +77,7 @@ private:
 	FrontContact<D>     contact_;
 	FrontWalls<D>       walls_;
 	std::vector<double> work_; ///< by slot, taken up by the force between the sides in the step [J]
+	double              restingWeight_;
 	double              fastest_ = 0.0;
 };
 
