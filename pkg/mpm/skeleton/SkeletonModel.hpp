@@ -60,7 +60,7 @@ public:
 	/// False if stress is never limited by strength: such ground does not slip.
 	virtual bool canFail() const { return true; }
 
-	/// Strength in simple shear at an ice saturation. None: only the stress itself tells, as in a sample.
+	/// Strength in simple shear at an ice saturation. None: at the thaw front such ground stays together with frozen ground.
 	virtual std::optional<ShearStrength> shearStrength(double iceSaturation) const
 	{
 		(void)iceSaturation;
