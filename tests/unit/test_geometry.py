@@ -64,17 +64,17 @@ def test_an_outline_with_a_cut_to_a_hole_is_filled_around_the_hole():
 
 
 class Recorder:
-	gridSpacing = 0.5
+	gridSpacing, pointCount = 0.5, 0
 
 	def addPoints(self, **arrays):
 		self.arrays = arrays
-		return len(arrays["volume"])
+		self.pointCount += len(arrays["volume"])
 
 
 def test_fill_hands_positions_volumes_and_attributes_to_the_engine():
 	engine = Recorder()
-	count = geometry.fill(engine, geometry.rectangle(0, 0, 2, 1), pointsPerCell=4, temperature=-5, porosity=lambda x, y: 0.4 + 0.01 * y)
-	assert count == 32 and engine.arrays["position"].shape == (32, 2)
+	added = geometry.fill(engine, geometry.rectangle(0, 0, 2, 1), pointsPerCell=4, temperature=-5, porosity=lambda x, y: 0.4 + 0.01 * y)
+	assert list(added) == list(range(32)) and engine.arrays["position"].shape == (32, 2)
 	assert engine.arrays["temperature"] == -5
 	np.testing.assert_allclose(engine.arrays["porosity"], 0.4 + 0.01 * engine.arrays["position"][:, 1])
 

@@ -15,7 +15,7 @@ slope = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]
 class Ground:
 	"""What fill() asks of an engine."""
 
-	dimension, gridSpacing = 0, 0.5
+	dimension, gridSpacing, pointCount = 0, 0.5, 0
 	lower = upper = gravity = (math.nan, math.nan)
 
 	def __init__(self, **settings):
@@ -23,6 +23,7 @@ class Ground:
 
 	def addPoints(self, **arrays):
 		vars(self).update(arrays)
+		self.pointCount += len(arrays["volume"])
 
 
 def filled(solid, **settings):
