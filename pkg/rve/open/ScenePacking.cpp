@@ -676,10 +676,10 @@ template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedSt
 	if (reason.empty() && packedDimension(scene) != Dim)
 		reason = Dim == 2 ? "it has spheres and a sample of discs is wanted" : "it has discs and a sample of spheres is wanted";
 	if (!reason.empty()) {
-		const std::string open = reasonAgainstSample(scene);
-		throw std::invalid_argument(
-		        "The scene cannot be packed: " + reason
-		        + (open.empty() ? ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines." : ", and it cannot run open: " + open + "."));
+		const std::string open   = reasonAgainstSample(scene);
+		const std::string remedy = open.empty() ? ". RveSkeleton(scenes=[scene]) runs it open, with YADE's own engines."
+		                                        : ", and it cannot run open: " + open + "; give a periodic scene of grains that stock YADE moves.";
+		throw std::invalid_argument("The scene cannot be packed: " + reason + remedy);
 	}
 	PackedState<Dim>   state;
 	std::map<int, int> indexOf;
