@@ -305,7 +305,7 @@ class ThawSlump:
 		"""Named results of the run so far."""
 		mpm = self.mpm
 		counters = self.counters()
-		fields = ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted") if self.skeletonName == "samples" else ()
+		fields = ("bondsFormed", "bondsIntact", "bondsBroken", "bondsMelted", "cellSlips") if self.skeletonName == "samples" else ()
 		bonds = {name: int(np.nansum(mpm.field(name))) for name in fields}
 		return {
 			"case": self.name,

@@ -152,4 +152,20 @@ template <int Dim> Eigen::Matrix<int, Dim, Dim> integerInverse(const Eigen::Matr
 	return rounded;
 }
 
+/// Length of the shortest lattice vector: the distance of a grain from its next image.
+template <int Dim> double shortestImage(const Eigen::Matrix<double, Dim, Dim>& hSize)
+{
+	const Eigen::Matrix<double, Dim, Dim> h      = hSize * cellReduction<Dim>(hSize, 0.5).template cast<double>();
+	double                                square = h.colwise().squaredNorm().minCoeff();
+	for (int a = 0; a < Dim; ++a)
+		for (int b = a + 1; b < Dim; ++b)
+			for (const int sign : { -1, 1 }) {
+				const Eigen::Matrix<double, Dim, 1> sum = h.col(a) + sign * h.col(b);
+				square                                  = std::min(square, sum.squaredNorm());
+				for (const int third : { -1, 1 })
+					if (Dim == 3 && b == 1) square = std::min(square, (sum + third * h.col(Dim - 1)).squaredNorm());
+			}
+	return std::sqrt(square);
+}
+
 } // namespace talik

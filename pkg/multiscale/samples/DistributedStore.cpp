@@ -18,7 +18,7 @@ namespace {
 		double       rateError, cost;
 		std::int64_t steps;
 		std::int32_t leader; ///< place of the first request with the same new state; none: the state stayed
-		std::int16_t flipped, blewUp;
+		std::uint8_t flipped, slipped, blewUp;
 
 		static constexpr std::int32_t none = -1;
 	};
@@ -216,6 +216,7 @@ template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent
 		answer.steps     = result.steps;
 		answer.leader    = batch.leader[k];
 		answer.flipped   = result.flipped;
+		answer.slipped   = result.slipped;
 		answer.blewUp    = result.blewUp;
 		put(going, answer);
 		if (tangent) put(going, result.tangent);
@@ -234,6 +235,7 @@ template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent
 			result.rateError = answer.rateError;
 			result.steps     = long(answer.steps);
 			result.flipped   = answer.flipped;
+			result.slipped   = answer.slipped;
 			result.blewUp    = answer.blewUp;
 			if (tangent) result.tangent = take<PackedTangent<Dim>>(from);
 			batch.cost[k]   = answer.cost;

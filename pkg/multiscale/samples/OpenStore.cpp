@@ -165,6 +165,8 @@ template <int Dim> std::vector<double> OpenStore<Dim>::measure(std::size_t numbe
 	if (name == "contacts") return { double(statistics.contacts) };
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
 	if (name == "samplePorosity") return { statistics.porosity };
+	if (name == "cellThickness") return { statistics.cellThickness };
+	if (name == "cellSlips") return { 0. };
 	if (name == "sampleIceSaturation") return { sample.running ? sample.running->iceSaturation() : sample.beginning->iceSaturation };
 	if (name == "fabric") return components<Dim>(part<Dim>(statistics.fabric));
 	refuseMeasure(name);

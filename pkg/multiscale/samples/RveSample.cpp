@@ -169,7 +169,7 @@ template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradi
 	if (!result.blewUp) setPacked(sample.state());
 	py::dict d;
 	d["stress"] = tupleOf(talik::components<Dim>(result.stress));
-	TALIK_PUT_MEMBERS(d, result, (steps)(flipped)(blewUp)(reason))
+	TALIK_PUT_MEMBERS(d, result, (steps)(flipped)(slipped)(blewUp)(reason))
 	return d;
 }
 
@@ -230,7 +230,8 @@ py::dict RveSample::statistics() const
 		d["brokenBondsInContact"] = stats.bondsBroken;
 		TALIK_PUT_MEMBERS(d, stats, (coordinationNumber)(porosity))
 		d["fabric"] = tupleOf(talik::components<dimensionOf<std::decay_t<decltype(s)>>>(stats.fabric));
-		TALIK_PUT_MEMBERS(d, stats, (unbalancedForce)(kineticEnergy))
+		TALIK_PUT_MEMBERS(d, stats, (unbalancedForce)(kineticEnergy)(cellThickness))
+		TALIK_PUT_MEMBERS(d, s, (cellSlips)(cellSlipStrain)(cellSlipStress))
 		d["steps"] = s.step;
 		return d;
 	});

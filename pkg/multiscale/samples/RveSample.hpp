@@ -99,7 +99,7 @@ public:
 				::boost::python::arg("creep")=::boost::python::object()),"Apply F_new = (1+displacementGradient) "
 				"F_old (3x3; of discs the in-plane part) and bring the ice saturation to its target; history is kept. creep: what "
 				"IceCreep.over(temperature,time) returns; before the motion ice bonds relax by it. Returns a dictionary: stress as below, "
-				"steps, flipped, blewUp, reason.")
+				"steps, flipped, slipped (a thin cell has slipped, see pkg/rve/README.md), blewUp, reason.")
 		.def("advance",&RveSample::advance,(::boost::python::arg("velGrad"),::boost::python::arg("steps")),"Advance by DEM steps under a velocity gradient [1/s, "
 				"DEM time] (3x3; of discs the in-plane part), as YADE does when O.cell.velGrad is set: the cell follows one step later.")
 		.def("freeze",&RveSample::freeze,(::boost::python::arg("iceSaturation")),"Freeze at rest to an ice saturation, 0 to 1: bonds and ice springs form "
@@ -108,7 +108,9 @@ public:
 				"Bring the sample to principal stresses [Pa], all negative; stressZ for spheres only. True when they were reached.")
 		.def("statistics",&RveSample::statistics,"Dictionary: contacts and bondsIntact (now), since preparation bondsFormed, bondsBroken = bondsBrokenInTension + "
 				"bondsBrokenInShear, and bondsMelted, as MpmEngine.field has them; brokenBondsInContact, those that broke and whose grains touch now; "
-				"coordinationNumber, porosity, fabric (components as of stress), unbalancedForce, kineticEnergy, steps (DEM steps done so far).")
+				"coordinationNumber, porosity, fabric (components as of stress), unbalancedForce, kineticEnergy, cellThickness (distance of a grain's next "
+				"image over the mean diameter), cellSlips (how often a thin cell slipped), cellSlipStrain (the strain that took, in all [-]), cellSlipStress "
+				"(the most stress that was missing afterwards [Pa]), steps (DEM steps done so far).")
 		.def("arrays",&RveSample::arrays,"Dictionary of NumPy arrays for d=2 or 3 dimensions: position (n,d) [m], radius (n,) [m], contact (m,2) grain indices, "
 				"cellDist (m,d), bond (m,) 0 frictional 1 intact 2 broken, shear (m,) or (m,3) [N], hSize (d,d) [m].")
 		.def("copy",&RveSample::copy,"An independent copy.")

@@ -142,7 +142,8 @@ public:
 		.def("measures",&RveSkeleton::pyMeasures,"Names that values() and MpmEngine.field() take.")
 		.def("values",&RveSkeleton::values,(::boost::python::arg("name")),"A measure of all samples as a NumPy array by point id, NaN where a point has none: "
 				"bondsIntact (now); since preparation bondsFormed, bondsBroken (mechanically), bondsMelted; contacts, coordinationNumber, samplePorosity, "
-				"sampleIceSaturation, fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
+				"sampleIceSaturation, cellThickness (distance of a grain's next image over the mean diameter), cellSlips (how often a thin cell slipped), "
+				"fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
 		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
 				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
 				"moved, how often one went to another rank (of samples that share a state each counts in bands); balance, mean over largest cost of the ranks [-].")

@@ -11,8 +11,8 @@ namespace talik {
 
 const std::vector<std::string>& sampleMeasures()
 {
-	static const std::vector<std::string> names { "bondsIntact",        "bondsFormed",    "bondsBroken",         "bondsMelted", "contacts",
-		                                      "coordinationNumber", "samplePorosity", "sampleIceSaturation", "fabric" };
+	static const std::vector<std::string> names { "bondsIntact",    "bondsFormed",         "bondsBroken", "bondsMelted",   "contacts", "coordinationNumber",
+		                                      "samplePorosity", "sampleIceSaturation", "fabric",      "cellThickness", "cellSlips" };
 	return names;
 }
 

@@ -8,6 +8,7 @@
 #include <pkg/icebond/IceStrengthAndCreep.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
+#include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/SampleUpdate.hpp>
 
@@ -332,7 +333,7 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 		result.stress = symmetric(meanStress);
 	} catch (const std::runtime_error& problem) {
 		result.blewUp = true;
-		result.reason = problem.what();
+		result.reason = problem.what() + ofThinCell(thickness());
 	}
 	result.steps = scene->iter - start;
 	return result;
@@ -524,6 +525,13 @@ PackedTangent<3> OpenSample::tangent() const
 	return result;
 }
 
+/// Discs have images above and below that they never meet.
+double OpenSample::thickness() const
+{
+	const Matrix3r& h = scene->cell->hSize;
+	return (discs ? shortestImage<2>(h.topLeftCorner<2, 2>()) : shortestImage<3>(h)) / (2 * averageRadius);
+}
+
 OpenStatistics OpenSample::statistics() const
 {
 	OpenStatistics                 result;
@@ -553,6 +561,7 @@ OpenStatistics OpenSample::statistics() const
 	});
 	for (const auto& entry : net)
 		imbalance += entry.second.norm();
+	result.cellThickness      = thickness();
 	result.porosity           = 1 - solid / volumeOf(*scene->cell);
 	result.coordinationNumber = bodies > 0 ? 2. * double(result.contacts) / double(bodies) : 0;
 	if (result.contacts > 0) result.fabric /= double(result.contacts);

@@ -28,6 +28,7 @@ struct OpenStatistics {
 	double          porosity           = 0;                            ///< by area for discs, by volume for spheres [-]
 	double          unbalancedForce    = 0;                            ///< mean |net force on a body|/mean |contact force| [-]
 	double          kineticEnergy      = 0;                            ///< of velocity fluctuations and rotation [J]
+	double          cellThickness      = 0;                            ///< distance of a body's next image/mean diameter of spheres [-]
 	Eigen::Matrix3d fabric             = Eigen::Matrix3d::Zero();      ///< mean n (x) n [-]
 };
 
@@ -64,6 +65,8 @@ public:
 
 	/// Flips the cell to its shortest equivalent vectors if a skew exceeds `skew`; physics unchanged. True if it flipped.
 	bool flip(double skew = 0.5);
+	/// Distance of a body from its next image over the mean diameter of spheres [-].
+	double thickness() const;
 	/// Bonds every pair of ice-bearing grains without bond whose gap is within bondRange, stress-free, in the next step. Returns their number.
 	std::size_t bondAll();
 

@@ -694,6 +694,9 @@ template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedSt
 		state.bondsBrokenInTension = former->bondsBrokenInTension;
 		state.bondsBrokenInShear   = former->bondsBrokenInShear;
 		state.bondsMelted          = former->bondsMelted;
+		state.cellSlips            = former->cellSlips;
+		state.cellSlipStrain       = former->cellSlipStrain;
+		state.cellSlipStress       = former->cellSlipStress;
 		// the stress of the last step is not that of the forces at the present positions, which an opened scene shows
 		state.stress = former->stress;
 		if (state.toBytes() == former->toBytes()) return state;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <Eigen/LU>
+#include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <pkg/rve/SampleUpdate.hpp>
@@ -163,11 +164,12 @@ PackedUpdateResult<Dim> updateWorkspace(
 		workspace.setIceStiffness(1);
 		return result;
 	} catch (const std::runtime_error& problem) {
+		const std::string ofCell = ofThinCell(workspace.cellThickness());
 		workspace.load(before);
 		PackedUpdateResult<Dim> result;
 		result.stress = symmetric<typename PackedTypes<Dim>::Matrix>(before.stress);
 		result.blewUp = true;
-		result.reason = problem.what();
+		result.reason = problem.what() + ofCell;
 		return result;
 	}
 }
@@ -304,7 +306,9 @@ PackedUpdateResult<Dim> PackedSample<Dim>::apply(const Matrix& displacementGradi
 	checkOptions(options);
 	if (!(targetIceSaturation >= 0 && targetIceSaturation <= 1))
 		throw std::invalid_argument("packed sample: ice saturation " + std::to_string(targetIceSaturation) + " must lie in 0..1");
-	return updateWorkspace<Dim>(*workspace, state(), displacementGradient, targetIceSaturation, options);
+	PackedUpdateResult<Dim> result = updateWorkspace<Dim>(*workspace, state(), displacementGradient, targetIceSaturation, options);
+	if (!result.blewUp) slipWhereThin<Dim>(*workspace, displacementGradient, options, result);
+	return result;
 }
 
 template <int Dim> void        PackedSample<Dim>::setIceSaturation(double iceSaturation) { workspace->setIceSaturation(iceSaturation); }
@@ -344,6 +348,8 @@ template long                   PackedWorkspace<2>::movingSteps(const Matrix&, c
 template long                   PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
 template long                   movingSteps<2>(const PackedParameters<2>&, double, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
 template long                   movingSteps<3>(const PackedParameters<3>&, double, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
+template double                 strainPerStep<2>(const PackedParameters<2>&, double, double, double, double);
+template double                 strainPerStep<3>(const PackedParameters<3>&, double, double, double, double);
 template PackedUpdateResult<2>  updateWorkspace<2>(
         PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
 template PackedUpdateResult<3> updateWorkspace<3>(

@@ -36,6 +36,7 @@ template <int Dim> struct PackedUpdateResult {
 	long                              steps       = 0;
 	long                              movingSteps = 0; ///< of them
 	bool                              flipped     = false;
+	bool                              slipped     = false; ///< a thin cell has slipped, see CellSlip.hpp; the stress is that after it
 	bool                              blewUp      = false; ///< the state is the last good one, the stress is that state's
 	std::string                       reason;              ///< why it blew up, empty otherwise
 	PackedTangent<Dim>                tangent {};          ///< if asked for, see PackedSample::tangent
@@ -127,6 +128,9 @@ template <int Dim>
 long movingSteps(
         const PackedParameters<Dim>& parameters, double timeStep, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         const PackedUpdateOptions& options);
+
+/// Strain of one DEM step at an inertial number, eq. (13.1), with stress and density of the parameters.
+template <int Dim> double strainPerStep(const PackedParameters<Dim>&, double timeStep, double meanRadius, double inertialNumber, double pressureFloor);
 
 /// Throws std::invalid_argument on a factor that no strength can have.
 void checkStrength(const BondStrengthFactors& strength, double iceStiffness);

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -60,6 +61,7 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 		options.creep                  = request.creep;
 		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
 		if (result.blewUp) return result;
+		slipWhereThin<Dim>(*workspace, request.displacementGradient, options, result);
 		workspace->store(state, &lists);
 		sample = std::make_shared<CompactSample<Dim>>(state, &lists);
 		return result;

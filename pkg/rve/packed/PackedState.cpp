@@ -130,6 +130,14 @@ namespace {
 		stream.array(s.contacts.bondMoment);
 	}
 
+	/// What only samples have whose cell has slipped; it comes last.
+	template <class Stream, class Parameters> void streamCellSlips(Stream& stream, Parameters& p)
+	{
+		stream.value(p.cellSlips);
+		stream.value(p.cellSlipStrain);
+		stream.value(p.cellSlipStress);
+	}
+
 	[[noreturn]] void refuse(const char* attribute, double value, const char* remedy)
 	{
 		throw std::invalid_argument(std::string("packed sample: ") + attribute + " = " + std::to_string(value) + " " + remedy);
@@ -234,6 +242,7 @@ template <int Dim> std::string PackedState<Dim>::toBytes() const
 	streamArrays(writer, *this, *grains);
 	if (bondsCarryMoments()) streamMoments(writer, *this, *grains);
 	else if (resistsRolling()) streamRolling(writer, *this, *grains);
+	if (this->cellSlips > 0) streamCellSlips(writer, static_cast<const PackedParameters<Dim>&>(*this));
 	return std::move(writer.bytes);
 }
 
@@ -276,6 +285,7 @@ template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::strin
 	streamArrays(reader, state, *grains);
 	if (head.bondsCarryMoments) streamMoments(reader, state, *grains);
 	else if (head.resistsRolling) streamRolling(reader, state, *grains);
+	if (!reader.finished()) streamCellSlips(reader, static_cast<PackedParameters<Dim>&>(state));
 	if (!reader.finished()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
 	state.grains = std::move(grains);
 	state.check();

@@ -117,6 +117,10 @@ template <int Dim> struct PackedParameters {
 
 	std::uint64_t bondsFormed = 0, bondsBrokenInTension = 0, bondsBrokenInShear = 0, bondsMelted = 0; ///< since preparation
 
+	std::uint64_t cellSlips      = 0; ///< how often a thin cell slipped, see CellSlip.hpp
+	double        cellSlipStrain = 0; ///< that it took to carry the stress again, in all [-]
+	double        cellSlipStress = 0; ///< the most that was missing then, norm of a tensor [Pa]
+
 	/// V of the stress: cell area times thickness for discs, cell volume for spheres [m^3].
 	double volume() const;
 	/// Throws std::invalid_argument naming the attribute, its value and a remedy.
@@ -160,6 +164,7 @@ template <int Dim> struct PackedStatistics {
 	double                            unbalancedForce    = 0;                                ///< mean |net force on a grain|/mean |contact force| [-]
 	double                            meanOverlapRatio   = 0;                                ///< mean overlap/(r_1 + r_2) of touching pairs [-]
 	double                            maxOverlapRatio    = 0;                                ///< largest overlap/min radius [-]
+	double                            cellThickness      = 0;                                ///< distance of a grain's next image/mean diameter [-]
 	typename PackedTypes<Dim>::Matrix fabric             = PackedTypes<Dim>::Matrix::Zero(); ///< mean n (x) n [-]
 };
 

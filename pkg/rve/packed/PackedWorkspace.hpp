@@ -71,8 +71,10 @@ public:
 	PackedStatistics<Dim> statistics() const;
 	PackedTangent<Dim>    tangent() const;
 	Matrix                hSize() const;
-	const char*           path() const { return kernel.name; }
-	bool                  portableOnly() const { return portable; }
+	/// Distance of a grain's next image over the mean diameter [-].
+	double      cellThickness() const;
+	const char* path() const { return kernel.name; }
+	bool        portableOnly() const { return portable; }
 	/// State without arrays of grains and contacts: parameters, cell, step count.
 	const PackedParameters<Dim>& parameters() const;
 	double                       meanRadius() const { return averageRadius; }

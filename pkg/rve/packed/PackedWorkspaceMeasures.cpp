@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 
@@ -114,6 +115,7 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 	}
 	result.porosity           = 1 - solid / parameters().volume();
 	result.coordinationNumber = 2. * double(result.contacts) / double(grainCount);
+	result.cellThickness      = cellThickness();
 	if (result.contacts > 0) {
 		result.fabric /= double(result.contacts);
 		result.meanOverlapRatio = overlaps / double(result.contacts);
@@ -121,6 +123,8 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 	if (forces > 0) result.unbalancedForce = (imbalance / double(grainCount)) / (forces / double(result.contacts));
 	return result;
 }
+
+template <int Dim> double PackedWorkspace<Dim>::cellThickness() const { return shortestImage<Dim>(hSize()) / (2 * averageRadius); }
 
 template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 {
@@ -159,9 +163,11 @@ template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 
 template PackedWorkspace<2>::Geometry PackedWorkspace<2>::geometry(const Lanes&, std::size_t) const;
 template PackedStatistics<2>          PackedWorkspace<2>::statistics() const;
+template double                       PackedWorkspace<2>::cellThickness() const;
 template PackedTangent<2>             PackedWorkspace<2>::tangent() const;
 template PackedWorkspace<3>::Geometry PackedWorkspace<3>::geometry(const Lanes&, std::size_t) const;
 template PackedStatistics<3>          PackedWorkspace<3>::statistics() const;
+template double                       PackedWorkspace<3>::cellThickness() const;
 template PackedTangent<3>             PackedWorkspace<3>::tangent() const;
 
 } // namespace talik
