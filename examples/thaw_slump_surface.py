@@ -31,12 +31,13 @@ outline = [(0, 0), (10, 0), (10, 1), (6, 1), (3, 4), (0, 4)]  # [m]
 def frozenSlope(run):
 	"""The slope as it comes to rest under its weight: frozen, its surface drained. `run` (thawslump.ThawSlump) has preset and ground."""
 	h, ground = run.preset.gridSpacing, run.ground
-	position, volume = talik.geometry.fillPolygon(outline, h, pointsPerCell=4, origin=(0.0, 0.0))
+	left, right = min(x for x, _ in run.outline), max(x for x, _ in run.outline)
+	position, volume = talik.geometry.fillPolygon(run.outline, h, pointsPerCell=4, origin=(left, 0.0))
 	skeleton, atRest = run.skeletonAtRest(position)
 	mpm = MpmEngine(
 		gridSpacing=h,
-		lower=(0, 0),
-		upper=(10, h * round(4 / h + 4)),
+		lower=(left, 0),
+		upper=(right, h * round(4 / h + 4)),
 		gravity=(0, -9.81),
 		damping=ground.restDamping,
 		skeleton=skeleton,

@@ -2,6 +2,7 @@
 /// Entry of the Python module talik._talik: checks the running YADE, registers our classes into it, hands out what needs C++.
 #include "InterfaceCheck.hpp"
 #include "SampleGroup.hpp"
+#include "ShearTest.hpp"
 
 #include <boost/python/numpy.hpp>
 #include <core/Omega.hpp>
@@ -321,6 +322,7 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def(
 	        "endJob", +[](int status) { requireTalk().ranks().endJob(status); }, py::arg("status"), "End all processes of the job.");
 	exposeSampleGroup();
+	exposeShearTests();
 	py::def(
 	        "currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");
 }

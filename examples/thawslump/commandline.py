@@ -35,6 +35,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
+	parser.add_argument("--grid-offset", type=_offset, default=0.0, help="of the nodes against the slope [cells], 0 to below 1: another answer as good as any")
 	parser.add_argument(
 		"--calendar",
 		choices=calendars,
@@ -64,6 +65,12 @@ def _count(text):
 	if not text.isdigit() or int(text) < 1:
 		raise argparse.ArgumentTypeError(f"{text} is no number of things: give a whole number, 1 or more")
 	return int(text)
+
+
+def _offset(text):
+	if not 0 <= float(text) < 1:
+		raise argparse.ArgumentTypeError(f"{text} is no part of a cell: give 0 to below 1")
+	return float(text)
 
 
 def _cohesion(text):
@@ -103,7 +110,7 @@ def runCase(case, options, ofCase=None):
 	slump = None
 	for label, setting in settings.items():
 		if options.redraw:
-			page.draw(folders[label], case.outline, bandStrain)
+			page.draw(folders[label], page.outlineOf(folders[label], case.outline), bandStrain)
 		else:
 			with nullcontext() if len(settings) == 1 else talik.scratchScene():
 				slump = ThawSlump(
@@ -152,6 +159,7 @@ def presetOf(options, ofCase):
 		grains=options.grains or preset.grains,
 		realisations=options.realisations,
 		seed=options.seed,
+		gridOffset=options.grid_offset,
 	)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import talik
 from talik import movie, output, packing, plots
 from thawslump import shearband
+from thawslump.settings import widened
 
 pageTimes, filmPictures = 4, 40
 linesOfPictures = "crimson: thaw front, $S_i$ = 0.5; dashed: ground at the start; arrows: direction of displacement"
@@ -50,6 +51,14 @@ def loadSamples(path):
 def summaryOf(folder):
 	"""Named results of the run whose folder it is."""
 	return json.loads((Path(folder) / summaryName).read_text())
+
+
+def outlineOf(folder, outline):
+	"""The outline of a case as the run in a folder had it, whose grid may lie a little differently."""
+	if not (Path(folder) / summaryName).exists():
+		return outline
+	summary = summaryOf(folder)
+	return widened(outline, summary["preset.gridSpacing"], summary.get("preset.gridOffset", 0))
 
 
 def draw(folder, outline, threshold=0.2):

@@ -19,6 +19,7 @@ class Preset:
 	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
 	realisations: int = 1  # of the sample, dealt to the points by chance
 	seed: int = 1  # of the samples and of that chance
+	gridOffset: float = 0.0  # of the nodes against the slope, to the left [cells], 0 to below 1; the ground reaches as far as the grid
 	longestMotion: float = math.inf  # of the thaw [s]: a run whose ground never rests ends here
 	lawGridSpacing: float = None  # with the calibrated law alone, which is cheap enough for a finer grid [m]; None: gridSpacing
 	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
@@ -47,6 +48,15 @@ presets = {
 	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0, lawGridSpacing=0.125),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),
 }
+
+
+def widened(outline, gridSpacing, offset):
+	"""Corners of a slope [m] whose grid begins `offset` cells further left and ends where a cell does: flat ground on both sides becomes as much longer."""
+	if not offset:
+		return outline
+	left, right = min(x for x, _ in outline), max(x for x, _ in outline)
+	longer = {left: left - offset * gridSpacing, right: right + (1 - offset) * gridSpacing}
+	return [(longer.get(x, x), y) for x, y in outline]
 
 
 @dataclass

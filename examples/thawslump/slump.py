@@ -18,7 +18,7 @@ from talik.files import writableFolder
 from talik.progress import Progress
 from thawslump import page, shearband
 from thawslump.page import framesName, samplesName, summaryName
-from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons
+from thawslump.settings import Ground, Preset, fullThawStrain, presets, skeletons, widened
 from yade import O, wrapper
 
 seriesLength = 40  # states in the ParaView series
@@ -40,6 +40,16 @@ remembered = (
 frameParts = (0, 0.025, 0.05, 0.075, 0.1, 0.25, 0.5, 0.75, 1)  # of the thaw: days of the frames, with some before anything moves
 framesByMotion, stepsPerLook = 48, 20  # frames between them, at most, and after so many steps it is looked whether the ground has moved
 never = 1e12  # [s of calendar time]
+headlines = (
+	"largest displacement [m]",
+	"first day with 0.1 m",
+	"thawed part [-]",
+	"bondsBroken",
+	"band in all ground.inclination",
+	"band in all ground.depth",
+	"band in frozen ground.inclination",
+	"band in frozen ground.top",
+)  # numbers of a summary that stand for a run in an ensemble
 bandStrain = 0.2  # displacement across a band over its width, from which on ground has failed [-]
 frozenDensity = 0.6 * 2650 + 0.4 * (0.95 * 910 + 0.05 * 1000)  # [kg/m3]
 
@@ -67,9 +77,10 @@ class ThawSlump:
 		if skeleton not in skeletons:
 			raise ValueError(f"skeleton is {skeleton!r}; choose one of {', '.join(skeletons)}")
 		self.skeletonName = skeleton
-		self.name, self.outline, self.thaws = case.name, case.outline, thaw
 		self.presetName = preset if isinstance(preset, str) else "own"
 		self.preset = presets[preset] if isinstance(preset, str) else preset
+		self.name, self.thaws = case.name, thaw
+		self.outline = widened(case.outline, self.preset.gridSpacing, self.preset.gridOffset)
 		self.ground = ground
 		self.frameDays = [part * self.preset.days for part in frameParts] if frameDays is None else sorted(frameDays)
 		self.folder = writableFolder(folder)
@@ -330,7 +341,9 @@ class ThawSlump:
 			"sample memory [MB]": counters["bytes"] / 1e6,
 			"calibration [s]": self.calibrationSeconds,
 			**{f"thawed.{k}": v for k, v in self.thawed.items()},
+			"headlines": list(headlines),
 			"largest displacement [m]": self._largestDisplacement(),
+			"first day with 0.1 m": self._firstDayWith(0.1),
 			"thawed part [-]": float(np.mean(mpm.field("iceSaturation") < 0.02)),
 			**bonds,
 			**self._bandSummary(),
@@ -339,6 +352,12 @@ class ThawSlump:
 			**{f"closure.{k}": v for k, v in self.closures().items()},
 			**{f"balance.{k}": v for k, v in mpm.balance().items()},
 		}
+
+	def _firstDayWith(self, path):
+		"""Day on which a point has first moved so far [m], by what was looked at; None if none has."""
+		looked = [(frame["day"], float(np.linalg.norm(frame["displacement"], axis=1).max())) for frame in self.frames.frames]
+		reached = [day for day, moved in [*((day, moved) for day, _, moved in self.history), *looked] if moved >= path]
+		return min(reached, default=None)
 
 	def _bandSummary(self):
 		if not self.frames.frames:

@@ -121,6 +121,7 @@ _submodules = (
 	"checkpoint",
 	"cold",
 	"creep",
+	"ensemble",
 	"files",
 	"geometry",
 	"growth",

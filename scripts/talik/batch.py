@@ -4,6 +4,7 @@
 	rows = [dict(cohesion=c) for c in (1e3, 2e3, 4e3)]
 	results = talik.batch.run("face.py", rows, "output/study")
 	[result["displacement"] for result in results]
+	talik.ensemble.spread(results)["displacement"].mean          # of rows that differ by a seed: mean, standard error, deciles
 
 The script takes its row and leaves its results:
 
@@ -22,6 +23,8 @@ from yade import O, utils
 
 from talik import output
 from talik.files import writableFolder
+
+allRows = "all-rows.table"  # of the last call, those with results among them
 
 
 def row(**defaults):
@@ -44,12 +47,22 @@ def leave(**results):
 		output.writeSummary(Path(folder) / f"{O.tags['description']}.json", **results)
 
 
-def run(script, rows, folder, jobs=None, threads=1):
+def _rowsDone(folder, heading, lines):
+	"""Names of the rows that an earlier batch in the folder ran with the same values and results."""
+	file = folder / allRows
+	former = file.read_text().splitlines() if file.exists() else [""]
+	if former[0] != heading:
+		return []
+	return [name for name, line in lines.items() if line in former[1:] and (folder / f"{name}.json").exists()]
+
+
+def run(script, rows, folder, jobs=None, threads=1, resume=False):
 	"""Runs a script once for each row and returns what it left, in the order of the rows; None for a row that left nothing.
 
 	script   a Python file that takes its values by row() and gives its results by leave()
 	rows     dictionaries of numbers or texts with the same names
 	folder   for table, results and what each row said; it is made anew
+	resume   rows that left their results in the folder before, with the same values, stay and are not run again
 	jobs     rows at the same time; default: one for each processor
 	threads  of each row
 
@@ -66,18 +79,27 @@ def run(script, rows, folder, jobs=None, threads=1):
 	if not script.is_file():
 		raise ValueError(f"batch.run: there is no script {script}")
 	folder = Path(folder).resolve()
-	shutil.rmtree(folder, ignore_errors=True)
-	writableFolder(folder)
 	names = [f"row{number:03d}" for number in range(len(rows))]
-	lines = ["description " + " ".join(rows[0]), *(" ".join([name, *(repr(values[key]) for key in rows[0])]) for name, values in zip(names, rows))]
-	(folder / "rows.table").write_text("\n".join(lines) + "\n")
+	lines = {name: " ".join([name, *(repr(values[key]) for key in rows[0])]) for name, values in zip(names, rows)}
+	heading = "description " + " ".join(rows[0])
+	left = [folder / f"{name}.json" for name in names]
+	done = _rowsDone(folder, heading, lines) if resume else []
+	if not done:
+		shutil.rmtree(folder, ignore_errors=True)
+	writableFolder(folder)
+	for name, file in zip(names, left):
+		if name not in done:
+			file.unlink(missing_ok=True)
+	(folder / allRows).write_text("\n".join([heading, *lines.values()]) + "\n")
+	if len(done) == len(rows):
+		return [json.loads(file.read_text()) for file in left]
+	(folder / "rows.table").write_text("\n".join([heading, *(line for name, line in lines.items() if name not in done)]) + "\n")
 	environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
 	environment.update(TALIK_BATCH=str(folder), OMP_WAIT_POLICY="passive")
 	jobs = jobs or len(os.sched_getaffinity(0))
 	command = ["yade-batch", f"-j{jobs * threads}", f"--job-threads={threads}", "--log=@.log", "rows.table", str(script)]
-	done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-	left = [folder / f"{name}.json" for name in names]
+	batch = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)
 	if not any(file.exists() for file in left):
 		logs = [file.read_text(errors="replace") for file in sorted(folder.glob("*.log"))]
-		raise RuntimeError("batch.run: no row left a result; the first one said:\n" + "\n".join((logs or [done.stdout + done.stderr])[0].splitlines()[-15:]))
+		raise RuntimeError("batch.run: no row left a result; the first one said:\n" + "\n".join((logs or [batch.stdout + batch.stderr])[0].splitlines()[-15:]))
 	return [json.loads(file.read_text()) if file.exists() else None for file in left]

@@ -19,7 +19,7 @@ def test_scatter_over_realisations_is_that_of_their_own_tests(several):
 	sines = np.array([test.peak[1] / test.peak[0] for test in tests]).reshape(3, 2).mean(axis=1)
 	said.append(scatter.row())
 	print(scatter.row())
-	assert list(scatter.shearFriction) == [calibrate.thawedFriction(sample) for sample in several]
+	assert list(scatter.shearFriction) == [calibrate.thawedPeakFriction(sample) for sample in several]
 	assert np.allclose(np.sin(np.radians(scatter.frictionAngle)), sines, rtol=1e-12)
 	assert scatter.grains == 40 and (scatter.frozenStrength > 100e3).all() and (scatter.frozenYoung > 2 * scatter.young).all()
 	assert f"{scatter.frictionAngle.mean():.1f} ± {scatter.frictionAngle.std(ddof=1):.1f}" in said[0]
