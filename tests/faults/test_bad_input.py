@@ -233,7 +233,6 @@ wrong = {
 	"no DEM steps": (lambda s: sampled(s, minSteps=0), "RveSkeleton.minSteps", "0"),
 	"negative friction of slip": (lambda s: sampled(s, slipFriction=-0.1), "RveSkeleton.slipFriction", "-0.1"),
 	"negative cohesion of slip": (lambda s: sampled(s, slipFriction=0.3, slipCohesion=-5), "RveSkeleton.slipCohesion", "-5"),
-	"cohesion of slip without its friction": (lambda s: sampled(s, slipCohesion=5), "RveSkeleton.slipCohesion", "it with slipFriction"),
 	"negative threads": (lambda s: sampled(s, threads=-2), "RveSkeleton.threads", "-2"),
 	"unknown measure": (lambda s: sampled(s).skeleton.values("bonds"), "RveSkeleton.values", "bonds"),
 	"time step of a sample backwards": (lambda s: setattr(s, "dt", -1), "RveSample.dt", "-1"),

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/common/ElastMat.hpp>
+#include <pkg/common/Sphere.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/RveSkeleton.hpp>
+#include <pkg/multiscale/samples/SlipFriction.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <map>
 
@@ -40,11 +44,8 @@ void RveSkeleton::checkScheduling() const
 	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "give a positive number, e.g. 5e-3.");
 	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "give a positive number, e.g. 1e-5.");
 	require(creepInterval >= 0, "creepInterval", creepInterval, "give a calendar time in s, 0 or more.");
-	const bool slipsByStrength = !std::isnan(slipFriction);
-	if (slipsByStrength) require(slipFriction >= 0, "slipFriction", slipFriction, "give 0 or more, or nan: the stress of the samples carries the slip.");
+	if (!std::isnan(slipFriction)) require(slipFriction >= 0, "slipFriction", slipFriction, "give 0 or more, or nan: it is measured on the samples.");
 	require(slipCohesion >= 0, "slipCohesion", slipCohesion, "give a stress in Pa, 0 or more.");
-	require(slipCohesion == 0 || slipsByStrength, "slipCohesion", slipCohesion,
-	        "give it with slipFriction: without that the stress of the samples carries the slip.");
 	require(minSteps >= 1, "minSteps", minSteps, "give 1 or more.");
 	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "give 0 or more.");
 }
@@ -188,6 +189,85 @@ template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 	stores.open = std::make_shared<talik::OpenStore<Dim>>(bytes);
 }
 
+namespace {
+	void mix(std::size_t& digest, std::size_t more) { digest = mixed(digest ^ more); }
+
+	/// Of what the grains of a scene are: their places come back from an archive with other last digits.
+	std::size_t digestOfGrains(const Scene& scene)
+	{
+		std::size_t digest = 0;
+		for (std::size_t id = 0; id < scene.bodies->size(); ++id) {
+			const auto& body = (*scene.bodies)[int(id)];
+			if (!body || !body->shape) continue;
+			const auto* sphere   = dynamic_cast<const Sphere*>(body->shape.get());
+			const auto* friction = dynamic_cast<const FrictMat*>(body->material.get());
+			mix(digest, std::hash<float>()(sphere ? float(sphere->radius) : 0));
+			mix(digest, std::hash<float>()(friction ? float(friction->frictionAngle) : 0));
+		}
+		return digest;
+	}
+
+	template <int Dim> talik::SteadyFriction measuredNow(const std::vector<talik::ShearedSource<Dim>>& sources, int threads)
+	{
+		talik::SteadyFriction found;
+		try {
+			found = talik::steadyFriction<Dim>(sources, threads);
+		} catch (const std::runtime_error& problem) {
+			throw std::runtime_error(
+			        "RveSkeleton.slipFriction is nan, and the friction of the samples could not be measured: " + string(problem.what())
+			        + "; give slipFriction, e.g. 0.3.");
+		}
+		if (talik::isFirstRank())
+			std::cerr << "RveSkeleton: samples slip at the thaw front with their friction in steady simple shear, " << std::setprecision(3)
+			          << found.mean << " with a standard error of " << std::setprecision(2) << found.error << " (" << found.samples
+			          << (found.samples == 1 ? " sample" : " samples") << " measured); slipFriction gives another." << std::setprecision(6)
+			          << std::endl;
+		return found;
+	}
+} // namespace
+
+string RveSkeleton::sourcesDigest(int dimension) const
+{
+	std::size_t digest = mixed(std::size_t(dimension));
+	const auto  bytes  = [](const auto& sample) { return sample.toBytes(); };
+	for (const auto& sample : samples)
+		mix(digest, std::hash<string>()(sample->dimension() == 2 ? bytes(sample->template packed<2>()) : bytes(sample->template packed<3>())));
+	for (const auto& scene : scenes)
+		mix(digest, digestOfGrains(*scene));
+	return std::to_string(digest);
+}
+
+/// Friction of samples for which the script gives none, measured on them as they are now when the thaw front first asks. It stays while the samples
+/// are the same, in a scene that was saved, too.
+template <int Dim> void RveSkeleton::prepareSlip(Stores<Dim>& stores)
+{
+	const string digest = std::isnan(slipFriction) && samples.size() + scenes.size() > 0 ? sourcesDigest(Dim) : "";
+	if (measuredOn != digest) {
+		measuredFriction = measuredFrictionError = NaN;
+		measuredOn.clear();
+	}
+	if (digest.empty()) return;
+	std::vector<talik::ShearedSource<Dim>> sources;
+	const auto                             addPacked = [&sources](const shared_ptr<RveSample>& sample) {
+                sources.push_back({ std::make_shared<talik::PackedState<Dim>>(sample->template packed<Dim>()), "" });
+	};
+	for (const auto& sample : samples)
+		addPacked(sample);
+	for (std::size_t k = 0; k < scenes.size(); ++k) {
+		if (stores.packed) addPacked(prototypes[samples.size() + k]);
+		else sources.push_back({ nullptr, talik::sceneToBytes(scenes[k]) });
+	}
+	stores.model->measureSlip = [this, sources, digest] {
+		if (measuredOn != digest) {
+			const auto found      = measuredNow<Dim>(sources, threads);
+			measuredFriction      = found.mean;
+			measuredFrictionError = found.error;
+			measuredOn            = digest;
+		}
+		return talik::ShearStrength { measuredFriction, slipCohesion };
+	};
+}
+
 SkeletonLaw::Model<3> RveSkeleton::build(const Places<3>& places)
 {
 	checkSettings(int(places.size()));
@@ -216,7 +296,8 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	else store = made.open;
 	if (talik::jobTalk() && shared == Shared::samples) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
 	if (talik::jobTalk() && shared == Shared::ground) store = std::make_shared<talik::BandStore<Dim>>(store, talik::jobTalk());
-	made.model           = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
+	made.model = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
+	prepareSlip(made);
 	made.model->onBlowUp = [this](int id) {
 		keepBlownUp(id);
 		return onBlowUp == "stop";

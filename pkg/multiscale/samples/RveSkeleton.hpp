@@ -77,6 +77,8 @@ private:
 	string                                  reasonAgainstPacking(int dimension) const;
 	template <int Dim> void                 makeStore(Stores<Dim>&);
 	template <int Dim> vector<int>          dealt(const Places<Dim>& places) const;
+	template <int Dim> void                 prepareSlip(Stores<Dim>&);
+	string                                  sourcesDigest(int dimension) const;
 
 	std::shared_ptr<talik::PointSamples>     model; ///< that of `now`
 	std::variant<Stores<2>, Stores<3>>       now;
@@ -118,9 +120,14 @@ public:
 		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is asked at the latest [s], >= 0; 0: in every step. In between its stress "
 				"does not relax."))
 		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Coulomb friction at the thaw front, shear over normal stress, eq. (20.2) [-], >= 0. "
-				"Give that of the samples in simple shear, talik.calibrate.thawedFriction. nan: the stress of the samples carries the slip, eq. (20.2a); it is rough "
-				"where the front is inclined to the grid, and slopes fail too early on fine cells."))
+				"nan (default): it is measured when the first of them thaws there, see measuredFriction. talik.calibrate.thawedFriction measures it, too, over "
+				"pressures and realisations."))
 		((Real,slipCohesion,0,,"Cohesion that goes with slipFriction [Pa], >= 0. It stays where bonds of the samples break."))
+		((Real,measuredFriction,std::numeric_limits<double>::quiet_NaN(),Attr::readonly,"Where slipFriction is nan and samples have met a thaw front: shear over "
+				"normal stress of its samples in steady simple shear without ice [-], a mean over eight runs of up to eight samples (two runs where they run open), "
+				"of shear 0.3 to 2 each, the first 0.15 of which does not count. nan before."))
+		((Real,measuredFrictionError,std::numeric_limits<double>::quiet_NaN(),Attr::readonly,"Standard error of measuredFriction, from the scatter of the runs [-]."))
+		((string,measuredOn,"",Attr::hidden,"The samples of measuredFriction."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
 				"changed while running."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "

@@ -536,6 +536,14 @@ template <int Dim> void SampleSkeleton<Dim>::tangentModulus(const SkeletonBatch<
 	}
 }
 
+/// Ground in which nothing thaws beside frozen ground never asks.
+std::optional<ShearStrength> PointSamples::slip() const
+{
+	if (schedule.slipStrength) return schedule.slipStrength;
+	if (!measuredSlip && measureSlip) measuredSlip = measureSlip();
+	return measuredSlip;
+}
+
 std::size_t PointSamples::sampleNumber(int id) const
 {
 	if (!has(id)) throw std::invalid_argument("point " + std::to_string(id) + " has no sample");

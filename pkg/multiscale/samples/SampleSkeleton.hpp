@@ -27,7 +27,7 @@ struct SampleScheduling {
 	std::optional<IceCreepLaw> iceCreep;
 	double                     creepInterval = 0;
 	bool                       followsTime() const { return iceStrength || iceCreep; }
-	/// Strength with which points slip at the thaw front; absent: their stress carries the slip, eq. (20.2a) of pkg/mpm.
+	/// Strength with which points slip at the thaw front; absent: it is measured, see PointSamples::measureSlip.
 	std::optional<ShearStrength> slipStrength;
 };
 
@@ -55,7 +55,9 @@ public:
 	/// Called with the point's id for every sample that blew up and is in its last good state again; says whether the run has to stop.
 	/// Without it stopOnBlowUp decides.
 	std::function<bool(int)> onBlowUp;
-	const SampleCounters&    counters() const { return count; }
+	/// Measures the strength with which points slip at the thaw front, when that asks for it first and the scheduling states none.
+	std::function<ShearStrength()> measureSlip;
+	const SampleCounters&          counters() const { return count; }
 
 	bool has(int id) const { return id >= 0 && id < int(sampleOf.size()) && sampleOf[id] >= 0; }
 	/// Number of a point's sample in the store. Throws std::invalid_argument for a point without one.
@@ -84,6 +86,7 @@ public:
 	void        restoreBeside(const std::string& bytes, const PartedFile& file, std::uint64_t at);
 
 protected:
+	std::optional<ShearStrength> slip() const;
 	/// What came of the samples that were asked in a step: of this rank, and then of all in the order of their points.
 	struct Asked {
 		struct BlownUp {
@@ -112,6 +115,8 @@ private:
 	void restoreBooks(ByteReader&);
 	void restoreNumbers(ByteReader&);
 
+	mutable std::optional<ShearStrength> measuredSlip;
+
 	std::shared_ptr<SampleStore> anyStore;
 };
 
@@ -123,7 +128,7 @@ public:
 
 	std::string name() const override { return "RveSkeleton"; }
 
-	std::optional<ShearStrength> shearStrength(double) const override { return schedule.slipStrength; }
+	std::optional<ShearStrength> shearStrength(double) const override { return slip(); }
 
 	void declareFields(PointFields&, const std::string& prefix) override;
 	void initialise(const SkeletonBatch<Dim>&) override;
