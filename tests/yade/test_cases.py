@@ -338,6 +338,7 @@ def asCommanded(folder, **options):
 				realisations=1,
 				seed=1,
 				thawed_cohesion=None,
+				grid_offset=0.0,
 				calendar=None,
 			),
 			**options,
