@@ -10,8 +10,6 @@ namespace talik {
 namespace {
 	/// A side with less of a node's mass than this has no velocity of its own there: the quotient would be round-off.
 	constexpr double smallestMassShare = 1e-9;
-	/// Cohesion [Pa] from which on the law of the thawed points states no strength, so that the sides stay together.
-	constexpr double unlimited = 1e20;
 
 	template <int D> using In = typename FrontContact<D>::Inputs;
 	template <int D> using R  = FrontRecords<D>;
@@ -156,7 +154,7 @@ namespace {
 	template <int D> void press(const In<D>& in, ContactNode<D>& c)
 	{
 		const double tie = -c.reducedMass * dot<D>(c.jump, c.normal);
-		c.together       = tie >= -in.dt * c.tension || c.cohesion > unlimited || settles<D>(in, c);
+		c.together       = tie >= -in.dt * c.tension || c.cohesion > R<D>::mostStated || settles<D>(in, c);
 		c.reaction       = c.together ? std::max(c.pressing, -c.tension) : -c.tension;
 		c.impulse        = c.together ? tie : -in.dt * c.tension;
 	}

@@ -28,6 +28,10 @@ public:
 	/// Columns of what a side gets; the frozen side comes first.
 	static constexpr int velocityAt = Side::velocity, gainAt = Side::gain, liquidGainAt = Side::liquidGain, sideSize = Side::size;
 
+	/// Friction [-] and cohesion [Pa] of points whose law states no strength: no load overcomes them. A node with a trace of such ground has more than
+	/// mostStated of both.
+	static constexpr double unlimited = 1e30, mostStated = 1e20;
+
 	struct alignas(64) Sums {
 		double number[Pores::at + Pores::size];
 	};

@@ -5,11 +5,6 @@
 
 namespace talik {
 
-namespace {
-	/// Friction [-] and cohesion [Pa] of ground whose law states no strength: no load overcomes them.
-	constexpr double unlimited = 1e30;
-} // namespace
-
 template <int D>
 void FrontTransfer<D>::bind(
         const FrontNodes<D>& nodes, FrontRecords<D>& records, SolidMotion<D>& motion, PoreWater<D>* water, const Pores& pores, double* slip, int points)
@@ -33,8 +28,8 @@ template <int D> void FrontTransfer<D>::keepOnly(int firstPoint, int endPoint)
 
 template <int D> void FrontTransfer<D>::setStrength(int place, const std::optional<ShearStrength>& strength)
 {
-	friction_[place] = strength ? strength->friction : unlimited;
-	cohesion_[place] = strength ? strength->cohesion : unlimited;
+	friction_[place] = strength ? strength->friction : R::unlimited;
+	cohesion_[place] = strength ? strength->cohesion : R::unlimited;
 }
 
 template <int D> void FrontTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
