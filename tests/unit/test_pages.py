@@ -6,8 +6,8 @@ from functools import lru_cache
 from pathlib import Path
 
 root = Path(__file__).resolve().parents[2]
-pages = sorted([*root.glob("*.md"), *root.glob("examples/*.md"), *root.glob("examples/*/*.md"), *root.glob("pkg/*/README.md")])
-roomPages = [page for page in pages if page.parent.parent.name == "pkg"]
+pages = sorted([*root.glob("*.md"), *root.glob("examples/*.md"), *root.glob("examples/*/*.md"), *root.glob("pkg/*/*.md")])
+roomPages = [page for page in pages if page.parent.parent.name == "pkg" and page.name == "README.md"]
 
 # A number with a point is an equation of the room pages, a whole number one of Yu & Zhao.
 citation = re.compile(r"\b[eE]qs?\.? ?((?:\(?\d+(?:\.\d+)?[a-z]?\)?(?:, | and | to |-|–)?)+)")
