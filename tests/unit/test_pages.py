@@ -138,3 +138,31 @@ def test_no_line_of_running_text_is_longer_than_160_characters():
 				long.append(f"{page.relative_to(root)}:{number}: {len(line)}")
 	print(f"{len(pages)} pages, {len(long)} lines above 160 characters")
 	assert not long
+
+
+def test_the_picture_of_the_five_steps_shows_them_in_their_order():
+	section = textOf(root / "CONTRIBUTING.md").split("### The five steps of the ground")[1].split("\n### ")[0]
+	picture = re.search(r"^```\n(.*?)^```", section, re.S | re.M).group(1)
+	steps = textOf(root / "pkg/mpm/README.md").split("## The five steps")[1].split("\n## ")[0]
+	taken = list(dict.fromkeys(re.findall(r"^\| `(\w+)` \|", steps, re.M)))
+	drawn = re.findall(r"\b(\d) (\w+)", picture)
+	print(" -> ".join(name for _, name in drawn))
+	assert drawn == [(str(number), name) for number, name in enumerate(taken, 1)]
+
+
+def test_rooms_use_no_others_than_the_map_says_and_no_two_use_each_other():
+	rows = re.findall(r"^\| \[pkg/(\w+)\]\([^)]*\) \| [^|]* \| ([^|]*)\|", textOf(root / "CONTRIBUTING.md"), re.M)
+	told = {room: set(re.findall(r"\w+", re.sub(r"\(.*?\)", "", uses))) for room, uses in rows}
+	found = {room: set() for room in told}
+	for file, text in sources().items():
+		room = file.relative_to(root).parts[1]
+		if file.is_relative_to(root / "pkg"):
+			found[room] |= {used for used in re.findall(r"^#\s*include <pkg/(\w+)/", text, re.M) if used in told and used != room}
+	for room, used in found.items():
+		print(f"{room} -> {', '.join(sorted(used)) or 'none'}")
+	assert found == told
+	order = []
+	while len(order) < len(found):
+		free = [room for room, used in found.items() if room not in order and used <= set(order)]
+		assert free, f"a circle among {sorted(set(found) - set(order))}"
+		order += free
