@@ -177,7 +177,7 @@ class ThawSlump:
 		A checkpoint is kept in the folder every minute, and when the run is interrupted by Ctrl-C: see resumed()."""
 		if self.reached is None:
 			self.rest()
-		progress = Progress(endDay=self.preset.days, calendar=lambda: self.mpm.calendar, clock=self.thawTime, details=self._details)
+		progress = Progress(endDay=self.preset.days, calendar=lambda: self.mpm.calendar, clock=self.thawTime, details=self._details, ground=self.mpm)
 		try:
 			self._thaw(progress.update)
 		except KeyboardInterrupt:

@@ -12,6 +12,7 @@ import sys
 import time
 from datetime import timedelta
 
+import numpy as np
 from tqdm import tqdm
 
 from talik import ranks
@@ -32,6 +33,8 @@ class Progress:
 	"""Follows a run towards `endTime` [s of simulated time], `endDay` of the calendar or `endStep`.
 
 	calendar          function returning MpmEngine.calendar: day and scale are shown
+	ground            MpmEngine whose calendar follows the motion: where ground moves so that the calendar goes less than half as fast as at rest,
+					  place and speed of the fastest ground are shown
 	interval          [s of wall time] between two lines when the output is not a terminal
 	details           function returning {name: value} shown at the end of the line
 	clock, step       functions for simulated time [s] and step number; default those of O
@@ -41,7 +44,18 @@ class Progress:
 	>>> O.engines = O.engines + [progress.runner()]"""
 
 	def __init__(
-		self, endTime=None, endStep=None, endDay=None, calendar=None, interval=10.0, details=None, clock=None, step=None, stream=None, thermalTimeScale=None
+		self,
+		endTime=None,
+		endStep=None,
+		endDay=None,
+		calendar=None,
+		interval=10.0,
+		details=None,
+		clock=None,
+		step=None,
+		stream=None,
+		thermalTimeScale=None,
+		ground=None,
 	):
 		if thermalTimeScale is not None:
 			raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}: thaw days are read from the calendar now; give calendar=lambda: mpm.calendar instead")
@@ -58,6 +72,7 @@ class Progress:
 		self.goal = {"endTime": self.clock, "endStep": self.step, "endDay": self._day}[name]
 		self.end, self.interval = float(end), interval
 		self.details = details or dict
+		self.ground = ground if ranks.count == 1 else None
 		self.stream = stream or sys.stderr
 		self.wallStart = self.wallLast = time.monotonic()
 		self.goalStart, self.stepStart = self.goal(), self.step()
@@ -127,10 +142,39 @@ class Progress:
 		if self.calendar is not None:
 			calendar = self.calendar()
 			parts.append(f"day {calendar['day']:.1f}, {calendar['scale']:.2g} times as fast")
+			parts += self._holdUp()
 		parts += [f"step {self.step()}", f"{self.stepsPerSecond():.1f} steps/s"]
 		parts += [f"{ranks.count} ranks"] if ranks.count > 1 else []
 		parts += [f"{name} {value}" for name, value in self.details().items()]
 		return ", ".join(parts)
+
+	def _holdUp(self):
+		moving = None if self.ground is None else whatSlowsTheCalendar(self.ground)
+		return [] if moving is None else [f"slowed by ground at {_place(moving['position'])} that moves at {moving['speed']:.2g} m/s"]
+
+
+def whatSlowsTheCalendar(mpm):
+	"""What moves so fast that the calendar goes less than half as fast as at rest; None where nothing does, or where it does not follow the motion.
+
+	A dictionary: position, the mean of the points of the fastest cell [m]; speed, that of their mean velocity [m/s]; ids of these points;
+	motionTolerance, the speed at which the calendar goes half as fast as at rest [m/s].
+
+	>>> talik.progress.whatSlowsTheCalendar(mpm)"""
+	if not mpm.calendar["followsMotion"] or not mpm.calendar["speed"] > mpm.heat.motionTolerance:
+		return None
+	position, velocity, volume = (mpm.field(name) for name in ("position", "velocity", "volume"))
+	lower = np.array(mpm.lower) if len(mpm.lower) == position.shape[1] and np.isfinite(mpm.lower).all() else 0.0
+	cells, cell = np.unique(np.floor((position - lower) / mpm.gridSpacing), axis=0, return_inverse=True)
+	means = [np.bincount(cell, volume * component, len(cells)) / np.bincount(cell, volume, len(cells)) for component in velocity.T]
+	fastest = np.linalg.norm(means, axis=0).argmax()
+	ids = np.flatnonzero(cell == fastest)
+	speed = float(np.linalg.norm([mean[fastest] for mean in means]))
+	return {"position": position[ids].mean(axis=0), "speed": speed, "ids": ids.tolist(), "motionTolerance": mpm.heat.motionTolerance}
+
+
+def _place(position):
+	"""(x, y) [m] with two decimals, for messages."""
+	return "(" + ", ".join(f"{x:.2f}" for x in position) + ") m"
 
 
 def _sceneTime():

@@ -70,7 +70,7 @@ def runUntilDay(mpm, day, look=None, longest=math.inf, progress=False):
 	if not _runs(mpm, O.engines):
 		raise ValueError("runUntilDay: the ground is not among O.engines, so that its calendar stands still; set O.engines = [mpm] first")
 	if progress:
-		with _shown(Progress(endDay=day, calendar=lambda: mpm.calendar)) as bar:
+		with _shown(Progress(endDay=day, calendar=lambda: mpm.calendar, ground=mpm)) as bar:
 			return runUntilDay(mpm, day, _both(look, bar.update), longest)
 	mpm.stopAtDay = day
 	runUntil(longest, look)

@@ -5,9 +5,10 @@ import io
 import re
 import time
 
+import numpy as np
 import pytest
 
-from talik.progress import Progress
+from talik.progress import Progress, whatSlowsTheCalendar
 
 
 class Run:
@@ -53,6 +54,34 @@ def test_without_a_terminal_one_line_per_interval_shows_time_day_scale_rate_and_
 	print(line.strip())
 	assert line.count("\n") == 1
 	assert re.search(r"33\.3 %  t = 5 s, day 50\.0, 8\.6e\+05 times as fast, step 1000, [\d.]+ steps/s, samples 42, .* so far, end in 0:00:0", line)
+
+
+class SlidingGround:
+	"""Four points in three cells of 0.5 m; two of the first swing against each other, the one at (1.1, 0.2) slides."""
+
+	gridSpacing, lower = 0.5, (-0.25, 0.0)
+	calendar = {"followsMotion": True, "speed": 0.3, "day": 3.0, "scale": 900.0}
+	heat = type("Heat", (), {"motionTolerance": 0.01})
+	fields = {
+		"position": [(0.0, 0.1), (0.1, 0.1), (0.6, 0.4), (1.1, 0.2)],
+		"velocity": [(2.0, 0.0), (-2.0, 0.0), (0.1, 0.0), (0.18, -0.24)],
+		"volume": [0.1, 0.1, 0.1, 0.1],
+	}
+
+	def field(self, name):
+		return np.array(self.fields[name])
+
+
+def test_a_slow_calendar_names_the_ground_that_moves_and_a_fast_one_names_none():
+	ground, stream = SlidingGround(), io.StringIO()
+	moving = whatSlowsTheCalendar(ground)
+	assert moving["ids"] == [3] and moving["speed"] == pytest.approx(0.3) and tuple(moving["position"]) == (1.1, 0.2)
+	progress = progressOf(Run(), stream, calendar=lambda: ground.calendar, interval=0.0, ground=ground)
+	progress.update()
+	print(stream.getvalue().strip())
+	assert "day 3.0, 9e+02 times as fast, slowed by ground at (1.10, 0.20) m that moves at 0.3 m/s" in stream.getvalue()
+	ground.calendar = dict(ground.calendar, speed=0.009)
+	assert whatSlowsTheCalendar(ground) is None
 
 
 def test_expected_end_is_the_time_so_far_scaled_by_what_is_left():
