@@ -111,7 +111,7 @@ def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5, late
 
 
 def extensionTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
-	"""Extension of an ice-free RveSample, frozen at an isotropic `pressure` [Pa], with the lateral stress let off.
+	"""Extension of an ice-free RveSample, frozen at an isotropic `pressure` [Pa], with the lateral stress removed.
 
 	>>> test = talik.calibrate.extensionTest(packed, iceSaturation=1, strain=2e-4)
 	>>> bool(test.tension > 0)
@@ -120,7 +120,7 @@ def extensionTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-
 
 
 def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
-	"""Largest axial tension [Pa] in extension with the lateral stress let off, of a sample frozen at `pressure` [Pa]; 0 without ice.
+	"""Largest axial tension [Pa] in extension with the lateral stress removed, of a sample frozen at `pressure` [Pa]; 0 without ice.
 
 	>>> tension = talik.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
 	return extensionTest(sample, iceSaturation, pressure, strain, perCall).tension
@@ -137,7 +137,7 @@ def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
 
 def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall=2e-5):
 	"""Tensile strength [Pa] that bonds of a thawed strength [Pa] leave to ice-free RveSamples that were frozen at `pressures` [Pa] and have thawed
-	there: the largest axial tension in extension with the lateral stress let off, mean over realisations and pressures.
+	there: the largest axial tension in extension with the lateral stress removed, mean over realisations and pressures.
 
 	A cohesion without it holds next to nothing close to a surface, where normal stress is small.
 

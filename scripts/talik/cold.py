@@ -4,7 +4,7 @@
 	scripts/calibrate --temperature           # table and picture
 
 At each temperature the freezing curve gives the ice saturation, IceStrength the strength of the bonds and the stiffness of their ice. Each sample freezes
-at an isotropic pressure, is compressed under it, and stretched with the lateral stress let off.
+at an isotropic pressure, is compressed under it, and stretched with the lateral stress removed.
 """
 
 import dataclasses

@@ -27,7 +27,7 @@ bondModulus = 3.6e9  # of a bond at full ice saturation, to order of magnitude [
 
 @dataclasses.dataclass(frozen=True)
 class CreepTest:
-	"""Creep under one stress, arrays over the calls: time [s of nature], strain [-] along the load (tensor component, positive).
+	"""Creep under one stress, arrays over the calls: time [s of physical time], strain [-] along the load (tensor component, positive).
 
 	>>> test = talik.creep.creepTest(frozen, IceCreep(), "tension", stress=100e3, strain=2e-3)
 	>>> bool(np.all(np.diff(test.time) > 0))
@@ -161,7 +161,7 @@ class CreepTable:
 			ofStress.plot(1e-3 * np.repeat(stress, rates.shape[1]), rates.ravel(), "o", color=colour, markersize=4, label=f"samples in {load}")
 			line = self.rateFactor(load) * stress**self.law.exponent
 			ofStress.plot(1e-3 * stress, line, "-", color=colour, linewidth=0.8, label=f"Glen's law, n = {self.law.exponent:g}, factor fitted to {load}")
-		ofStress.set(xscale="log", yscale="log", xlabel="stress [kPa]", ylabel="rate of secondary creep [1/s of nature]", title=f"at {self.temperature:g} °C")
+		ofStress.set(xscale="log", yscale="log", xlabel="stress [kPa]", ylabel="rate of secondary creep [1/s of physical time]", title=f"at {self.temperature:g} °C")
 		ofStress.set_xticks(1e-3 * stress, [f"{1e-3 * s:g}" for s in stress])
 		ofStress.minorticks_off()
 		ofStress.legend(frameon=False, fontsize=8)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Answers with their spread: one slope run several times, with samples of other seeds and a grid that lies a little differently.
+"""Results with their scatter: one slope run several times, with samples of other seeds and a shifted grid.
 
-	scripts/run thaw_slump_base --ensemble 12                    # as many runs, one on each core; started anew it goes on
+	scripts/run thaw_slump_base --ensemble 12                    # twelve runs, one on each core; started again it goes on
 	several = talik.ensemble.read("output/thaw_slump_base")      # the runs that are done
 	print(several.report())
 
-A path of failure depends on chance: on which samples lie where, and on where nodes of the grid lie under the face. Each member of an
-ensemble has seeds and an offset of the grid of its own, the first one those of a single run. Each runs in a yade of its own on one core,
-in a folder of its own, with checkpoints: what was stopped goes on, what is done stays, and a larger number adds members.
-`spread` gives each headline number with mean, standard error and deciles; `cost` says what halving the standard error takes: three times as many
-runs again, since it falls with the root of their number.
+Where ground fails depends in part on chance: on which sample is where, and on where the nodes of the grid are. Each member of an ensemble has its
+own seed and its own shift of the grid; the first one has those of a single run. Each runs in its own yade on one core, in its own folder, with
+checkpoints. Started again, stopped members go on, finished ones stay, and a larger number adds members.
+`spread` gives each main result with mean, standard error and deciles. `cost` says how many runs would halve the standard error: three times as many
+again, because it falls with the root of their number.
 
 An example takes part if it has the options --output, --seed, --realisations, --grid-offset and --resume, and leaves summary.json, whose entry
 "headlines" names its numbers, and frames.npz, as the slumps do. For scripts of your own see talik.batch.

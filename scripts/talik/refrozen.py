@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What thaw and refreezing make of the strength of a frozen sample: biaxial compression after other pasts.
+"""What thaw and refreezing make of the strength of a frozen sample: biaxial compression after different histories.
 
 	scripts/calibrate --refrozen              # table and picture
 

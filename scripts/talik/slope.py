@@ -97,7 +97,7 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 
 
 def infiniteSlope(angle, depth, frictionAngle, cohesion=0.0, unitWeight=19e3, waterDepth=math.inf, waterWeight=9810.0):
-	"""Factor of safety of an infinite slope against sliding along a plane parallel to its surface [-], a number to stand beside a run.
+	"""Factor of safety of an infinite slope against sliding along a plane parallel to its surface [-], for comparison with a run.
 
 	angle          of the slope [degrees], above 0, below 90
 	depth          of the sliding plane below the surface, vertical [m], above 0: the thaw depth, where thawed ground slides on frozen ground
