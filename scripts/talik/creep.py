@@ -161,7 +161,9 @@ class CreepTable:
 			ofStress.plot(1e-3 * np.repeat(stress, rates.shape[1]), rates.ravel(), "o", color=colour, markersize=4, label=f"samples in {load}")
 			line = self.rateFactor(load) * stress**self.law.exponent
 			ofStress.plot(1e-3 * stress, line, "-", color=colour, linewidth=0.8, label=f"Glen's law, n = {self.law.exponent:g}, factor fitted to {load}")
-		ofStress.set(xscale="log", yscale="log", xlabel="stress [kPa]", ylabel="rate of secondary creep [1/s of physical time]", title=f"at {self.temperature:g} °C")
+		ofStress.set(
+			xscale="log", yscale="log", xlabel="stress [kPa]", ylabel="rate of secondary creep [1/s of physical time]", title=f"at {self.temperature:g} °C"
+		)
 		ofStress.set_xticks(1e-3 * stress, [f"{1e-3 * s:g}" for s in stress])
 		ofStress.minorticks_off()
 		ofStress.legend(frameon=False, fontsize=8)
