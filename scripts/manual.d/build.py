@@ -24,7 +24,7 @@ pagesOfRepository = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.c
 
 def gallery():
 	"""A page with text and picture of each example."""
-	lines = ["# Gallery", "", "Each example is a script that you would write yourself: `scripts/run NAME`. [What they show](examples/README.md).", ""]
+	lines = ["# Gallery", "", "Each example is a script like those that a user writes. `scripts/run NAME` runs it. [What they show](examples/README.md).", ""]
 	for example in sorted((root / "examples").glob("*.py")):
 		text = ast.get_docstring(ast.parse(example.read_text())).split("\n\n")
 		lines += [f"## {example.stem}", "", text[0], ""]
