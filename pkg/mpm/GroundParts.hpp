@@ -155,8 +155,8 @@ template <int D> struct Ground<D>::Parts {
 	bool hasContent() const { return settings.heat || settings.water; }
 	bool hasFront() const;
 	bool hasThawStrain() const;
-	/// Points at the front are exceptions from the means of cells, except in ground whose cells share thaw strain.
-	bool frontHasOwnMeans() const { return front && !thawStrain; }
+	/// Points at the front are exceptions from the means of cells in dry ground whose cells share no thaw strain.
+	bool frontHasOwnMeans() const { return front && !water && !thawStrain; }
 	/// The effects whose points the content of the pores changes.
 	typename PoreContent<D>::Effects contentOf() const { return { motion.get(), heat.get(), water.get() }; }
 	bool                             averaging() const { return motion && motion->settings->bBar; }

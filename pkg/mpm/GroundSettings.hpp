@@ -96,9 +96,6 @@ struct WaterSettings {
 struct FrontConstants {
 	/// Part of gravity along the normal from which on thawed ground lies on frozen ground and settles with it [-].
 	double restingWeight = 0.5;
-	/// Slip of thawed points over h from which on the frozen points of a saturated cell have a mean strain of their own [-]. Rows that have thawed
-	/// without sliding share the strain of their cell: they would not close again after a winter without it.
-	double slidPart = 1e-2;
 	/// Water over what the pores hold from which on they begin to be full, and from which on they are, so that still water bears its part [-].
 	double nearlyFull = 0.97, full = 0.99;
 };

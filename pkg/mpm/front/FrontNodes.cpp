@@ -28,20 +28,18 @@ FrontNodes<D>::FrontNodes(const ThawFrontSettings& settings)
         : settings_(settings)
 {}
 
-template <int D> void FrontNodes<D>::bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side, const double* slip, const double* iceSaturation)
+template <int D> void FrontNodes<D>::bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side, const double* iceSaturation)
 {
 	points_        = &points;
 	side_          = side;
-	slip_          = slip;
 	iceSaturation_ = iceSaturation;
-	spacing_       = grid.spacing();
 	reach_         = offsetsOf(grid, -2, 1);
 	beside_        = offsetsOf(grid, -1, 1);
 	margin_        = 0;
 	for (int a = 0; a < D; ++a)
 		margin_ += 2 * grid.nodeStride(a);
 	cell_.reset(points.count());
-	for (auto* marks : { &sides_, &slid_, &reached_, &near_ })
+	for (auto* marks : { &sides_, &reached_, &near_ })
 		marks->assign(grid.nodeCount() + 2 * margin_, 0);
 	slot_.assign(grid.nodeCount(), -1);
 	nodes_.clear();
@@ -70,7 +68,6 @@ template <int D> void FrontNodes<D>::markCells(const Grid<D>& grid, int first, i
 			lower += (std::min(int((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
 		cell_[p] = lower;
 		sides_[lower] |= frozen(p) ? frozenBit : thawedBit;
-		slid_[lower] |= !frozen(p) && slip_[p] > settings_.constants.slidPart * spacing_;
 	}
 }
 
@@ -122,7 +119,6 @@ template <int D> void FrontNodes<D>::markNear()
 template <int D> void FrontNodes<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
 {
 	std::fill(sides_.begin(), sides_.end(), 0);
-	std::fill(slid_.begin(), slid_.end(), 0);
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
 		        updateSides(first, last);
@@ -131,7 +127,6 @@ template <int D> void FrontNodes<D>::find(const Grid<D>& grid, const ActiveRange
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
 		        rows.cellsByNode(sides_.data() + margin_);
-		        rows.cellsByNode(slid_.data() + margin_);
 	        });
 	spreadSides(range);
 	joinMirrors(mirrors);
@@ -159,12 +154,10 @@ template <int D> const std::vector<int>& FrontNodes<D>::thawedNear(const std::ve
 	return chosen_;
 }
 
-template <int D> void FrontNodes<D>::exceptFromMeans(CellMeans<D>& cells, bool saturated, int first, int last) const
+template <int D> void FrontNodes<D>::exceptFromMeans(CellMeans<D>& cells, int first, int last) const
 {
-	const double* volume = points_->volume();
 	for (int p = first; p < last; ++p)
-		if (saturated) cells.setApart(p, near(p) && frozen(p) && slid_[cell_[p]], volume[p]);
-		else cells.leaveOut(p, near(p));
+		cells.leaveOut(p, near(p));
 }
 
 template class FrontNodes<2>;

@@ -18,8 +18,8 @@ public:
 	using Mirrors = std::vector<typename MotionConstraints<D>::Mirror>;
 
 	explicit FrontNodes(const ThawFrontSettings& settings);
-	/// side, slip, iceSaturation: whole arrays by place; side is 1 for frozen and 0 for thawed points, slip their path along the front [m].
-	void bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side, const double* slip, const double* iceSaturation);
+	/// side, iceSaturation: whole arrays by place; side is 1 for frozen and 0 for thawed points.
+	void bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side, const double* iceSaturation);
 	/// Sides of points first .. end at the start of a scene.
 	void start(int first, int end);
 	/// Only points of this part are used from now on.
@@ -43,10 +43,9 @@ public:
 	bool near(int place) const { return near_[cell_[place]]; }
 	/// Thawed ones among some places, ascending.
 	const std::vector<int>& thawedNear(const std::vector<int>& places);
-	/// Takes points first .. last near the front from the means of cells. In ground without water they keep their own values: what shears and
-	/// dilates there would strain the rows beside it. In saturated ground, whose pressure is that of cells, frozen points of a cell whose thawed
-	/// points have slid have a mean of their own: at thirty times their stiffness they would answer the strain of the thawed ones with stress.
-	void exceptFromMeans(CellMeans<D>& cells, bool saturated, int first, int last) const;
+	/// Takes points first .. last near the front from the means of cells: what shears and dilates there would strain the rows beside it. Not in
+	/// ground with water, whose pressure is that of cells.
+	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const;
 
 	/// work(slot) for the front nodes around a node, itself included.
 	template <class Work> void overBeside(int node, Work&& work) const
@@ -69,12 +68,9 @@ private:
 	const MaterialPoints<D>*   points_        = nullptr;
 	const double*              iceSaturation_ = nullptr;
 	double*                    side_          = nullptr;
-	const double*              slip_          = nullptr;
-	double                     spacing_       = 0.0;
 	int                        margin_        = 0; ///< of the arrays by node below, so that a reach never leaves them
 	PagedArray<int>            cell_;              ///< by place: node at the lower corner of the point's cell, counted with the margin
 	std::vector<unsigned char> sides_;             ///< by that node: sides of the points in the cell
-	std::vector<unsigned char> slid_;              ///< by that node: its thawed points have slid along the front
 	std::vector<unsigned char> reached_;           ///< by node: sides that may reach it
 	std::vector<unsigned char> near_;              ///< by the lower node of a cell: its points reach front nodes
 	std::vector<int>           reach_;             ///< from a node to the lower nodes of the cells whose points may touch it

@@ -29,7 +29,7 @@ void ThawFront<D>::bind(
 	motion_            = &motion;
 	water_             = water;
 	double* const slip = points.fields().component(slipField_);
-	nodes_.bind(grid, points, points.fields().component(sideField_), slip, iceSaturation);
+	nodes_.bind(grid, points, points.fields().component(sideField_), iceSaturation);
 	transfer_.bind(nodes_, records_, motion, water, pores, slip, points.count());
 }
 

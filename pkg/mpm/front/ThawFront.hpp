@@ -39,7 +39,7 @@ public:
 
 	/// Sides of the points and the front nodes of the step, see FrontNodes::find.
 	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
-	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const { nodes_.exceptFromMeans(cells, water_ != nullptr, first, last); }
+	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const { nodes_.exceptFromMeans(cells, first, last); }
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
 

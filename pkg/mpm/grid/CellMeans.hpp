@@ -31,22 +31,14 @@ public:
 		sum_.reset(grid.cellCount());
 		averaged_ = cell_.data();
 	}
-	/// From now on points may be left out or set apart.
+	/// From now on points may be left out.
 	void allowExceptions()
 	{
 		exceptions_.reset(cell_.size());
 		averaged_ = exceptions_.data();
-		apart_.reset(volume_.size());
-		sum_.reset(2 * volume_.size());
 	}
 	/// Whether a located point keeps its own values; needs allowExceptions().
 	void leaveOut(int place, bool leftOut) { exceptions_[place] = leftOut ? noCell : cell_[place]; }
-	/// Whether a located point of a given volume has a mean with the other points of its cell that are set apart; needs allowExceptions().
-	void setApart(int place, bool apart, double volume)
-	{
-		exceptions_[place] = apart ? cell_[place] + count() : cell_[place];
-		if (apart) apart_[cell_[place]] += volume;
-	}
 
 	/// Finds the cells of points first .. last and adds up their volumes; call within MaterialPoints::strips().scatter.
 	void locate(const Grid<D>& grid, const MaterialPoints<D>& points, int first, int last)
@@ -61,43 +53,26 @@ public:
 			volume_[c] += volume[p];
 		}
 	}
-	/// What locate(), setApart() and add() add to.
+	/// What locate() and add() add to.
 	void share(SharedRows& rows)
 	{
 		rows.cells(volume_.data());
-		if (!apart_.empty()) rows.cells(apart_.data());
 		shareSums(rows);
 	}
 	/// What add() adds to.
-	void shareSums(SharedRows& rows)
-	{
-		rows.cells(sum_.data());
-		if (!apart_.empty()) rows.cells(sum_.data() + count());
-	}
-	void clearVolumes(const ActiveRange& r)
-	{
-		std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0);
-		if (!apart_.empty()) std::fill(apart_.begin() + r.firstCell, apart_.begin() + r.lastCell, 0.0);
-	}
-	void clearSums(const ActiveRange& r)
-	{
-		std::fill(sum_.begin() + r.firstCell, sum_.begin() + r.lastCell, 0.0);
-		if (!apart_.empty()) std::fill(sum_.begin() + count() + r.firstCell, sum_.begin() + count() + r.lastCell, 0.0);
-	}
+	void shareSums(SharedRows& rows) { rows.cells(sum_.data()); }
+	void clearVolumes(const ActiveRange& r) { std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0); }
+	void clearSums(const ActiveRange& r) { std::fill(sum_.begin() + r.firstCell, sum_.begin() + r.lastCell, 0.0); }
 	void clearAll()
 	{
-		for (auto* values : { &volume_, &apart_, &sum_ })
+		for (auto* values : { &volume_, &sum_ })
 			std::fill(values->begin(), values->end(), 0.0);
 	}
 	/// Only cells and points of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& r, int firstPoint, int endPoint)
 	{
 		volume_.keepOnly(r.firstCell, r.lastCell);
-		apart_.keepOnly(r.firstCell, r.lastCell);
-		for (std::size_t half = 0; half < sum_.size(); half += volume_.size()) {
-			sum_.forget(half, half + r.firstCell);
-			sum_.forget(half + r.lastCell, half + volume_.size());
-		}
+		sum_.keepOnly(r.firstCell, r.lastCell);
 		cell_.keepOnly(firstPoint, endPoint);
 		exceptions_.keepOnly(firstPoint, endPoint);
 	}
@@ -115,11 +90,8 @@ public:
 	void finish(const ActiveRange& r)
 	{
 		r.overCells([&](int first, int last) {
-			for (int c = first; c < last; ++c) {
-				const double apart = apart_.empty() ? 0.0 : apart_[c], together = volume_[c] - apart;
-				sum_[c] = together > 0.0 ? sum_[c] / together : 0.0;
-				if (apart > 0.0) sum_[count() + c] /= apart;
-			}
+			for (int c = first; c < last; ++c)
+				sum_[c] = volume_[c] > 0.0 ? sum_[c] / volume_[c] : 0.0;
 		});
 	}
 	/// The mean that holds for a point whose own value is given.
@@ -132,8 +104,8 @@ private:
 
 	PagedArray<int>    cell_, exceptions_;
 	const int*         averaged_ = nullptr; ///< by place: the mean that holds for the point, or noCell
-	PagedArray<double> volume_, apart_;     ///< by cell, of all its points and of those set apart [m^D]
-	PagedArray<double> sum_;                ///< by cell, then by cell of the points set apart; means once finished
+	PagedArray<double> volume_;             ///< by cell, of its points [m^D]
+	PagedArray<double> sum_;                ///< by cell; means once finished
 };
 
 } // namespace talik
