@@ -8,6 +8,16 @@
 
 namespace talik {
 
+/// Time step of the motion of a sample that bears `longest` with the ice of now [s]: a step more at the end has to pay.
+inline double timeStepOfMotion(double before, double longest)
+{
+	constexpr double worthwhile = 1.1;
+	return longest > worthwhile * before ? longest : before;
+}
+
+/// Steps at the end of a motion with that time step: it may change at rest only.
+inline long stepsToRest(double before, double ofMotion) { return ofMotion == before ? 1 : 2; }
+
 /// One macroscopic increment on a sample, packed or open: ice and its creep at zero velocity gradient, then motion, then relaxation.
 /// A sample offers timeStep, setTimeStep, longestTimeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation,
 /// setIceSaturation, leastStepsOfIce, creep, movingSteps, motionPerStep and unbalancedForce.
@@ -70,19 +80,17 @@ private:
 		        , before(s.timeStep())
 		{
 			if (!options.timeStepFollowsIce || !sample.hasIce()) return;
-			const double longest = sample.longestTimeStep(options.iceStiffness);
-			if (longest > worthwhile * before) sample.setTimeStep(longest);
+			sample.setTimeStep(timeStepOfMotion(before, sample.longestTimeStep(options.iceStiffness)));
 		}
 		~TimeStepOfMotion() { sample.setTimeStep(before); }
 		TimeStepOfMotion(const TimeStepOfMotion&)            = delete;
 		TimeStepOfMotion& operator=(const TimeStepOfMotion&) = delete;
-		long              stepsToRest() const { return sample.timeStep() == before ? 1 : 2; }
+		long              stepsToRest() const { return talik::stepsToRest(before, sample.timeStep()); }
 		double            overThatAtRest() const { return sample.timeStep() / before; }
 
 	private:
-		static constexpr double worthwhile = 1.1; // a step more at the end has to pay
-		Sample&                 sample;
-		const double            before;
+		Sample&      sample;
+		const double before;
 	};
 
 	/// The velocity gradient is pending in the first of steps + 1 steps and in force in the others.

@@ -371,7 +371,7 @@ _readWhileRunning = {
 	},
 	"HeatTransfer": {"thermalTimeScale", "movingTimeScale", "motionTolerance"},
 	"BodyContact": {"mask", "thickness", "frictionAngle", "bodySteps"},
-	"RveSkeleton": {"threads", "onBlowUp", "blowUpFolder"},
+	"RveSkeleton": {"device", "threads", "onBlowUp", "blowUpFolder"},
 }
 
 

@@ -102,8 +102,7 @@ std::vector<PackedUpdateResult<Dim>> PackedStore<Dim>::update(const std::vector<
 
 template <int Dim> std::vector<double> PackedStore<Dim>::measure(std::size_t sample, const std::string& name) const
 {
-	const auto                   compact = pool.compact(sample);
-	const PackedParameters<Dim>& s       = compact->withoutArrays();
+	const PackedParameters<Dim>& s = pool.parameters(sample);
 	if (name == "bondsFormed") return { double(s.bondsFormed) };
 	if (name == "bondsBroken") return { double(s.bondsBrokenInTension + s.bondsBrokenInShear) };
 	if (name == "bondsMelted") return { double(s.bondsMelted) };

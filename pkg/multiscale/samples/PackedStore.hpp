@@ -24,11 +24,15 @@ public:
 	const void*                          identity(std::size_t sample) const override { return pool.compact(sample).get(); }
 	std::size_t                          distinctStates() const override { return pool.distinctStates(); }
 	std::size_t                          bytes() const override { return pool.bytes(); }
-	double                               costOfStep(std::size_t sample) const override { return double(pool.compact(sample)->bytes()); }
+	double                               costOfStep(std::size_t sample) const override { return double(pool.bytes(sample)); }
 	void                                 saveState(ByteWriter&, std::size_t sample) const override;
 	void                                 restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
 	bool                                 restoresExactly() const override { return true; }
 	void                                 resize(std::size_t samples) override;
+
+	/// See SamplePool.
+	void useDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say) { pool.useDevice(std::move(device), std::move(say)); }
+	DeviceUse deviceUse() const { return pool.deviceUse(); }
 
 	StatePointer state(std::size_t sample) const { return std::make_shared<const PackedState<Dim>>(pool.state(sample)); }
 	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, *state); }

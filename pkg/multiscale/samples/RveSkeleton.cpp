@@ -6,6 +6,7 @@
 #include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/RveSkeleton.hpp>
 #include <pkg/multiscale/samples/SlipFriction.hpp>
+#include <pkg/rve/device/SampleDevice.hpp>
 
 #include <boost/python/numpy.hpp>
 #include <cmath>
@@ -48,13 +49,27 @@ void RveSkeleton::checkScheduling() const
 	require(slipCohesion >= 0, "slipCohesion", slipCohesion, "give a stress in Pa, 0 or more.");
 	require(minSteps >= 1, "minSteps", minSteps, "give 1 or more.");
 	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "give 0 or more.");
+	if (device != "cpu" && device != "gpu" && device != "auto" && device != "twin")
+		throw std::invalid_argument("RveSkeleton.device is '" + device + "': choose cpu, gpu, auto or twin.");
 }
 
 void RveSkeleton::followAttributes()
 {
-	if (running().scheduling().threads == threads) return;
+	if (running().scheduling().threads == threads && deviceInUse == device) return;
 	checkScheduling();
 	running().scheduling().threads = threads;
+	if (deviceInUse != device) std::visit([this](auto& stores) { useDevice(stores); }, now);
+}
+
+/// Takes the device that the script names, and gives the former one up.
+template <int Dim> void RveSkeleton::useDevice(Stores<Dim>& stores)
+{
+	const auto say = [](const string& sentence) {
+		if (talik::isFirstRank()) std::cerr << "RveSkeleton: " << sentence << std::endl;
+	};
+	deviceInUse = device;
+	if (stores.packed) stores.packed->useDevice(talik::deviceNamed(device, say), say);
+	else if (device != "cpu") say("Samples that run open stay on the processor.");
 }
 
 bool RveSkeleton::bondsCarryMoments() const
@@ -296,7 +311,9 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	else store = made.open;
 	if (talik::jobTalk() && shared == Shared::samples) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
 	if (talik::jobTalk() && shared == Shared::ground) store = std::make_shared<talik::BandStore<Dim>>(store, talik::jobTalk());
-	made.model = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
+	made.model  = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
+	deviceInUse = "cpu";
+	if (device != "cpu") useDevice(made);
 	prepareSlip(made);
 	made.model->onBlowUp = [this](int id) {
 		keepBlownUp(id);
@@ -478,6 +495,12 @@ py::dict RveSkeleton::cost() const
 	d["seconds"]        = s.counters().seconds;
 	d["distinctStates"] = s.samples().distinctStates();
 	d["bytes"]          = s.samples().bytes();
+	const auto use      = withStores([](const auto& stores) { return stores.packed ? stores.packed->deviceUse() : talik::DeviceUse(); });
+	if (deviceInUse != "cpu") {
+		d["onDevice"]         = use.done;
+		d["endedOnProcessor"] = use.ended;
+		d["leftToProcessor"]  = use.left;
+	}
 	if (const auto* sharing = s.samples().sharing()) {
 		d["owned"]   = sharing->samples;
 		d["moved"]   = sharing->moved;

@@ -76,6 +76,7 @@ private:
 	void                                    keepBlownUp(int id) const;
 	string                                  reasonAgainstPacking(int dimension) const;
 	template <int Dim> void                 makeStore(Stores<Dim>&);
+	template <int Dim> void                 useDevice(Stores<Dim>&);
 	template <int Dim> vector<int>          dealt(const Places<Dim>& places) const;
 	template <int Dim> void                 prepareSlip(Stores<Dim>&);
 	string                                  sourcesDigest(int dimension) const;
@@ -85,9 +86,10 @@ private:
 	vector<shared_ptr<RveSample>>            prototypes;  ///< of packed samples
 	std::vector<std::shared_ptr<const void>> takenStates; ///< of `samples` when they were built from
 	std::vector<std::size_t>                 takenScenes; ///< digests of `scenes` then
-	bool                                     byHand = false;
-	bool                                     told   = false;
-	Shared                                   shared = Shared::nothing; ///< among the ranks of the job
+	bool                                     byHand      = false;
+	bool                                     told        = false;
+	string                                   deviceInUse = "cpu";
+	Shared                                   shared      = Shared::nothing; ///< among the ranks of the job
 
 public:
 	// clang-format off
@@ -128,6 +130,10 @@ public:
 				"of shear 0.3 to 2 each, the first 0.15 of which does not count. nan before."))
 		((Real,measuredFrictionError,std::numeric_limits<double>::quiet_NaN(),Attr::readonly,"Standard error of measuredFriction, from the scatter of the runs [-]."))
 		((string,measuredOn,"",Attr::hidden,"The samples of measuredFriction."))
+		((string,device,"cpu",,"Where packed samples are advanced: cpu (the processor), gpu (a graphics card of NVIDIA's), auto (a card where there is "
+				"one). Results have the same bits. What a card cannot do with them stays on the processor, and so do all samples where the card is missing, too "
+				"small or lost; this is said once. A card pays where some thousand samples are asked in a step, see the manual. twin runs the kernels of the card "
+				"on the processor, slowly, for tests. May be changed while running."))
 		((int,threads,0,,"Threads over the samples, each sample whole on one of them; 0: as many as yade was given (-j). Results do not depend on it. May be "
 				"changed while running."))
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "
@@ -153,7 +159,8 @@ public:
 				"fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
 		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
 				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
-				"moved, how often one went to another rank (of samples that share a state each counts in bands); balance, mean over largest cost of the ranks [-].")
+				"moved, how often one went to another rank (of samples that share a state each counts in bands); balance, mean over largest cost of the ranks [-]. Where "
+				"device is not cpu: onDevice, calls that a device did, endedOnProcessor, those it began (lists of neighbours, turned cells), leftToProcessor.")
 		.add_property("counters",&RveSkeleton::refuseCounters,"The former name of cost().")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);

@@ -470,16 +470,21 @@ namespace {
 
 template <int Dim> double cellCompactness(const typename PackedTypes<Dim>::Matrix& hSize) { return shortestImage<Dim>(hSize) / side<Dim>(hSize); }
 
+template <int Dim> bool isCompact(const typename PackedTypes<Dim>::Matrix& h)
+{
+	const double shortest = h.colwise().squaredNorm().minCoeff(), volume = h.determinant();
+	const double wanted = leastCompactness<Dim> * leastCompactness<Dim>;
+	return Dim == 2 ? shortest > wanted * std::fabs(volume) : shortest * shortest * shortest > wanted * wanted * wanted * volume * volume;
+}
+
 template <int Dim>
 void slipWhereThin(
         PackedWorkspace<Dim>& workspace, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options,
         PackedUpdateResult<Dim>& result)
 {
-	using Matrix          = typename PackedTypes<Dim>::Matrix;
-	const Matrix h        = workspace.hSize();
-	const double shortest = h.colwise().squaredNorm().minCoeff(), volume = h.determinant();
-	const double wanted = leastCompactness<Dim> * leastCompactness<Dim>;
-	if (Dim == 2 ? shortest > wanted * std::fabs(volume) : shortest * shortest * shortest > wanted * wanted * wanted * volume * volume) return;
+	using Matrix   = typename PackedTypes<Dim>::Matrix;
+	const Matrix h = workspace.hSize();
+	if (isCompact<Dim>(h)) return;
 	if (!(options.flipSkew > 0) || displacementGradient.isZero(0)) return;
 	const Matrix before = (Matrix::Identity() + displacementGradient).inverse() * h;
 	const int    due    = thinness<Dim>(cellCompactness<Dim>(h));
@@ -508,6 +513,7 @@ std::string ofThinCell(double thickness)
 
 #define TALIK_CELL_SLIP_OF(Dim)                                                \
 	template double cellCompactness<Dim>(const PackedTypes<Dim>::Matrix&); \
+	template bool   isCompact<Dim>(const PackedTypes<Dim>::Matrix&);       \
 	template void   slipWhereThin<Dim>(PackedWorkspace<Dim>&, const PackedTypes<Dim>::Matrix&, const PackedUpdateOptions&, PackedUpdateResult<Dim>&);
 TALIK_CELL_SLIP_OF(2)
 TALIK_CELL_SLIP_OF(3)

@@ -11,6 +11,9 @@ template <int Dim> double cellCompactness(const typename PackedTypes<Dim>::Matri
 /// Cells less compact than this slip: where a sample of 100 grains has an image of each grain five (discs) or three (spheres) diameters away.
 template <int Dim> constexpr double leastCompactness = Dim == 2 ? 0.5 : 0.6;
 
+/// True for a cell that certainly needs no slip, after a few operations.
+template <int Dim> bool isCompact(const typename PackedTypes<Dim>::Matrix& hSize);
+
 /// A thin periodic cell becomes compact again where its images slip past each other along lattice planes, eq. (13.9): what is on either side
 /// of the planes stays as it is, contacts across them are lost, bonds among these count as broken in shear. Then overlaps are taken away,
 /// and the sample is strained until it carries the stress again that it had. Nothing happens to a cell that is compact, and it costs a few

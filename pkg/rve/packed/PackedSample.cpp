@@ -144,25 +144,35 @@ void checkStrength(const BondStrengthFactors& strength, double iceStiffness)
 }
 
 template <int Dim>
+PackedUpdateResult<Dim> concludeUpdate(PackedWorkspace<Dim>& workspace, const PackedUpdateOptions& options, long movingSteps, std::uint64_t before)
+{
+	workspace.checkHealth();
+	PackedUpdateResult<Dim> result;
+	result.movingSteps = movingSteps;
+	result.flipped     = options.flipSkew > 0 && workspace.flip(options.flipSkew);
+	result.stress      = symmetric<typename PackedTypes<Dim>::Matrix>(workspace.lastStress());
+	result.steps       = long(workspace.parameters().step - before);
+	if (options.tangent) result.tangent = workspace.tangent();
+	workspace.setIceStiffness(1);
+	return result;
+}
+
+template <int Dim> bool flipIsDue(const typename PackedTypes<Dim>::Matrix& hSize, const PackedUpdateOptions& options)
+{
+	return options.flipSkew > 0 && cellReduction<Dim>(hSize, std::max(options.flipSkew, 0.5)) != Eigen::Matrix<int, Dim, Dim>::Identity();
+}
+
+template <int Dim>
 PackedUpdateResult<Dim> updateWorkspace(
         PackedWorkspace<Dim>& workspace, const PackedState<Dim>& before, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	try {
-		using Matrix     = typename PackedTypes<Dim>::Matrix;
 		const auto start = workspace.parameters().step;
 		workspace.setStrengthFactors(options.strength);
 		workspace.setIceStiffness(options.iceStiffness);
 		const long moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
-		workspace.checkHealth();
-		PackedUpdateResult<Dim> result;
-		result.movingSteps = moving;
-		result.flipped     = options.flipSkew > 0 && workspace.flip(options.flipSkew);
-		result.stress      = symmetric<Matrix>(workspace.lastStress());
-		result.steps       = long(workspace.parameters().step - start);
-		if (options.tangent) result.tangent = workspace.tangent();
-		workspace.setIceStiffness(1);
-		return result;
+		return concludeUpdate<Dim>(workspace, options, moving, start);
 	} catch (const std::runtime_error& problem) {
 		const std::string ofCell = ofThinCell(workspace.cellThickness());
 		workspace.load(before);
@@ -350,6 +360,10 @@ template long                   movingSteps<2>(const PackedParameters<2>&, doubl
 template long                   movingSteps<3>(const PackedParameters<3>&, double, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template double                 strainPerStep<2>(const PackedParameters<2>&, double, double, double, double);
 template double                 strainPerStep<3>(const PackedParameters<3>&, double, double, double, double);
+template PackedUpdateResult<2>  concludeUpdate<2>(PackedWorkspace<2>&, const PackedUpdateOptions&, long, std::uint64_t);
+template PackedUpdateResult<3>  concludeUpdate<3>(PackedWorkspace<3>&, const PackedUpdateOptions&, long, std::uint64_t);
+template bool                   flipIsDue<2>(const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
+template bool                   flipIsDue<3>(const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
 template PackedUpdateResult<2>  updateWorkspace<2>(
         PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
 template PackedUpdateResult<3> updateWorkspace<3>(

@@ -123,6 +123,14 @@ PackedUpdateResult<Dim> updateWorkspace(
         PackedWorkspace<Dim>& workspace, const PackedState<Dim>& before, const typename PackedTypes<Dim>::Matrix& displacementGradient,
         double targetIceSaturation, const PackedUpdateOptions& options);
 
+/// What ends an update whose steps are done: the sample is sound, its cell is flipped where that is due; `before`: the count of steps then.
+/// Throws std::runtime_error where it has blown up.
+template <int Dim>
+PackedUpdateResult<Dim> concludeUpdate(PackedWorkspace<Dim>& workspace, const PackedUpdateOptions& options, long movingSteps, std::uint64_t before);
+
+/// Whether the cell is to be flipped, see PackedUpdateOptions::flipSkew.
+template <int Dim> bool flipIsDue(const typename PackedTypes<Dim>::Matrix& hSize, const PackedUpdateOptions& options);
+
 /// Number of moving steps for a displacement gradient, eq. (13.1), with stress and density of the parameters; timeStep of the motion [s].
 template <int Dim>
 long movingSteps(

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/rve/device/SamplesOnDevice.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
@@ -16,10 +17,9 @@ namespace talik {
 namespace {
 
 	/// Requests in groups of equal work: same state, same increment, same ice, bit for bit.
-	template <int Dim>
-	int compareWork(const PackedRequest<Dim>& a, const CompactSample<Dim>* compactA, const PackedRequest<Dim>& b, const CompactSample<Dim>* compactB)
+	template <int Dim> int compareWork(const PackedRequest<Dim>& a, const void* stateA, const PackedRequest<Dim>& b, const void* stateB)
 	{
-		if (compactA != compactB) return std::less<const CompactSample<Dim>*>()(compactA, compactB) ? -1 : 1;
+		if (stateA != stateB) return std::less<const void*>()(stateA, stateB) ? -1 : 1;
 		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
 		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
 		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
@@ -110,6 +110,10 @@ template <int Dim> struct SamplePool<Dim>::Worker {
 
 template <int Dim> SamplePool<Dim>::SamplePool()  = default;
 template <int Dim> SamplePool<Dim>::~SamplePool() = default;
+template <int Dim>
+SamplePool<Dim>::SamplePool(const SamplePool& other)
+        : samples(other.samples)
+{}
 
 template <int Dim> SamplePool<Dim>& SamplePool<Dim>::operator=(const SamplePool& other)
 {
@@ -120,7 +124,7 @@ template <int Dim> SamplePool<Dim>& SamplePool<Dim>::operator=(const SamplePool&
 template <int Dim> std::size_t SamplePool<Dim>::add(Compact compact)
 {
 	if (!compact) throw std::invalid_argument("sample pool: the compact sample is null");
-	samples.push_back(std::move(compact));
+	samples.push_back({ std::move(compact), nullptr });
 	return samples.size() - 1;
 }
 
@@ -130,10 +134,39 @@ template <int Dim> std::size_t SamplePool<Dim>::add(const PackedState<Dim>& stat
 	return add(std::make_shared<const CompactSample<Dim>>(state));
 }
 
-template <int Dim> typename SamplePool<Dim>::Compact SamplePool<Dim>::compact(std::size_t sample) const
+template <int Dim> const typename SamplePool<Dim>::Held& SamplePool<Dim>::held(std::size_t sample) const
 {
 	if (sample >= samples.size()) throw std::invalid_argument("sample pool: sample " + std::to_string(sample) + " of " + std::to_string(samples.size()));
 	return samples[sample];
+}
+
+template <int Dim> typename SamplePool<Dim>::Compact SamplePool<Dim>::compact(std::size_t sample) const
+{
+	const Held& now = held(sample);
+	return now.away ? now.away->home() : now.home;
+}
+
+template <int Dim> const PackedParameters<Dim>& SamplePool<Dim>::parameters(std::size_t sample) const
+{
+	const Held& now = held(sample);
+	return now.away ? now.away->parameters() : now.home->withoutArrays();
+}
+
+template <int Dim> DeviceUse SamplePool<Dim>::deviceUse() const { return device ? device->use() : DeviceUse(); }
+
+template <int Dim> std::size_t SamplePool<Dim>::bytes(std::size_t sample) const
+{
+	const Held& now = held(sample);
+	return now.away ? now.away->bytes() : now.home->bytes();
+}
+
+template <int Dim> void SamplePool<Dim>::share(std::size_t sample, Compact compact) { samples.at(sample) = { std::move(compact), nullptr }; }
+
+template <int Dim> void SamplePool<Dim>::useDevice(std::shared_ptr<SampleDevice> chosen, std::function<void(const std::string&)> say)
+{
+	for (Held& sample : samples)
+		if (sample.away) sample = { sample.away->home(), nullptr };
+	device = chosen ? std::make_unique<SamplesOnDevice<Dim>>(std::move(chosen), std::move(say)) : nullptr;
 }
 
 template <int Dim> PackedState<Dim> SamplePool<Dim>::state(std::size_t sample) const
@@ -146,11 +179,9 @@ template <int Dim> PackedState<Dim> SamplePool<Dim>::state(std::size_t sample) c
 template <int Dim> void SamplePool<Dim>::setState(std::size_t sample, const PackedState<Dim>& state)
 {
 	state.check();
-	compact(sample);
-	samples[sample] = std::make_shared<const CompactSample<Dim>>(state);
+	held(sample);
+	share(sample, std::make_shared<const CompactSample<Dim>>(state));
 }
-
-template <int Dim> void SamplePool<Dim>::clear() { samples.clear(); }
 
 template <int Dim> const PackedStatistics<Dim>& SamplePool<Dim>::statistics(std::size_t sample) const
 {
@@ -180,7 +211,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 	for (std::size_t k = 0; k < order.size(); ++k)
 		order[k] = k;
 	const auto compare = [&](std::size_t a, std::size_t b) {
-		return compareWork<Dim>(requests[a], samples[requests[a].sample].get(), requests[b], samples[requests[b].sample].get());
+		return compareWork<Dim>(requests[a], samples[requests[a].sample].identity(), requests[b], samples[requests[b].sample].identity());
 	};
 	std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
 		const int c = compare(a, b);
@@ -196,20 +227,55 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 	while (workers.size() < std::size_t(wanted))
 		workers.push_back(std::make_unique<Worker>());
 	std::vector<PackedUpdateResult<Dim>> results(requests.size());
-	ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
-		Task& task = tasks[std::size_t(t)];
+	const auto                           take = [&](const Task& task, const PackedUpdateResult<Dim>& result, const Held& sample) {
+                for (std::size_t k = task.begin; k < task.end; ++k) {
+                        results[order[k]]                  = result;
+                        samples[requests[order[k]].sample] = sample;
+                }
+	};
+	const auto onProcessor = [&](Task& task, int member, Compact sample) {
 		try {
-			const std::size_t first  = order[task.begin];
-			Compact&          sample = samples[requests[first].sample];
-			results[first]           = workers[std::size_t(member)]->update(sample, requests[first], options);
-			for (std::size_t k = task.begin + 1; k < task.end; ++k) {
-				results[order[k]]                  = results[first];
-				samples[requests[order[k]].sample] = sample;
-			}
+			const auto result = workers[std::size_t(member)]->update(sample, requests[order[task.begin]], options);
+			take(task, result, { sample, nullptr });
 		} catch (...) {
 			task.failure = std::current_exception();
 		}
-	});
+	};
+	if (device && !device->lost()) {
+		std::vector<typename SamplesOnDevice<Dim>::Task> away(tasks.size());
+		for (std::size_t t = 0; t < tasks.size(); ++t) {
+			const PackedRequest<Dim>& request = requests[order[tasks[t].begin]];
+			const Held&               sample  = samples[request.sample];
+			away[t].request                   = &request;
+			away[t].mayChange                 = std::size_t(sample.away.use_count()) == tasks[t].end - tasks[t].begin;
+			away[t].home                      = sample.home;
+			away[t].away                      = sample.away;
+		}
+		using Away       = typename SamplesOnDevice<Dim>::Task;
+		const auto those = [&](auto which) {
+			std::vector<std::size_t> chosen;
+			for (std::size_t t = 0; t < tasks.size(); ++t)
+				if (which(t)) chosen.push_back(t);
+			ThreadTeam::run(int(chosen.size()), wanted, [&](int k, int member) {
+				const std::size_t t = chosen[std::size_t(k)];
+				onProcessor(tasks[t], member, away[t].home);
+			});
+			return chosen;
+		};
+		device->begin(away, options, threads);
+		std::vector<char> left(tasks.size(), 0);
+		for (const std::size_t t : those([&](std::size_t k) { return away[k].stage == Away::processor; }))
+			left[t] = 1;
+		device->end(away, threads);
+		those([&](std::size_t k) { return away[k].stage == Away::processor && !left[k]; });
+		for (std::size_t t = 0; t < tasks.size(); ++t)
+			if (away[t].stage == Away::done) take(tasks[t], away[t].result, { away[t].away ? nullptr : away[t].home, away[t].away });
+	} else {
+		ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
+			Task& task = tasks[std::size_t(t)];
+			onProcessor(task, member, compact(requests[order[task.begin]].sample));
+		});
+	}
 	for (const Task& task : tasks)
 		if (task.failure) std::rethrow_exception(task.failure);
 	return results;
@@ -217,18 +283,18 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 
 template <int Dim> std::size_t SamplePool<Dim>::distinctStates() const
 {
-	std::unordered_set<const CompactSample<Dim>*> distinct;
-	for (const Compact& sample : samples)
-		distinct.insert(sample.get());
+	std::unordered_set<const void*> distinct;
+	for (const Held& sample : samples)
+		distinct.insert(sample.identity());
 	return distinct.size();
 }
 
 template <int Dim> std::size_t SamplePool<Dim>::bytes() const
 {
-	std::unordered_set<const CompactSample<Dim>*> distinct;
-	std::size_t                                   sum = 0;
-	for (const Compact& sample : samples)
-		if (distinct.insert(sample.get()).second) sum += sample->bytes();
+	std::unordered_set<const void*> distinct;
+	std::size_t                     sum = 0;
+	for (std::size_t s = 0; s < samples.size(); ++s)
+		if (distinct.insert(samples[s].identity()).second) sum += bytes(s);
 	return sum;
 }
 

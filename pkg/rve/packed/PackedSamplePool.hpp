@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedState.hpp>
+#include <string>
 #include <vector>
 
 namespace talik {
+
+class SampleDevice;
+/// How updates of samples went that a device was there for: done on it, ended on the processor, left to the processor.
+struct DeviceUse {
+	std::size_t done = 0, ended = 0, left = 0;
+};
+template <int Dim> class SampleOnDevice;
+template <int Dim> class SamplesOnDevice;
 
 /// A sample between two updates: its state, exactly, and the neighbour lists it was left with, in one block of memory. Never changes.
 /// Contacts stand in the lists too: which grains they join is held once.
@@ -59,11 +69,7 @@ public:
 
 	SamplePool();
 	~SamplePool();
-	SamplePool(const SamplePool& other)
-	        : SamplePool()
-	{
-		samples = other.samples;
-	}
+	SamplePool(const SamplePool& other);
 	SamplePool& operator=(const SamplePool& other);
 
 	/// Adds a sample of this state, which it shares with every other sample it is given to; returns its index.
@@ -74,10 +80,19 @@ public:
 	PackedState<Dim> state(std::size_t sample) const;
 	/// The same for samples that share one state.
 	Compact compact(std::size_t sample) const;
-	void    setState(std::size_t sample, const PackedState<Dim>& state);
+	/// What a state has beside arrays; it asks no device.
+	const PackedParameters<Dim>& parameters(std::size_t sample) const;
+	void                         setState(std::size_t sample, const PackedState<Dim>& state);
 	/// Lets a sample share another's compact state; its own is given up.
-	void share(std::size_t sample, Compact compact) { samples.at(sample) = std::move(compact); }
-	void clear();
+	void share(std::size_t sample, Compact compact);
+	/// Samples are advanced on a device from now on, those whose bits are the same there; nullptr: on the processor. say: gets sentences for the
+	/// user, each once.
+	void useDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say);
+	/// Since it was chosen; all zero where there is none.
+	DeviceUse deviceUse() const;
+	/// Bytes of a sample's state on the host.
+	std::size_t bytes(std::size_t sample) const;
+	void        clear() { samples.clear(); }
 
 	/// Measures of a sample, formed once for each of its states.
 	const PackedStatistics<Dim>& statistics(std::size_t sample) const;
@@ -101,10 +116,19 @@ private:
 		PackedStatistics<Dim>                   statistics;
 	};
 
-	std::vector<Compact>                 samples;
-	std::vector<std::unique_ptr<Worker>> workers;
-	mutable std::vector<Measured>        measured; ///< empty until somebody asks
-	mutable std::unique_ptr<Worker>      measurer;
+	/// A sample is at home, or away on a device.
+	struct Held {
+		Compact                              home;
+		std::shared_ptr<SampleOnDevice<Dim>> away;
+		const void*                          identity() const { return away ? static_cast<const void*>(away.get()) : home.get(); }
+	};
+
+	const Held&                           held(std::size_t sample) const;
+	std::vector<Held>                     samples;
+	std::unique_ptr<SamplesOnDevice<Dim>> device;
+	std::vector<std::unique_ptr<Worker>>  workers;
+	mutable std::vector<Measured>         measured; ///< empty until somebody asks
+	mutable std::unique_ptr<Worker>       measurer;
 };
 
 } // namespace talik

@@ -201,6 +201,12 @@ template <int Dim> const PackedParameters<Dim>& PackedWorkspace<Dim>::parameters
 	return base;
 }
 
+template <int Dim> void PackedWorkspace<Dim>::adoptParameters(const PackedParameters<Dim>& parameters)
+{
+	base = parameters;
+	copyMatrices<Dim>(base, view);
+}
+
 template <int Dim> typename PackedWorkspace<Dim>::Matrix PackedWorkspace<Dim>::hSize() const
 {
 	Matrix h;

@@ -81,6 +81,7 @@ public:
 	std::size_t                  size() const { return grainCount; }
 
 private:
+	template <int> friend class SampleImage; ///< the same on a device, see pkg/rve/device
 	struct alignas(packedAlignment) Numbers {
 		double value[packedWidth];
 	};
@@ -110,6 +111,8 @@ private:
 	void storeContacts(PackedContacts<Dim>& contacts, PackedLists<Dim>* lists) const;
 	void storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const;
 	bool carriesHistory(const Lanes& lanes, std::size_t lane) const;
+	/// Of the same sample at another time: without its arrays.
+	void adoptParameters(const PackedParameters<Dim>& parameters);
 	void scaleRadii();
 	void spinRim(std::size_t grain);
 	void bind();
@@ -228,6 +231,9 @@ template <int Dim> inline double frobenius(const double* a)
 		square += a[k] * a[k];
 	return std::sqrt(square);
 }
+
+/// (13.4) from its sums over the contacts: of f n_j n_l and of f n_i n_j n_k n_l with f = d^2 k_n/V, each product once, j <= l, row by row.
+template <int Dim> PackedTangent<Dim> tangentFromSums(const double* second, const double* fourth, double stiffnessRatio);
 
 /// Largest rate of shortening of any length, bounded from above.
 template <int Dim> inline double strainRate(const double* a)

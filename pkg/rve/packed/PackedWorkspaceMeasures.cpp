@@ -126,6 +126,25 @@ template <int Dim> PackedStatistics<Dim> PackedWorkspace<Dim>::statistics() cons
 
 template <int Dim> double PackedWorkspace<Dim>::cellThickness() const { return shortestImage<Dim>(hSize()) / (2 * averageRadius); }
 
+template <int Dim> PackedTangent<Dim> tangentFromSums(const double* second, const double* fourth, double stiffnessRatio)
+{
+	constexpr int products = Dim * (Dim + 1) / 2;
+	const auto    product  = [](int j, int l) {
+                const auto [smaller, larger] = std::minmax({ j, l });
+                return smaller * (2 * Dim - smaller - 1) / 2 + larger;
+	};
+	PackedTangent<Dim> result {};
+	for (int i = 0; i < Dim; ++i)
+		for (int j = 0; j < Dim; ++j)
+			for (int k = 0; k < Dim; ++k)
+				for (int l = 0; l < Dim; ++l) {
+					const auto [first, last]                    = std::minmax({ product(i, j), product(k, l) });
+					result[((i * Dim + j) * Dim + k) * Dim + l] = (1 - stiffnessRatio) * fourth[first * products + last]
+					        + (i == k ? stiffnessRatio * second[product(j, l)] : 0.);
+				}
+	return result;
+}
+
 template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 {
 	// C = (1 - ratio) sum f n n n n + ratio sum f delta_ik n_j n_l with f = d^2 k_n/V
@@ -145,26 +164,15 @@ template <int Dim> PackedTangent<Dim> PackedWorkspace<Dim>::tangent() const
 				fourth[k][l] += weighted * pairs[l];
 		}
 	});
-	const auto product = [](int j, int l) {
-		const auto [smaller, larger] = std::minmax({ j, l });
-		return smaller * (2 * Dim - smaller - 1) / 2 + larger;
-	};
-	PackedTangent<Dim> result {};
-	for (int i = 0; i < Dim; ++i)
-		for (int j = 0; j < Dim; ++j)
-			for (int k = 0; k < Dim; ++k)
-				for (int l = 0; l < Dim; ++l) {
-					const auto [first, last]                    = std::minmax({ product(i, j), product(k, l) });
-					result[((i * Dim + j) * Dim + k) * Dim + l] = (1 - base.stiffnessRatio) * fourth[first][last]
-					        + (i == k ? base.stiffnessRatio * second[product(j, l)] : 0.);
-				}
-	return result;
+	return tangentFromSums<Dim>(second, &fourth[0][0], base.stiffnessRatio);
 }
 
 template PackedWorkspace<2>::Geometry PackedWorkspace<2>::geometry(const Lanes&, std::size_t) const;
 template PackedStatistics<2>          PackedWorkspace<2>::statistics() const;
 template double                       PackedWorkspace<2>::cellThickness() const;
 template PackedTangent<2>             PackedWorkspace<2>::tangent() const;
+template PackedTangent<2>             tangentFromSums<2>(const double*, const double*, double);
+template PackedTangent<3>             tangentFromSums<3>(const double*, const double*, double);
 template PackedWorkspace<3>::Geometry PackedWorkspace<3>::geometry(const Lanes&, std::size_t) const;
 template PackedStatistics<3>          PackedWorkspace<3>::statistics() const;
 template double                       PackedWorkspace<3>::cellThickness() const;

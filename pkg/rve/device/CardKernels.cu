@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Entries of the kernels for a graphics card: a block for each call.
+#include <pkg/rve/device/SampleKernels.hpp>
+
+namespace talik {
+namespace N_ONE {
+	extern __attribute__((shared)) Two blockMemory[];
+	template <class Kernel> __attribute__((device)) inline TALIK_INLINED void runBlock(const KernelArguments& a)
+	{
+		const int k = blockNumber();
+		if (k < a.count) Kernel::sample(a.calls[k], a.answers[k], a.layout, reinterpret_cast<unsigned char*>(blockMemory));
+	}
+} // namespace N_ONE
+} // namespace talik
+
+#define TALIK_KERNEL(name, dimension, threads, ...)                                                                                                       \
+	extern "C" __attribute__((global)) void __attribute__((launch_bounds(threads))) name(const talik::KernelArguments arguments)                      \
+	{                                                                                                                                                 \
+		talik::N_ONE::runBlock<talik::N_ONE::KernelOf<dimension, threads, __VA_ARGS__>::Type>(arguments);                                         \
+	}
+#include <pkg/rve/device/KernelList.inc>

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <pkg/rve/device/SampleDevice.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// Places of samples in the memory of a device, which come from pieces for many, and are used again; and whether the device still answers.
+class DeviceMemory {
+public:
+	/// say: gets each sentence for the user once.
+	DeviceMemory(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say);
+	~DeviceMemory();
+	DeviceMemory(const DeviceMemory&)            = delete;
+	DeviceMemory& operator=(const DeviceMemory&) = delete;
+
+	SampleDevice& device() { return *of; }
+	bool          lost() const { return failed; }
+	void          lose(const DeviceFailure&);
+	void          tell(const std::string& sentence);
+
+	/// Size of the place of a sample [bytes]: they come in few, so that the one that a sample leaves fits the next.
+	static std::size_t sizeOf(const PlaceLayout& l) { return (std::size_t(l.bytes) + sizeStep - 1) / sizeStep * sizeStep; }
+	/// So many free places of this size, or as many as there is memory for.
+	void reserve(std::size_t size, std::size_t wanted);
+	/// 0: there is none.
+	std::uint64_t take(const PlaceLayout&);
+	void          giveBack(const PlaceLayout&, std::uint64_t place);
+
+	/// Memory for calls or answers, kept until it is asked for anew; which: its number.
+	std::uint64_t buffer(std::size_t which, std::size_t bytes);
+
+private:
+	/// What other programs may need while a run goes on, and what the driver needs itself.
+	static constexpr std::size_t leftFree = std::size_t(256) << 20;
+	static constexpr std::size_t sizeStep = 16384;
+	struct Buffer {
+		std::uint64_t address = 0;
+		std::size_t   bytes   = 0;
+	};
+
+	std::shared_ptr<SampleDevice>                     of;
+	std::function<void(const std::string&)>           say;
+	std::set<std::string>                             said;
+	bool                                              failed = false;
+	std::map<std::size_t, std::vector<std::uint64_t>> free; ///< by size
+	std::vector<std::uint64_t>                        pieces;
+	std::vector<Buffer>                               buffers;
+};
+
+} // namespace talik

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+/// What host and kernels of a card say to each other. Plain data, laid out alike by every compiler.
+namespace talik {
+
+/// Images of the cell that the pairs of a sample may reach; samples that need more stay on the processor.
+constexpr int mostImages = 40;
+
+/// Where a sample lies in its place on the card: numbers of grains and pairs row by row, then what is no double.
+struct PlaceLayout {
+	std::int32_t grains, pairs; ///< lengths of the rows
+	std::int32_t dimension, bonded;
+	std::int32_t index, incidence, start, bond, images; ///< [bytes]
+	std::int32_t bytes;
+
+	/// Rows of grains: motion (discs x y v w angle, spheres x v w), then -1/m, 1/I with the sign that the kernels want, r, 1/slack^2.
+	constexpr std::int32_t motionRows() const { return dimension == 2 ? 6 : 9; }
+	constexpr std::int32_t grainRows() const { return motionRows() + 4; }
+	constexpr std::int32_t shearRows() const { return dimension == 2 ? 1 : 3; }
+	/// Rows of pairs: shear forces, sum of radii, stiffness, spheres (r_1 - r_2)/2; bonded: shear forces of the ice, offset, floor, cohesion, share
+	/// of the ice, k_g, area, u_grain, u_ice.
+	constexpr std::int32_t pairRows() const { return shearRows() + dimension + (bonded ? shearRows() + 8 : 0); }
+
+	static PlaceLayout of(int dimension, int grains, int pairs, bool bonded)
+	{
+		PlaceLayout l {};
+		l.grains    = grains;
+		l.pairs     = pairs;
+		l.dimension = dimension;
+		l.bonded    = bonded;
+		l.index     = std::int32_t(sizeof(double)) * (l.grainRows() * grains + l.pairRows() * pairs);
+		l.incidence = l.index + 4 * pairs;
+		l.start     = l.incidence + 4 * pairs;
+		l.bond      = l.start + 2 * (grains + 1);
+		l.images    = l.bond + (bonded ? pairs : 0);
+		l.bytes     = (l.images + mostImages * dimension + 255) / 256 * 256;
+		return l;
+	}
+	bool operator==(const PlaceLayout& o) const { return dimension == o.dimension && bonded == o.bonded && grains == o.grains && pairs == o.pairs; }
+};
+
+/// Which grains a pair joins, and which image of the cell, in 32 bits.
+struct PairCode {
+	static constexpr int mostGrains = 1 << 12;
+	/// image: number of the row in the table of images, or -1 inside the cell.
+	static std::uint32_t of(std::uint32_t first, std::uint32_t second, int image) { return first | second << 12 | std::uint32_t(image + 1) << 24; }
+};
+
+/// One sample and all its steps: `moving` with the velocity gradient, the first of which brings it into force, then `resting` ones.
+struct SampleCall {
+	std::uint64_t place; ///< address
+	double        velGrad[9];
+	double        hSize[9], trsf[9];
+	double        norm, strainRate; ///< of the velocity gradient [1/s]
+	double        dt, damping, friction, bondFriction, stiffnessRatio;
+	double        iceRatio, tensileStrength, shearStrength, thickness;
+	double        skin, travel, stretch, largestRadius, smallestRadius;            ///< see PackedListUse
+	std::int32_t  grains, pairs, inside, images, moving, resting, thawed, tangent; ///< images >= 1: the first one moves the cell
+};
+
+/// What came of it.
+struct SampleAnswer {
+	double        forces[9]; ///< sum of G (x) x: stress times volume [N m]
+	double        hSize[9], prevHSize[9], trsf[9];
+	double        travel, stretch;
+	double        tangent[27]; ///< sums of (13.4): second order, then fourth order
+	std::uint32_t steps;       ///< done: fewer than asked for where the lists of neighbours are used up
+	std::uint32_t brokenInTension, brokenInShear;
+	std::uint32_t bonds;   ///< pairs that are or were bonded
+	std::uint32_t unsound; ///< numbers that are not finite, or overlaps of more than a radius
+};
+
+struct KernelArguments {
+	const SampleCall* calls;
+	SampleAnswer*     answers;
+	PlaceLayout       layout;
+	std::int32_t      count;
+};
+
+/// A kernel as host and card name it: so many threads, each with so many grains and pairs.
+struct KernelShape {
+	const char*  name;
+	std::int32_t dimension, threads, grainsEach, pairsEach, bonded;
+	bool         holds(const PlaceLayout& l) const
+	{
+		return dimension == l.dimension && bonded == l.bonded && threads * grainsEach >= l.grains && threads * pairsEach >= l.pairs;
+	}
+};
+
+} // namespace talik

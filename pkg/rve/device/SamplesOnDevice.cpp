@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <algorithm>
+#include <map>
+#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/rve/device/DeviceMemory.hpp>
+#include <pkg/rve/device/SampleImage.hpp>
+#include <pkg/rve/device/SamplesOnDevice.hpp>
+#include <pkg/rve/packed/CellSlip.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
+
+namespace talik {
+
+namespace {
+	/// Updates that are computed again at most where a device is lost.
+	constexpr std::size_t mostSince = 64;
+
+	template <int Dim> std::unique_ptr<PackedWorkspace<Dim>> newWorkspace() { return std::make_unique<PackedWorkspace<Dim>>(portablePathForced()); }
+
+	template <int Dim> typename PackedTypes<Dim>::Matrix matrixOf(const double* numbers)
+	{
+		typename PackedTypes<Dim>::Matrix m;
+		copyMatrix<Dim>(numbers, m);
+		return m;
+	}
+
+	template <int Dim> void load(PackedWorkspace<Dim>& workspace, const CompactSample<Dim>& sample, PackedState<Dim>& state)
+	{
+		PackedLists<Dim> lists;
+		const bool       listed = sample.expand(state, lists);
+		workspace.setStrengthFactors({});
+		workspace.load(state, listed ? &lists : nullptr);
+	}
+
+	template <int Dim> std::shared_ptr<const CompactSample<Dim>> compactOf(const PackedWorkspace<Dim>& workspace)
+	{
+		PackedState<Dim> state;
+		PackedLists<Dim> lists;
+		workspace.store(state, &lists);
+		return std::make_shared<const CompactSample<Dim>>(state, &lists);
+	}
+} // namespace
+
+// ---------------------------------------------------------------------------------------------- one sample
+
+template <int Dim>
+SampleOnDevice<Dim>::SampleOnDevice(std::shared_ptr<DeviceMemory> of, Compact state)
+        : memory(std::move(of))
+        , base(std::move(state))
+        , now(base->withoutArrays())
+{}
+
+template <int Dim> SampleOnDevice<Dim>::~SampleOnDevice()
+{
+	if (place) memory->giveBack(layout, place);
+}
+
+template <int Dim> bool SampleOnDevice<Dim>::fetch(std::vector<unsigned char>& bytes) const
+{
+	if (spoiled || !place || memory->lost()) return false;
+	try {
+		bytes.resize(std::size_t(layout.bytes));
+		memory->device().copyOut(bytes.data(), place, bytes.size());
+		return true;
+	} catch (const DeviceFailure& failure) {
+		memory->lose(failure);
+		return false;
+	}
+}
+
+template <int Dim> void SampleOnDevice<Dim>::takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
+{
+	PackedState<Dim> state;
+	load<Dim>(workspace, *base, state);
+	SampleImage<Dim>(workspace).take(layout, bytes, now, use);
+}
+
+template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
+{
+	takeInto(workspace, bytes);
+	base = compactOf<Dim>(workspace);
+	since.clear();
+	return base;
+}
+
+template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::computedAgain(PackedWorkspace<Dim>& workspace)
+{
+	PackedState<Dim> state;
+	load<Dim>(workspace, *base, state);
+	for (const Update& update : since)
+		updateWorkspace<Dim>(workspace, state, update.displacementGradient, state.iceSaturation, update.options);
+	if (!since.empty()) base = compactOf<Dim>(workspace);
+	since.clear();
+	now     = base->withoutArrays();
+	spoiled = true; // its place holds what nobody knows
+	return base;
+}
+
+template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::home()
+{
+	if (since.empty()) return base;
+	const auto                 workspace = newWorkspace<Dim>();
+	std::vector<unsigned char> bytes;
+	return fetch(bytes) ? settled(*workspace, bytes) : computedAgain(*workspace);
+}
+
+// ---------------------------------------------------------------------------------------------- begin
+
+template <int Dim> struct SamplesOnDevice<Dim>::Worker {
+	std::unique_ptr<PackedWorkspace<Dim>> workspace;
+	PackedState<Dim>                      state;
+	PackedWorkspace<Dim>&                 ready()
+	{
+		if (!workspace || workspace->portableOnly() != portablePathForced()) workspace = newWorkspace<Dim>();
+		return *workspace;
+	}
+};
+
+/// Calls of one kernel.
+template <int Dim> struct SamplesOnDevice<Dim>::Launch {
+	KernelArguments           arguments;
+	std::vector<std::size_t>  tasks;
+	std::vector<SampleCall>   calls;
+	std::vector<SampleAnswer> answers;
+};
+
+template <int Dim>
+SamplesOnDevice<Dim>::SamplesOnDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say)
+        : memory(std::make_shared<DeviceMemory>(std::move(device), std::move(say)))
+{}
+template <int Dim> SamplesOnDevice<Dim>::~SamplesOnDevice() = default;
+template <int Dim> bool SamplesOnDevice<Dim>::lost() const { return memory->lost(); }
+
+template <int Dim> template <class Which, class Work> void SamplesOnDevice<Dim>::inParallel(std::vector<Task>& tasks, int threads, Which which, Work work)
+{
+	std::vector<Task*> chosen;
+	for (Task& task : tasks)
+		if (which(task)) chosen.push_back(&task);
+	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadTeam::threads(), int(chosen.size())));
+	while (workers.size() < std::size_t(wanted))
+		workers.push_back(std::make_unique<Worker>());
+	ThreadTeam::run(int(chosen.size()), wanted, [&](int k, int member) { work(*chosen[std::size_t(k)], worker(member)); });
+}
+
+/// What is left to the processor and said.
+template <int Dim> std::string SamplesOnDevice<Dim>::reasonAgainst(const PackedRequest<Dim>& request, const PackedUpdateOptions& options) const
+{
+	if (request.creep.acts()) return "ice that creeps";
+	if (!(request.strength == BondStrengthFactors()) || request.iceStiffness != 1) return "bonds whose strength or stiffness follows temperature or rate";
+	if (options.relaxSteps > 0 || options.maxRelaxSteps > 0) return "steps of relaxation (maxRelaxSteps)";
+	if (options.averageOver > 0) return "stress averaged over steps";
+	return "";
+}
+
+template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worker)
+{
+	PackedWorkspace<Dim>& workspace = worker.ready();
+	load<Dim>(workspace, *task.home, worker.state);
+	SampleImage<Dim> image(workspace);
+	task.refusal = image.reasonAgainst();
+	if (!task.refusal.empty() || image.listsExhausted()) return false;
+	task.away                 = std::make_shared<SampleOnDevice<Dim>>(memory, task.home);
+	SampleOnDevice<Dim>& away = *task.away;
+	away.use                  = image.listUse();
+	away.layout               = image.layout();
+	away.common               = image.call();
+	away.longestTimeStep      = workspace.longestTimeStep(1);
+	away.meanRadius           = workspace.meanRadius();
+	task.isNew                = true;
+	if (!planMotion(task)) return false;
+	image.write(away.layout, task.bytes);
+	return true;
+}
+
+/// Velocity gradient and steps as SampleUpdate has them.
+template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
+{
+	const auto&                       away     = *task.away;
+	const auto&                       h        = task.request->displacementGradient;
+	const double                      rest     = away.now.dt;
+	PackedUpdateOptions               ofMotion = task.options;
+	const double                      dt       = ofMotion.timeStepFollowsIce ? timeStepOfMotion(rest, away.longestTimeStep) : rest;
+	typename PackedTypes<Dim>::Matrix rate;
+	long                              moving;
+	ofMotion.maxStrainPerStep *= dt / rest;
+	try {
+		moving = movingSteps<Dim>(away.now, dt, away.meanRadius, h, ofMotion);
+		rate   = matrixRootIncrement<Dim>(h, moving) / dt;
+	} catch (const std::invalid_argument&) {
+		return false; // which says so
+	}
+	SampleCall& call = task.call;
+	call             = away.common;
+	call.place       = away.place;
+	copyMatrix<Dim>(rate, call.velGrad);
+	copyMatrix<Dim>(away.now.hSize, call.hSize);
+	copyMatrix<Dim>(away.now.trsf, call.trsf);
+	call.norm       = frobenius<Dim>(call.velGrad);
+	call.strainRate = strainRate<Dim>(call.velGrad);
+	call.dt         = dt;
+	call.travel     = away.use.travel;
+	call.stretch    = away.use.stretch;
+	call.moving     = std::int32_t(moving);
+	call.resting    = std::int32_t(stepsToRest(rest, dt));
+	call.tangent    = task.options.tangent;
+	task.stepBefore = away.now.step;
+	return call.travel + (call.largestRadius + call.skin) * call.stretch * 1.01 < call.skin;
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::plan(Task& task, Worker& worker)
+{
+	const PackedParameters<Dim>& now = task.away ? task.away->now : task.home->withoutArrays();
+	task.refusal                     = reasonAgainst(*task.request, task.options);
+	if (!task.refusal.empty() || task.request->compareRates || task.request->displacementGradient.isZero(0)) return;
+	if (task.request->iceSaturation != now.iceSaturation) return;
+	if (!now.velGrad.isZero(0) || !now.prevVelGrad.isZero(0) || !now.nextVelGrad.isZero(0)) return;
+	const bool stays = task.away && task.mayChange && task.away->place && !task.away->spoiled;
+	if (task.away && !stays) return; // it comes home first, and may leave again with the next update
+	if (stays ? planMotion(task) : makeAway(task, worker)) task.stage = Task::begun;
+	else if (task.isNew) task.away.reset();
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
+{
+	std::map<std::size_t, std::size_t> wanted; // by size
+	for (const Task& task : tasks)
+		if (task.stage == Task::begun && task.isNew) ++wanted[DeviceMemory::sizeOf(task.away->layout)];
+	for (const auto& [size, number] : wanted)
+		memory->reserve(size, number);
+	std::size_t without = 0, each = 0;
+	for (Task& task : tasks) {
+		if (task.stage != Task::begun || !task.isNew) continue;
+		SampleOnDevice<Dim>& away = *task.away;
+		if (memory->device().memoryOfBlock() < memoryOfBlock(away.layout)) {
+			task.refusal = "samples so large that a block of this card has too little memory of its own for them";
+		} else if (const auto place = memory->take(away.layout)) {
+			away.place = task.call.place = place;
+			memory->device().copyIn(place, task.bytes.data(), task.bytes.size());
+			continue;
+		} else {
+			++without;
+			each = std::max(each, std::size_t(away.layout.bytes));
+		}
+		task.stage = Task::processor;
+		task.away.reset();
+	}
+	if (without && !toldOfMemory)
+		memory->tell(
+		        std::to_string(without) + " samples find no memory on the device (" + memory->device().name() + "): each takes "
+		        + std::to_string(each / 1024)
+		        + " KiB. They stay on the processor; end other programs on the card, or take smaller samples or a larger card.");
+	toldOfMemory |= without > 0;
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks)
+{
+	for (std::size_t t = 0; t < tasks.size(); ++t) {
+		Task& task = tasks[t];
+		if (task.stage != Task::begun) continue;
+		auto found = std::find_if(launches.begin(), launches.end(), [&](const Launch& l) { return l.arguments.layout == task.away->layout; });
+		if (found == launches.end()) {
+			launches.push_back({});
+			launches.back().arguments.layout = task.away->layout;
+			found                            = launches.end() - 1;
+		}
+		found->tasks.push_back(t);
+		found->calls.push_back(task.call);
+	}
+	for (std::size_t k = 0; k < launches.size(); ++k) {
+		Launch&             launch  = launches[k];
+		const std::size_t   count   = launch.calls.size();
+		const std::uint64_t calls   = memory->buffer(2 * k, count * sizeof(SampleCall)),
+		                    answers = memory->buffer(2 * k + 1, count * sizeof(SampleAnswer));
+		memory->device().copyIn(calls, launch.calls.data(), count * sizeof(SampleCall));
+		launch.arguments.calls   = reinterpret_cast<const SampleCall*>(calls);
+		launch.arguments.answers = reinterpret_cast<SampleAnswer*>(answers);
+		launch.arguments.count   = std::int32_t(count);
+		const auto& kernels      = sampleKernels();
+		const auto  kernel       = std::find_if(
+		               kernels.begin(), kernels.end(), [&](const KernelShape& shape) { return shape.holds(launch.arguments.layout); });
+		memory->device().launch(*kernel, launch.arguments);
+	}
+}
+
+/// The state that a sample has now, on the host.
+template <int Dim> void SamplesOnDevice<Dim>::leaveToProcessor(Task& task, Worker& worker)
+{
+	task.stage = Task::processor;
+	if (!task.away) return;
+	SampleOnDevice<Dim>& away = *task.away;
+	if (away.since.empty()) task.home = away.base;
+	else task.home = task.bytes.empty() ? away.computedAgain(worker.ready()) : away.settled(worker.ready(), task.bytes);
+	task.away.reset();
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::bringHome(std::vector<Task>& tasks, int threads)
+{
+	const auto stays = [](const Task& task) { return task.stage == Task::processor && task.away; };
+	for (Task& task : tasks)
+		if (stays(task) && !task.away->since.empty() && !task.away->fetch(task.bytes)) task.bytes.clear();
+	inParallel(tasks, threads, stays, [this](Task& task, Worker& worker) { leaveToProcessor(task, worker); });
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads)
+{
+	launches.clear();
+	for (Task& task : tasks) {
+		task.options = options;
+		if (task.request->inertialNumber > 0) task.options.maxInertialNumber = task.request->inertialNumber;
+	}
+	if (!memory->lost())
+		inParallel(
+		        tasks, threads, [](const Task&) { return true; }, [this](Task& task, Worker& worker) { plan(task, worker); });
+	try {
+		if (!memory->lost()) {
+			placeAll(tasks);
+			launchAll(tasks);
+		}
+	} catch (const DeviceFailure& failure) {
+		memory->lose(failure);
+		for (Task& task : tasks)
+			if (task.stage == Task::begun) {
+				task.stage         = Task::processor;
+				task.away->spoiled = true;
+				task.bytes.clear();
+			}
+	}
+	for (const Task& task : tasks)
+		if (!task.refusal.empty()) memory->tell("Samples with " + task.refusal + " stay on the processor.");
+	bringHome(tasks, threads);
+}
+
+// ---------------------------------------------------------------------------------------------- end
+
+template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
+{
+	SampleOnDevice<Dim>&   away   = *task.away;
+	const SampleAnswer&    answer = task.answer;
+	const SampleCall&      call   = task.call;
+	PackedParameters<Dim>& now    = away.now;
+	using Matrix                  = typename PackedTypes<Dim>::Matrix;
+	const long done = long(answer.steps), total = call.moving + call.resting;
+	now.hSize     = matrixOf<Dim>(answer.hSize);
+	now.prevHSize = matrixOf<Dim>(answer.prevHSize);
+	now.trsf      = matrixOf<Dim>(answer.trsf);
+	now.step += answer.steps;
+	now.bondsBrokenInTension += answer.brokenInTension;
+	now.bondsBrokenInShear += answer.brokenInShear;
+	away.use.travel  = answer.travel;
+	away.use.stretch = answer.stretch;
+	if (done < total) {
+		now.velGrad = now.prevVelGrad = done > 0 && done - 1 < call.moving ? matrixOf<Dim>(call.velGrad) : Matrix(Matrix::Zero());
+		return false;
+	}
+	Matrix stress = matrixOf<Dim>(answer.forces), sum = Matrix::Zero();
+	stress /= now.volume();
+	sum += stress; // as PackedWorkspace::run sums them
+	now.stress      = sum / 1.;
+	const bool gone = away.layout.bonded && answer.bonds == 0;
+	if (gone || flipIsDue<Dim>(now.hSize, task.options) || !isCompact<Dim>(now.hSize) || away.since.size() + 1 >= mostSince) return false;
+	const Matrix transposed = now.stress.transpose();
+	task.result.stress      = 0.5 * (now.stress + transposed);
+	task.result.steps       = total;
+	task.result.movingSteps = call.moving;
+	if (task.options.tangent) {
+		constexpr int products = Dim * (Dim + 1) / 2;
+		double        fourth[products * products] {};
+		for (int k = 0, at = products; k < products; ++k)
+			for (int l = k; l < products; ++l)
+				fourth[k * products + l] = answer.tangent[at++];
+		task.result.tangent = tangentFromSums<Dim>(answer.tangent, fourth, now.stiffnessRatio);
+	}
+	away.since.push_back({ task.request->displacementGradient, task.options });
+	task.stage = Task::done;
+	return true;
+}
+
+/// What the device leaves to the host: the steps after its lists were used up, a flip, a slip, bonds that are gone.
+template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
+{
+	SampleOnDevice<Dim>&  away      = *task.away;
+	PackedWorkspace<Dim>& workspace = worker.ready();
+	const SampleCall&     call      = task.call;
+	using Matrix                    = typename PackedTypes<Dim>::Matrix;
+	if (task.bytes.empty() || task.answer.unsound) {
+		away.spoiled = true;
+		task.bytes.clear();
+		leaveToProcessor(task, worker);
+		return;
+	}
+	try {
+		away.takeInto(workspace, task.bytes);
+		const long done = long(task.answer.steps), moving = call.moving, total = moving + call.resting;
+		if (done < total) {
+			workspace.setTimeStep(call.dt);
+			if (done < moving) {
+				workspace.setNextVelGrad(matrixOf<Dim>(call.velGrad));
+				workspace.run(moving - done);
+			}
+			workspace.setNextVelGrad(Matrix::Zero());
+			workspace.run(total - std::max(done, moving));
+			workspace.setTimeStep(away.now.dt);
+		}
+		task.result = concludeUpdate<Dim>(workspace, task.options, moving, task.stepBefore);
+	} catch (const std::runtime_error&) { // it has blown up: the processor finds out how
+		away.spoiled = true;
+		task.bytes.clear();
+		leaveToProcessor(task, worker);
+		return;
+	}
+	slipWhereThin<Dim>(workspace, task.request->displacementGradient, task.options, task.result);
+	task.home = compactOf<Dim>(workspace);
+	task.away.reset();
+	task.stage = Task::done;
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int threads)
+{
+	const auto underWay = [](const Task& task) { return task.stage == Task::begun; };
+	if (std::none_of(tasks.begin(), tasks.end(), underWay)) {
+		went.left += tasks.size();
+		return;
+	}
+	bool answered = !memory->lost();
+	try {
+		if (answered) memory->device().wait();
+		for (std::size_t k = 0; k < launches.size() && answered; ++k) {
+			Launch& launch = launches[k];
+			launch.answers.resize(launch.calls.size());
+			memory->device().copyOut(
+			        launch.answers.data(), reinterpret_cast<std::uint64_t>(launch.arguments.answers), launch.answers.size() * sizeof(SampleAnswer));
+			for (std::size_t n = 0; n < launch.tasks.size(); ++n)
+				tasks[launch.tasks[n]].answer = launch.answers[n];
+		}
+	} catch (const DeviceFailure& failure) {
+		memory->lose(failure);
+		answered = false;
+	}
+	for (Task& task : tasks) {
+		if (task.stage != Task::begun) continue;
+		task.bytes.clear();
+		if (answered && !task.answer.unsound && !take(task)) task.away->fetch(task.bytes);
+		if (memory->lost()) task.bytes.clear();
+	}
+	for (const Task& task : tasks)
+		went.done += task.stage == Task::done;
+	inParallel(tasks, threads, underWay, [this](Task& task, Worker& worker) { finish(task, worker); });
+	for (const Task& task : tasks) {
+		went.ended += task.stage == Task::done && !task.away;
+		went.left += task.stage == Task::processor;
+	}
+}
+
+template class SampleOnDevice<2>;
+template class SampleOnDevice<3>;
+template class SamplesOnDevice<2>;
+template class SamplesOnDevice<3>;
+
+} // namespace talik

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+#include <functional>
+#include <memory>
+#include <pkg/rve/device/SampleDevice.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+class DeviceMemory;
+
+/// A sample on a device. The host keeps the state that it had when it was last here, and the updates since then: what the device alone knows
+/// can be computed again, with the same bits.
+template <int Dim> class SampleOnDevice {
+public:
+	using Compact = std::shared_ptr<const CompactSample<Dim>>;
+
+	SampleOnDevice(std::shared_ptr<DeviceMemory> memory, Compact base);
+	~SampleOnDevice();
+	SampleOnDevice(const SampleOnDevice&)            = delete;
+	SampleOnDevice& operator=(const SampleOnDevice&) = delete;
+
+	/// Parameters of now.
+	const PackedParameters<Dim>& parameters() const { return now; }
+	/// The state of now: fetched, or where the device is lost computed again. It stays on the device.
+	Compact home();
+	/// Bytes that the host keeps.
+	std::size_t bytes() const { return base->bytes(); }
+
+private:
+	template <int> friend class SamplesOnDevice;
+	struct Update {
+		typename PackedTypes<Dim>::Matrix displacementGradient;
+		PackedUpdateOptions               options;
+	};
+	bool    fetch(std::vector<unsigned char>& bytes) const; ///< false where the device does not know it any more
+	void    takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
+	Compact settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
+	Compact computedAgain(PackedWorkspace<Dim>& workspace);
+
+	std::shared_ptr<DeviceMemory> memory;
+	Compact                       base;
+	std::vector<Update>           since; ///< updates after `base`
+	PackedParameters<Dim>         now;
+	PackedListUse<Dim>            use {};
+	PlaceLayout                   layout {};
+	SampleCall                    common {}; ///< what its calls have in common
+	double                        longestTimeStep = 0, meanRadius = 0;
+	std::uint64_t                 place   = 0;     ///< 0: none yet
+	bool                          spoiled = false; ///< the device holds another state than that of now
+};
+
+/// Updates of samples on a device, those that it can do with the bits of the processor.
+template <int Dim> class SamplesOnDevice {
+public:
+	using Compact = std::shared_ptr<const CompactSample<Dim>>;
+	using Away    = std::shared_ptr<SampleOnDevice<Dim>>;
+
+	/// say: gets each sentence for the user once.
+	SamplesOnDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say);
+	~SamplesOnDevice();
+
+	/// A request and the sample that it is for, at home or away.
+	struct Task {
+		const PackedRequest<Dim>* request = nullptr;
+		Compact                   home;
+		Away                      away;
+		bool                      mayChange   = false; ///< nobody else has the state of a sample that is away
+		enum { processor, begun, done } stage = processor;
+		PackedUpdateResult<Dim> result {};
+
+		// while it is under way
+		PackedUpdateOptions        options;
+		SampleCall                 call {};
+		SampleAnswer               answer {};
+		std::uint64_t              stepBefore = 0;
+		bool                       isNew      = false; ///< on the device
+		std::vector<unsigned char> bytes;
+		std::string                refusal;
+	};
+	/// Begins what the device can do. What it leaves to the processor has its state at home.
+	void begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads);
+	/// Waits for it. What is done has its result and its sample; the rest goes to the processor, its state at home.
+	void             end(std::vector<Task>& tasks, int threads);
+	bool             lost() const;
+	const DeviceUse& use() const { return went; }
+
+private:
+	struct Worker;
+	struct Launch;
+	std::string reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
+	void        plan(Task&, Worker&);
+	bool        makeAway(Task&, Worker&);
+	bool        planMotion(Task&);
+	void        placeAll(std::vector<Task>& tasks);
+	void        launchAll(std::vector<Task>& tasks);
+	void        leaveToProcessor(Task&, Worker&);
+	void        bringHome(std::vector<Task>& tasks, int threads);
+	/// Takes the answer of the device; true: nothing is left to do.
+	bool                                    take(Task&);
+	void                                    finish(Task&, Worker&);
+	Worker&                                 worker(int member) { return *workers[std::size_t(member)]; }
+	template <class Which, class Work> void inParallel(std::vector<Task>& tasks, int threads, Which which, Work work);
+
+	std::shared_ptr<DeviceMemory>        memory;
+	std::vector<std::unique_ptr<Worker>> workers;
+	std::vector<Launch>                  launches;
+	DeviceUse                            went;
+	bool                                 toldOfMemory = false;
+};
+
+} // namespace talik

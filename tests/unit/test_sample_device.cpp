@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Packed samples on a device, held against those on the processor to the last bit. The device is the twin of a card.
+#include "packedReference.hpp"
+#include "packedSpheres.hpp"
+
+#include <pkg/rve/device/SampleDevice.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+using namespace talik;
+
+namespace {
+
+template <int Dim> PackedState<Dim> thawed()
+{
+	if constexpr (Dim == 2) return packedReference::sample().state();
+	else return packedSpheres::sample().state();
+}
+
+template <int Dim> PackedState<Dim> frozen(double iceSaturation)
+{
+	PackedSample<Dim> sample(thawed<Dim>());
+	for (int k = 1; k <= 20; ++k) {
+		sample.setIceSaturation(iceSaturation * k / 20);
+		sample.advance(5);
+	}
+	return sample.state();
+}
+
+/// So many times the sample in every direction, with its contacts new: larger kernels advance it.
+template <int Dim> PackedState<Dim> tiled(const PackedState<Dim>& one, const std::array<int, 3>& times)
+{
+	PackedState<Dim> all(one);
+	auto             grains = std::make_shared<PackedGrains>();
+	for (int d = 0; d < Dim; ++d) {
+		all.hSize.col(d) *= times[std::size_t(d)];
+		all.prevHSize.col(d) *= times[std::size_t(d)];
+	}
+	all.contacts = {};
+	all.position.clear();
+	all.velocity.clear();
+	all.angularVelocity.clear();
+	all.orientation.clear();
+	for (int k = 0; k < times[0] * times[1] * times[2]; ++k)
+		for (std::size_t g = 0; g < one.size(); ++g) {
+			typename PackedTypes<Dim>::Vector cells;
+			cells[0] = k % times[0];
+			cells[1] = k / times[0] % times[1];
+			if (Dim == 3) cells[Dim - 1] = k / times[0] / times[1];
+			all.position.push_back(one.position[g] + one.hSize * cells);
+			all.velocity.push_back(PackedTypes<Dim>::Vector::Zero());
+			all.angularVelocity.push_back(one.angularVelocity[g]);
+			if (Dim == 2) all.orientation.push_back(one.orientation[g]);
+			grains->radius.push_back(one.grains->radius[g] * (1 - 1e-4 * (k % 5)));
+			grains->mass.push_back(one.grains->mass[g]);
+			grains->inertia.push_back(one.grains->inertia[g]);
+			grains->id.push_back(int(grains->id.size()));
+		}
+	all.grains = grains;
+	PackedSample<Dim> settled(all);
+	settled.advance(PackedTypes<Dim>::Matrix::Zero(), 300);
+	return settled.state();
+}
+
+template <int Dim> PackedState<Dim> frozenOf(const PackedState<Dim>& start, double iceSaturation)
+{
+	PackedSample<Dim> sample(start);
+	sample.setIceSaturation(iceSaturation);
+	sample.advance(20);
+	return sample.state();
+}
+
+/// A shear with a swing of its volume, in the plane x y.
+template <int Dim> typename PackedTypes<Dim>::Matrix increment(double shear, double swing)
+{
+	typename PackedTypes<Dim>::Matrix m = PackedTypes<Dim>::Matrix::Zero();
+	m(0, 0)                             = swing;
+	m(0, 1)                             = shear;
+	m(1, 1)                             = -2 * swing;
+	return m;
+}
+
+template <int Dim> bool sameBits(const PackedState<Dim>& a, const PackedState<Dim>& b) { return a.toBytes() == b.toBytes(); }
+
+template <int Dim> void expectSame(const PackedUpdateResult<Dim>& a, const PackedUpdateResult<Dim>& b, const std::string& where)
+{
+	EXPECT_EQ(std::memcmp(a.stress.data(), b.stress.data(), sizeof(double) * Dim * Dim), 0) << where << ": stress";
+	EXPECT_EQ(a.steps, b.steps) << where;
+	EXPECT_EQ(a.movingSteps, b.movingSteps) << where;
+	EXPECT_EQ(a.flipped, b.flipped) << where;
+	EXPECT_EQ(a.slipped, b.slipped) << where;
+	EXPECT_EQ(a.blewUp, b.blewUp) << where;
+	EXPECT_EQ(a.reason, b.reason) << where;
+	EXPECT_TRUE(a.tangent == b.tangent) << where << ": tangent";
+}
+
+/// What a run does to its samples in a round: shear and swing [-], ice saturation.
+struct Round {
+	double shear, swing, ice;
+};
+
+using Said = std::vector<std::string>;
+
+/// Two pools go through the rounds, one with a device; its samples are read now and then, which must not matter.
+template <int Dim>
+void expectSameRun(
+        const std::vector<PackedState<Dim>>& starts, int rounds, std::shared_ptr<SampleDevice> device, const std::function<Round(int round, int sample)>& of,
+        const std::string& title, int readEvery, std::size_t leastDone, int deviceEvery = 0, Said* heard = nullptr)
+{
+	SamplePool<Dim> processor, away;
+	Said            said;
+	const auto      say = [&](const std::string& sentence) { said.push_back(sentence); };
+	away.useDevice(device, say);
+	for (const auto& start : starts)
+		for (SamplePool<Dim>* pool : { &processor, &away })
+			pool->add(start);
+	PackedUpdateOptions options;
+	options.maxInertialNumber = 2e-2;
+	options.maxStrainPerStep  = 1e-4;
+	options.tangent           = true;
+	long steps                = 0;
+	for (int round = 0; round < rounds; ++round) {
+		if (deviceEvery && round > 0 && round % deviceEvery == 0) away.useDevice(round / deviceEvery % 2 ? nullptr : device, say);
+		std::vector<PackedRequest<Dim>> requests;
+		for (std::size_t s = 0; s < starts.size(); ++s) {
+			const Round asked = of(round, int(s));
+			requests.push_back({ s, increment<Dim>(asked.shear, asked.swing), asked.ice });
+		}
+		const auto a = processor.update(requests, options, 1), b = away.update(requests, options, 1);
+		for (std::size_t s = 0; s < starts.size(); ++s) {
+			expectSame<Dim>(a[s], b[s], title + ", round " + std::to_string(round) + ", sample " + std::to_string(s));
+			steps += a[s].steps;
+		}
+		if (readEvery && round % readEvery == readEvery - 1) {
+			for (std::size_t s = 0; s < starts.size(); ++s)
+				EXPECT_TRUE(sameBits<Dim>(processor.state(s), away.state(s))) << title << ", round " << round << ", sample " << s;
+		}
+		ASSERT_FALSE(::testing::Test::HasFailure()) << title << ", round " << round;
+	}
+	unsigned long broken = 0;
+	for (std::size_t s = 0; s < starts.size(); ++s) {
+		EXPECT_TRUE(sameBits<Dim>(processor.state(s), away.state(s))) << title << ", sample " << s;
+		const auto state = processor.state(s);
+		broken += (unsigned long)(state.bondsBrokenInTension + state.bondsBrokenInShear);
+	}
+	for (const auto& sentence : said)
+		std::printf("said: %s\n", sentence.c_str());
+	const DeviceUse use = away.deviceUse();
+	std::printf(
+	        "%s: %d updates of %zu samples, %ld steps, %lu bonds broken: bit-equal with and without %s; %zu updates there, %zu of them ended on the "
+	        "processor, %zu left to it\n",
+	        title.c_str(), rounds, starts.size(), steps, broken, device->name().c_str(), use.done + use.ended, use.ended, use.left);
+	EXPECT_GE(use.done + use.ended, leastDone);
+	if (heard) *heard = said;
+}
+
+template <int Dim> void expectSameWhateverHappens(const std::shared_ptr<SampleDevice>& device)
+{
+	const std::vector<PackedState<Dim>> two { thawed<Dim>(), thawed<Dim>() }, ofIce { frozen<Dim>(0.1), frozen<Dim>(0.2) };
+	expectSameRun<Dim>(
+	        two, 30, device,
+	        [](int r, int s) {
+		        return Round { 2e-3 * (s + 1), 1e-4 * std::sin(r), 0 };
+	        },
+	        "thawed", 7, 20);
+	expectSameRun<Dim>(
+	        ofIce, 30, device,
+	        [](int r, int s) {
+		        return Round { 1e-3, 3e-4 * std::sin(r), s ? 0.2 : 0.1 };
+	        },
+	        "frozen, bonds breaking", 11, 20);
+	expectSameRun<Dim>(
+	        ofIce, 40, device,
+	        [](int r, int s) {
+		        const double from = s ? 0.2 : 0.1,
+		                     ice  = r < 8 ? from
+		                 : r < 16         ? from * (15 - r) / 8.
+		                 : r < 24         ? 0
+		                 : r < 32         ? from * (r - 23) / 8.
+		                                  : from;
+		        return Round { r % 4 ? 5e-4 : 0., 1e-4 * std::sin(r), ice };
+	        },
+	        "thawing and refreezing", 13, 20);
+	expectSameRun<Dim>(
+	        ofIce, 24, device,
+	        [](int r, int s) {
+		        return Round { 1e-3, 3e-4 * std::sin(r), s ? 0.2 : 0.1 };
+	        },
+	        "device changed every third time", 0, 0, 3);
+	expectSameRun<Dim>(
+	        two, Dim == 2 ? 40 : 20, device,
+	        [](int r, int s) {
+		        return Round { 3e-2, (s ? 1e-2 : 1e-3) * std::cos(r), 0 };
+	        },
+	        "cells that turn and become thin", 0, 0);
+	std::vector<PackedState<Dim>> swelling { frozen<Dim>(0.3) };
+	swelling[0].thawStrain.thawStrain = 0.1;
+	expectSameRun<Dim>(
+	        swelling, 30, device,
+	        [](int r, int) {
+		        return Round { 5e-4, 0, std::max(0., 0.3 - 0.02 * (r / 2)) };
+	        },
+	        "grains that shrink on thaw", 0, 5);
+	std::vector<PackedState<Dim>> wild { thawed<Dim>(), thawed<Dim>() };
+	wild[0].dt *= 40;
+	SamplePool<Dim> processor, away;
+	away.useDevice(device, nullptr);
+	for (SamplePool<Dim>* pool : { &processor, &away }) {
+		pool->add(wild[0]);
+		pool->add(wild[1]);
+	}
+	const std::vector<PackedRequest<Dim>> requests { { 0, increment<Dim>(1e-3, 0), 0. }, { 1, increment<Dim>(1e-3, 0), 0. } };
+	const auto                            a = processor.update(requests, {}, 1), b = away.update(requests, {}, 1);
+	for (int s = 0; s < 2; ++s)
+		expectSame<Dim>(a[s], b[s], "a sample that blows up beside another");
+	EXPECT_TRUE(a[0].blewUp);
+	EXPECT_TRUE(sameBits<Dim>(processor.state(0), away.state(0)));
+}
+
+bool speaksOf(const Said& said, const std::string& words)
+{
+	return std::any_of(said.begin(), said.end(), [&](const std::string& sentence) { return sentence.find(words) != std::string::npos; });
+}
+
+/// The driver of the tests, which does what it is told to.
+std::shared_ptr<SampleDevice> stub(const std::string& wishes)
+{
+	setenv("TALIK_CUDA_DRIVER", TALIK_STUB_DRIVER_FILE, 1);
+	setenv("TALIK_STUB_DRIVER", wishes.c_str(), 1);
+	return openCard();
+}
+
+std::string refusal(const std::string& wishes)
+{
+	try {
+		stub(wishes);
+	} catch (const DeviceFailure& failure) {
+		std::printf("%s: %s\n", wishes.c_str(), failure.what());
+		return failure.what();
+	}
+	return "";
+}
+
+} // namespace
+
+TEST(SampleDevice, discsHaveTheBitsOfTheProcessorThawedFrozenBreakingAndRefreezing) { expectSameWhateverHappens<2>(makeTwin()); }
+
+TEST(SampleDevice, spheresHaveTheBitsOfTheProcessorThawedFrozenBreakingAndRefreezing) { expectSameWhateverHappens<3>(makeTwin()); }
+
+TEST(SampleDevice, cardThatIsAbsentTooOldOrHiddenIsRefusedByASentenceWithARemedy)
+{
+	EXPECT_NE(refusal("none").find("CUDA_ERROR_NO_DEVICE"), std::string::npos);
+	EXPECT_NE(refusal("none").find("nvidia-smi"), std::string::npos);
+	EXPECT_NE(refusal("capability 52").find("compute capability 5.2; the kernels need 7.0"), std::string::npos);
+	EXPECT_NE(refusal("fail cuModuleLoadDataEx 1 222").find("install a newer nvidia-driver"), std::string::npos);
+	EXPECT_NE(refusal("fail cuDevicePrimaryCtxRetain 1 46").find("Another program has it for itself"), std::string::npos);
+	setenv("TALIK_CUDA_DRIVER", "/nowhere/libcuda.so.1", 1);
+	Said said;
+	EXPECT_EQ(deviceNamed("gpu", [&](const std::string& sentence) { said.push_back(sentence); }), nullptr);
+	ASSERT_EQ(said.size(), 1u);
+	std::printf("no driver: %s\n", said[0].c_str());
+	EXPECT_TRUE(speaksOf(said, "nvidia-driver")) << said[0];
+	EXPECT_TRUE(speaksOf(said, "The run goes on on the processor"));
+	EXPECT_EQ(deviceNamed("auto", [&](const std::string& sentence) { said.push_back(sentence); }), nullptr);
+	EXPECT_EQ(deviceNamed("cpu", nullptr), nullptr);
+	EXPECT_EQ(said.size(), 1u) << "auto says nothing where there is no card";
+	EXPECT_THROW(deviceNamed("cuda", nullptr), std::invalid_argument);
+}
+
+TEST(SampleDevice, cardThatFailsAtAnyCallOfItsDriverLeavesTheRunItsBits)
+{
+	const std::vector<PackedState<2>> starts { frozen<2>(0.1), thawed<2>(), frozen<2>(0.2) };
+	const auto                        of = [](int r, int s) { return Round { 1e-3, 3e-4 * std::sin(r), s == 1 ? 0. : s ? 0.2 : 0.1 }; };
+	expectSameRun<2>(starts, 12, stub(""), of, "driver that works", 5, 20);
+	for (const char* function : { "cuMemGetInfo_v2", "cuMemAlloc_v2", "cuMemcpyHtoD_v2", "cuLaunchKernel", "cuCtxSynchronize", "cuMemcpyDtoH_v2" })
+		for (const int at : { 1, 2, 5, 16 }) {
+			const std::string wishes = "fail " + std::string(function) + " " + std::to_string(at) + " 719";
+			Said              said;
+			expectSameRun<2>(starts, 12, stub(wishes), of, wishes, 5, 0, 0, &said);
+			EXPECT_TRUE(at > 1 || speaksOf(said, "CUDA_ERROR_LAUNCH_FAILED")) << wishes;
+			EXPECT_TRUE(at > 1 || speaksOf(said, "The run goes on on the processor")) << wishes;
+			EXPECT_LE(said.size(), 1u) << "said once";
+		}
+}
+
+TEST(SampleDevice, cardWithTooLittleMemoryTakesWhatFitsAndSaysSo)
+{
+	std::vector<PackedState<2>> starts;
+	for (int s = 0; s < 6; ++s)
+		starts.push_back(thawed<2>());
+	Said said;
+	// 256 MiB stay free for the driver and others; a place of these samples takes some 10 KiB
+	expectSameRun<2>(
+	        starts, 8, stub("memory " + std::to_string((std::size_t(256) << 20) + 70000)),
+	        [](int r, int s) {
+		        return Round { 1e-3 + 1e-4 * s, 1e-4 * std::sin(r), 0 };
+	        },
+	        "memory for a few samples", 3, 4, 0, &said);
+	EXPECT_TRUE(speaksOf(said, "find no memory on the device"));
+	EXPECT_EQ(said.size(), 1u);
+}
+
+TEST(SampleDevice, samplesThatCardsKnowNoLawOfStayOnTheProcessorWhichIsSaidOnce)
+{
+	SamplePool<2> processor, away;
+	Said          said;
+	away.useDevice(makeTwin(), [&](const std::string& sentence) { said.push_back(sentence); });
+	PackedState<2> rolling = thawed<2>();
+	auto           grains  = std::make_shared<PackedGrains>(*rolling.grains);
+	grains->rolling        = { 0.5, 0.3 };
+	rolling.grains         = grains;
+	rolling.contacts.moment.assign(rolling.contacts.size(), 0.);
+	for (SamplePool<2>* pool : { &processor, &away }) {
+		pool->add(rolling);
+		pool->add(frozen<2>(0.2));
+	}
+	for (int round = 0; round < 4; ++round) {
+		std::vector<PackedRequest<2>> requests { { 0, increment<2>(1e-3, 0), 0. }, { 1, increment<2>(1e-3, 0), 0.2 } };
+		if (round % 2) requests[1].creep = { 1e-13, 3. };
+		if (round == 2) requests[1].strength = { 1.1, 1.2 };
+		const auto a = processor.update(requests, {}, 1), b = away.update(requests, {}, 1);
+		for (int s = 0; s < 2; ++s) {
+			expectSame<2>(a[s], b[s], "round " + std::to_string(round) + ", sample " + std::to_string(s));
+			EXPECT_TRUE(sameBits<2>(processor.state(s), away.state(s)));
+		}
+	}
+	for (const auto& sentence : said)
+		std::printf("said: %s\n", sentence.c_str());
+	EXPECT_TRUE(speaksOf(said, "grains that resist rolling"));
+	EXPECT_TRUE(speaksOf(said, "ice that creeps"));
+	EXPECT_TRUE(speaksOf(said, "follows temperature or rate"));
+	EXPECT_EQ(said.size(), 3u);
+}
+
+TEST(SampleDevice, samplesThatShareAStatePartOnTheDeviceAsTheyDoOnTheProcessor)
+{
+	const auto    shared = std::make_shared<const CompactSample<2>>(frozen<2>(0.1));
+	SamplePool<2> processor, away;
+	away.useDevice(makeTwin(), nullptr);
+	for (SamplePool<2>* pool : { &processor, &away })
+		for (int s = 0; s < 6; ++s)
+			pool->add(shared);
+	for (int round = 0; round < 9; ++round) {
+		std::vector<PackedRequest<2>> requests;
+		for (std::size_t s = 0; s < 6; ++s)
+			if (round < 3 || s != 2)
+				requests.push_back({ s, increment<2>(s < 3 || round < 2 ? 1e-3 : 2e-3, round < 6 ? 0 : 1e-5 * double(s)), 0.1 });
+		const auto a = processor.update(requests, {}, 2), b = away.update(requests, {}, 2);
+		for (std::size_t r = 0; r < requests.size(); ++r)
+			expectSame<2>(a[r], b[r], "round " + std::to_string(round));
+		EXPECT_EQ(processor.distinctStates(), away.distinctStates()) << "round " << round;
+	}
+	for (std::size_t s = 0; s < 6; ++s)
+		EXPECT_TRUE(sameBits<2>(processor.state(s), away.state(s))) << "sample " << s;
+}
+
+namespace {
+
+/// Samples of every size that has a kernel.
+template <int Dim> void expectSameAtAllSizes(const std::shared_ptr<SampleDevice>& device, int rounds)
+{
+	const std::vector<std::array<int, 3>> discs { { 1, 1, 1 }, { 2, 1, 1 }, { 2, 2, 1 } };
+	const std::vector<std::array<int, 3>> spheres { { 1, 1, 1 }, { 2, 1, 1 }, { 2, 2, 1 }, { 3, 2, 1 }, { 2, 2, 2 } };
+	for (const auto& times : Dim == 2 ? discs : spheres) {
+		const PackedState<Dim> start = tiled<Dim>(thawed<Dim>(), times);
+		expectSameRun<Dim>(
+		        { start, frozenOf<Dim>(start, 0.2) }, rounds, device,
+		        [](int r, int s) {
+			        return Round { 1e-3, 1e-4 * std::sin(r), s ? 0.2 : 0. };
+		        },
+		        std::to_string(start.size()) + (Dim == 2 ? " discs" : " spheres"), 3, 1);
+	}
+}
+
+} // namespace
+
+TEST(SampleDevice, samplesOfEverySizeThatHasAKernelHaveTheBitsOfTheProcessor)
+{
+	expectSameAtAllSizes<2>(makeTwin(), 4);
+	expectSameAtAllSizes<3>(makeTwin(), 3);
+}
+
+/// On a machine with a card: ctest -L gpu.
+TEST(SampleDevice, graphicsCardHasTheBitsOfTheProcessor_gpu)
+{
+	unsetenv("TALIK_CUDA_DRIVER");
+	std::shared_ptr<SampleDevice> card;
+	try {
+		card = openCard();
+	} catch (const DeviceFailure& failure) {
+		GTEST_SKIP() << "not measured, no graphics card: " << failure.what();
+	}
+	expectSameWhateverHappens<2>(card);
+	expectSameWhateverHappens<3>(card);
+	expectSameAtAllSizes<2>(card, 12);
+	expectSameAtAllSizes<3>(card, 12);
+}
