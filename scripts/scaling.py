@@ -38,7 +38,7 @@ class Network:
 	localBandwidth: float = 6e9  # of a rank that copies [B/s]
 
 	def allGather(self, totalBytes, ranks):
-		"""Seconds until each rank has all parts: doubling steps among machines, then among the ranks of one."""
+		"""Seconds until each rank has all parts, eq. (16.3): doubling steps among machines, then among the ranks of one."""
 		machines, local = -(-ranks // self.perMachine), min(ranks, self.perMachine)
 		seconds = np.ceil(np.log2(local)) * self.localLatency + totalBytes * (local - 1) / local / self.localBandwidth
 		if machines > 1:
@@ -150,7 +150,7 @@ def copiedLoads(record, rankCounts, points, groundOfPoint, steps):
 
 
 class Replay:
-	"""What ranks and a network make of loads; times are summed over the steps [s]."""
+	"""Eq. (16.2): time of loads on ranks and a network, summed over the steps [s]."""
 
 	def __init__(self, loads, network, dimension, threads=1, inBands=False):
 		"""threads: of each rank, assumed to work without loss. inBands: as if the ground were cut into bands of equal cost, each of whose ranks

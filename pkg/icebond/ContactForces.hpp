@@ -112,8 +112,8 @@ namespace HWY_NAMESPACE {
 	}
 #endif
 
-	/// Moment by which grains resist rolling on each other: elastic, at most lever times the normal force that presses them together. The
-	/// increment is what the moment is reduced by in this step.
+	/// Moment by which grains resist rolling on each other, eq. (14.6): elastic, at most lever times the normal force that presses them together.
+	/// The moment is reduced by the increment in this step.
 	template <class Number, class Moment>
 	HWY_INLINE Moment rollingMoment(const Number& lever, const Number& normal, const Moment& moment, const Moment& increment)
 	{

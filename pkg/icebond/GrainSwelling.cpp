@@ -98,11 +98,12 @@ void GrainSwelling::postLoad(GrainSwelling&)
 	        "give 0 to " + talik::asText(full) + ", the value at which all of eq. (8) acts.");
 }
 
+/// Eq. (14.1).
 Real GrainSwelling::equivalentRatio(Real iceSaturation) const { return talik::equivalentRadiusRatio(porosity, volumetricStrain, iceSaturation, dimension); }
 
 Real GrainSwelling::fullThawStrain() const { return (porosity + volumetricStrain) / (1 + volumetricStrain); }
 
-/// Radius over that first met. Area (volume) follows the ice linearly, as in eq. (8).
+/// Radius over that first met. Area (volume) follows the ice linearly, as in eq. (8); mechanical: eq. (14.5).
 Real GrainSwelling::radiusRatio(Real iceSaturation) const
 {
 	switch (rule()) {

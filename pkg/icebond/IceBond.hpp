@@ -83,7 +83,7 @@ struct MomentStiffness {
 };
 
 /// Section of the bonds that carry moments: of the area A_b, its edge at R_b = radiusFactor sqrt(A_b/pi), I = A_b R_b^2/4 and J = A_b R_b^2/2;
-/// with the factor 1 a circle. Moments add to the stress at the edge (parallel bond, Potyondy & Cundall 2004).
+/// with the factor 1 a circle, eq. (14.11). Moments add to the stress at the edge, eq. (14.13) (parallel bond, Potyondy & Cundall 2004).
 struct BondSection {
 	double radiusFactor = 0; ///< R_b over the radius of a circle of the bond's area [-], >= 0; 0: bonds carry no moments
 	double contribution = 1; ///< beta, share of the moments in the stress at the edge [-], 0 to 1 (Potyondy 2011)
@@ -114,7 +114,8 @@ struct NoMoments {};
 /// The law of a contact that ice may bond. Overlap u_n and normal force F_n are positive in compression; k_g is the stiffness of the
 /// grains, k_ice that of the ice, mu the friction, A_b the area of the bond.
 ///  NONE     F_n = k_g u_n, |s| <= mu F_n; gone when u_n < 0.
-///  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b + mu max(F_n, 0).
+///  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice), eq. (14.3); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b +
+///           mu max(F_n, 0), eq. (14.4).
 ///           In tension: no force in that step, the ice spring is cut. In shear: u_grain = 0, F_n = k_g max(u_n, 0) + k_ice max(u_n - u_ice, 0),
 ///           |s| <= mu F_n; the ice spring is cut if it does not push.
 ///  BROKEN   as NONE once the ice spring is cut; until then F_n = k_g u_n + k_ice (u_n - u_ice), and it is cut when u_n <= u_ice.

@@ -81,6 +81,7 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 	const auto [r1, r2] = stiffnessRadii(geom, a, b);
 	const Real k1 = a.young * r1, k2 = b.young * r2;
 
+	// stiffness and area of a bond, eq. (14.2)
 	const Real grainStiffness = k1 + k2 > 0 ? 2 * k1 * k2 / (k1 + k2) : 0;
 	const Real stiffnessRatio = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
 

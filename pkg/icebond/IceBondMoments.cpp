@@ -73,6 +73,7 @@ talik::EdgeForces<double> MomentIceBondPhys::bend(
 	const auto     stiffness = section().stiffness(bondArea, contact.ice(), contact.shearRatio);
 	const Vector3r spin      = spinBetween(interaction, scene);
 	const Vector3r twisting  = geom.normal.dot(spin) * geom.normal;
+	// eq. (14.12)
 	bondMoment -= scene.dt * (stiffness.bending * (spin - twisting) + stiffness.twisting * twisting);
 	const double along = geom.normal.dot(bondMoment), edge = section().edgeOverMoment(bondArea);
 	return { edge * (bondMoment - along * geom.normal).norm(), 0.5 * edge * std::abs(along) };

@@ -111,7 +111,7 @@ void Calendar<D>::measure(
 		all.inertia = std::min(all.inertia, strip.inertia);
 		all.square  = std::max(all.square, strip.square);
 	}
-	state.reach = all.inertia * heatFraction * spacing * spacing / (2.0 * D);
+	state.reach = all.inertia * heatFraction * spacing * spacing / (2.0 * D); // eq. (21.2)
 	state.speed = std::sqrt(all.square);
 }
 

@@ -234,6 +234,7 @@ template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
 	}
 }
 
+/// V times det(1 + G), eq. (2.1).
 template <int D> void Ground<D>::Parts::stretchVolumes(int first, int last)
 {
 	const std::array<double*, D* D> g      = motion->gradient;

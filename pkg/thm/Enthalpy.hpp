@@ -37,7 +37,7 @@ struct EnthalpyFormula {
 
 	struct Value {
 		double enthalpy;     ///< H [J]
-		double slope;        ///< dH/dT [J/K]
+		double slope;        ///< dH/dT [J/K], eq. (9.2)
 		double iceMass;      ///< [kg]
 		double heatCapacity; ///< at fixed phase masses [J/K]
 	};
@@ -97,7 +97,7 @@ struct EnthalpyFormula {
 	/// What residuals of the enthalpy are measured against, m_s c_s 1 K + m_w L_f [J].
 	double residualScale(const SoilContent& soil) const { return soil.solidMass * properties.solid.specificHeat + soil.waterMass * latentHeat; }
 
-	/// Ice that S_l stands for, short of the water that never freezes.
+	/// Ice at a liquid saturation, eq. (2.4), without the water that never freezes.
 	struct Ice {
 		double mass, slope; ///< [kg], its derivative [kg/K]
 	};

@@ -24,6 +24,7 @@ struct CurveBase {
 	explicit CurveBase(const CurveParameters& given);
 	static std::vector<CurveParameter> baseParameters();
 
+	/// S_l at a fraction S_e, eq. (4.1).
 	double scaled(double fraction) const { return residualSaturation + (1.0 - residualSaturation) * fraction; }
 };
 

@@ -33,6 +33,7 @@ ConductivityMean conductivityMeanFromName(const std::string& name)
 	return static_cast<ConductivityMean>(placeOfName("conductivityMean", name, conductivityMeanNames()));
 }
 
+/// Eq. (3.2).
 double MixtureProperties::conductivity(const VolumeFractions& n) const
 {
 	switch (conductivityMean) {
@@ -44,6 +45,7 @@ double MixtureProperties::conductivity(const VolumeFractions& n) const
 	return arithmeticConductivity(n);
 }
 
+/// Eq. (3.3).
 double MixtureProperties::expansivity(double porosity, double liquidSaturation, double temperature) const
 {
 	const VolumeFractions n    = VolumeFractions::of(porosity, liquidSaturation);

@@ -53,7 +53,7 @@ struct MixtureProperties {
 	double densityDeficit(double temperature) const { return 1.0 - densityAt(ice, temperature) / densityAt(liquid, temperature); }
 	double densityDeficit() const { return 1.0 - ice.density / liquid.density; }
 
-	/// rho_m = sum n_pi rho_pi [kg/m^3]
+	/// rho_m = sum n_pi rho_pi [kg/m^3], eq. (3.1)
 	double density(const VolumeFractions& n) const { return n.solid * solid.density + n.ice * ice.density + n.liquid * liquid.density; }
 
 	/// C_m = sum n_pi rho_pi c_pi, sensible heat capacity per volume [J/(m^3 K)]

@@ -53,6 +53,7 @@ PressureCoefficients PoreWaterState::coefficients(const MixtureProperties& m, co
 		 undrained - liquidVolume, liquidVolume };
 }
 
+/// Eq. (7.4), as undrainedModulus().
 double skemptonB(const PressureCoefficients& c, double skeletonModulus) { return 1.0 / (1.0 + skeletonModulus * c.storage / c.undrained()); }
 
 double undrainedModulus(const PressureCoefficients& c, double skeletonModulus) { return skeletonModulus + c.undrained() / c.storage; }

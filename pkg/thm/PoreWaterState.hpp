@@ -136,7 +136,7 @@ struct Permeability {
 		return exponential(-impedance * ln10 * (1.0 - liquidSaturation));
 	}
 
-	/// k_r [-] in [floor, 1], liquidSaturation in [0,1]
+	/// k_r [-] in [floor, 1], eq. (5.2), liquidSaturation in [0,1]
 	double relative(double liquidSaturation) const
 	{
 		const double effective = std::min(1.0, std::max(0.0, (liquidSaturation - residualSaturation) / (1.0 - residualSaturation)));
@@ -171,7 +171,7 @@ struct Permeability {
 	/// Acceleration of gravity in the definition of hydraulic conductivity: a material constant, independent of body forces [m/s^2].
 	static constexpr double gravity = 9.81;
 
-	/// Drag of one material point between liquid and solid, V n_l^2 rho_l g/k = m_l n_l g/k [kg/s].
+	/// Drag of one material point between liquid and solid, eq. (5.3): V n_l^2 rho_l g/k = m_l n_l g/k [kg/s].
 	double drag(double liquidMass, double porosity, double liquidSaturation) const
 	{
 		return dragAt(liquidMass, porosity * liquidSaturation, conductivity(porosity, liquidSaturation));

@@ -50,6 +50,20 @@ def test_every_equation_of_ours_that_code_or_a_page_cites_is_defined_once_on_a_r
 	assert sorted(defined) == sorted(set(defined)) and "13.1" in cited
 
 
+def test_every_equation_of_a_room_page_is_cited_where_code_computes_it():
+	cited = {}
+	for file, text in sources().items():
+		if file.is_relative_to(root / "pkg") or file.is_relative_to(root / "scripts"):
+			for number in citedNumbers(text):
+				cited.setdefault(number, []).append(file.relative_to(root).name)
+	missing = {}
+	for page in roomPages:
+		numbers = definition.findall(textOf(page))
+		missing.update({number: page.parent.name for number in numbers if number not in cited})
+		print(f"{page.parent.name}: {', '.join(f'({number}) {cited[number][0]}' for number in numbers if number in cited) or 'none'}")
+	assert not missing
+
+
 def test_every_equation_of_the_paper_that_code_cites_stands_on_a_room_page():
 	onPages = set()
 	for page in roomPages:

@@ -336,6 +336,7 @@ template <int D> void HeatTransfer<D>::gather(const WeightBlock<D>& w, const dou
 	warm(w.first, w.count, gained ? gained : sums);
 }
 
+/// Enthalpy of points from the heat of their nodes, eq. (9.5).
 template <int D> void HeatTransfer<D>::warm(int first, int count, const double* gained)
 {
 	const double        smoothed = smoothed_, from = reference;

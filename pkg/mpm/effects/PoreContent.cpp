@@ -137,6 +137,7 @@ template <int D> void PoreContent<D>::load(Block& b, const HeatTransfer<D>* heat
 
 // Loops over points hold constants by value and fields, which never overlap, by pointers of their own: only then are they vectors.
 
+/// Volume of the pores, eq. (2.2).
 template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
 {
 	const MixtureProperties m      = b.of->mixture;

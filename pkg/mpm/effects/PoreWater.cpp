@@ -127,6 +127,7 @@ template <int D> double PoreWater<D>::mobility(int cell, double volume, double l
 	return resistance > 0.0 ? liquid * liquid / (volume * resistance) : 0.0;
 }
 
+/// u of eq. (7.6): what the liquid of a cell feels that thaws from one side.
 template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const
 {
 	const auto   liquidPart = [&](int c) { return cells_[c].liquidMass / freezing_[c].contentMass; };
@@ -389,6 +390,7 @@ template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
 	});
 }
 
+/// What seeps to a point, eq. (2.3), with its momentum and enthalpy.
 template <int D> void PoreWater<D>::take(int p, const double* share, double dilution, double* waterMass, double* enthalpy)
 {
 	// momentum comes with the water
@@ -565,6 +567,7 @@ Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, dou
 	return lost;
 }
 
+/// Pressure of a cell, eq. (7.5).
 template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy)
 {
 	range.overCells([&](int first, int last) {

@@ -192,6 +192,7 @@ template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std
 	const double spring  = stiffness_ * area(p);
 	const double dashpot = this->dashpot(spring, mass_[p]);
 	if (atStart_ && c.memory.key == 0) c.memory.radius += std::max(0.0, pressureOn(p, normal)) / stiffness_;
+	// normal force, eq. (22.1)
 	const double depth    = c.memory.radius - c.surface.distance;
 	const double pressing = std::max(0.0, spring * depth - dashpot * dot<D>(slipping, normal));
 

@@ -135,7 +135,7 @@ template <int D> void ThawStrain<D>::close(const double* modulus)
 		open_[p]    = (left - unloaded) / s.volume;
 		swollen_[p] = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
 		OfGrid before { p, {} };
-		for (int i = 0; i < D; ++i)
+		for (int i = 0; i < D; ++i) // gradient of the soil, eq. (24.2)
 			for (int j = 0; j < D; ++j) {
 				double* const gradient     = motion_->gradient[i * D + j];
 				before.gradient[i * D + j] = gradient[p];

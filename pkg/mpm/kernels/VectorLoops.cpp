@@ -219,7 +219,7 @@ namespace HWY_NAMESPACE {
 		};
 		template <int D, int n> HWY_INLINE Share<D, Numbers<n>, Nothing> shareOf(const Numbers<n>& value) { return { value, {} }; }
 
-		/// Adds the shares of the points first .. last - 1, which have one base. The records of some rows stay in registers while all these
+		/// Left sum of eq. (8.0): adds the shares of the points first .. last - 1, which have one base. The records of some rows stay in registers while all these
 		/// points add to them: every record has one order of its sum, however long the run. What the nodes of a row share is formed once.
 		/// Points k = first .. last - 1 are those with number pointAt(k) in the block and give shareAt(k) to the numbers from column on.
 		template <class Record, int D, class Records, class ShareAt, class PointAt>
@@ -290,7 +290,7 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		/// Sums over the support: S and dS/dx_a times records.
+		/// Right sums of eq. (8.0) over the support: S and dS/dx_a times records.
 		template <class Record, int D> struct Sums {
 			Record value, slope[D];
 		};

@@ -15,7 +15,7 @@ struct MohrCoulombState {
 };
 
 /// Returns principal stresses s[0] >= s[1] >= s[2] (tension positive, [Pa]) from a trial state to the yield surface
-///   (s0 - s2) + (s0 + s2) sin(phi) <= 2 c cos(phi),  s0 <= tensileStrength.
+///   (s0 - s2) + (s0 + s2) sin(phi) <= 2 c cos(phi),  s0 <= tensileStrength,  eq. (23.1).
 /// Main plane, edges and apex follow the flow rule with the dilation angle; tension above the cut-off is then taken off the
 /// principal stresses that exceed it, which leaves the state inside the cone. Returns true if the state was changed.
 inline bool returnToMohrCoulomb(const MohrCoulombState& m, double* s)

@@ -101,7 +101,7 @@ namespace {
 		}
 	}
 
-	/// phi(S_i) = 1 - (1 - S_i^m)^m
+	/// phi(S_i) = 1 - (1 - S_i^m)^m of eq. (23.2)
 	double squareIceFunction(double saturation)
 	{
 		const double s = std::min(std::max(saturation, 0.0), 1.0);

@@ -257,7 +257,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 Matrix step;
                 for (int c = 0; c < Dim * Dim; ++c)
                         step(c / Dim, c % Dim) = batch.gradient[c][place];
-                const Matrix before = a.accumulated(place), h = before + step * (Matrix::Identity() + before);
+                const Matrix before = a.accumulated(place), h = before + step * (Matrix::Identity() + before); // eq. (15.1)
                 a.setAccumulated(place, h);
                 const Matrix change        = schedule.prediction ? a.predictedChange(place, h) : Matrix(Matrix::Zero());
                 const double iceSaturation = batch.iceSaturation ? batch.iceSaturation[place] : a.saturation[place];
@@ -298,7 +298,7 @@ template <int Dim> BondCreep SampleSkeleton<Dim>::creep(const SkeletonBatch<Dim>
 	return law.over(batch.temperature ? batch.temperature[place] : law.referenceTemperature, fields->component(timeField)[place]);
 }
 
-/// At the temperature of a point and the largest principal strain rate since its sample was asked.
+/// At the temperature of a point and the largest principal strain rate since its sample was last updated, eq. (15.7).
 template <int Dim> BondStrengthFactors SampleSkeleton<Dim>::strengthFactors(const SkeletonBatch<Dim>& batch, int place, const Matrix& gradient) const
 {
 	const IceStrengthLaw& law    = *schedule.iceStrength;

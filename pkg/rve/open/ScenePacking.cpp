@@ -629,6 +629,7 @@ double timeStepForIce(const Scene& scene)
 	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
 }
 
+/// Time step of the motion, eq. (13.8).
 double longestTimeStep(const Scene& scene, double iceStiffness)
 {
 	double       period2 = std::numeric_limits<double>::infinity(), softening = period2; // m/k [s^2]

@@ -45,6 +45,7 @@ namespace {
 
 bool portablePathForced() { return portableForced; }
 
+/// (1 + dH)^(1/N) - 1, eq. (13.2).
 template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps)
 {
 	using Matrix     = typename PackedTypes<Dim>::Matrix;

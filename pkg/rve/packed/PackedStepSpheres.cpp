@@ -213,7 +213,8 @@ namespace HWY_NAMESPACE {
 			const auto [v, w]     = gatherColumns<8, 8, Periodic>(view.speed, p, lessButLast, view.shiftSpeed);
 			const Vector velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
 			const Many   sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
-			// the branch of the last step is l - dt v: from it the turn of the normal follows, to the last place
+			// turn of the contact, eq. (13.5), and slip, eq. (13.6). The branch of the last step was l - dt v: from it the turn of the
+			// normal follows, to the last place, eq. (13.7)
 			const Many   inverse = g.inverse(), turning = Mul(c.step, inverse), stretch = Mul(sum, inverse);
 			const Vector across = cross(n, velocity);
 			const Many   bend   = MulAdd(Mul(turning, dot(velocity, n)), turning, turning);

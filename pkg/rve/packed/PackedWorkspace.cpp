@@ -92,6 +92,7 @@ template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>&
 	scaleRadii();
 }
 
+/// Time step of the motion, eq. (13.8).
 template <int Dim> double PackedWorkspace<Dim>::longestTimeStep(double iceFactor) const
 {
 	const double full = base.ice.iceStiffnessRatio(1), now = base.ice.iceStiffnessRatio(base.iceSaturation) * iceFactor;
@@ -277,6 +278,7 @@ template <int Dim> void PackedWorkspace<Dim>::run(long steps, long averaged)
 	if (steps > 0) base.stress = sum / double(steps - first);
 }
 
+/// Eq. (13.3), from the virial of the grains and of their images.
 template <int Dim> void PackedWorkspace<Dim>::finishStress(Matrix& stress) const
 {
 	copyMatrix<Dim>(view.virial, stress);
