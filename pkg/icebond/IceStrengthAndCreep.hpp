@@ -21,7 +21,7 @@ public:
 			"Kalafut 1975 (1.2e-4 to 2.9/s at -10 degC: compression tenfold, tension hardly). Example: "
 			"IceStrength(shearRateExponent=0.1).factors(-5,1e-3).",
 		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], <= 0; ground above 0 counts as 0."))
-		((Real,referenceRate,1e-4,Attr::triggerPostLoad,"rate_0 [1/s in nature's time], > 0."))
+		((Real,referenceRate,1e-4,Attr::triggerPostLoad,"rate_0 [1/s in physical time], > 0."))
 		((Real,leastRate,1e-7,Attr::triggerPostLoad,"Slower strain counts as this [1/s], > 0: the slowest tests that are known (Parameswaran 1980)."))
 		((Real,tensileCold,0.0203,Attr::triggerPostLoad,"b of the tensile strength [1/K], >= 0: ln(root 10)/56.7."))
 		((Real,shearCold,0.0406,Attr::triggerPostLoad,"b of the shear strength [1/K], >= 0: ln(10)/56.7."))
@@ -34,7 +34,7 @@ public:
 		,/*ctor*/ ,
 		/*py*/
 		.def("factors",&IceStrength::factors,(::boost::python::arg("temperature"),::boost::python::arg("strainRate")),"(tensile, shear): strength at a temperature "
-				"[degC] and a strain rate [1/s in nature's time] over that of the material [-]. For RveSample.tensileStrengthFactor and shearStrengthFactor.")
+				"[degC] and a strain rate [1/s in physical time] over that of the material [-]. For RveSample.tensileStrengthFactor and shearStrengthFactor.")
 		.def("stiffnessFactor",&IceStrength::stiffnessFactor,(::boost::python::arg("temperature")),"Stiffness of the ice at a temperature [degC] over that of the "
 				"material [-]: exp(stiffnessCold (T_0-T)), at most 2. For RveSample.iceStiffnessFactor.")
 	);

@@ -163,8 +163,8 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine,GlobalEngine,"Thawing and freezing ground: a material point method whose effects are objects that the scene has "
-			"or has not (heat, freezing, water, motion), with a skeleton law behind every material point, Yu & Zhao section 2.3. In plane strain (x, y, with y "
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine,GlobalEngine,"Thawing and freezing ground by the material point method, Yu & Zhao section 2.3. Each effect (heat, "
+			"freezing, water, bodies) is an object that a scene may have, and every material point has a skeleton law. In plane strain (x, y, with y "
 			"upwards), all quantities per metre of thickness, or in space (x, y, z, with z upwards): see dimension. SI units, degrees Celsius; stress positive in "
 			"tension, pressure positive in compression. Example: "
 			"mpm=MpmEngine(gridSpacing=0.2,lower=(0,0),upper=(10,5),gravity=(0,-9.81),skeleton=ElasticSkeleton()); "
@@ -178,13 +178,13 @@ public:
 		((GroundVector,gravity,0,,"Body force per mass [m/s^2]: (0,-9.81), in space (0,0,-9.81)."))
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed "
 				"while running."))
-		((string,transfer,"flip",,"How the velocity of the solid comes back from the grid. flip: points keep their own and take the grid's acceleration; apic: "
-				"points carry the grid's velocity and its first moment, which keeps angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's "
-				"velocity and its gradient. apic and tpic add the field affineVelocity [1/s], zero at the start. picTime says how long points keep what the grid does not "
-				"see; water has its own, PoreWater.picTime."))
-		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid dies out [s], >= 0: in a step the share exp(-dt/picTime) "
-				"of it is kept. 0: none is (PIC; apic and tpic as published), inf: all (FLIP). NaN: sqrt(h/g) with transfer='flip', in which a body falls by half a cell "
-				"(g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
+		((string,transfer,"flip",,"How points get the velocity of the solid from the grid. flip: they keep their velocity and add the grid's acceleration; apic: "
+				"they take the grid's velocity and its first moment, which conserves angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's "
+				"velocity and its gradient. apic and tpic add the field affineVelocity [1/s], zero at the start. picTime sets how fast the difference to the grid's "
+				"velocity decays; water has its own, PoreWater.picTime."))
+		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid decays [s], >= 0: in each step the fraction exp(-dt/picTime) "
+				"of it is kept. 0: nothing (PIC; apic and tpic as published), inf: all of it (FLIP). NaN: with transfer='flip' sqrt(h/g), the time in which a body falls by "
+				"half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
 		((bool,bBar,true,,"B-bar: mean of div v over each cell and, transposed, of the mean stress. False: nearly incompressible ground locks."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or "
 				"linear (debugging only)."))
@@ -193,17 +193,17 @@ public:
 				"which a point has."))
 		((shared_ptr<HeatTransfer>,heat,,,"Effect: heat. None: there is no temperature."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Effect: pore water freezes; needs heat."))
-		((shared_ptr<ThawFront>,thawFront,shared_ptr<ThawFront>(new ThawFront),,"Effect: frozen and thawed ground have velocities of their own where they meet, so "
-				"that thin thawed layers slide. Without freezing, motion or a skeleton that can fail it is not there. None: one velocity for all."))
+		((shared_ptr<ThawFront>,thawFront,shared_ptr<ThawFront>(new ThawFront),,"Effect: frozen and thawed ground have separate velocities where they meet, so "
+				"that thin thawed layers slide. It needs freezing, motion and a skeleton that can fail, and is absent without them. None: one velocity for all."))
 		((shared_ptr<PoreWater>,water,,,"Effect: pore water flows and carries pressure; needs motion. None: pore water, if any, moves with the grains and carries "
 				"no pressure."))
 		((shared_ptr<BodyContact>,bodies,,,"Effect: bodies of the scene (walls, facets, boxes, spheres, clumps) and the ground push each other; needs motion. None: "
-				"the ground does not see them."))
+				"they have no contact with the ground."))
 		((shared_ptr<SkeletonLaw>,skeleton,,,"Skeleton law of all points, unless skeletons lists several."))
 		((vector<shared_ptr<SkeletonLaw>>,skeletons,,,"Skeleton laws; addPoints(skeleton=i) says which a point has."))
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
-		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and cut into sub-steps where it exceeds the limit. Of several "
+		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and divided into sub-steps where it exceeds the limit. Of several "
 				"grounds in O.engines the first sets it, to the smallest of their steps."))
 		((Real,courantNumber,0.4,,"Courant number: time step over h/(c+|v|) [-], in (0,1]; lowered to what is stable wherever the points lie: 0.408 with "
 				"quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
@@ -211,19 +211,19 @@ public:
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every "
-				"point are steered by the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "
+				"point follow the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "
 				"estimatedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
-		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops after the step in which the calendar reaches this day [d]; once. It is for the calendar "
-				"what O.stopAtTime is for the scene. May be changed while running."))
-		((string,distribute,"automatic",,"What the ranks of mpirun share out. samples: each sample of RveSkeleton has one rank as its owner, and every rank computes "
-				"the whole ground; results are those of one rank, bit for bit. ground: each rank has a band of strips of four rows of cells, two strips at least, computes "
-				"and holds what is there, and exchanges rows with its neighbours, bit for bit as one rank; bands follow the cost of points and samples. Samples go with "
-				"their points and have to be packed; a law in Python is called for the points of one strip after the other. Bodies of YADE are on all ranks. none: every "
-				"rank computes everything. automatic: samples where there are some, ground from 100 000 points on where there are none and no law in Python, else none, "
-				"which is said once. Without mpirun it has no effect but on laws in Python."))
-		((bool,energyLedger,false,,"Keep account of mechanical work and dissipation, see balance()."))
-		((bool,resting,true,,"Effects that have nothing to do rest until something changes: heat in ground of one temperature that no boundary or source changes, "
-				"seepage of water that nowhere moves through the skeleton. False: they run all the same; results are the same bit by bit."))
+		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops once, after the step in which the calendar reaches this day [d], as it does at O.stopAtTime. "
+				"May be changed while running."))
+		((string,distribute,"automatic",,"What the ranks of mpirun divide among them; results are identical to those of one rank. samples: each sample of RveSkeleton "
+				"is owned by one rank, and every rank computes the whole ground. ground: slab decomposition; each rank owns a slab of at least two strips of four rows of "
+				"cells, with its samples, and exchanges halo rows with its neighbours; slabs follow the cost of points and samples. Samples have to be packed; a law in "
+				"Python is called for the points of one strip after the other. Bodies of YADE are on all ranks. none: every "
+				"rank computes everything. automatic: samples if there are any; ground from 100 000 points on if there are no samples and no law in Python; else none, "
+				"with a message. Without mpirun it affects only laws in Python."))
+		((bool,energyLedger,false,,"Compute the balance of mechanical work and dissipation, see balance()."))
+		((bool,resting,true,,"Effects in equilibrium are skipped until something changes: heat in ground of one temperature that no boundary or source changes, "
+				"seepage of water that nowhere moves through the skeleton. False: they are always computed; results are identical."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))
@@ -263,16 +263,16 @@ public:
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: "
 				"motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free "
 				"surface', boundaries, 'deformation record', 'thaw strain', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them "
-				"steps, their number. Time of passes that serve several effects is shared out by samples. Not kept in archives.")
-		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B with the numerical bulk modulus in use [-]: of the softest point, by the oedometer modulus of its "
+				"steps, their number. Time of passes that serve several effects is divided among them by sampling. Not kept in archives.")
+		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B with the bulk modulus of water in use [-]: of the softest point, by the oedometer modulus of its "
 				"skeleton, with its pores full of liquid.")
-		.def("doubts",&MpmEngine::doubts,"Sentences about settings that are valid and yet hardly what was meant; talik.check(mpm) prints them, the first step "
-				"prints those of which nothing sensible comes.")
+		.def("doubts",&MpmEngine::doubts,"Warnings about settings that are valid but probably a mistake; talik.check(mpm) prints them, and the first step "
+				"prints those that make the results meaningless.")
 		.def("setTemperature",&MpmEngine::setTemperature,(::boost::python::arg("temperature")),"Set the temperature of all points (scalar or array by id) [degC], "
 				"with enthalpy to match.")
 		.def("exchangeSkeletons",&MpmEngine::exchangeSkeletons,(::boost::python::arg("skeletons"),::boost::python::arg("skeletonOf")),"Between two steps: give the "
-				"ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history; stress stays, except that "
-				"points given a new RveSkeleton take the stress of their samples. On an error the ground is as before. See talik.refine and talik.coarsen.")
+				"ground a new list of skeleton laws and each point (by id) the number of its law. Points that keep their law keep its history. Stress stays, except that "
+				"points given a new RveSkeleton take the stress of their samples. After an error the ground is as before. See talik.refine and talik.coarsen.")
 		.def("resetDisplacement",&MpmEngine::resetDisplacement,"Count displacement and deformation from now on; positions, velocities and stresses stay.")
 		.add_property("estimatedError",&MpmEngine::estimatedError,"Estimated error of effective stress that the samples have caused since the start: root mean "
 				"square over points and steps, over that of the stress itself [-]: from the differences between predicted and sampled stress and between two rates of "
@@ -283,8 +283,8 @@ public:
 		.add_property("time",&MpmEngine::groundTime,"Time of motion of the ground [s]; see calendar for that of heat, weather and seepage.")
 		.add_property("calendar",&MpmEngine::calendar,"Dictionary: day, calendar time in days, at which tables of boundaries are read; scale, calendar time per "
 				"time of motion in the last step [-]; followsMotion; speed of the fastest ground, the largest mean velocity of the points of a cell [m/s], and moving, "
-				"whether an event goes on (both with followsMotion only); seepageScale, what hastens seepage and rain [-]; largestConductivity, up to which it does "
-				"[m/s], None without water.")
+				"whether an event goes on (both with followsMotion only); seepageScale, the acceleration of seepage and rain [-]; largestConductivity, the limit "
+				"up to which it acts [m/s], None without water.")
 		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of "
 				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per "
 				"metre; m^3], largest "

@@ -77,8 +77,8 @@ private:
 
 public:
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs, or of spheres, with optional ice bonds: the form that stands "
-			"behind the material points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE "
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(RveSample,GlobalEngine,"Packed periodic sample of discs or spheres with optional ice bonds, as it is used "
+			"behind material points. Made by talik.rve.pack(sample) from a prepared sample or any packable YADE scene; open() gives the ordinary YADE "
 			"scene back. Stress in Pa, tension positive. Example: s=talik.rve.pack(talik.rve.prepare(grains=100)); s.freeze(1); "
 			"s.apply(Matrix3(0,1e-3,0, 0,0,0, 0,0,0),1); s.stress.",
 		TALIK_ATTRIBUTES_OF_DEM_STEPS

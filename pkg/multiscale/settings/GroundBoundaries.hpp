@@ -37,10 +37,10 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(GroundBoundary,Serializable,"Condition on a part of the ground's surface; use one of the derived classes, in "
 			"MpmEngine.boundaries. Example: mpm.boundaries=[RollerBoundary(region='left'),FixedBoundary(region='bottom')].",
-		((string,region,"",,"left, right, bottom or top side of the grid's box, in space also front and back: left is where x is least, front where y is, bottom "
-				"where z is (in the plane y); surface: the moving free surface as far as air from above (or through a side "
-				"without boundary) reaches it; cavities: the surface of hollows inside the ground, such as a body in it leaves; box: inside lower..upper; disc (ball in "
-				"space): inside the ellipse (ellipsoid) that fits lower..upper, such as a pipe."))
+		((string,region,"",,"left, right, bottom or top side of the grid's box, in space also front and back: x is smallest at left, y at front, and z (in the "
+				"plane y) at bottom; surface: the moving free surface where it is open to the air, which enters the box from the top and through sides "
+				"without boundary; cavities: surfaces of hollows inside the ground that are closed to the air, such as a body leaves; box: nodes between lower and upper; "
+				"disc (ball in space): the ellipse (ellipsoid) that fits between lower and upper, such as a pipe."))
 		((GroundVector,lower,-std::numeric_limits<Real>::infinity(),,"Lower corner of the box that limits the region [m]: two components, three in space."))
 		((GroundVector,upper,std::numeric_limits<Real>::infinity(),,"Upper corner of the box that limits the region [m]: two components, three in space."))
 		((vector<Real>,times,,,"Instants of a value that changes in time, calendar time [s], increasing; see days; linear in between, constant "

@@ -19,17 +19,18 @@ public:
 				"moves, in between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2). v is the speed of the fastest ground, the largest mean velocity of the points of a cell. "
 				"Where heat needs shorter steps the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. "
 				"Needs motion."))
-		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: nature's. May be "
+		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: real time. May be "
 				"changed while running."))
 		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way between its two values. "
-				"While ground of acceleration a gains speed, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
-		((Real,eventSpeed,1e-5,,"Motion is an event from this speed in calendar time on, the speed of the fastest ground over the scale of the calendar [m/s], >= 0, "
-				"if it also passes motionTolerance. Ground that follows its thaw creeps more slowly, at whatever scale it is computed. 1e-5 m/s is a metre a day, a "
-				"moderate landslide (Cruden and Varnes 1996)."))
-		((Real,eventDisplacement,0.02,,"What a point must be displaced by to count as moved in an event [m], > 0; events that move none so far are left out."))
+				"While ground with the acceleration a gains this speed, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
+		((Real,eventSpeed,1e-5,,"Speed in calendar time above which motion is an event [m/s], >= 0: the speed of the fastest ground divided by the scale of the "
+				"calendar. It must also exceed motionTolerance. Ground that only settles or creeps as it thaws is slower, whatever the scale. "
+				"1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996)."))
+		((Real,eventDisplacement,0.02,,"Displacement from which on a point counts as moved in an event [m], > 0. Events in which no point moves that far are "
+				"left out."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
-		((Real,smoothingTime,NaN,,"Time constant with which differences of temperature that the grid cannot see are conservatively evened out [s of calendar time]; "
-				"NaN: chosen from the grid, infinite: none."))
+		((Real,smoothingTime,NaN,,"Time constant of the damping of temperature differences that vanish at the nodes (the null space of the grid); energy is conserved "
+				"[s of calendar time]. NaN: chosen from the grid, infinite: no damping."))
 		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
 		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more "
 				"heat)."))
@@ -56,15 +57,15 @@ public:
 };
 REGISTER_SERIALIZABLE(FreezingCurve);
 
-/// Effect: two velocities where ground that ice holds meets ground that it does not.
+/// Effect: two velocities where frozen and thawed ground meet.
 class ThawFront : public Serializable {
 public:
 	talik::ThawFrontSettings build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where ground that ice holds meets ground that it does not, each has a velocity of its "
-			"own on the nodes, so that a thawed layer slides on its frozen base however thin it is. The friction between them is what the law or the samples of the "
-			"thawed points carry. At work in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: held by ice) and slip [m]. "
-			"MpmEngine.thawFront=None switches it off, for comparison: a layer thinner than about two cells then moves with its base. Example: "
+	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where frozen and thawed ground meet, they have separate velocities on the nodes, so that "
+			"a thawed layer of any thickness can slide on its frozen base. The friction between them is the strength of the law or the samples of the "
+			"thawed points. It acts in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: frozen) and slip [m]. "
+			"MpmEngine.thawFront=None switches it off: a layer thinner than about two cells then moves with its base. Example: "
 			"MpmEngine(gridSpacing=0.5,thawFront=ThawFront(frozenAbove=0.1)).",
 		((Real,thawedBelow,0.02,,"Ice saturation at and below which a point becomes thawed ground [-], 0 to below 1: the bonds of samples are gone there."))
 		((Real,frozenAbove,0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form "
@@ -86,24 +87,24 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag "
 			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
 			"PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
-		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Beyond 12.5 ms * g * referencePorosity, "
-				"0.049 by default (1e-2 at least), it is lowered to that, with a warning: pressure then comes to rest within a fraction of a second. "
-				"MpmEngine.calendar['largestConductivity'] has the number in force."))
-		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]; elsewhere Kozeny-Carman."))
+		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Larger values than 12.5 ms * g * "
+				"referencePorosity, 0.049 by default (1e-2 at least), are lowered to that, with a warning; pressure then comes to rest within a fraction of a second. "
+				"MpmEngine.calendar['largestConductivity'] has the limit in force."))
+		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]. At other porosities it follows Kozeny-Carman."))
 		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
 		((Real,impedance,6,,"Omega of impedance [-], >= 0."))
 		((Real,relativeConductivityFloor,1e-6,,"Smallest relative conductivity [-], in (0,1]."))
-		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and what WaterFlux feeds in [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
-				"thaw and consolidation keep their ratio; a number overrides it, 1 leaves seepage in seconds of motion. Water is hastened up to a conductivity at "
-				"which pressure comes to rest within a fraction of a second, and no further, see MpmEngine.calendar['largestConductivity']."))
-		((Real,bulkModulus,2.2e7,,"Numerical bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; less lets larger steps and lowers Skempton's B, see "
-				"MpmEngine.skemptonB."))
+		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and the inflow of WaterFlux [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
+				"thaw and consolidation keep their ratio. A number replaces it; 1 leaves seepage in seconds of motion. Seepage is accelerated only up to the conductivity "
+				"at which pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
+		((Real,bulkModulus,2.2e7,,"Bulk modulus of water K_w [Pa], > 0. Real water has 2.2e9; the default is a hundredth of it, which allows larger time steps and "
+				"lowers Skempton's B, see MpmEngine.skemptonB."))
 		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times bulkModulus."))
-		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
-		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
+		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: lowest pressure. A gap opens there, which has to close before the pressure rises again."))
+		((bool,zetaActive,true,,"Water expands as it freezes. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
 		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; "
-				"NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is hastened."))
+				"NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is accelerated."))
 		,/*ctor*/ ,
 		/*py*/
 		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::setFlip,"Replaced by picTime.")
