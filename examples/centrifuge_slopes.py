@@ -3,7 +3,7 @@
 
 	scripts/run centrifuge_slopes [--preset test|draft] [--vary conductivity thawStrain …] [--cycles 4] [--assume cohesion=1200] [--skeleton samples]
 
-Measured at a tenth of the size and ten times gravity, here in nature's size (doi 10.1002/ppp.373): the surface moved by 187 mm in a cycle
+Measured at a tenth of the size and ten times gravity, here in full size (doi 10.1002/ppp.373): the surface moved by 187 mm in a cycle
 of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope failed as a mudflow. Each slope thaws once here, or --cycles times:
 excess ice that has melted does not form again by itself, so the next cycle begins with a frozen layer of the shape that the last one left, which has
 heaved normal to the slope to the volume of the first. What the paper's abstract, or another one of the same laboratory, says of the soil is marked as such in
@@ -86,7 +86,7 @@ class Assumptions:
 
 	@property
 	def timeScale(self):
-		"""Calendar time over time of motion: seepage is hastened with the thaw up to 0.05 m/s."""
+		"""Calendar time over time of motion: seepage is accelerated with the thaw up to 0.05 m/s."""
 		return min(5e5, 0.05 / self.conductivity)
 
 

@@ -8,7 +8,7 @@ pulling at the lowest layer. Every layer has a material of its own, whose iceSat
 whose surface warms steadily, and a gauss freezing curve. Bonds weaken, the warmest layer fails first, and the rest falls.
 
 Grains and bonds are those of Yu & Zhao, section 3.1 (E_c 0.6 to 3.6 GPa, strength 1 to 51 MPa, k_s/k_n 0.8, friction 0.5); column,
-load and heating are ours. Heat is hastened until it keeps pace with the short time of a DEM run. With the load P on each vertical
+load and heating are ours. Heat is accelerated until it keeps pace with the short time of a DEM run. With the load P on each vertical
 chain of grains the column must tear where C(S_i) R^2 = P: the closed form that the run is compared with.
 """
 

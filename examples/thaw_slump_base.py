@@ -4,13 +4,13 @@
 	scripts/run thaw_slump_base [--preset draft|standard|paper] [--thaw-strain 0|0.03|full] [--compare thaw-strain|skeleton|both] [--resume] [--redraw]
 
 Everything as in thaw_slump_surface.py but the heat: the base between x = 2 and 6 m is held at +10 °C from the start of the thaw on,
-all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above comes after. The
+all other sides and the surface are insulated. Thaw climbs from the base, support is lost, and the ground above sinks. The
 surface is drained and free.
 
 Ours, where the paper is silent: the extent of the patch; the duration, 600 days, because the
 frozen roof must become thin before its weight passes its strength; and what thawing does to
 the grains. Grains that keep their size (eq. 8 as bookkeeping, --thaw-strain 0) keep their contacts when the ice goes: the thawed ground
-at depth carries what it carried, and nothing comes down. Support is lost by thaw strain: ice-rich grains, prepared frozen, shrink as they
+at depth carries the same load as before, and the ground above stays. Support is lost by thaw strain: ice-rich grains, prepared frozen, shrink as they
 thaw. --thaw-strain gives the area strain that they release, `full` is all of eq. (8), the porosity of the sample. --compare thaw-strain
 shows 0, this and full side by side, --compare skeleton the samples beside a Mohr-Coulomb law calibrated on the same sample, --compare both
 all four, with what each costs.

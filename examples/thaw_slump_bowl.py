@@ -90,7 +90,7 @@ def build(preset, kind, hill):
 		gravity=(0, 0, -9.81),
 		damping=restDamping,
 		skeleton=skeleton(preset, kind),
-		heat=HeatTransfer(),  # in nature's time until the hillside rests
+		heat=HeatTransfer(),  # in real time until the hillside rests
 		freezing=FreezingCurve(curve="gauss", width=0.5, residualSaturation=0.05),
 		water=PoreWater(conductivity=1e-4, hydraulicTimeScale=1),
 		bodies=BodyContact(frictionAngle=25),

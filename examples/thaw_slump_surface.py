@@ -8,7 +8,8 @@ From the paper: grid 0.2 m with four points a cell, initial temperature -5 °C, 
 
 Ours, where the paper is silent: the outline of the slope (a 45° face, 3 m high, above a 1 m bench); rollers left and right, fixed
 base; the air warms within ten days and acts on the moving surface; freezing curve gauss with W = 0.5 K and S_r = 0.05; sample thickness
-0.1 m; a numerical bulk modulus of water of 2.2e7 Pa (with the law alone 5.5e6 Pa, and a frozen modulus of at most 20 MPa); ice in the
+0.1 m; a bulk modulus of water of 2.2e7 Pa, a hundredth of the real one (with the law alone 5.5e6 Pa, and a frozen modulus of at most 20
+MPa), for the sake of the time step; ice in the
 samples as bonds only (bookkeeping of grain size); samples brought to the geostatic stress in bands of 0.5 m before they freeze; lateral
 stress ratio 0.7; local damping 0.02 during failure.
 This script is the scene. How it is run, drawn and compared is in the folder thawslump beside it, the values in thawslump/settings.py.
@@ -41,7 +42,7 @@ def frozenSlope(run):
 		gravity=(0, -9.81),
 		damping=ground.restDamping,
 		skeleton=skeleton,
-		heat=HeatTransfer(followsMotion=ground.followsMotion, motionTolerance=ground.motionTolerance),  # in nature's time until the slope rests
+		heat=HeatTransfer(followsMotion=ground.followsMotion, motionTolerance=ground.motionTolerance),  # in real time until the slope rests
 		freezing=FreezingCurve(curve="gauss", width=ground.freezingWidth, residualSaturation=ground.residualSaturation),
 		water=PoreWater(
 			conductivity=ground.conductivity,

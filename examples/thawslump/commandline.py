@@ -33,13 +33,13 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	)
 	parser.add_argument("--skeleton", default="samples", choices=skeletons, help="a sample behind every point, or a law calibrated on the same sample")
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
-	parser.add_argument("--realisations", type=_count, default=1, help="samples that differ by chance, dealt to the points")
+	parser.add_argument("--realisations", type=_count, default=1, help="number of samples that differ by chance, assigned to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
-	parser.add_argument("--grid-offset", type=_offset, default=0.0, help="of the nodes against the slope [cells], 0 to below 1: another answer as good as any")
+	parser.add_argument("--grid-offset", type=_offset, default=0.0, help="shifts the nodes against the slope [cells], 0 to below 1; each value is as good as any other")
 	parser.add_argument(
 		"--calendar",
 		choices=calendars,
-		help="ten days pass in each second only while the ground rests, or always (constant, as in the paper); default: "
+		help="ten days pass in a second of motion while the ground rests and real time while it moves, or always ten days (constant, as in the paper); default: "
 		"follows-motion with the law alone, constant with samples, which take four times as long otherwise",
 	)
 	parser.add_argument(

@@ -12,12 +12,12 @@ class Preset:
 	gridSpacing: float  # [m]; the paper's is 0.2
 	grains: int  # in each sample; the paper's is 400
 	days: float  # of thaw
-	strainTolerance: float = 2e-5  # of a point, before its sample is asked [-]
+	strainTolerance: float = 2e-5  # of a point, before its sample is updated [-]
 	stressTolerance: float = 0.05  # relative error of stress to which that tolerance is steered [-]
 	maxInertialNumber: float = 5e-3  # of the motion of its grains [-]
 	bandThickness: float = 0.5  # of samples at the same initial stress [m]
 	restTime: float = 0.6  # longest time to come to rest before the thaw [s]
-	realisations: int = 1  # of the sample, dealt to the points by chance
+	realisations: int = 1  # of the sample, assigned to the points at random
 	seed: int = 1  # of the samples and of that chance
 	gridOffset: float = 0.0  # of the nodes against the slope, to the left [cells], 0 to below 1; the ground reaches as far as the grid
 	longestMotion: float = math.inf  # of the thaw [s]: a run whose ground never rests ends here
@@ -43,7 +43,7 @@ presets = {
 		restTime=0.2,
 		calibration=dict(iceSaturations=(0.0, 0.5, 1.0), pressures=(10e3, 50e3)),
 	),
-	# samples that are asked less often and move faster pay for the finer grid, which counts for more
+	# samples that are updated less often and move faster pay for the finer grid, which counts for more
 	"draft": Preset(gridSpacing=0.25, grains=100, days=150.0, strainTolerance=2e-4, stressTolerance=0.1, maxInertialNumber=2e-2, lawGridSpacing=1 / 6),
 	"standard": Preset(gridSpacing=0.25, grains=200, days=150.0, lawGridSpacing=0.125),
 	"paper": Preset(gridSpacing=0.2, grains=400, days=150.0),

@@ -189,7 +189,7 @@ class ThawSlump:
 		return summary
 
 	def rest(self):
-		"""The slope comes to rest in nature's time; then the calendar begins on day 0 and follows the motion."""
+		"""The slope comes to rest in real time; then the calendar begins on day 0 and follows the motion."""
 		O.engines = [self.mpm]
 		self.initialBalance = self.mpm.balance()
 		self.mpm.setDay(-1)

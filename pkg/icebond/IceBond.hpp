@@ -111,11 +111,10 @@ struct NoMoments {};
 
 } // namespace talik
 
-/// The law of a contact that ice may bond. Overlap u_n and normal force F_n are positive in compression; k_g is the stiffness of the
+/// The law of a contact that ice may bond, eqs (14.3), (14.4). Overlap u_n and normal force F_n are positive in compression; k_g is the stiffness of the
 /// grains, k_ice that of the ice, mu the friction, A_b the area of the bond.
 ///  NONE     F_n = k_g u_n, |s| <= mu F_n; gone when u_n < 0.
-///  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice), eq. (14.3); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b +
-///           mu max(F_n, 0), eq. (14.4).
+///  BONDED   F_n = k_g (u_n - u_grain) + k_ice (u_n - u_ice); fails when F_n < -C_eta A_b, else when |s| > C_tau A_b + mu max(F_n, 0).
 ///           In tension: no force in that step, the ice spring is cut. In shear: u_grain = 0, F_n = k_g max(u_n, 0) + k_ice max(u_n - u_ice, 0),
 ///           |s| <= mu F_n; the ice spring is cut if it does not push.
 ///  BROKEN   as NONE once the ice spring is cut; until then F_n = k_g u_n + k_ice (u_n - u_ice), and it is cut when u_n <= u_ice.

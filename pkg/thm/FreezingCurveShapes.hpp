@@ -24,8 +24,7 @@ struct CurveBase {
 	explicit CurveBase(const CurveParameters& given);
 	static std::vector<CurveParameter> baseParameters();
 
-	/// S_l at a fraction S_e, eq. (4.1).
-	double scaled(double fraction) const { return residualSaturation + (1.0 - residualSaturation) * fraction; }
+	double scaled(double fraction) const { return residualSaturation + (1.0 - residualSaturation) * fraction; } ///< S_l of S_e, eq. (4.1)
 };
 
 /// S_e = exp(-(theta/W)^2), theta = T_f - T (McKenzie et al. 2007).

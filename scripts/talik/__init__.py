@@ -179,8 +179,8 @@ _sys.modules["yade.wrapper"].MpmEngine.back = _backToGround
 
 
 def check(mpm):
-	"""Prints settings of a ground that are valid and yet hardly what was meant, a line each with value and what it was probably meant to
-	be; returns them as a list. Works before and after the first step, which prints the worst by itself.
+	"""Prints settings of a ground that are valid but probably a mistake, a line each with the value and what was probably meant; returns
+	them as a list. It may be called before and after the first step. The first step prints those that make the results meaningless.
 
 	>>> talik.check(mpm)
 	[]"""

@@ -480,7 +480,7 @@ temperatures = (0.0, -2.0, -5.0, -10.0, -20.0, -30.0, -40.0, -56.7)  # [degC]
 
 def frozenStrength(sample, law, temperature, rate, pressure=100e3, strain=0.03):
 	"""(largest deviator in compression at a lateral pressure, largest tension) [Pa] of an ice-free RveSample that is frozen to full ice saturation, its
-	bonds as strong as an IceStrength says at a temperature [degC] and a strain rate [1/s in nature's time].
+	bonds as strong as an IceStrength says at a temperature [degC] and a strain rate [1/s in physical time].
 
 	>>> compression, tension = talik.calibrate.frozenStrength(packed, IceStrength(), temperature=-5, rate=1e-3, strain=2e-4)"""
 	tested = sample.copy()

@@ -15,7 +15,7 @@ from yade import wrapper
 from talik import calibrate, plots, rve
 
 temperatures = (0.0, -0.25, -0.5, -1.0, -2.0, -5.0, -10.0, -20.0, -40.0, -56.7)  # [degC]
-rate = 1e-4  # [1/s in nature's time]
+rate = 1e-4  # [1/s in physical time]
 stiffnessOfIce = 0.0014  # [1/K] Gammon, Kiefte & Clouter 1980; Gammon et al. 1983
 # Haynes & Karalius 1977, abstract: frozen Fairbanks silt, 0 to -56.7 degC, compression up to an order of magnitude, tension half an order
 measuredGrowth, measuredSpan = {"compression": 10.0, "tension": 10**0.5}, (0.0, -56.7)

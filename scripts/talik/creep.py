@@ -43,7 +43,7 @@ class CreepTest:
 		"""Mean rate [1/s] between two strains."""
 		first, last = np.searchsorted(self.strain, (begin, end))
 		if last >= len(self.strain) or first == last:
-			raise ValueError(f"creep: the test under {self.stress:g} Pa ends at a strain of {self.strain[-1]:.4f}; the rate is asked up to {end:g}")
+			raise ValueError(f"creep: the test under {self.stress:g} Pa ends at a strain of {self.strain[-1]:.4f}; the rate is wanted up to {end:g}")
 		return (self.strain[last] - self.strain[first]) / (self.time[last] - self.time[first])
 
 	def secondaryRate(self):

@@ -31,7 +31,7 @@ def depthBands(position, polygon, sample, density, bandThickness=0.5, lateralRat
 	position       (n,2) or, in space, (n,3) of the points [m]
 	polygon        outline of the ground, in space its solid (box, extruded, terrain), for the depth below its surface
 	sample         RveSample, or YADE Scene of any law, frictional, that is brought to the stress in the middle of each band; a list: realisations of
-				   it, dealt to the points of every band by chance
+				   it, assigned to the points of every band at random
 	density        of the ground [kg/m3]
 	bandThickness  [m]
 	lateralRatio   horizontal over vertical stress at rest [-]

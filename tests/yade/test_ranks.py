@@ -392,7 +392,7 @@ def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
 	(tmp_path / "scene.py").write_text(refusing)
 	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
 	print(said, complained)
-	assert "this ground has samples that run open, which bands do not serve: choose samples or none" in said
+	assert "this ground has samples that run open, which slab decomposition does not support: choose samples or none" in said
 	assert "PythonBoundary gives other values on rank 1 than on rank 0: let its function follow from its argument alone" in said
 	assert "choose automatic, samples, ground or none" in said
 

@@ -353,7 +353,7 @@ void MpmEngine::shareAmongRanks()
 			samplesToShare = (law && law->shareAmongRanks(what)) || samplesToShare;
 	if (talk && distribute == "ground" && !notInBands().empty())
 		throw std::invalid_argument(
-		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands() + ", which bands do not serve: choose samples or none.");
+		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands() + ", which slab decomposition does not support: choose samples or none.");
 }
 
 /// What this ground has that bands do not serve.
@@ -413,7 +413,7 @@ void MpmEngine::compareRanks()
 void MpmEngine::sayGraveDoubts()
 {
 	for (const auto& doubt : talik::doubtsAbout(*this))
-		if (doubt.grave) say("Talik doubts: " + doubt.sentence);
+		if (doubt.grave) say("Talik warns: " + doubt.sentence);
 }
 
 talik::AnyGround& MpmEngine::runningGround()

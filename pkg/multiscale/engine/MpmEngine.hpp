@@ -215,8 +215,8 @@ public:
 				"estimatedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
 		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops once, after the step in which the calendar reaches this day [d], as it does at O.stopAtTime. "
 				"May be changed while running."))
-		((string,distribute,"automatic",,"What the ranks of mpirun divide among them; results are identical to those of one rank. samples: each sample of RveSkeleton "
-				"is owned by one rank, and every rank computes the whole ground. ground: slab decomposition; each rank owns a slab of at least two strips of four rows of "
+		((string,distribute,"automatic",,"What the ranks of mpirun divide; results are identical to those of one rank. samples: each sample of RveSkeleton "
+				"is owned by one rank; every rank computes the whole ground. ground: slab decomposition; each rank owns a slab of at least two strips of four rows of "
 				"cells, with its samples, and exchanges halo rows with its neighbours; slabs follow the cost of points and samples. Samples have to be packed; a law in "
 				"Python is called for the points of one strip after the other. Bodies of YADE are on all ranks. none: every "
 				"rank computes everything. automatic: samples if there are any; ground from 100 000 points on if there are no samples and no law in Python; else none, "

@@ -117,8 +117,8 @@ public:
 		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((shared_ptr<IceStrength>,iceStrength,,,"How strength and stiffness of the ice bonds follow the temperature of the point, and strength its strain rate in "
 				"physical (calendar) time: strain since the last update of the sample over the calendar time since then. None: they are those of the samples."))
-		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the last update of the sample. None: "
-				"they do not."))
+		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the sample was last updated. "
+				"None: they do not."))
 		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is updated at the latest [s], >= 0; 0: in every step. In between its stress "
 				"does not relax."))
 		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Coulomb friction at the thaw front, shear over normal stress, eq. (20.2) [-], >= 0. "

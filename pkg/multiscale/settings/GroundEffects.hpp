@@ -29,7 +29,7 @@ public:
 		((Real,eventDisplacement,0.02,,"Displacement from which on a point counts as moved in an event [m], > 0. Events in which no point moves that far are "
 				"left out."))
 		((Real,source,0,,"Heat produced per volume [W/m^3]."))
-		((Real,smoothingTime,NaN,,"Time constant of the damping of temperature differences that vanish at the nodes (the null space of the grid); energy is conserved "
+		((Real,smoothingTime,NaN,,"Time constant of the damping of temperature differences that vanish at the nodes (null space of the grid); energy is conserved "
 				"[s of calendar time]. NaN: chosen from the grid, infinite: no damping."))
 		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
 		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more "
