@@ -35,7 +35,7 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--grains", type=_count, help="in each sample, in place of the preset's")
 	parser.add_argument("--realisations", type=_count, default=1, help="number of samples that differ by chance, assigned to the points")
 	parser.add_argument("--seed", type=int, default=1, help="of the samples and of that chance")
-	parser.add_argument("--grid-offset", type=_offset, default=0.0, help="shifts the nodes against the slope [cells], 0 to below 1; each value is as good as any other")
+	parser.add_argument("--grid-offset", type=_offset, default=0.0, help="shift of the nodes against the slope [cells], 0 to below 1; all are equally good")
 	parser.add_argument(
 		"--calendar",
 		choices=calendars,

@@ -353,7 +353,8 @@ void MpmEngine::shareAmongRanks()
 			samplesToShare = (law && law->shareAmongRanks(what)) || samplesToShare;
 	if (talk && distribute == "ground" && !notInBands().empty())
 		throw std::invalid_argument(
-		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands() + ", which slab decomposition does not support: choose samples or none.");
+		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands()
+		        + ", which slab decomposition does not support: choose samples or none.");
 }
 
 /// What this ground has that bands do not serve.

@@ -182,9 +182,9 @@ public:
 				"they take the grid's velocity and its first moment, which conserves angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's "
 				"velocity and its gradient. apic and tpic add the field affineVelocity [1/s], zero at the start. picTime sets how fast the difference to the grid's "
 				"velocity decays; water has its own, PoreWater.picTime."))
-		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid decays [s], >= 0: in each step the fraction exp(-dt/picTime) "
-				"of it is kept. 0: nothing (PIC; apic and tpic as published), inf: all of it (FLIP). NaN: with transfer='flip' sqrt(h/g), the time in which a body falls by "
-				"half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
+		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid decays [s], >= 0: in each step the fraction "
+				"exp(-dt/picTime) of it is kept. 0: nothing (PIC; apic and tpic as published), inf: all of it (FLIP). NaN: with transfer='flip' sqrt(h/g), in which a "
+				"body falls by half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
 		((bool,bBar,true,,"B-bar: mean of div v over each cell and, transposed, of the mean stress. False: nearly incompressible ground locks."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or "
 				"linear (debugging only)."))
@@ -213,7 +213,7 @@ public:
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every "
 				"point follow the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "
 				"estimatedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
-		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops once, after the step in which the calendar reaches this day [d], as it does at O.stopAtTime. "
+		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops once, after the step in which the calendar reaches this day [d], as at O.stopAtTime. "
 				"May be changed while running."))
 		((string,distribute,"automatic",,"What the ranks of mpirun divide; results are identical to those of one rank. samples: each sample of RveSkeleton "
 				"is owned by one rank; every rank computes the whole ground. ground: slab decomposition; each rank owns a slab of at least two strips of four rows of "
