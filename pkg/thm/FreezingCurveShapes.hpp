@@ -3,7 +3,7 @@
 
 // The freezing curves themselves, as plain structs whose functions inline into loops over points, and become vectors there if
 // they are free of branches. A new curve is a struct here, with its parameters, its constructor and its line of the table in FreezingCurve.cpp:
-// see "How to add a freezing curve" in pkg/thm/README.md.
+// see "How to add a freezing curve" in pkg/thm/how-to.md.
 
 #include <pkg/thm/Exponential.hpp>
 #include <pkg/thm/FreezingCurve.hpp>

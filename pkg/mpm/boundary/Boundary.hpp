@@ -174,7 +174,7 @@ template <int D> struct BoundaryNodes {
 };
 
 /// A condition on part of the surface of the ground. A new one is a class in the files of its kind that overrides what it needs;
-/// see "How to add a boundary" in pkg/mpm/README.md.
+/// see "How to add a boundary" in pkg/mpm/how-to.md.
 template <int D> class Boundary {
 public:
 	virtual ~Boundary() = default;
