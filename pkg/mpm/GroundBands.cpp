@@ -168,6 +168,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	if (front) front->keepOnly(begin, end);
 	if (thawStrain) thawStrain->keepOnly(around, begin, end);
 	if (segregation) segregation->keepOnly(around, begin, end);
+	if (compression) compression->keepOnly(around, begin, end);
 	if (calendar) calendar->keepOnly(around);
 	scratch.keepOnly(begin, end);
 }

@@ -27,7 +27,7 @@ struct Scene {
 	bool             heat = false, water = false, freezing = false, bBar = true;
 	VelocityTransfer transfer = VelocityTransfer::flip;
 	bool             bodies = false, calendar = false, walls = false;
-	double           thawStrain  = 0.0;
+	double           thawStrain  = 0.0; ///< above 0: soil that is compressible once it has thawed
 	double           segregation = 0.0; ///< potential [m^2/(s K)]
 	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
 };
@@ -98,8 +98,9 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	if (scene.walls) addWalls(s);
 	if (scene.thawStrain > 0.0) {
 		SoilMaterial silt;
-		silt.mixture    = s.mixture;
-		silt.thawStrain = scene.thawStrain;
+		silt.mixture                     = s.mixture;
+		silt.thawStrain                  = scene.thawStrain;
+		silt.compression.compressibility = 1e-6;
 		if (s.water) silt.permeability = s.water->permeability;
 		s.materials = { silt };
 	}
