@@ -53,7 +53,6 @@ public:
 	::boost::python::list   pyMeasures() const;
 	::boost::python::dict   cost() const;
 	/// Throws AttributeError: the former name of cost().
-	::boost::python::dict refuseCounters() const;
 	::boost::python::dict blownUp() const;
 
 private:
@@ -154,7 +153,6 @@ public:
 		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls, steps (DEM), seconds, distinctStates, bytes. Of "
 				"samples that ranks share out seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
 				"moved, how often one went to another rank (of samples that share a state each counts in bands); balance, mean over largest cost of the ranks [-].")
-		.add_property("counters",&RveSkeleton::refuseCounters,"The former name of cost().")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
 	// clang-format on
