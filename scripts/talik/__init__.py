@@ -142,6 +142,7 @@ _submodules = (
 	"rve",
 	"slope",
 	"solids",
+	"studies",
 	"tables",
 	"target",
 	"thermal",

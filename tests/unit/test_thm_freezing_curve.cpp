@@ -43,7 +43,7 @@ CurveParameters referenceParameters(const std::string& curve)
 /// Points of a silt, as unfrozen water is measured: irregular, with a plateau, the last one above the freezing point.
 std::vector<CurvePoint> measuredPoints(double freezingTemperature)
 {
-	const std::pair<double, double> undercooled[] = { { 9.0, 0.06 }, { 3.0, 0.09 }, { 1.5, 0.16 }, { 0.6, 0.3 }, { 0.5, 0.3 },
+	const std::pair<double, double> undercooled[] = { { 9.0, 0.06 }, { 3.0, 0.09 }, { 1.5, 0.16 }, { 0.65, 0.3 }, { 0.5, 0.3 },
 		                                          { 0.15, 0.62 }, { 0.05, 0.9 }, { 0.0, 1.0 }, { -2.0, 1.0 } };
 	std::vector<CurvePoint>         points;
 	for (const auto& [undercooling, saturation] : undercooled)

@@ -346,11 +346,17 @@ def test_a_table_of_measured_points_is_the_freezing_curve():
 	"attributes, sentence",
 	(
 		(dict(), "FreezingCurve.temperatures: number of points = 0: must be 2 or more"),
-		(dict(temperatures=[-1, 0], liquidSaturations=[1]), "FreezingCurve.temperatures has 2 values and FreezingCurve.liquidSaturations 1: give as many of each"),
+		(
+			dict(temperatures=[-1, 0], liquidSaturations=[1]),
+			"FreezingCurve.temperatures has 2 values and FreezingCurve.liquidSaturations 1: give as many of each",
+		),
 		(dict(temperatures=[0, -1], liquidSaturations=[0.1, 1]), r"FreezingCurve.temperatures\[1\] = -1: must exceed the one before"),
 		(dict(temperatures=[-1, 0], liquidSaturations=[0.1, 0.9]), "FreezingCurve.liquidSaturations: last value = 0.9: must be 1"),
 		(dict(temperatures=[-1, 0], liquidSaturations=[0.1, 1], width=2), "FreezingCurve.width = 2: the points of the curve table say it; leave it out"),
-		(dict(temperatures=[-1, 0], liquidSaturations=[0.1, 1], freezingTemperature=-1), "FreezingCurve.freezingTemperature = -1: the points of the curve table"),
+		(
+			dict(temperatures=[-1, 0], liquidSaturations=[0.1, 1], freezingTemperature=-1),
+			"FreezingCurve.freezingTemperature = -1: the points of the curve table",
+		),
 		(dict(curve="gauss", temperatures=[-1, 0]), "FreezingCurve.curve = 'gauss': write curve='table', or leave them out"),
 	),
 )

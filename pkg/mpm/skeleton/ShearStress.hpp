@@ -21,6 +21,7 @@ public:
 		}
 	}
 	double value() const { return std::sqrt(square_); } ///< tau [Pa]
+	double mean() const { return mean_; }               ///< tension positive [Pa]
 
 	/// Gives the deviator the shear stress tau; its directions and the mean stress stay. Not where value() is zero.
 	void become(double tau)
@@ -48,6 +49,17 @@ template <int D> std::array<double, stressSize<D>> strainRate(const SkeletonBatc
 	for (int c = 0; c < D * (D + 1) / 2; ++c)
 		rate[stressOfStrain<D>(c)] = increment.strain[c] / batch.time.motion;
 	return rate;
+}
+
+/// Shear rate of a point of a batch [1/s of motion], twice the root of the second invariant of the rate's deviator: in simple shear dv/dn.
+template <int D> double shearRate(const SkeletonBatch<D>& batch, int place)
+{
+	const auto   rate   = strainRate(batch, place);
+	const double mean   = (rate[0] + rate[1] + rate[2]) / 3.0;
+	double       square = 0.0;
+	for (int c = 0; c < stressSize<D>; ++c)
+		square += c < 3 ? 0.5 * (rate[c] - mean) * (rate[c] - mean) : rate[c] * rate[c];
+	return 2.0 * std::sqrt(square);
 }
 
 } // namespace talik
