@@ -96,9 +96,12 @@ public:
 		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and what WaterFlux feeds in [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
 				"thaw and consolidation keep their ratio; a number overrides it, 1 leaves seepage in seconds of motion. Water is hastened up to a conductivity at "
 				"which pressure comes to rest within a fraction of a second, and no further, see MpmEngine.calendar['largestConductivity']."))
-		((Real,bulkModulus,2.2e7,,"Numerical bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; less lets larger steps and lowers Skempton's B, see "
-				"MpmEngine.skemptonB."))
-		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times bulkModulus."))
+		((string,pressure,"explicit",,"How the pressure follows: explicit, from step to step, so that the stiffness of water limits the step; implicit, for all "
+				"cells at once at the end of the step: the step is that of the skeleton, with water as stiff as it is, and pressure does not alternate from cell to cell. "
+				"implicit takes bBar, and neither MovingBoundary nor distribute='ground'."))
+		((Real,bulkModulus,NaN,,"Bulk modulus of water K_w [Pa], > 0. 2.2e9 is that of water; with explicit pressure less lets larger steps and lowers Skempton's B, "
+				"see MpmEngine.skemptonB. NaN: 2.2e7 with explicit pressure, 2.2e9 with implicit."))
+		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times that of water."))
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: below it water leaves a gap, which has to close before pressure returns."))
 		((bool,zetaActive,true,,"Ice takes more room than the water it came from. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
