@@ -256,7 +256,8 @@ namespace {
 		};
 		for (std::size_t k = 0; k < points.size(); ++k) {
 			const auto [temperature, saturation] = points[k];
-			require(temperature > -100.0 && temperature < 50.0, "temperatures", k, temperature, "must be a temperature in degC between -100 and 50");
+			require(temperature > -100.0 && temperature < 50.0, "temperatures", k, temperature,
+			        "must be a temperature in degC between -100 and 50");
 			require(saturation >= 0.0 && saturation <= 1.0, "liquidSaturations", k, saturation, "must lie in [0, 1]");
 			if (k == 0) continue;
 			require(temperature - points[k - 1].temperature >= narrowest, "temperatures", k, temperature,

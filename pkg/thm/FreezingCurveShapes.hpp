@@ -132,7 +132,7 @@ struct LinearCurve : CurveBase {
 
 	double frozenTemperature; ///< T_m [degC], < T_f
 
-	double span() const { return freezingTemperature - frozenTemperature; }
+	double                           span() const { return freezingTemperature - frozenTemperature; }
 	template <class RootBelow> Piece pieceOf(RootBelow&& rootBelow) const
 	{
 		if (rootBelow(frozenTemperature)) return { -std::numeric_limits<double>::infinity(), frozenTemperature };
@@ -207,9 +207,9 @@ struct SharpCurve : CurveBase {
 	explicit SharpCurve(const CurveParameters& given);
 
 	template <class RootBelow> Piece pieceOf(RootBelow&&) const { return { -std::numeric_limits<double>::infinity(), freezingTemperature }; }
-	double liquidSaturation(double temperature) const { return temperature >= freezingTemperature ? 1.0 : residualSaturation; }
-	double derivative(double) const { return 0.0; }
-	double integral(double temperature) const
+	double                           liquidSaturation(double temperature) const { return temperature >= freezingTemperature ? 1.0 : residualSaturation; }
+	double                           derivative(double) const { return 0.0; }
+	double                           integral(double temperature) const
 	{
 		const double above = temperature - freezingTemperature;
 		return above >= 0.0 ? above : residualSaturation * above;

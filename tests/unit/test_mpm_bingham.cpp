@@ -27,11 +27,11 @@ BinghamSkeleton<2> mud()
 
 /// Elastic, and writes down what it sees.
 template <int D> struct Listening final : SkeletonModel<D> {
-	ElasticSkeleton<D>                 elastic;
-	StepTime                           time;
+	ElasticSkeleton<D>                elastic;
+	StepTime                          time;
 	std::array<double, stressSize<D>> rate {};
-	double                             shear  = 0.0;
-	int                                inside = D == 2 ? 78 : 942; ///< in the middle of the body
+	double                            shear  = 0.0;
+	int                               inside = D == 2 ? 78 : 942; ///< in the middle of the body
 
 	std::string name() const override { return "Listening"; }
 	void        updateStress(const SkeletonBatch<D>& batch) override
@@ -59,7 +59,7 @@ template <int D> std::shared_ptr<Listening<D>> shearBody(double rate, double sca
 	s.heat.emplace();
 	s.heat->thermalTimeScale = scale;
 	s.skeletons.push_back(law);
-	Ground<D> ground(s);
+	Ground<D>     ground(s);
 	PointInput<D> point;
 	point.volume = std::pow(0.125, D);
 	for (int k = 0; k < (D == 2 ? 144 : 1728); ++k) {
@@ -77,13 +77,14 @@ template <int D> std::shared_ptr<Listening<D>> shearBody(double rate, double sca
 template <int D> void seesBothTimesAndTheRate()
 {
 	const double step = 1e-4, rate = 0.3, scale = 500.0;
-	const auto   law = shearBody<D>(rate, scale, step);
+	const auto   law   = shearBody<D>(rate, scale, step);
 	double       worst = 0.0;
 	for (int i = 0; i < D; ++i)
 		for (int j = i; j < D; ++j)
 			worst = std::max(worst, std::abs(law->rate[stressIndex<D>(i, j)] - (i == 0 && j == 1 ? 0.5 * rate : 0.0)));
-	std::printf("%d dimensions: rate of strain off by %.1e of %.2g 1/s (tolerance 1e-4); times %.17g and %.17g s\n", D, worst / rate, rate, law->time.motion,
-	            law->time.calendar);
+	std::printf(
+	        "%d dimensions: rate of strain off by %.1e of %.2g 1/s (tolerance 1e-4); times %.17g and %.17g s\n", D, worst / rate, rate, law->time.motion,
+	        law->time.calendar);
 	EXPECT_NEAR(law->shear / rate, 1.0, 1e-4);
 	EXPECT_LT(worst / rate, 1e-4); // the midpoint rotation turns simple shear by rate x step
 	EXPECT_EQ(law->time.motion, step);
@@ -119,8 +120,8 @@ TEST(MpmBinghamSkeleton, SteadyShearHasTheStressOfABinghamFluidWhateverTheStep)
 
 TEST(MpmBinghamSkeleton, OverstressRelaxesExponentiallyToTheYieldStressAndTheMeanStays)
 {
-	const auto   law  = mud();
-	const double time = law.viscosity / 1e6; // mu/G
+	const auto   law    = mud();
+	const double time   = law.viscosity / 1e6; // mu/G
 	double       former = 0.0;
 	for (const int steps : { 50, 100, 200 }) {
 		auto       model = law;
@@ -132,8 +133,9 @@ TEST(MpmBinghamSkeleton, OverstressRelaxesExponentiallyToTheYieldStressAndTheMea
 			element.step(model);
 		const double expected = law.yieldStress + (5e3 - law.yieldStress) * std::exp(-1.0);
 		const double error    = element.stress[3] / expected - 1.0;
-		std::printf("%d steps: %.1f Pa, closed form %.1f Pa, error %.2e; over that of half as many steps %.3f\n", steps, element.stress[3], expected, error,
-		            error / former);
+		std::printf(
+		        "%d steps: %.1f Pa, closed form %.1f Pa, error %.2e; over that of half as many steps %.3f\n", steps, element.stress[3], expected, error,
+		        error / former);
 		if (former > 0.0) {
 			EXPECT_NEAR(error / former, 0.5, 0.02);
 		}
@@ -146,7 +148,7 @@ TEST(MpmBinghamSkeleton, OverstressRelaxesExponentiallyToTheYieldStressAndTheMea
 
 TEST(MpmBinghamSkeleton, UpToTheYieldStressGroundIsElasticToTheLastBit)
 {
-	auto                model = mud();
+	auto               model = mud();
 	ElasticSkeleton<2> elastic;
 	elastic.youngModulus = model.youngModulus;
 	elastic.poissonRatio = model.poissonRatio;
@@ -183,7 +185,7 @@ TEST(MpmBinghamSkeleton, IceRaisesTheYieldStressInProportion)
 TEST(MpmBinghamSkeleton, BadParametersAreNamed)
 {
 	const auto message = [](double BinghamSkeleton<2>::*attribute, double value) -> std::string {
-		auto model        = mud();
+		auto model       = mud();
 		model.*attribute = value;
 		try {
 			model.validate();
@@ -192,7 +194,7 @@ TEST(MpmBinghamSkeleton, BadParametersAreNamed)
 		}
 		return "no exception";
 	};
-	using Law = BinghamSkeleton<2>;
+	using Law                                                    = BinghamSkeleton<2>;
 	const std::tuple<double Law::*, double, const char*> wrong[] = {
 		{ &Law::youngModulus, 0.0, "BinghamSkeleton.youngModulus = 0: must be positive" },
 		{ &Law::poissonRatio, 0.5, "BinghamSkeleton.poissonRatio = 0.5: must lie in" },

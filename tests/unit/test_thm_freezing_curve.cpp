@@ -43,8 +43,8 @@ CurveParameters referenceParameters(const std::string& curve)
 /// Points of a silt, as unfrozen water is measured: irregular, with a plateau, the last one above the freezing point.
 std::vector<CurvePoint> measuredPoints(double freezingTemperature)
 {
-	const std::pair<double, double> undercooled[] = { { 9.0, 0.06 }, { 3.0, 0.09 }, { 1.5, 0.16 }, { 0.65, 0.3 }, { 0.5, 0.3 },
-		                                          { 0.15, 0.62 }, { 0.05, 0.9 }, { 0.0, 1.0 }, { -2.0, 1.0 } };
+	const std::pair<double, double> undercooled[] = { { 9.0, 0.06 },  { 3.0, 0.09 }, { 1.5, 0.16 }, { 0.65, 0.3 }, { 0.5, 0.3 },
+		                                          { 0.15, 0.62 }, { 0.05, 0.9 }, { 0.0, 1.0 },  { -2.0, 1.0 } };
 	std::vector<CurvePoint>         points;
 	for (const auto& [undercooling, saturation] : undercooled)
 		points.push_back({ freezingTemperature - undercooling, saturation });
@@ -172,7 +172,7 @@ TEST(FreezingCurve, BatchGivesTheSameBitsAsSingleCalls)
 {
 	const double temperature[] = { -3.0, -0.4, -0.1, 0.0, 1.0 };
 	for (const auto& curve : allCurves()) {
-		double     saturation[5], slope[5];
+		double saturation[5], slope[5];
 		curve->evaluate(temperature, saturation, slope, 5);
 		for (int k = 0; k < 5; ++k) {
 			EXPECT_EQ(saturation[k], curve->liquidSaturation(temperature[k]));
@@ -208,9 +208,9 @@ TEST(FreezingCurve, TableHasTheMeasuredValuesAtItsPoints)
 // Linear interpolation is off by h^2/8 times the largest curvature, which is 4 (1 - S_r)/W^2 exp(-3/2) of exp(-(theta/W)^2), or 2 (1 - S_r)/W^2 at T_f.
 TEST(FreezingCurve, TableOfManyPointsIsTheCurveThatTheyWereTakenFrom)
 {
-	const auto   gauss    = makeFreezingCurve("gauss", { { "width", 0.5 } });
-	const double coldest  = -4.0;
-	double       former   = 0.0;
+	const auto   gauss   = makeFreezingCurve("gauss", { { "width", 0.5 } });
+	const double coldest = -4.0;
+	double       former  = 0.0;
 	for (const int intervals : { 40, 80, 160, 320 }) {
 		const auto   table = sampled(*gauss, coldest, intervals);
 		const double h = -coldest / intervals, bound = h * h / 8.0 * 2.0 * 0.95 / 0.25;
@@ -220,7 +220,8 @@ TEST(FreezingCurve, TableOfManyPointsIsTheCurveThatTheyWereTakenFrom)
 			integral   = std::max(integral, std::abs(table->integral(t) - gauss->integral(t)));
 		}
 		std::printf(
-		        "%3d points: S_l off by %.2e (bound %.2e), integral by %.2e K; error of S_l over that of half as many points %.3f (1/4, tolerance 0.02)\n",
+		        "%3d points: S_l off by %.2e (bound %.2e), integral by %.2e K; error of S_l over that of half as many points %.3f (1/4, tolerance "
+		        "0.02)\n",
 		        intervals + 1, saturation, bound, integral, saturation / former);
 		EXPECT_LE(saturation, bound);
 		EXPECT_LE(integral, bound * 0.5); // over the width in which there is curvature

@@ -54,9 +54,9 @@ Profile profileOf(Ground<2>& ground, const std::vector<double>& x, const std::ve
 	marchTo(ground, from);
 	const auto before = valuesOf(ground, "displacement", 0);
 	marchTo(ground, to);
-	const auto       after    = valuesOf(ground, "displacement", 0);
-	const double     step     = 0.5 * mud.spacing;
-	const auto       rows     = std::size_t(std::lround(mud.depth / step));
+	const auto       after = valuesOf(ground, "displacement", 0);
+	const double     step  = 0.5 * mud.spacing;
+	const auto       rows  = std::size_t(std::lround(mud.depth / step));
 	Profile          profile { std::vector<double>(rows), std::vector<double>(rows) };
 	std::vector<int> count(rows);
 	for (std::size_t k = 0; k < after.size(); ++k) {
@@ -95,7 +95,7 @@ TEST(ValidationBingham, MudFlowsWithThePlugAndTheSurfaceSpeedOfABinghamFluid)
 	Ground<2>     ground(mud.settings());
 	fillBox(ground, { mud.margin, 0.0 }, { mud.margin + mud.length, mud.depth }, [](PointInput<2>& p) { p.porosity = 0.4; });
 	ground.initialise();
-	const auto x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
+	const auto    x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
 	const Profile profile = profileOf(ground, x, y, mud, 1.4, 1.6); // it starts within some rho H^2/mu/4 = 0.2 s
 	Drawing       drawing("bingham", "Mud on a base: velocity", "velocity [m/s]", "depth [m]");
 	double        worst = 0.0;

@@ -39,7 +39,7 @@ def misesPlasticity(step):
 
 
 def bingham(step):
-	"""As BinghamSkeleton, with a yield stress of 800 Pa and a viscosity of 50 Pa s."""
+	\"\"\"As BinghamSkeleton, with a yield stress of 800 Pa and a viscosity of 50 Pa s.\"\"\"
 	elastic(step)
 	mean = step.stress[:, :3].mean(axis=1)[:, None] * unit[:step.stress.shape[1]]
 	deviator = step.stress - mean

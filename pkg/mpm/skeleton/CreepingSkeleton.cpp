@@ -42,8 +42,8 @@ template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int 
 		ShearStress<D> stress(b, p);
 		const double   trial = stress.value();
 		if (!(trial > 0.0)) continue;
-		const double rate  = rateFactor(b.temperature ? b.temperature[p] : temperatureWithoutHeat);
-		const double tau   = relaxed(trial, 2.0 * shear * rate * b.time.calendar, exponent);
+		const double rate = rateFactor(b.temperature ? b.temperature[p] : temperatureWithoutHeat);
+		const double tau  = relaxed(trial, 2.0 * shear * rate * b.time.calendar, exponent);
 		stress.become(tau);
 		if (crept) crept[p] += (trial - tau) / (2.0 * shear);
 	}

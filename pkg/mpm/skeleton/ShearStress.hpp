@@ -44,7 +44,7 @@ template <int D> std::array<double, stressSize<D>> strainRate(const SkeletonBatc
 	double gradient[D * D];
 	for (int c = 0; c < D * D; ++c)
 		gradient[c] = batch.gradient[c][place];
-	const MidpointIncrement<D>         increment(gradient);
+	const MidpointIncrement<D>        increment(gradient);
 	std::array<double, stressSize<D>> rate {};
 	for (int c = 0; c < D * (D + 1) / 2; ++c)
 		rate[stressOfStrain<D>(c)] = increment.strain[c] / batch.time.motion;

@@ -35,7 +35,7 @@ struct SkeletonPoints {
 	const double* volume        = nullptr; ///< current volume [m^D]
 	const double* temperature   = nullptr; ///< [degC]; nullptr in ground without heat
 	StepTime      time;
-	int           strip         = 0;       ///< whose points these are, for a model that sees strips
+	int           strip = 0; ///< whose points these are, for a model that sees strips
 };
 
 /// What the model of some points reads and writes besides.

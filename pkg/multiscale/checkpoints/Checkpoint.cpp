@@ -25,8 +25,8 @@ using yade::Scene;
 
 namespace {
 	constexpr int         currentFormat = 3;
-	constexpr std::size_t headerLength = 4096;
-	const char            firstLine[]  = "Talik checkpoint";
+	constexpr std::size_t headerLength  = 4096;
+	const char            firstLine[]   = "Talik checkpoint";
 
 	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
 

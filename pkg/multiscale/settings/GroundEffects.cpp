@@ -161,9 +161,11 @@ talik::FreezingCurvePtr FreezingCurve::ofTable() const
 		throw std::invalid_argument(
 		        "FreezingCurve.temperatures has " + std::to_string(temperatures.size()) + " values and FreezingCurve.liquidSaturations "
 		        + std::to_string(liquidSaturations.size()) + ": give as many of each");
-	for (const auto& [attribute, value, byDefault] :
-	     { std::tuple("width", width, NaN), { "exponent", exponent, NaN }, { "airEntryPressure", airEntryPressure, NaN }, { "freezingTemperature", freezingTemperature, 0. },
-	       { "residualSaturation", residualSaturation, 0.05 } })
+	for (const auto& [attribute, value, byDefault] : { std::tuple("width", width, NaN),
+	                                                   { "exponent", exponent, NaN },
+	                                                   { "airEntryPressure", airEntryPressure, NaN },
+	                                                   { "freezingTemperature", freezingTemperature, 0. },
+	                                                   { "residualSaturation", residualSaturation, 0.05 } })
 		if (value != byDefault && !std::isnan(value))
 			throw std::invalid_argument(
 			        string("FreezingCurve.") + attribute + " = " + talik::asText(value) + ": the points of the curve table say it; leave it out");
