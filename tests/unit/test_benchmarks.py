@@ -11,6 +11,7 @@ import pytest
 benchmarks = Path(__file__).resolve().parents[2] / "scripts" / "benchmarks"
 sys.path.insert(0, str(benchmarks))
 
+import card
 import figures
 import kernels
 from figures import Figure
@@ -64,3 +65,23 @@ def test_kernels_that_take_two_per_cent_more_time_than_those_of_a_revision_or_gi
 	found = list(kernels.measured(compare, tmp_path, counted=False))
 	print("\n".join(figures.table(found)))
 	assert [figure.reached for figure in found] == [True, True, False, True, True, False]
+
+
+def test_a_card_is_compared_where_the_bits_agree_and_only_there(tmp_path):
+	"""The program that measures is played by one that prints its rows."""
+	row = dict(kind="discs", samples=132, grains=200, steps=40, core=5.0, all=2.5, device=0.05)
+	program = tmp_path / "bench"
+	program.write_text(f"#!/bin/sh\ncat <<'END'\n{json.dumps(dict(device='a card', threads=2, rows=[dict(row, same=True), dict(row, same=False)]))}\nEND\n")
+	program.chmod(0o755)
+	found, notes = card.measured(card.ran(program, tmp_path))
+	print("\n".join(figures.table(found)))
+	assert [figure.reached for figure in found] == [True, True, False] and found[1].value == pytest.approx(50) and "a card" in notes[0]
+
+
+def test_without_a_card_nothing_is_measured_and_that_is_said(build):
+	found, notes = card.measured({"missing": "There is no driver of NVIDIA's here."})
+	figures.write(build / "part.json", found, notes)
+	command = [sys.executable, benchmarks / "report.py", "Title", build, build / "result.json", build / "part.json"]
+	run = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+	print(notes)
+	assert found == [] and run.returncode == 0 and "not measured: There is no driver" in run.stdout

@@ -2,7 +2,10 @@
 // Packed samples on a device, held against those on the processor to the last bit. The device is the twin of a card.
 #include "packedReference.hpp"
 #include "packedSpheres.hpp"
+#include "threadRanks.hpp"
 
+#include <pkg/multiscale/samples/DistributedStore.hpp>
+#include <pkg/multiscale/samples/PackedStore.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 
@@ -359,6 +362,54 @@ TEST(SampleDevice, samplesThatShareAStatePartOnTheDeviceAsTheyDoOnTheProcessor)
 	}
 	for (std::size_t s = 0; s < 6; ++s)
 		EXPECT_TRUE(sameBits<2>(processor.state(s), away.state(s))) << "sample " << s;
+}
+
+TEST(SampleDevice, ranksThatShareOutSamplesAndHaveADeviceEachHaveTheBitsOfTheProcessor)
+{
+	constexpr std::size_t samples = 7;
+	const auto            store   = [](const std::shared_ptr<SampleDevice>& device) {
+                auto held = std::make_shared<PackedStore<2>>(std::vector<PackedStore<2>::StatePointer> { std::make_shared<PackedState<2>>(thawed<2>()) });
+                held->useDevice(device, nullptr);
+                return held;
+	};
+	const auto follow = [](SampleStoreOf<2>& all) {
+		std::vector<double> numbers;
+		PackedUpdateOptions options;
+		options.tangent = true;
+		for (std::size_t s = 0; s < samples; ++s)
+			all.add(0, s % 2 ? 0.3 : 0., options);
+		for (int turn = 0; turn < 25; ++turn) {
+			std::vector<PackedRequest<2>> requests;
+			for (std::size_t s = 0; s < samples; ++s)
+				if (turn % 3 == 0 || s < 4)
+					requests.push_back({ s, increment<2>(1e-4 * double(s + 1), 1e-5 * std::sin(turn)), s % 2 ? 0.3 : 0. });
+			for (const auto& result : all.update(requests, options, 1)) {
+				numbers.insert(numbers.end(), result.stress.data(), result.stress.data() + 4);
+				numbers.insert(numbers.end(), result.tangent.begin(), result.tangent.end());
+			}
+		}
+		for (const auto& row : all.measureAll("fabric"))
+			numbers.insert(numbers.end(), row.begin(), row.end());
+		return numbers;
+	};
+	const std::vector<double> one   = follow(*store(nullptr));
+	const auto                alone = store(makeTwin());
+	EXPECT_TRUE(follow(*alone) == one);
+	std::vector<std::vector<double>> ofRanks(2);
+	std::vector<std::size_t>         done(2);
+	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
+		const auto          held = store(makeTwin());
+		DistributedStore<2> all(held, talk);
+		ofRanks[std::size_t(talk->rank())] = follow(all);
+		done[std::size_t(talk->rank())]    = held->deviceUse().done;
+	});
+	std::printf(
+	        "%zu numbers of one processor, of one device (%zu calls there) and of two ranks with one each (%zu and %zu)\n", one.size(),
+	        alone->deviceUse().done, done[0], done[1]);
+	for (int rank = 0; rank < 2; ++rank) {
+		EXPECT_TRUE(ofRanks[std::size_t(rank)] == one);
+		EXPECT_GT(done[std::size_t(rank)], 10u);
+	}
 }
 
 namespace {

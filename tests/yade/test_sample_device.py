@@ -131,3 +131,31 @@ def test_a_card_that_is_missing_is_said_with_a_remedy(sample, monkeypatch, capfd
 def test_another_name_of_a_device_is_refused(sample):
 	with pytest.raises(ValueError, match="RveSkeleton.device is 'cuda': choose cpu, gpu, auto or twin"):
 		column(sample, device="cuda").initialise()
+
+
+presets = {"base": dict(days=12.0), "surface": dict(days=12.0)}
+
+
+@pytest.mark.parametrize("name", [f"{name}_slow" for name in presets])
+def test_a_slump_has_the_same_bits_with_the_twin_of_a_card(name, tmp_path, monkeypatch):
+	"""Both slumps, coarse: thaw, breakage and the first slides."""
+	import importlib
+
+	import thawslump
+	from thawslump import page
+
+	name = name.removesuffix("_slow")
+	case = importlib.import_module(f"thaw_slump_{name}").case
+	preset = thawslump.Preset(gridSpacing=0.5, grains=40, strainTolerance=1e-4, bandThickness=1.0, seed=3, **presets[name])
+	monkeypatch.setattr(page, "draw", lambda *given: None)
+	ends = {}
+	for device in ("cpu", "twin"):
+		O.reset()
+		slump = thawslump.ThawSlump(case, preset, tmp_path / device)
+		slump.skeleton.device = device
+		slump.run()
+		ends[device] = state(slump.mpm)
+		cost = slump.mpm.skeleton.cost()
+		melted, broken = (slump.mpm.field(field).sum() for field in ("bondsMelted", "bondsBroken"))
+		print(f"\n{name}, {device}, {preset.days:.0f} days: {melted:.0f} bonds melted, {broken:.0f} broken, {cost}")
+	assert cost["onDevice"] > 100 and ends["twin"] == ends["cpu"]

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Packed samples on a graphics card against the processor: nanoseconds a grain and step of whole calls, as the ground asks them.
+
+usage  card.py <talik_card_bench> <tests/unit/data> <result.json> [<device>] [<samples>,...]
+
+Where the bits of card and processor differ nothing is compared. Without a card nothing is measured."""
+
+import json
+import subprocess
+import sys
+
+import figures
+from figures import Figure
+
+
+def ran(program, data, device="gpu", samples="132,1000,10000"):
+	run = subprocess.run([str(program), device, samples, str(data)], capture_output=True, text=True)
+	sys.stderr.write(run.stderr)
+	if run.returncode not in (0, 1):
+		raise SystemExit(f"{program} ended with {run.returncode}")
+	return json.loads(run.stdout)
+
+
+def measured(result):
+	"""Figures and notes of what the program printed."""
+	if "missing" in result:
+		return [], [f"not measured: {result['missing']}"]
+	found = []
+	for row in result["rows"]:
+		name = f"{row['grains']} {row['kind']}, {row['samples']} samples, calls of {row['steps']} steps"
+		if not row["same"]:
+			found.append(Figure(f"{name}: bits differ, nothing is compared", float("nan"), floor=0))
+			continue
+		terms = {"one core [ns]": row["core"], "all cores [ns]": row["all"]}
+		found.append(Figure(name, row["device"], "ns a grain and step", terms=terms))
+		found.append(Figure(f"{name}: all cores over the card", row["all"] / row["device"], "x"))
+	return found, [f"{result['device']} beside {result['threads']} threads; calls are whole ones: gradients go in, stress and tangent come out"]
+
+
+def main(program, data, target, *chosen):
+	figures.write(target, *measured(ran(program, data, *chosen)))
+
+
+if __name__ == "__main__":
+	if len(sys.argv) < 4:
+		sys.exit(__doc__)
+	main(*sys.argv[1:])
