@@ -8,7 +8,7 @@
 	O.run()
 
 A checkpoint holds the whole scene. It is written beside the former one and takes its place only when it is complete on the disk. A run
-that goes on from a checkpoint gives the same bits as one that was never stopped, with packed samples and any number of threads; open
+that goes on from a checkpoint gives the same results, to the last bit, as one that was never stopped, with packed samples and any number of threads; open
 samples run in YADE's own engines, whose archives are exact to about 1e-12 only. Several ranks (talik.ranks) write into
 one file, each what it has, the bytes that one rank would write; any number of ranks can go on with it.
 """

@@ -23,7 +23,7 @@ from talik.progress import Progress
 
 def runSerially(steps):
 	"""Does `steps` steps of O in the calling thread and with one thread: faster than O.run for scenes of some hundred points or bodies,
-	and the same bits whatever yade -j says. RuntimeError while O runs.
+	and results do not depend on yade -j. RuntimeError while O runs.
 
 	>>> talik.runSerially(2)"""
 	_talik.runSerially(steps)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Samples on a device give a scene the bits of the processor. The device is the twin of a graphics card, or a card behind a driver of the tests."""
 
-import functools
 from pathlib import Path
 
 import pytest
@@ -152,11 +151,11 @@ def test_a_slump_has_the_same_bits_with_the_twin_of_a_card(name, tmp_path, monke
 	ends = {}
 	for device in ("cpu", "twin"):
 		O.reset()
-		monkeypatch.setattr("yade.wrapper.RveSkeleton", functools.partial(RveSkeleton, device=device))
 		slump = thawslump.ThawSlump(case, preset, tmp_path / device)
+		slump.skeleton.device = device
 		slump.run()
 		ends[device] = state(slump.mpm)
 		cost = slump.mpm.skeleton.cost()
-		print(f"\n{name}, {device}: day {slump.mpm.calendar / talik.day:.0f}, {slump.mpm.field('bondsMelted').sum():.0f} bonds melted", end="")
-		print(f", {slump.mpm.field('bondsBroken').sum():.0f} broken, {cost}")
+		melted, broken = (slump.mpm.field(field).sum() for field in ("bondsMelted", "bondsBroken"))
+		print(f"\n{name}, {device}, {preset.days:.0f} days: {melted:.0f} bonds melted, {broken:.0f} broken, {cost}")
 	assert cost["onDevice"] > 100 and ends["twin"] == ends["cpu"]
