@@ -29,6 +29,7 @@ public:
 		boundaries,
 		record,
 		thawStrain,
+		segregation,
 		ledger,
 		calendar,
 		limits,
@@ -112,23 +113,12 @@ public:
 	double             secondsOfSkeleton(int k) const { return skeletons_[k]; }
 	static const char* nameOf(Entry e)
 	{
-		static constexpr const char* names[entries] = { "sorting",
-			                                        "motion",
-			                                        "transfer",
-			                                        "thaw front",
-			                                        "bodies",
-			                                        "cell averages",
-			                                        "heat",
-			                                        "freezing",
-			                                        "water",
-			                                        "conduction and pore pressure",
-			                                        "free surface",
-			                                        "boundaries",
-			                                        "deformation record",
-			                                        "thaw strain",
-			                                        "energy ledger",
-			                                        "calendar",
-			                                        "time step limits" };
+		static constexpr const char* names[entries] = {
+			"sorting",       "motion",     "transfer",           "thaw front",  "bodies",
+			"cell averages", "heat",       "freezing",           "water",       "conduction and pore pressure",
+			"free surface",  "boundaries", "deformation record", "thaw strain", "ice segregation",
+			"energy ledger", "calendar",   "time step limits"
+		};
 		return names[e];
 	}
 

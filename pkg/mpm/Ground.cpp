@@ -200,6 +200,10 @@ template <int D> std::vector<StateArray> Ground<D>::commonState()
 		list.push_back({ "heatIn", &g.heat->heatIn, sizeof(double) });
 		list.push_back({ "smoothingTime", &g.heat->smoothingTime, sizeof(double) });
 	}
+	if (g.segregation) {
+		list.push_back({ "waterDrawn", &g.segregation->waterDrawn, sizeof(double) });
+		list.push_back({ "segregationWork", &g.segregation->work, sizeof(double) });
+	}
 	if (g.water) {
 		list.push_back({ "largestConductivity", &g.water->largestConductivity, sizeof(double) });
 		list.push_back({ "waterOut", &g.water->waterOut, sizeof(double) });
@@ -286,6 +290,10 @@ template <int D> Balance<D> Ground<D>::balance() const
 	b.porePressureWork   = g.clock.porePressureWork;
 	b.workAhead          = g.clock.workAhead;
 	if (g.heat) b.heatIn = g.heat->heatIn;
+	if (g.segregation) {
+		b.segregationWork = g.segregation->work;
+		b.waterDrawn      = g.segregation->waterDrawn;
+	}
 	if (g.water) {
 		b.waterOut    = g.water->waterOut;
 		b.enthalpyOut = g.water->enthalpyOut;

@@ -6,6 +6,7 @@
 #include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/IceSegregation.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
@@ -87,6 +88,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<RigidContact<D>>        bodies;
 	EffectPart<ThawFront<D>>           front;
 	EffectPart<ThawStrain<D>>          thawStrain;
+	EffectPart<IceSegregation<D>>      segregation;
 	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
 	/// A boundary that gives by the state of its nodes, and those of its volume.
@@ -317,6 +319,7 @@ template <int D> struct Ground<D>::Parts {
 	void                addDivergence(const WeightBlock<D>& w);
 	void                finishPaths();
 	void                levelCells();
+	void                segregate();
 	int                 updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample);
 	void                findCellPressure();
 	void                closeThawStrain();

@@ -97,9 +97,23 @@ namespace {
 				throw std::invalid_argument(name + "permeability is set, but the scene has no water; add water or leave it out");
 			if (m.permeability) m.permeability->validate();
 			checkThawStrain(s, m.thawStrain, name + "thawStrain");
+			if (m.segregation && !s.segregation)
+				throw std::invalid_argument(name + "segregation is set, but the scene has none; add segregation or leave it out");
+			if (m.segregation) m.segregation->validate(name + "segregation.");
 		}
 	}
 } // namespace
+
+template <int D> void checkSegregation(const GroundSettings<D>& s)
+{
+	const auto refuse = [](const char* why) { throw std::invalid_argument(std::string("segregation ") + why); };
+	if (!s.freezing) refuse("without freezing: ground that does not freeze draws no water to its ice; add freezing or leave segregation out");
+	if (!s.water) refuse("without water: there is none to draw; add water or leave segregation out");
+	if (!s.motion->bBar) refuse("with bBar = false: what is drawn is shared out by cells; leave bBar true or segregation out");
+	if (s.water->state.massCoefficient != MassCoefficient::exact)
+		refuse("with massCoefficient = printed: excess ice needs the pressure that follows from masses; use exact or leave segregation out");
+	s.segregation->validate("segregation.");
+}
 
 template <int D> void checkSettings(const GroundSettings<D>& s)
 {
@@ -110,6 +124,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.water && !s.motion) throw std::invalid_argument("water without motion: seepage needs the momentum balance; add motion or leave water out");
 	if (s.bodies && !s.motion) throw std::invalid_argument("bodies without motion: ground that is pushed has to move; add motion or leave bodies out");
 	if (s.bodies) s.bodies->validate();
+	if (s.segregation) checkSegregation(s);
 	if (s.thawFront) s.thawFront->validate();
 	requireSetting(std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
 	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");

@@ -8,6 +8,7 @@
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
+#include <pkg/thm/SegregationPotential.hpp>
 
 #include <cmath>
 #include <limits>
@@ -123,10 +124,11 @@ struct RigidContactSettings {
 
 /// What one soil of a ground has of its own. Water is the same everywhere, because it moves from soil to soil.
 struct SoilMaterial {
-	MixtureProperties           mixture;      ///< densities, specific heats and expansivities of ice and liquid, and the latent heat: those of all others
-	FreezingCurvePtr            freezing;     ///< empty: that of the scene; needs one there
-	std::optional<Permeability> permeability; ///< empty: that of the scene
-	double thawStrain = 0.0;                  ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
+	MixtureProperties                  mixture; ///< densities, specific heats and expansivities of ice and liquid, and the latent heat: those of all others
+	FreezingCurvePtr                   freezing;     ///< empty: that of the scene; needs one there
+	std::optional<Permeability>        permeability; ///< empty: that of the scene
+	std::optional<SegregationSettings> segregation;  ///< empty: that of the scene; needs one there
+	double thawStrain = 0.0; ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
 };
 
 /// What is fixed about a scene before it starts and has no direction. Absent optionals are absent effects: no field, no loop, no limit.
@@ -140,9 +142,10 @@ struct SettingsOfAnyDimension {
 	const MixtureProperties& mixtureOf(int material) const { return materials.empty() ? mixture : materials[material].mixture; }
 
 	std::optional<HeatSettings>         heat;
-	FreezingCurvePtr                    freezing; ///< needs heat
-	std::optional<WaterSettings>        water;    ///< needs motion
-	std::optional<RigidContactSettings> bodies;   ///< needs motion
+	FreezingCurvePtr                    freezing;    ///< needs heat
+	std::optional<WaterSettings>        water;       ///< needs motion
+	std::optional<SegregationSettings>  segregation; ///< freezing ground draws water; needs motion with bBar, freezing and water
+	std::optional<RigidContactSettings> bodies;      ///< needs motion
 	std::optional<ThawFrontSettings>    thawFront
 	        = ThawFrontSettings {}; ///< at work where the scene has motion, freezing and a skeleton that can fail; empty: one velocity for all
 	bool energyLedger      = false; ///< keep account of work and dissipation, see Balance
@@ -223,6 +226,8 @@ template <int D> struct Balance {
 	double loadWork           = 0.0; ///< done by surface loads
 	double slipWork           = 0.0; ///< of the force between frozen and thawed ground on their slip
 	double wallWork           = 0.0; ///< done by walls of given velocity; kept in every scene
+	double segregationWork    = 0.0; ///< of suction on the water that freezing ground draws; kept in every scene that does
+	double waterDrawn         = 0.0; ///< by freezing ground to its fronts [kg]
 };
 
 /// One array of the complete state.

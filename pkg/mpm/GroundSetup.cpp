@@ -28,6 +28,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
 	if (hasThawStrain()) thawStrain = std::make_unique<ThawStrain<D>>(field, settings);
+	if (settings.segregation) segregation = std::make_unique<IceSegregation<D>>(field, settings);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
 }
 
@@ -44,7 +45,8 @@ template <int D> bool Ground<D>::Parts::hasFront() const
 
 template <int D> bool Ground<D>::Parts::hasThawStrain() const
 {
-	return std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.thawStrain > 0.0; });
+	return settings.segregation // whose ice leaves room where it melts
+	        || std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.thawStrain > 0.0; });
 }
 
 template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in, double fill)
@@ -82,6 +84,10 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	}
 	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, { content->waterMass, content->iceMass, content->porosity });
 	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
+	if (segregation) {
+		segregation->bind(*points, grid.cellCount());
+		content->holdExcessIce(segregation->volume, segregation->iceMass);
+	}
 	if (calendar) calendar->bind(*points, *motion, *heat);
 	shareRecords();
 	if (surface) {

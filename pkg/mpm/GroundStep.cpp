@@ -282,6 +282,10 @@ template <int D> void Ground<D>::Parts::bookStep()
 	clock.porePressureWork += step.porePressureWork;
 	clock.workAhead = step.workAhead;
 	if (heat) heat->heatIn += step.heatIn;
+	if (segregation) {
+		segregation->waterDrawn += step.waterDrawn;
+		segregation->work += step.segregationWork;
+	}
 	if (!water) return;
 	water->waterOut += step.waterOut;
 	water->enthalpyOut += step.enthalpyOut;
@@ -598,6 +602,14 @@ template <int D> void Ground<D>::Parts::levelCells()
 	water->finishCells(reached, ledger);
 }
 
+/// Water goes to freezing fronts, before cells know all that they receive.
+template <int D> void Ground<D>::Parts::segregate()
+{
+	segregation->collect(*cells, *motion, *heat, *content, around);
+	segregation->draw(grid, around, *water, *enthalpyModel(), motion->settings->gravity, clock.calendar.scale * clock.dt);
+	segregation->book(reached, *water, ledger);
+}
+
 template <int D> void Ground<D>::Parts::findCellPressure()
 {
 	water->findCellPressure(reached, enthalpyModel());
@@ -636,6 +648,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	const CellMeans<D>* const        cells = g.water ? g.averagingCells() : nullptr;
 	std::function<void(SharedRows&)> share;
 	if (cells) {
+		if (g.segregation) g.cost.time(CostMeter::segregation, [&] { g.segregate(); });
 		g.cost.time(CostMeter::water, [&] { g.levelCells(); });
 		share = [&g](SharedRows& rows) { g.water->shareCells(rows); };
 	}
@@ -649,7 +662,13 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 		                   for (int a = 0; a < D; ++a)
 			                   g.ledger.ofStrip(strip).momentumOut[a] += lost[a];
 	                   } },
+	        PassPart { bool(g.segregation), CostMeter::segregation,
+	                   [&](int, int first, int last, Sample&) {
+		                   g.segregation->receive(*cells, first, last, *g.heat, g.content->waterMass, g.heat->enthalpy, *g.water);
+	                   } },
 	        PassPart { bool(g.motion), CostMeter::motion, [&](int, int first, int last, Sample&) { g.averageStrain(first, last); } },
+	        PassPart { bool(g.segregation), CostMeter::segregation,
+	                   [&](int, int first, int last, Sample&) { g.segregation->shareVolume(*cells, first, last); } },
 	        PassPart { bool(g.record), CostMeter::record,
 	                   [&](int, int first, int last, Sample&) { g.record->accumulate(first, last, g.motion->gradient); } },
 	        PassPart { bool(g.content), CostMeter::freezing, [&](int strip, int first, int last, Sample& sample) {
@@ -723,8 +742,11 @@ template <int D> void Ground<D>::updateEffectiveStress()
 {
 	Parts&             g = *parts_;
 	std::exception_ptr stop;
+	if (g.segregation) g.cost.time(CostMeter::segregation, [&] { g.segregation->release(*g.thawStrain); });
 	if (g.thawStrain) g.cost.time(CostMeter::thawStrain, [&] { g.closeThawStrain(); });
+	if (g.segregation) g.cost.time(CostMeter::segregation, [&] { g.segregation->part(*g.cells, *g.motion); });
 	if (g.motion) stop = g.updateSkeletons();
+	if (g.segregation) g.segregation->restoreGradients(*g.motion);
 	if (g.thawStrain) g.thawStrain->restoreGradients();
 	if (g.motion && g.settings.energyLedger) g.cost.time(CostMeter::ledger, [&] { g.keepStrainWork(false); });
 	g.bookStep();
@@ -765,6 +787,7 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 		case CostMeter::boundaries: return surface || !lookingBoundaries.empty();
 		case CostMeter::record: return bool(record);
 		case CostMeter::thawStrain: return bool(thawStrain);
+		case CostMeter::segregation: return bool(segregation);
 		case CostMeter::calendar: return bool(calendar);
 		case CostMeter::ledger: return motion && settings.energyLedger;
 		default: return true;

@@ -24,6 +24,7 @@ template <int D> struct StepAccount : MomentumAccount<D> {
 	Vec<D> momentumOut {};                                  ///< with the water [N s]
 	double waterOut = 0.0, enthalpyOut = 0.0, heatIn = 0.0; ///< [kg], [J], [J]
 	double skeletonWork = 0.0, porePressureWork = 0.0;      ///< [J]
+	double waterDrawn = 0.0, segregationWork = 0.0;         ///< by ice that segregates [kg], [J]
 	double workAhead = 0.0;                                 ///< part of both that acts on the motion in the next step [J]
 
 	StepAccount& operator+=(const StepAccount& other)
@@ -42,6 +43,8 @@ template <int D> struct StepAccount : MomentumAccount<D> {
 		heatIn += other.heatIn;
 		skeletonWork += other.skeletonWork;
 		porePressureWork += other.porePressureWork;
+		waterDrawn += other.waterDrawn;
+		segregationWork += other.segregationWork;
 		workAhead += other.workAhead;
 		return *this;
 	}

@@ -36,6 +36,10 @@ def warm(**settings):
 	return ground(**{"heat": wrapper.HeatTransfer(), "motion": False, **settings})
 
 
+def drawing(**ofSegregation):
+	return ground(heat=wrapper.HeatTransfer(), freezing=wrapper.FreezingCurve(), water=wrapper.PoreWater(), segregation=wrapper.IceSegregation(**ofSegregation))
+
+
 def side(boundary, **settings):
 	return warm(boundaries=[boundary], **settings)
 
@@ -163,6 +167,20 @@ wrong = {
 	"infinite source of heat": (lambda s: warm(heat=wrapper.HeatTransfer(source=inf)), "source", "inf"),
 	"residual saturation above one": (lambda s: warm(freezing=wrapper.FreezingCurve(residualSaturation=1.1)), "FreezingCurve.residualSaturation", "1.1"),
 	"negative impedance": (lambda s: ground(water=wrapper.PoreWater(impedance=-1)), "PoreWater.impedance", "-1"),
+	"segregation potential in mm^2/(s K)": (lambda s: drawing(segregationPotential=1e-3), "IceSegregation.segregationPotential", "1 mm^2/(s K)"),
+	"negative segregation potential": (lambda s: drawing(segregationPotential=-1e-9), "IceSegregation.segregationPotential", "-1e-09"),
+	"decay of the segregation potential in 1/MPa": (lambda s: drawing(segregationPotential=1e-9, pressureDecay=5), "IceSegregation.pressureDecay", "1/MPa"),
+	"decay without a segregation potential": (lambda s: drawing(pressureDecay=5e-6), "IceSegregation.pressureDecay", "not given"),
+	"segregation without water": (
+		lambda s: warm(motion=True, freezing=wrapper.FreezingCurve(), segregation=wrapper.IceSegregation()),
+		"segregation",
+		"without water",
+	),
+	"segregation without freezing": (
+		lambda s: warm(motion=True, water=wrapper.PoreWater(), segregation=wrapper.IceSegregation()),
+		"segregation",
+		"without freezing",
+	),
 	"cavitation under pressure": (lambda s: ground(water=wrapper.PoreWater(cavitationPressure=1e5)), "PoreWater.cavitationPressure", "100000"),
 	"negative conductivity": (lambda s: ground(water=wrapper.PoreWater(conductivity=-1e-4)), "PoreWater.conductivity", "-0.0001"),
 	"stiffness not a number": (lambda s: ground(skeleton=wrapper.ElasticSkeleton(young=nan)), "ElasticSkeleton.young", "nan"),

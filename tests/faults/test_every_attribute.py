@@ -47,6 +47,7 @@ def everything(sample):
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
 		freezing=wrapper.FreezingCurve(),
 		water=wrapper.PoreWater(),
+		segregation=wrapper.IceSegregation(),
 		bodies=wrapper.BodyContact(),
 	)
 	skeletons = [wrapper.RveSkeleton(samples=[sample.copy()], strainTolerance=2e-5), wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()]
@@ -76,6 +77,7 @@ names = [
 	"HeatTransfer",
 	"FreezingCurve",
 	"PoreWater",
+	"IceSegregation",
 	"BodyContact",
 	"RveSkeleton",
 	"ElasticSkeleton",

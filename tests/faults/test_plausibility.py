@@ -88,7 +88,7 @@ implausible = {
 	),
 	"ground that freezes and has water to draw": (
 		lambda: freezing(points={"temperature": 1.0}, values=[1, -5]),
-		("frost heave by segregation", "ice lenses", "cryosuction", "absent"),
+		("frost heave by segregation", "ice lenses", "cryosuction", "absent", "IceSegregation("),
 		False,
 	),
 	"frozen ground that thaws and freezes again": (lambda: freezing(points={"temperature": -1.0}, values=[-5, 5, -5]), ("frost heave by segregation",), False),
@@ -129,6 +129,9 @@ plausible = {
 	"no gravity": lambda: ground(gravity=(0, 0)),
 	"frozen, with heat": lambda: warm(points={"temperature": -2}),
 	"frozen ground that thaws": lambda: freezing(points={"temperature": -1.0}, values=[-5, 5]),
+	"ground that freezes and draws water": lambda: freezing(
+		points={"temperature": 1.0}, values=[1, -5], segregation=wrapper.IceSegregation(segregationPotential=1e-9)
+	),
 	"freezing ground without water that flows": lambda: warm(
 		freezing=wrapper.FreezingCurve(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=-5)], points={"temperature": 1.0}
 	),

@@ -27,8 +27,9 @@ struct Scene {
 	bool             heat = false, water = false, freezing = false, bBar = true;
 	VelocityTransfer transfer = VelocityTransfer::flip;
 	bool             bodies = false, calendar = false, walls = false;
-	double           thawStrain = 0.0;
-	int              columns    = 0; ///< of points, along the slope; 0: all that have room
+	double           thawStrain  = 0.0;
+	double           segregation = 0.0; ///< potential [m^2/(s K)]
+	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -102,6 +103,10 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 		if (s.water) silt.permeability = s.water->permeability;
 		s.materials = { silt };
 	}
+	if (scene.segregation > 0.0) {
+		s.segregation.emplace();
+		s.segregation->potential = scene.segregation;
+	}
 	if (scene.bodies) {
 		s.bodies.emplace();
 		if (scene.heat) s.boundaries.push_back(std::make_shared<HeatFlux<D>>(Region<D>::facing({ 0 }), 300.0));
@@ -154,6 +159,7 @@ template <int D> std::vector<std::vector<char>> march(Ground<D>& ground, int ste
 		const Balance<D> b = ground.balance();
 		said.insert(said.end(), { b.momentum[0], b.kineticEnergy, b.enthalpy, b.heatIn, b.waterOut, b.skeletonWork, b.porePressureWork });
 		said.insert(said.end(), { b.impulse[0], b.impulse[D - 1], b.dampingDissipation, b.dragDissipation, b.loadWork, b.slipWork });
+		said.insert(said.end(), { b.waterDrawn, b.segregationWork });
 	}
 	if (ground.bodies())
 		for (double v : ground.bodies()->bodies[0].impulse)
@@ -187,6 +193,10 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 		std::printf("%ld of %zu points have thawed and settle\n", open, released.size());
 		EXPECT_GT(open, 20);
 	}
+	if (scene.segregation > 0.0) {
+		std::printf("%.3g kg of water were drawn\n", one->balance().waterDrawn);
+		EXPECT_GT(one->balance().waterDrawn, 0.0);
+	}
 	for (const int ranks : rankCounts)
 		for (const int threads : threadCounts) {
 			std::vector<long> different(ranks, -1);
@@ -212,13 +222,14 @@ const Scene dry { "dry" }, dryApic { "dry, apic", false, false, false, false, Ve
         iceRich { "heat, freezing, thaw strain", true, false, true, true, VelocityTransfer::flip, false, false, false, 0.1 },
         iceRichWet { "all, thaw strain", true, true, true, true, VelocityTransfer::flip, false, true, false, 0.1 },
         iceRichOwn { "all, thaw strain without means of cells", true, true, true, false, VelocityTransfer::apic, false, false, false, 0.1 },
+        heaving { "all, ice segregation", true, true, true, true, VelocityTransfer::flip, false, false, false, 0.0, 1e-9 },
         withBall { "all, a ball, a calendar that follows the motion", true, true, true, true, VelocityTransfer::flip, true, true };
 
 } // namespace
 
 TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
 {
-	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet })
+	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	expectSameBits<3>(all, 130, { 2 }, { 1 });
 }
@@ -234,13 +245,13 @@ TEST(GroundBands, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 
 TEST(GroundBands, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn })
+	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving })
 		expectSameBits<2>(scene, 260, { 2, 3, 4 }, { 1, 2 });
 }
 
 TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet })
+	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet, heaving })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
 }
 

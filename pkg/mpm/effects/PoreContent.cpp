@@ -150,6 +150,7 @@ template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
 
 template <int D> void PoreContent<D>::solveTemperature(Block& b, HeatTransfer<D>& heat) const
 {
+	if (excessVolume_ && hasExcessIce(b)) return solveWithExcessIce(b, heat);
 	EnthalpyBatch batch;
 	batch.count            = b.count;
 	batch.enthalpy         = heat.enthalpy + b.first;
@@ -163,6 +164,84 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b, HeatTransfer<D>
 	batch.apparentCapacity = iceMass ? heat.share + b.first : nullptr;
 	b.of->enthalpy.temperatures(batch);
 	if (iceMass) heat.limitShares(b.first, b.count);
+}
+
+template <int D> bool PoreContent<D>::hasExcessIce(const Block& b) const
+{
+	return std::any_of(excessVolume_ + b.first, excessVolume_ + b.end(), [](double v) { return v > 0.0; });
+}
+
+/// Excess ice that is frozen is as inert as grains: it has heat, takes none of the freezing curve, and is no part of the pores.
+template <int D> void PoreContent<D>::solveWithExcessIce(Block& b, HeatTransfer<D>& heat) const
+{
+	const MixtureProperties& m    = b.of->mixture;
+	const double             most = 1.0 - EnthalpyModel::residualWaterFraction, asGrains = m.ice.specificHeat / m.solid.specificHeat;
+	double                   solid[blockSize], water[blockSize], pores[blockSize];
+	for (int k = 0; k < b.count; ++k) {
+		const int    p   = b.first + k;
+		const double ice = std::min(m.ice.density * excessVolume_[p], most * waterMass[p]);
+		excessIce_[p]    = ice;
+		solid[k]         = solidMass[p] + asGrains * ice;
+		water[k]         = waterMass[p] - ice;
+		pores[k]         = b.poreVolume[k] - excessVolume_[p];
+	}
+	EnthalpyBatch batch;
+	batch.count            = b.count;
+	batch.enthalpy         = heat.enthalpy + b.first;
+	batch.solidMass        = solid;
+	batch.waterMass        = water;
+	batch.poreVolume       = pores;
+	batch.temperature      = b.temperature;
+	batch.liquidSaturation = b.liquidSaturation;
+	batch.iceMass          = b.ice;
+	batch.heatCapacity     = heat.heatCapacity + b.first;
+	batch.apparentCapacity = heat.share + b.first;
+	b.of->enthalpy.temperatures(batch);
+	const double freezing = b.of->enthalpy.curve().freezingTemperature();
+	for (int k = 0; k < b.count; ++k)
+		if (b.temperature[k] > freezing && excessIce_[b.first + k] > 0.0) meltExcessIce(b, heat, k);
+		else b.ice[k] += excessIce_[b.first + k];
+	heat.limitShares(b.first, b.count);
+}
+
+/// A point with more heat than its excess ice, all frozen, lets it have.
+template <int D> void PoreContent<D>::meltExcessIce(Block& b, HeatTransfer<D>& heat, int k) const
+{
+	const int                p     = b.first + k;
+	const EnthalpyModel&     model = b.of->enthalpy;
+	const MixtureProperties& m     = b.of->mixture;
+	const SoilContent        all { solidMass[p], waterMass[p], b.poreVolume[k] };
+	const double             freezing = model.curve().freezingTemperature();
+	const double             perMass  = model.latentHeat() + (m.liquid.specificHeat - m.ice.specificHeat) * (freezing - m.referenceTemperature);
+	const double             missing  = model.enthalpy(all, freezing) - heat.enthalpy[p];
+	excessIce_[p]                     = std::clamp(missing / perMass, 0.0, excessIce_[p]);
+	b.ice[k]                          = excessIce_[p];
+	b.liquidSaturation[k]             = 1.0;
+	b.temperature[k]                  = freezing;
+	if (missing <= 0.0) b.temperature[k] = model.solve(all, heat.enthalpy[p], freezing).temperature;
+	heat.heatCapacity[p] = all.solidMass * m.solid.specificHeat + (all.waterMass - excessIce_[p]) * m.liquid.specificHeat
+	        + excessIce_[p] * m.ice.specificHeat;
+	heat.share[p] = missing > 0.0 ? std::numeric_limits<double>::max() : heat.heatCapacity[p];
+}
+
+/// Heat flows through all that a point holds, water through the pores of its soil.
+template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water) const
+{
+	const MixtureProperties& m   = b.of->mixture;
+	Permeability             law = b.of->permeability;
+	law.hydraulicTimeScale *= b.of->seepageScale;
+	for (int k = 0; k < b.count; ++k) {
+		const int p = b.first + k;
+		if (!(excessVolume_[p] > 0.0)) continue;
+		const double ice      = std::min(1.0, b.ice[k] / (m.ice.density * b.poreVolume[k]));
+		heat->conductivity[p] = m.conductivity(VolumeFractions::of(porosity[p], 1.0 - ice));
+		const double held = excessIce_[p] / m.ice.density, soil = volume_[p] - held, n = (b.poreVolume[k] - held) / soil;
+		const double liquid = (waterMass[p] - b.ice[k]) / m.liquid.density / soil;
+		const double fill   = std::min(1.0, liquid / (n * b.liquidSaturation[k]));
+		water->drag[p]      = law.dragAt(
+		             waterMass[p] - b.ice[k], water->liquidFraction[p],
+		             std::max(law.floor, fill * fill * fill) * law.conductivity(n, b.liquidSaturation[k]));
+	}
 }
 
 template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const
@@ -256,6 +335,7 @@ template <int D> void PoreContent<D>::updateCoefficients(const Block& b, HeatTra
 	if (heat) updateConductivity(b, *heat);
 	if (iceMass) updateIce(b);
 	if (water) updateDrag(b, *water);
+	if (excessVolume_ && hasExcessIce(b)) correctForExcessIce(b, heat, water);
 }
 
 template <int D> void PoreContent<D>::updatePorosity(const Block& b)

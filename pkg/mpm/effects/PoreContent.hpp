@@ -26,6 +26,13 @@ public:
 	};
 
 	void bind(MaterialPoints<D>& points);
+	/// From now on points have ice beside that of their pores, which melts at T_f: of this volume when all of it is frozen [m^D]; mass [kg]: what is
+	/// frozen, found with the temperature.
+	void holdExcessIce(const double* volume, double* mass)
+	{
+		excessVolume_ = volume;
+		excessIce_    = mass;
+	}
 
 	/// Masses and enthalpy of a point of given porosity, temperature and pressure; its derived state follows from update().
 	void fill(int place, double porosity, double temperature, double pressure, double poreFill, const Effects& of);
@@ -95,6 +102,10 @@ private:
 	void                          load(Block& b, const HeatTransfer<D>* heat) const;
 	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
 	void                          solveTemperature(Block& b, HeatTransfer<D>& heat) const;
+	bool                          hasExcessIce(const Block& b) const;
+	void                          solveWithExcessIce(Block& b, HeatTransfer<D>& heat) const;
+	void                          meltExcessIce(Block& b, HeatTransfer<D>& heat, int k) const;
+	void                          correctForExcessIce(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water) const;
 	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const;
 	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b, PoreWater<D>& water) const;
 	void                          collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water, double dt) const;
@@ -112,9 +123,11 @@ private:
 	std::vector<Material>    materials_; ///< one where the settings list none
 	MaterialPoints<D>*       points_ = nullptr;
 	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
-	double*                  volume_     = nullptr;
-	double*                  lastVolume_ = nullptr; ///< of the last update, in the rate form of pressure only
-	double*                  lastWater_  = nullptr;
+	double*                  volume_       = nullptr;
+	const double*            excessVolume_ = nullptr; ///< see holdExcessIce; null: there is none
+	double*                  excessIce_    = nullptr;
+	double*                  lastVolume_   = nullptr; ///< of the last update, in the rate form of pressure only
+	double*                  lastWater_    = nullptr;
 };
 
 extern template class PoreContent<2>;

@@ -503,6 +503,31 @@ void PoreWater<D>::levelCells(
 	});
 }
 
+template <int D> Vec<D> PoreWater<D>::velocityOfCell(int cell) const
+{
+	Vec<D> v;
+	for (int i = 0; i < D; ++i)
+		v[i] = freezing_[cell].carried[i] / cells_[cell].liquidMass;
+	return v;
+}
+
+template <int D> void PoreWater<D>::give(int cell, double mass, const EnthalpyModel& enthalpy)
+{
+	double* const exchange = cells_[cell].exchange;
+	const Vec<D>  v        = velocityOfCell(cell);
+	exchange[Gathered::water] -= mass;
+	exchange[Gathered::enthalpy] -= mass * enthalpyOfCell(cell, enthalpy);
+	for (int i = 0; i < D; ++i)
+		exchange[Gathered::momentum + i] -= mass * v[i];
+}
+
+template <int D> void PoreWater<D>::mixIn(int p, double mass, const Vec<D>& momentum)
+{
+	const double before = liquidMass(p);
+	for (int i = 0; i < D; ++i)
+		velocity[i][p] = (before * velocity[i][p] + momentum[i]) / (before + mass);
+}
+
 /// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it, and a trace of water gives nothing: it would
 /// shrink to nothing that can be divided by. What a cell keeps counts as having come in.
 template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range, StepLedger<D>& ledger)

@@ -100,6 +100,19 @@ public:
 	void levelCells(
 	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
 	        const EnthalpyModel* enthalpy);
+	// Of the liquid of a cell in ground that freezes, at the start of the step; what ice segregation takes from it, and gives to points.
+	double pressureOfCell(int cell) const { return cells_[cell].pressure; }
+	double heightOfCell(int cell) const { return cells_[cell].height; } ///< gravity's potential per volume [Pa]
+	double liquidOfCell(int cell) const { return cells_[cell].liquidMass; }
+	double enthalpyOfCell(int cell, const EnthalpyModel& enthalpy) const
+	{
+		return enthalpy.liquidEnthalpy(freezing_[cell].warmth / cells_[cell].liquidMass);
+	}
+	Vec<D> velocityOfCell(int cell) const;
+	/// Before finishCells().
+	void give(int cell, double mass, const EnthalpyModel& enthalpy);
+	/// Before the water mass of the point grows.
+	void mixIn(int place, double mass, const Vec<D>& momentum);
 	/// Exchange of each cell per liquid mass.
 	void finishCells(const ActiveRange& range, StepLedger<D>& ledger);
 	void keepLastWater(const ActiveRange& range, StepLedger<D>& ledger);

@@ -47,7 +47,7 @@ template <int D> typename ThawStrain<D>::Sharing& ThawStrain<D>::sharing(int pla
 
 template <int D> void ThawStrain<D>::releaseAt(int p)
 {
-	const double most = settings_->materials[points_->material(p)].thawStrain;
+	const double most = settings_->materials.empty() ? 0.0 : settings_->materials[points_->material(p)].thawStrain;
 	if (most == 0.0 || iceSaturation_[p] >= frozenSaturation_[p]) return;
 	const double melted = most * (1.0 - iceSaturation_[p] / frozenSaturation_[p]);
 	const double more   = std::max(0.0, melted - released_[p]); // ice that forms again fills pores only

@@ -26,6 +26,8 @@ public:
 	/// Takes the ice that the points have now as that of the frozen ground.
 	void start(int first, int end);
 
+	/// Room that excess ice leaves where it melts, which is not part of the ground's thawStrain [m^D]; before release().
+	void addRoom(int place, double room) { open_[place] += room / lastVolume_[place]; }
 	/// Adds the room that ice has left and the change of volume since the last step; cells null: every point by itself. range: of the cells.
 	void release(const CellMeans<D>* cells, const ActiveRange& range);
 	/// Points of a skeleton with room to close, in the order of places; valid until the next call.

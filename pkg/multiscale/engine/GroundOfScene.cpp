@@ -61,6 +61,7 @@ namespace {
 		s.thawFront.reset();
 		if (engine.thawFront) s.thawFront = engine.thawFront->build();
 		if (engine.water) s.water = engine.water->build(engine.freezing ? engine.freezing->residualSaturation : 0);
+		if (engine.segregation) s.segregation = engine.segregation->build();
 		s.deformationRecord = engine.motion && engine.deformationRecord;
 		for (const auto& boundary : engine.boundaries)
 			s.boundaries.push_back(boundary->build<D>());
@@ -145,6 +146,9 @@ namespace {
 			d["impulse"]  = tupleOf(b.impulse);
 			TALIK_PUT_MEMBERS(d, b, (enthalpy)(heatIn)(enthalpyOut)(kineticEnergy)(gravityEnergy)(skeletonWork)(porePressureWork))
 			TALIK_PUT_MEMBERS(d, b, (dragDissipation)(dampingDissipation)(loadWork)(slipWork)(wallWork))
+			if (inside.settings().segregation) {
+				TALIK_PUT_MEMBERS(d, b, (waterDrawn)(segregationWork))
+			}
 			return d;
 		}
 

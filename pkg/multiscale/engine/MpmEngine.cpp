@@ -467,6 +467,7 @@ void MpmEngine::checkFixed() const
 	effect(bool(s.heat), bool(heat), "heat");
 	effect(bool(s.freezing), bool(freezing), "freezing");
 	effect(bool(s.water), bool(water), "water");
+	effect(bool(s.segregation), bool(segregation), "segregation");
 	effect(bool(s.bodies), bool(bodies), "bodies");
 	effect(bool(s.thawFront), bool(thawFront), "thawFront");
 	require(distribute == distributeInForce, "distribute", distribute);

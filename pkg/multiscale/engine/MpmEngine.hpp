@@ -197,6 +197,8 @@ public:
 				"that thin thawed layers slide. It needs freezing, motion and a skeleton that can fail, and is absent without them. None: one velocity for all."))
 		((shared_ptr<PoreWater>,water,,,"Effect: pore water flows and carries pressure; needs motion. None: pore water, if any, moves with the grains and carries "
 				"no pressure."))
+		((shared_ptr<IceSegregation>,segregation,,,"Effect: frost heave by ice segregation, where ground freezes; needs water and freezing. "
+				"None: freezing ground draws no water."))
 		((shared_ptr<BodyContact>,bodies,,,"Effect: bodies of the scene (walls, facets, boxes, spheres, clumps) and the ground push each other; needs motion. None: "
 				"they have no contact with the ground."))
 		((shared_ptr<SkeletonLaw>,skeleton,,,"Skeleton law of all points, unless skeletons lists several."))
@@ -259,7 +261,8 @@ public:
 		.def_readwrite("inspected",&MpmEngine::inspected,"True while O shows one of the samples: the ground does not step then. Set by inspect() and back().")
 		.def("balance",&MpmEngine::balance,"Dictionary: masses, momentum, enthalpy and energies now, and all that crossed the boundary since the start. heatIn is "
 				"positive into the ground, waterOut and enthalpyOut out of it; impulse is that on the ground; skeletonWork and porePressureWork are done on skeleton and "
-				"pore content, loadWork by SurfaceLoad, wallWork by MovingBoundary, slipWork by the force at the thaw front.")
+				"pore content, loadWork by SurfaceLoad, wallWork by MovingBoundary, slipWork by the force at the thaw front, segregationWork by "
+				"suction on the water that freezing ground has drawn, waterDrawn [kg].")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: "
 				"motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free "
 				"surface', boundaries, 'deformation record', 'thaw strain', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them "

@@ -277,7 +277,7 @@ namespace {
 
 	template <int D> void doubtHeave(Doubts& doubts, const MpmEngine& mpm, const Points<D>& points)
 	{
-		if (!mpm.water || !mpm.freezing || !mpm.heat) return;
+		if (!mpm.water || !mpm.freezing || !mpm.heat || mpm.segregation) return;
 		const bool thawed  = std::any_of(points.begin(), points.end(), [](const auto& point) { return point.temperature >= 0; });
 		bool       freezes = false;
 		const auto look    = [&](const auto* boundary) {
@@ -295,7 +295,7 @@ namespace {
 		        false,
 		        "Ground freezes here and has water to draw: frost heave by segregation (ice lenses, cryosuction) is absent. What heaves is pore water "
 		        "that "
-		        "freezes where it is, by 9 % of its volume at most.");
+		        "freezes where it is, by 9 % of its volume at most. segregation=IceSegregation(segregationPotential=1e-9) adds it.");
 	}
 
 	/// Scenes of before seepage took the scale of the calendar.

@@ -7,7 +7,7 @@
 #include <tuple>
 
 namespace yade {
-YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater));
+YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater)(IceSegregation));
 
 talik::MixtureProperties GroundMaterial::build() const
 {
@@ -41,7 +41,7 @@ talik::MixtureProperties GroundMaterial::build() const
 
 bool GroundMaterial::isOwnSoil() const
 {
-	return freezing || thawStrain != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+	return freezing || segregation || thawStrain != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
 }
 
 bool GroundMaterial::hasDefaultPhases() const
@@ -67,6 +67,7 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 	if (freezing && !ofScene)
 		throw std::invalid_argument("GroundMaterial.freezing is set but MpmEngine.freezing is None: add freezing=FreezingCurve() or leave it out.");
 	if (freezing) s.freezing = freezing->build();
+	if (segregation) s.segregation = segregation->build();
 	const bool ownSeepage = !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
 	if (ownSeepage && !water)
 		throw std::invalid_argument("GroundMaterial.hydraulicConductivity, referencePorosity or impedance is set but MpmEngine.water is None: add "
@@ -92,6 +93,15 @@ talik::ThawFrontSettings ThawFront::build() const
 	talik::underScriptNames(
 	        { { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
 	return f;
+}
+
+talik::SegregationSettings IceSegregation::build() const
+{
+	talik::SegregationSettings s;
+	s.potential     = segregationPotential;
+	s.pressureDecay = pressureDecay;
+	s.validate("IceSegregation.");
+	return s;
 }
 
 talik::HeatSettings HeatTransfer::build() const

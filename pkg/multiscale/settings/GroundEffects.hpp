@@ -113,6 +113,37 @@ public:
 };
 REGISTER_SERIALIZABLE(PoreWater);
 
+/// Effect: freezing ground draws water and heaves.
+class IceSegregation : public Serializable {
+public:
+	talik::SegregationSettings build() const;
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS(IceSegregation,Serializable,"Effect of a scene: frost heave by ice segregation. Freezing ground draws water from the unfrozen "
+			"ground to its front, where it freezes as excess ice, parts the ground along the gradient of temperature, and heaves it. The fringe "
+			"through which it is "
+			"drawn is thinner than a cell; its intake comes from the segregation potential SP: as measured, or computed from hydraulic "
+			"conductivity, freezing curve and load "
+			"(Clapeyron's equation). The ice melts at FreezingCurve.freezingTemperature, and the ground settles as with "
+			"GroundMaterial.thawStrain. Needs motion, freezing and "
+			"water. Suction lowers the pressure of the water below the front no farther than PoreWater.cavitationPressure, 0 by default: give "
+			"-5e4 or less where the water "
+			"table lies below the front. Adds the fields segregatedVolume [m^3] and segregatedIceMass [kg]; MpmEngine.balance has waterDrawn and "
+			"segregationWork. In the "
+			"first frozen cell intake begins when a point has frozen: some 0.6 cells of frost depth are without heave. Example: "
+			"MpmEngine(gridSpacing=0.1,segregation=IceSegregation(segregationPotential=1e-9,pressureDecay=5e-6)).",
+		((Real,segregationPotential,NaN,,"SP_0 [m^2/(s K)], 0 or 1e-13 to 1e-6: water that the front draws over the gradient of temperature "
+				"in the frozen ground behind it, without "
+				"load. Frost-susceptible silts have 1e-10 to 4e-9; 1 mm^2/(s K) is 1e-6. NaN: computed, which needs a freezing curve and an "
+				"impedance of the soil's own: "
+				"the default impedance gives some fifty times what is measured."))
+		((Real,pressureDecay,0,,"a of SP = SP_0 exp(-a P), P the effective stress normal to the front [1/Pa], 0 to 1e-3; soils have 1e-6 to "
+				"1e-5 (Konrad and Morgenstern 1982). Only "
+				"with segregationPotential."))
+	);
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(IceSegregation);
+
 /// Phases of the ground, Yu & Zhao section 3.
 class GroundMaterial : public Serializable {
 public:
@@ -148,6 +179,8 @@ public:
 				"saturation falls from that at the start to 0, and not regained by freezing; open room carries no stress. Any skeleton law takes it; "
 				"that of the grains of a sample, RveSample.thawStrain, comes on top. Adds the fields thawStrainReleased [-], of the "
 				"volume at the start, and thawStrainOpen [-], what is not closed yet of the present volume. Needs freezing, motion and gravity."))
+		((shared_ptr<IceSegregation>,segregation,,,"Ice segregation of this material; None: MpmEngine.segregation, which must be there in either case. "
+				"IceSegregation(segregationPotential=0) is a soil that is not frost-susceptible."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Freezing curve of this material; None: MpmEngine.freezing, which must be there in either case."))
 		((Real,hydraulicConductivity,NaN,,"Saturated hydraulic conductivity of this material, thawed, at referencePorosity [m/s], > 0; NaN: PoreWater.conductivity."))
 		((Real,referencePorosity,NaN,,"Porosity at which hydraulicConductivity holds [-], in (0,1); NaN: PoreWater.referencePorosity."))

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/IceSegregation.hpp>
+#include <pkg/mpm/effects/PoreContent.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawStrain.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talik {
+
+namespace {
+	/// Part of its liquid that a cell gives to ice beside it in a step at most.
+	constexpr double largestPart = 0.1;
+} // namespace
+
+template <int D>
+IceSegregation<D>::IceSegregation(PointFields& fields, const GroundSettings<D>& settings)
+        : settings_(&settings)
+{
+	volumeField_                    = fields.declare("segregatedVolume", "segregation", "m^D", 1);
+	iceField_                       = fields.declare("segregatedIceMass", "segregation", "kg", 1);
+	std::vector<SoilMaterial> given = settings.materials;
+	if (given.empty()) given.push_back({ settings.mixture, {}, {} });
+	for (const SoilMaterial& m : given) {
+		const FreezingCurve& curve = *(m.freezing ? m.freezing : settings.freezing);
+		freezingTemperature_.push_back(curve.freezingTemperature());
+		soils_.emplace_back(m.segregation.value_or(*settings.segregation), curve, m.permeability.value_or(settings.water->permeability), m.mixture);
+	}
+	liquidDensity_ = given.front().mixture.liquid.density;
+	iceDensity_    = given.front().mixture.ice.density;
+}
+
+template <int D> void IceSegregation<D>::bind(MaterialPoints<D>& points, int cells)
+{
+	points_ = &points;
+	volume  = points.fields().component(volumeField_);
+	iceMass = points.fields().component(iceField_);
+	cells_.reset(cells);
+	taken_.reset(points.count());
+	changed_.reserve(points.count());
+}
+
+template <int D>
+void IceSegregation<D>::collect(
+        const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content, const ActiveRange& range)
+{
+	std::fill(cells_.begin() + range.firstCell, cells_.begin() + range.lastCell, Cell {});
+	const double* const size = points_->volume();
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        for (int p = first; p < last; ++p) {
+			        Cell&        c        = cells_[cells.cell(p)];
+			        const int    material = points_->material(p);
+			        const double v = size[p], depth = heat.temperature[p] - freezingTemperature_[material];
+			        c.volume += v;
+			        if (holds(p, depth)) c.frozenVolume += v;
+			        c.ice += v * content.iceSaturation[p];
+			        c.mostIce = std::max(c.mostIce, content.iceSaturation[p]);
+			        c.depth += v * depth;
+			        for (int a = 0; a < D; ++a)
+				        c.middle[a] += v * points_->position(a)[p];
+			        c.conductivity += v * heat.conductivity[p];
+			        c.pores += v * content.porosity[p];
+			        c.fill += (content.waterMass[p] - content.iceMass[p]) / liquidDensity_ + content.iceMass[p] / iceDensity_;
+			        for (int k = 0; k < stressSize<D>; ++k)
+				        c.stress[k] += v * motion.stress[k][p];
+			        c.soil = std::max(c.soil, double(material));
+		        }
+	        },
+	        [&](SharedRows& rows) {
+		        rows.beyond = true;
+		        rows.cells(cells_.data());
+	        });
+	range.overCells([&](int first, int last) {
+		for (int i = first; i < last; ++i) {
+			Cell& c = cells_[i];
+			if (!(c.volume > 0.0)) continue;
+			const double perVolume = 1.0 / c.volume;
+			c.depth *= perVolume;
+			c.conductivity *= perVolume;
+			for (double& x : c.middle)
+				x *= perVolume;
+			for (double& s : c.stress)
+				s *= perVolume;
+		}
+	});
+}
+
+template <int D> int IceSegregation<D>::beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const
+{
+	const int at = cell / grid.cellStride(axis) % grid.cells(axis) + side, next = cell + side * grid.cellStride(axis);
+	if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || !(cells_[next].volume > 0.0)) return -1;
+	return next;
+}
+
+/// Unit vector along the gradient of temperature, towards warmer ground.
+template <int D> Vec<D> IceSegregation<D>::direction(const Grid<D>& grid, const ActiveRange& range, int cell) const
+{
+	Vec<D> n {};
+	double square = 0.0;
+	for (int a = 0; a < D; ++a) {
+		const int    below = beside(grid, range, cell, a, -1), above = beside(grid, range, cell, a, 1);
+		const double difference = cells_[above < 0 ? cell : above].depth - cells_[below < 0 ? cell : below].depth;
+		n[a]                    = below < 0 || above < 0 ? 2.0 * difference : difference;
+		square += n[a] * n[a];
+	}
+	for (int a = 0; a < D && square > 0.0; ++a)
+		n[a] /= std::sqrt(square);
+	return n;
+}
+
+/// How far the ground is frozen before the middle of the second frozen cell, in cells less a half. A sharp front is smeared over two cells, and their
+/// ice tells where it is; where ice forms over a range of temperatures, these do: they fall along two straight lines that meet at T_f.
+template <int D> double IceSegregation<D>::frozenPart(int unfrozen, int first, int second, double cellVolume) const
+{
+	const double warm = std::max(0.0, cells_[unfrozen].depth), at = cells_[first].depth;
+	const double byIce = (cells_[first].ice + cells_[unfrozen].ice) / (cellVolume * cells_[first].mostIce);
+	if (second < 0) return std::max(byIce, 0.25);
+	const double behind = cells_[second].depth;
+	if (3.0 * at <= behind) return std::min(1.5, 0.5 - at / (at - behind));
+	double low = 0.0, high = 1.0;
+	for (int k = 0; k < 40; ++k) {
+		const double x = 0.5 * (low + high), cold = 1.0 - x;
+		(behind * x * x / (1.0 + 2.0 * x) + warm * cold * cold / (1.0 + 2.0 * cold) > at ? low : high) = x;
+	}
+	return std::max(byIce, 0.5 * (low + high));
+}
+
+/// The gradient of temperature behind a front: of the straight line from there that fits the cells behind, which have no part in the front.
+template <int D>
+typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const
+{
+	constexpr int most   = 3;
+	const int     second = beside(grid, range, first, axis, side);
+	const bool    falls  = second >= 0 && cells_[second].depth < cells_[first].depth;
+	const double  part = frozenPart(unfrozen, first, falls ? second : -1, grid.cellVolume()), h = grid.spacing();
+	const int     row   = first / grid.cellStride(axis) % grid.cells(axis) + (side > 0);
+	const double  front = grid.lower()[axis] + (row - side * part) * h;
+	const double  ahead = std::max(0.0, side * (front - cells_[unfrozen].middle[axis]));
+	if (!falls) {
+		// a wall or air behind it: the frozen part has one gradient, which in ground that is warm in front is no larger than that of both
+		const double warm = cells_[unfrozen].depth, cold = cells_[first].depth, within = -2.0 * cold / (h * part * part);
+		return { warm > 0.0 ? std::min(within, (warm - cold) / h) : within, ahead, cold, first };
+	}
+	double moment = 0.0, square = 0.0, coldest = 0.0;
+	for (int c = second, k = 0; k < most && c >= 0 && cells_[c].depth < coldest; ++k, c = beside(grid, range, c, axis, side)) {
+		const double distance = side * (cells_[c].middle[axis] - front);
+		coldest               = cells_[c].depth;
+		moment -= coldest * distance;
+		square += distance * distance;
+	}
+	return { moment / square, ahead, coldest, second };
+}
+
+/// Total pressure normal to a front, of the cells at it: stresses that alternate from cell to cell, which no node sees, cancel out.
+template <int D>
+double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const
+{
+	const Vec<D> n   = direction(grid, range, to);
+	double       sum = 0.0, weights = 0.0;
+	for (const auto& [cell, share] : { std::pair<int, double> { beside(grid, range, from, axis, -side), 1.0 }, { from, 2.0 }, { to, 1.0 } }) {
+		if (cell < 0) continue;
+		double pressure = water.pressureOfCell(cell);
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j)
+				pressure -= n[i] * cells_[cell].stress[stressIndex<D>(i, j)] * n[j];
+		sum += share * pressure;
+		weights += share;
+	}
+	return sum / weights;
+}
+
+template <int D>
+double IceSegregation<D>::drawn(
+        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
+{
+	if (from < 0 || frozen(cells_[from])) return 0.0;
+	const int to = beside(grid, range, from, axis, side);
+	if (to < 0 || !frozen(cells_[to]) || !(cells_[to].frozenVolume > 0.0)) return 0.0;
+	const SegregationPotential& soil = soils_[int(cells_[to].soil)];
+	if (soil.drawsNothing()) return 0.0;
+	const Line                  line = behind(grid, range, from, to, axis, side);
+	SegregationPotential::Front f {};
+	f.gradient     = line.gradient;
+	f.conductivity = cells_[line.reference].conductivity;
+	f.coldest      = line.coldest;
+	f.distance     = line.ahead;
+	f.rise         = -side * f.distance * weight[axis];
+	f.pressure     = water.pressureOfCell(from);
+	f.load         = pressureOn(grid, range, water, from, to, axis, side);
+	// ground that has run dry in part lets as much less of its water go as anywhere
+	const double full = std::min(1.0, cells_[from].fill / cells_[from].pores);
+	return std::min(liquidDensity_ * dt * grid.faceArea() * full * full * full * soil.intake(f), largestPart * water.liquidOfCell(from));
+}
+
+template <int D>
+void IceSegregation<D>::draw(
+        const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, const EnthalpyModel& enthalpy, const Vec<D>& gravity, double dt)
+{
+	const double size = lengthOf<D>(gravity);
+	Vec<D>       down {};
+	for (int a = 0; a < D && size > 0.0; ++a)
+		down[a] = gravity[a] / size;
+	const double strength = size / Permeability::gravity;
+	for (double& component : down)
+		component *= strength; // heads are those of the earth's gravity
+	range.overCells([&](int firstCell, int lastCell) {
+		for (int i = firstCell; i < lastCell; ++i) {
+			Cell& c = cells_[i];
+			if (!(c.volume > 0.0)) continue;
+			for (int a = 0; a < D; ++a)
+				for (const int side : { -1, 1 }) {
+					if (!frozen(c)) {
+						const double mass = drawn(grid, range, water, i, a, side, down, dt);
+						if (mass > 0.0) water.give(i, mass, enthalpy);
+						c.lost += mass;
+						continue;
+					}
+					const int    other = beside(grid, range, i, a, -side);
+					const double mass  = drawn(grid, range, water, other, a, side, down, dt);
+					if (!(mass > 0.0)) continue;
+					const Vec<D> v = water.velocityOfCell(other);
+					c.mass += mass;
+					c.enthalpy += mass * water.enthalpyOfCell(other, enthalpy);
+					for (int k = 0; k < D; ++k)
+						c.carried[k] += mass * v[k];
+				}
+			if (!(c.mass > 0.0)) continue;
+			c.opened       = c.mass / (iceDensity_ * c.volume);
+			const Vec<D> n = direction(grid, range, i);
+			std::copy(n.begin(), n.end(), c.normal);
+		}
+	});
+}
+
+/// What the water that is drawn does to the works: it leaves at one pressure and height and comes in at others, and its ice parts grains that press
+/// on each other. All of that is work of suction.
+template <int D> void IceSegregation<D>::book(const ActiveRange& range, const PoreWater<D>& water, StepLedger<D>& ledger) const
+{
+	for (int i = range.firstCell; i < range.lastCell; ++i) {
+		const Cell& c = cells_[i];
+		if (c.mass == 0.0 && c.lost == 0.0) continue;
+		StepAccount<D>& account = ledger.ofCell(i);
+		const double    taken = c.mass - c.lost, stored = water.pressureOfCell(i) * taken / liquidDensity_;
+		double          parted = 0.0;
+		for (int k = 0; k < D; ++k)
+			for (int l = 0; l < D; ++l)
+				parted -= c.normal[k] * c.stress[stressIndex<D>(k, l)] * c.normal[l] * c.opened * c.volume;
+		account.waterDrawn += c.mass;
+		account.porePressureWork += stored;
+		account.skeletonWork += parted;
+		account.segregationWork += stored + parted + water.heightOfCell(i) * taken / liquidDensity_;
+	}
+}
+
+template <int D>
+void IceSegregation<D>::receive(
+        const CellMeans<D>& cells, int first, int last, const HeatTransfer<D>& heat, double* waterMass, double* enthalpy, PoreWater<D>& water)
+{
+	const double* const size = points_->volume();
+	for (int p = first; p < last; ++p) {
+		const Cell& c = cells_[cells.cell(p)];
+		if (!(c.mass > 0.0) || !holds(p, heat.temperature[p] - freezingTemperature_[points_->material(p)])) continue;
+		const double part = size[p] / c.frozenVolume, mass = part * c.mass;
+		Vec<D>       carried;
+		for (int a = 0; a < D; ++a)
+			carried[a] = part * c.carried[a];
+		water.mixIn(p, mass, carried);
+		waterMass[p] += mass;
+		enthalpy[p] += part * c.enthalpy;
+		volume[p] += mass / iceDensity_;
+		taken_[p] = mass / iceDensity_;
+	}
+}
+
+template <int D> void IceSegregation<D>::shareVolume(const CellMeans<D>& cells, int first, int last)
+{
+	double* const size = points_->volume();
+	for (int p = first; p < last; ++p) {
+		const Cell& c = cells_[cells.cell(p)];
+		if (!(c.opened > 0.0)) continue;
+		size[p] += taken_[p] - c.opened * size[p];
+		taken_[p] = 0.0;
+	}
+}
+
+template <int D> void IceSegregation<D>::release(ThawStrain<D>& thawStrain)
+{
+	const Strips& strips = points_->strips();
+	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p) {
+		if (!(volume[p] > 0.0) || iceMass[p] > 0.0) continue;
+		thawStrain.addRoom(p, volume[p]);
+		volume[p] = 0.0;
+	}
+}
+
+template <int D> void IceSegregation<D>::part(const CellMeans<D>& cells, SolidMotion<D>& motion)
+{
+	const Strips& strips = points_->strips();
+	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p) {
+		const Cell& c = cells_[cells.cell(p)];
+		if (!(c.opened > 0.0)) continue;
+		OfGrid before { p, {} };
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j) {
+				double* const gradient     = motion.gradient[i * D + j];
+				before.gradient[i * D + j] = gradient[p];
+				gradient[p] -= c.opened * c.normal[i] * c.normal[j];
+			}
+		changed_.push_back(before);
+	}
+}
+
+template <int D> void IceSegregation<D>::restoreGradients(SolidMotion<D>& motion)
+{
+	for (const OfGrid& before : changed_)
+		for (int c = 0; c < D * D; ++c)
+			motion.gradient[c][before.place] = before.gradient[c];
+	changed_.clear();
+}
+
+template class IceSegregation<2>;
+template class IceSegregation<3>;
+
+} // namespace talik

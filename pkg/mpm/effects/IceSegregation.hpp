@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/StepLedger.hpp>
+#include <pkg/thm/SegregationPotential.hpp>
+
+#include <vector>
+
+namespace talik {
+
+template <int D> class CellMeans;
+template <int D> class HeatTransfer;
+template <int D> class PoreContent;
+template <int D> class PoreWater;
+template <int D> class SolidMotion;
+template <int D> class ThawStrain;
+
+/// Freezing ground draws water to its front, where it freezes as excess ice and parts the ground. The fringe through which it is drawn is
+/// thinner than a cell, so that the flux between the last unfrozen cell and the first frozen one comes from the closed form of the fringe,
+/// eqs (26.1) to (26.3), or from a measured segregation potential. The ice that forms there is no ice of the pores: it melts at T_f whatever
+/// the freezing curve. Its volume is strain of the ground along the gradient of temperature, and no strain of the soil, eq. (26.5). Where it melts,
+/// the room that it leaves closes as that of thaw strain.
+template <int D> class IceSegregation {
+public:
+	IceSegregation(PointFields& fields, const GroundSettings<D>& settings);
+	void bind(MaterialPoints<D>& points, int cells);
+	/// Of cells or points only these take memory.
+	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
+	{
+		cells_.keepOnly(range.firstCell, range.lastCell);
+		taken_.keepOnly(firstPoint, endPoint);
+	}
+
+	/// The ground as it is at the start of the step, by cells.
+	void collect(
+	        const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content, const ActiveRange& range);
+	/// Water that flows from cell to cell through frozen fringes in the step: leaves the exchange of the one, and waits at the other for receive().
+	/// dt: of calendar time.
+	void draw(const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, const EnthalpyModel& enthalpy, const Vec<D>& gravity, double dt);
+	/// What that does to the works.
+	void book(const ActiveRange& range, const PoreWater<D>& water, StepLedger<D>& ledger) const;
+	/// Hands what cells were given to their frozen points: mass, enthalpy, momentum, and the volume that it takes as ice.
+	void receive(const CellMeans<D>& cells, int first, int last, const HeatTransfer<D>& heat, double* waterMass, double* enthalpy, PoreWater<D>& water);
+	/// The volume of the new ice belongs to the points that have it, after the strain of the step was averaged over each cell.
+	void shareVolume(const CellMeans<D>& cells, int first, int last);
+	/// Room that melting ice leaves is handed to the thaw strain.
+	void release(ThawStrain<D>& thawStrain);
+	/// Takes the new ice out of the displacement gradient that laws see, until restoreGradients().
+	void part(const CellMeans<D>& cells, SolidMotion<D>& motion);
+	void restoreGradients(SolidMotion<D>& motion);
+
+	double *volume, *iceMass; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
+
+	double waterDrawn = 0.0; ///< since the start [kg]
+	double work       = 0.0; ///< of suction on it since the start [J]
+
+private:
+	/// Sums over the points of a cell, and what it is given in the step.
+	struct Cell {
+		double volume, frozenVolume;       ///< [m^D], of all points and of those below T_f
+		double depth;                      ///< volume times (T - T_f) [m^D K]; later their mean [K]
+		double conductivity;               ///< volume times the number; later the mean [W/(m K)]
+		double middle[D];                  ///< volume times the position; later the mean [m]
+		double ice, mostIce;               ///< volume times the ice saturation, and its largest value
+		double pores, fill;                ///< volume of the pores and of what is in them [m^D]
+		double stress[stressSize<D>];      ///< effective, as the pressure [Pa]
+		double soil;                       ///< the largest number of its materials
+		double lost;                       ///< given away in the step [kg]
+		double mass, enthalpy, carried[D]; ///< given to it [kg, J, N s]
+		double opened;                     ///< by what is given to it, over its volume [-]
+		double normal[D];                  ///< along the gradient of temperature
+	};
+	struct OfGrid {
+		int                       place;
+		std::array<double, D * D> gradient;
+	};
+	/// The cell beside, or -1 where there is no ground.
+	int    beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
+	Vec<D> direction(const Grid<D>& grid, const ActiveRange& range, int cell) const;
+	/// Behind a front.
+	struct Line {
+		double gradient, ahead,
+		        coldest; ///< [K/m]; of the front before the middle of the unfrozen cell [m]; temperature of the ground behind, less T_f [K]
+		int reference;   ///< the cell whose heat conduction counts
+	};
+	double frozenPart(int unfrozen, int first, int second, double cellVolume) const;
+	Line   behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
+	double pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const;
+	/// Water that a cell gives in the step to the one beside it [kg]: 0 unless a front lies between them.
+	double drawn(
+	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
+	/// Points that new ice goes to.
+	bool        holds(int place, double depth) const { return depth < 0.0 || iceMass[place] > 0.0; }
+	static bool frozen(const Cell& c) { return c.depth < -barely; }
+	/// What freezes less than this below T_f is noise of the temperature [K].
+	static constexpr double barely = 1e-6;
+
+	const GroundSettings<D>*          settings_;
+	MaterialPoints<D>*                points_ = nullptr;
+	std::vector<SegregationPotential> soils_;
+	std::vector<double>               freezingTemperature_; ///< by material
+	double                            liquidDensity_, iceDensity_;
+	PointFields::Handle               volumeField_, iceField_;
+	PagedArray<Cell>                  cells_;
+	PagedArray<double>                taken_; ///< by place: volume of the ice that a point got in the step [m^D]
+	std::vector<OfGrid>               changed_;
+};
+
+extern template class IceSegregation<2>;
+extern template class IceSegregation<3>;
+
+} // namespace talik

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/thm/Errors.hpp>
+#include <pkg/thm/SegregationPotential.hpp>
+
+#include <algorithm>
+
+namespace talik {
+
+namespace {
+	constexpr double kelvin = 273.15, gravity = Permeability::gravity;
+} // namespace
+
+void SegregationSettings::validate(const std::string& prefix) const
+{
+	const double sp = potential;
+	requireSetting(
+	        std::isnan(sp) || sp == 0.0 || (sp >= 1e-13 && sp <= 1e-6), prefix + "segregationPotential", sp,
+	        "must be 0 or lie between 1e-13 and 1e-6 m^2/(s K); 1 mm^2/(s K), the usual unit, is 1e-6 m^2/(s K), and soils have 1e-10 to 4e-9; leave "
+	        "it out to have it computed from permeability, freezing curve and load");
+	requireSetting(
+	        pressureDecay >= 0.0 && pressureDecay <= 1e-3, prefix + "pressureDecay", pressureDecay,
+	        "must lie between 0 and 1e-3 1/Pa; 1/MPa, the usual unit, is 1e-6 1/Pa, and soils have 1e-6 to 1e-5");
+	requireSetting(
+	        isGiven() || pressureDecay == 0.0, prefix + "pressureDecay", pressureDecay,
+	        "belongs to a measured segregationPotential, which is not given; give both, or leave this out: what is computed falls with load by itself");
+}
+
+SegregationPotential::SegregationPotential(
+        const SegregationSettings& settings, const FreezingCurve& curve, const Permeability& permeability, const MixtureProperties& mixture)
+        : settings_(settings)
+        , liquidDensity_(mixture.liquid.density)
+        , iceDensity_(mixture.ice.density)
+        , latentHeat_(mixture.latentHeat)
+        , conductivity_(permeability.referenceConductivity)
+        , suction_(mixture.latentHeat / (gravity * kelvin))
+{
+	if (settings.isGiven()) return;
+	const int  count     = int(std::lround(lowest / step));
+	const auto resistsAt = [&](double depth) {
+		const double t = curve.freezingTemperature() - depth;
+		return 1.0 / permeability.conductivity(permeability.referencePorosity, curve.liquidSaturation(t));
+	};
+	resistance_.assign(1, 0.0);
+	for (int i = 0; i < count; ++i) // Simpson
+		resistance_.push_back(resistance_.back() + step / 6.0 * (resistsAt(i * step) + 4.0 * resistsAt((i + 0.5) * step) + resistsAt((i + 1) * step)));
+}
+
+double SegregationPotential::resistance(double depth) const
+{
+	const double at    = depth / step;
+	const int    below = std::clamp(int(at), 0, int(resistance_.size()) - 2);
+	return resistance_[below] + (at - below) * (resistance_[below + 1] - resistance_[below]);
+}
+
+/// Clapeyron's equation with both pressures: the water at a lens under the load p_i has p_l/rho_l = p_i/rho_i + L T/T_0.
+double SegregationPotential::headOf(double load, double pressure) const { return load / (iceDensity_ * gravity) - pressure / (liquidDensity_ * gravity); }
+
+double SegregationPotential::heavingPressure(double coldest, double pressure) const
+{
+	return iceDensity_ * gravity * (-suction_ * coldest + pressure / (liquidDensity_ * gravity));
+}
+
+double SegregationPotential::largestIntake(double head, double perGradient, double more, double coldest) const
+{
+	const double end     = std::min(-coldest, lowest);
+	const auto   through = [&](double depth) { return (suction_ * depth - head) / (resistance(depth) * perGradient + more); };
+	// an affine function over a convex one has one maximum
+	int low = 0, high = int(end / step);
+	while (high - low > 1) {
+		const int middle = (low + high) / 2;
+		if (through((middle + 1) * step) > through(middle * step)) low = middle;
+		else high = middle;
+	}
+	return std::max({ 0.0, low > 0 ? through(low * step) : 0.0, high > 0 ? through(high * step) : 0.0, through(end) });
+}
+
+double SegregationPotential::potential(double load, double pressure, double coldest) const
+{
+	if (settings_.isGiven()) return settings_.potential * std::exp(-settings_.pressureDecay * std::max(0.0, load - pressure));
+	return largestIntake(headOf(load, pressure), 1.0, 0.0, coldest);
+}
+
+double SegregationPotential::intake(const Front& f) const
+{
+	if (!(f.gradient > 0.0) || !(f.coldest < 0.0)) return 0.0;
+	if (settings_.isGiven()) return f.gradient * potential(f.load, f.pressure);
+	const double head = headOf(f.load, f.pressure) + f.rise, more = f.distance / conductivity_;
+	const auto   drawn = [&](double gradient) { return gradient > 0.0 ? largestIntake(head, 1.0 / gradient, more, f.coldest) : 0.0; };
+	// what freezes at the lens gives off heat, so that the gradient in the fringe is smaller than that behind it
+	const double heat = liquidDensity_ * latentHeat_ / f.conductivity;
+	double       low = 0.0, high = f.gradient / heat;
+	double       left = drawn(f.gradient), right = -high;
+	if (!(left > 0.0)) return 0.0;
+	for (int k = 0; k < 60 && high - low > 1e-9 * high; ++k) {
+		const double q = k % 3 == 2 ? 0.5 * (low + high) : (low * right - high * left) / (right - left), miss = drawn(f.gradient - heat * q) - q;
+		if (miss > 0.0) low = q, left = miss;
+		else high = q, right = miss;
+		if (miss == 0.0) break;
+	}
+	return 0.5 * (low + high);
+}
+
+} // namespace talik

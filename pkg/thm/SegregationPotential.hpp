@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/thm/FreezingCurve.hpp>
+#include <pkg/thm/Mixture.hpp>
+#include <pkg/thm/PoreWaterState.hpp>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace talik {
+
+/// How much water a freezing soil draws.
+struct SegregationSettings {
+	/// SP_0, water drawn over the gradient of temperature in the frozen ground behind the front, without load [m^2/(s K)]: 0 (none), or 1e-13 to
+	/// 1e-6. NaN (default): computed from permeability, freezing curve and load, eq. (26.1).
+	double potential = std::numeric_limits<double>::quiet_NaN();
+	/// a of SP = SP_0 exp(-a P), P the effective stress on the front [1/Pa], 0 to 1e-3. Only with a given potential.
+	double pressureDecay = 0.0;
+
+	bool isGiven() const { return !std::isnan(potential); }
+	/// Throws std::invalid_argument naming attribute, value and remedy; prefix: before the names.
+	void validate(const std::string& prefix) const;
+};
+
+/// Intake of one soil through its frozen fringe, eqs (26.1) to (26.3).
+class SegregationPotential {
+public:
+	SegregationPotential(
+	        const SegregationSettings& settings, const FreezingCurve& curve, const Permeability& permeability, const MixtureProperties& mixture);
+
+	/// What stands at a front.
+	struct Front {
+		double gradient;     ///< of temperature in the frozen ground behind the front [K/m], > 0
+		double conductivity; ///< of that ground for heat [W/(m K)]
+		double load;         ///< total pressure normal to the front [Pa]
+		double pressure;     ///< of the water in the unfrozen ground [Pa], at
+		double distance;     ///< from the front [m], and
+		double rise;         ///< how much higher the front lies [m]
+		double coldest;      ///< temperature of the coldest ground behind the front less T_f [K], < 0: no lens lies farther
+	};
+	/// Water that the front draws [m/s], >= 0.
+	double intake(const Front& front) const;
+
+	/// SP of eq. (26.1) where neither the way to the front nor the heat of what freezes counts [m^2/(s K)].
+	double potential(double load, double pressure, double coldest = -lowest) const;
+	/// The load at which a front of this coldest temperature draws nothing, from water of a pressure [Pa].
+	double heavingPressure(double coldest, double pressure = 0.0) const;
+	bool   drawsNothing() const { return settings_.potential == 0.0; }
+
+private:
+	static constexpr double lowest = 10.0, step = 2.5e-3; ///< of the table, below T_f [K]
+	double                  resistance(double depth) const;
+	/// Largest of (suction depth - head)/(resistance + more) over the depth, up to the coldest.
+	double largestIntake(double head, double perGradient, double more, double coldest) const;
+	double headOf(double load, double pressure) const;
+
+	SegregationSettings settings_;
+	double              liquidDensity_, iceDensity_, latentHeat_, conductivity_, suction_; ///< [m/K]: head of Clapeyron's suction
+	std::vector<double> resistance_;                                                       ///< integral of dT/k from T_f down, in steps [K s/m]
+};
+
+} // namespace talik

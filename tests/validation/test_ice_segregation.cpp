@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Frost heave by ice segregation: intake through a frozen fringe, heaving pressure, suction, fronts with a segregation potential, cycles.
+#include "Report.hpp"
+#include "Scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace talik;
+using namespace talik::validation;
+
+namespace {
+
+constexpr double kelvin = 273.15, latent = 334e3, day = 86400.0, porosity = 0.4, iceDensity = 910.0, waterDensity = 1000.0, weight = 9.81 * waterDensity;
+
+/// Intake of a fringe from Clapeyron's and Darcy's equations alone: the lens lies where it is largest. Heat that the lens gives off makes the gradient
+/// in the fringe smaller than that behind it.
+struct Fringe {
+	double conductivity = 1e-9, impedance = 6.0, width = 0.5, residual = 0.05; ///< [m/s, -, K, -]
+	double gradient = 50.0, load = 50e3, below = 0.0;                          ///< [K/m, Pa]; of unfrozen ground that counts [m]
+	double heat = INFINITY;                                                    ///< conductivity [W/(m K)]
+
+	double ice(double depth) const { return (1.0 - residual) * (1.0 - std::exp(-std::pow(depth / width, 2))); }
+	double resistivity(double depth) const { return std::pow(10.0, impedance * ice(depth)) / conductivity; }
+	double through(double slope) const
+	{
+		constexpr double step       = 1e-4;
+		double           resistance = below / conductivity, best = 0.0;
+		for (double depth = 0.5 * step; depth < 3.0; depth += step) {
+			resistance += step * resistivity(depth) / slope;
+			const double head = latent * (depth + 0.5 * step) / (9.81 * kelvin) - load / (9.81 * iceDensity);
+			best              = std::max(best, head / resistance);
+		}
+		return best;
+	}
+	double intake() const
+	{
+		double low = 0.0, high = through(gradient);
+		if (std::isinf(heat)) return high;
+		for (int k = 0; k < 30; ++k) {
+			const double q = 0.5 * (low + high), slope = gradient - waterDensity * latent * q / heat;
+			(slope > 0.0 && through(slope) > q ? low : high) = q;
+		}
+		return low;
+	}
+};
+
+double heatConductivity(double ice) { return 0.6 + porosity * (2.2 * ice + 0.6 * (1.0 - ice)); }
+
+/// Ground that freezes, without gravity.
+template <int D> GroundSettings<D> freezingGround(double h, const Vec<D>& upper)
+{
+	GroundSettings<D> s;
+	s.gridSpacing = h;
+	s.upper       = upper;
+	s.mixture     = withoutExpansion();
+	s.motion.emplace();
+	s.motion->localDamping = 0.3;
+	s.heat.emplace();
+	s.freezing = makeFreezingCurve();
+	s.water.emplace();
+	s.water->permeability.referenceConductivity = 1e-9;
+	s.water->state.liquidBulkModulus            = 2.2e7;
+	s.water->state.iceBulkModulus               = 8.8e7;
+	s.water->state.cavitationPressure           = -1e6;
+	s.segregation.emplace();
+	auto law          = std::make_shared<ElasticSkeleton<D>>();
+	law->youngModulus = 1e7;
+	law->poissonRatio = 0.0;
+	s.skeletons.push_back(law);
+	return s;
+}
+
+/// Water drawn in the first moment over time and area of the front, in ground with one gradient along a direction; the front lies at a distance from
+/// the origin along it.
+template <int D> double intakeOf(const Fringe& f, double h, const Vec<D>& cells, const Vec<D>& along, double distance, double area, double potential = NAN)
+{
+	Vec<D> upper;
+	for (int a = 0; a < D; ++a)
+		upper[a] = h * cells[a];
+	GroundSettings<D> s                         = freezingGround<D>(h, upper);
+	s.water->permeability.referenceConductivity = f.conductivity;
+	s.water->permeability.impedance             = f.impedance;
+	s.segregation->potential                    = potential;
+	Ground<D>    ground(s);
+	const double size = 0.5 * h;
+	Vec<D>       x;
+	const auto   add = [&](auto&& self, int axis) -> void {
+                for (x[axis] = 0.5 * size; x[axis] < upper[axis]; x[axis] += size) {
+                        if (axis + 1 < D) {
+                                self(self, axis + 1);
+                                continue;
+                        }
+                        PointInput<D> p;
+                        p.position    = x;
+                        p.volume      = std::pow(size, D);
+                        p.porosity    = porosity;
+                        p.temperature = f.gradient * (dot<D>(x, along) - distance);
+                        for (int a = 0; a < D; ++a)
+                                p.stress[a] = -f.load;
+                        ground.addPoint(p);
+                }
+	};
+	add(add, 0);
+	ground.initialise();
+	const double dt = 1e-6;
+	ground.step(dt);
+	return ground.balance().waterDrawn / (waterDensity * dt * area);
+}
+
+} // namespace
+
+TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
+{
+	citing("Clapeyron and Darcy, quadrature");
+	for (const double h : { 0.2, 0.05 })
+		for (const auto& [k, impedance, load, gradient] : { std::array<double, 4> { 1e-9, 6.0, 50e3, 20.0 },
+		                                                    { 1e-9, 6.0, 200e3, 20.0 },
+		                                                    { 1e-8, 6.0, 50e3, 20.0 },
+		                                                    { 1e-9, 9.0, 50e3, 20.0 },
+		                                                    { 1e-9, 6.0, 50e3, 5.0 },
+		                                                    { 1e-11, 6.0, 50e3, 20.0 } }) {
+			double worst = 0.0, at = 0.0, exact = 0.0;
+			for (const double part : { 0.05, 0.25, 0.45, 0.65, 0.85 }) {
+				Fringe f;
+				f.conductivity        = k;
+				f.impedance           = impedance;
+				f.load                = load;
+				f.gradient            = gradient;
+				const double front    = (4.0 + part) * h;
+				const double unfrozen = h * std::floor(front / h + 0.5) + 0.5 * h; // middle of the first unfrozen cell
+				f.heat                = heatConductivity(f.ice(gradient * (front - unfrozen + 2.0 * h)));
+				f.below               = unfrozen - front;
+				const double exactNow = f.intake(), q = intakeOf<2>(f, h, { 1.0, 8.0 }, { 0.0, 1.0 }, front, h);
+				if (std::abs(q / exactNow - 1.0) < worst) continue;
+				worst = std::abs(q / exactNow - 1.0);
+				at    = q;
+				exact = exactNow;
+			}
+			char label[160];
+			std::snprintf(
+			        label, sizeof label,
+			        "intake of a frozen fringe, h = %.2f m: k %.0e m/s, Omega %.0f, load %.0f kPa, %.0f K/m, worst of 5 places [m/s]", h, k,
+			        impedance, 1e-3 * load, gradient);
+			expectRelative(label, at, exact, 0.03);
+		}
+}
+
+// What crosses the steps of a front between cells adds up to what crosses the front.
+TEST(IceSegregation, IntakeOfAFrontAtFortyFiveDegreesMeetsTheSegregationPotentialInThePlaneAndInSpace)
+{
+	citing("q = SP dT/dn");
+	Fringe f;
+	f.gradient        = 10.0;
+	const double half = std::sqrt(0.5), h = 0.1, n = 24.0, potential = 1e-9;
+	for (const double part : { 0.2, 0.4 }) {
+		const double distance = (n - 2.0 * part) * h * half, length = 2.0 * distance;
+		char         label[64];
+		std::snprintf(label, sizeof label, ", %.1f of a cell from the corner [m/s]", 2.0 * part);
+		expectRelative(
+		        std::string("intake at 45 degrees: plane") + label, intakeOf<2>(f, h, { n, n }, { half, half }, distance, length, potential),
+		        potential * f.gradient, 0.03);
+		expectRelative(
+		        std::string("intake at 45 degrees: space") + label,
+		        intakeOf<3>(f, h, { n, 2.0, n }, { half, 0.0, half }, distance, length * 2.0 * h, potential), potential * f.gradient, 0.03);
+	}
+}
+
+namespace {
+
+/// A column that freezes from its cold base, with water at its upper side; frozen at the start up to a depth.
+struct Column {
+	double            spacing = 0.05, height = 1.0, potential = 1e-9, cold = -1.0, frozen = 0.3, scale = 1e6;
+	bool              open = true;
+	GroundSettings<2> settings() const
+	{
+		auto s                                      = freezingGround<2>(spacing, { spacing, std::ceil((height + 0.3) / spacing) * spacing });
+		s.freezing                                  = makeFreezingCurve("sharp", { { "residualSaturation", 0.05 } });
+		s.heat->thermalTimeScale                    = scale;
+		s.water->permeability.referenceConductivity = 1e-7;
+		s.segregation->potential                    = potential;
+		standOnRollers(s);
+		addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable(cold));
+		if (open) addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), TimeTable(0.0), true);
+		return s;
+	}
+	void fill(Ground<2>& ground) const
+	{
+		fillBox(ground, { 0.0, 0.0 }, { spacing, height }, [&](PointInput<2>& p) {
+			p.porosity    = porosity;
+			p.temperature = std::min(0.0, cold * (1.0 - p.position[1] / frozen));
+		});
+	}
+	/// Frozen soil and excess ice of it after a time [m]: heat that leaves through both freezes what stands at the front and what is drawn there.
+	std::array<double, 2> exact(double time) const
+	{
+		double       soil = frozen, ice = 0.0;
+		const int    steps = 20000;
+		const double dt = time / steps, perDepth = iceDensity * latent * porosity * 0.95;
+		for (int k = 0; k < steps; ++k) {
+			const double all = soil + ice, kappa = (heatConductivity(0.95) * soil + 2.2 * ice) / all, gradient = -cold / all;
+			const double drawn = potential * gradient;
+			soil += dt * (kappa * gradient - waterDensity * latent * drawn) / perDepth;
+			ice += dt * drawn * waterDensity / iceDensity;
+		}
+		return { soil, ice };
+	}
+};
+
+double frozenSoil(const Ground<2>& ground, double spacing) { return sumOf(ground, "iceSaturation") / 0.95 * 0.25 * spacing; }
+
+} // namespace
+
+namespace {
+
+void expectConstantPotential(double spacing)
+{
+	citing("quasi-steady heat balance");
+	Column column;
+	column.spacing = spacing;
+	Ground<2> ground(column.settings());
+	column.fill(ground);
+	ground.initialise();
+	const auto   start = ground.balance();
+	const double time  = 200.0 * day;
+	marchTo(ground, time / column.scale);
+	const auto exact = column.exact(time);
+	const auto end   = ground.balance();
+	char       label[64];
+	std::snprintf(label, sizeof label, ", h = %.2f m", spacing);
+	const std::string name = std::string("constant segregation potential");
+	expectScaled(name + label + ": frozen soil [m], error in h", frozenSoil(ground, spacing), exact[0], spacing, 0.5);
+	expectRelative(name + label + ": excess ice [m]", sumOf(ground, "segregatedVolume") / spacing, exact[1], 0.03);
+	expectRelative(name + label + ": water drawn over excess ice", end.waterDrawn / (iceDensity * sumOf(ground, "segregatedVolume")), 1.0, 1e-12);
+	expectSmall(name + label + ": drift of water", (end.waterMass - start.waterMass + end.waterOut) / start.waterMass, 1e-12);
+	expectSmall(name + label + ": drift of heat", (end.enthalpy - start.enthalpy - end.heatIn + end.enthalpyOut) / end.heatIn, 1e-11);
+}
+
+} // namespace
+
+TEST(IceSegregation, FrozenDepthAndHeaveWithAConstantSegregationPotentialFollowTheirClosedForm) { expectConstantPotential(0.1); }
+TEST(IceSegregation, FrozenDepthAndHeaveWithAConstantSegregationPotentialFollowTheirClosedFormOnFineCells_slow) { expectConstantPotential(0.05); }
+
+namespace {
+
+/// Five cells between a cold base and a warm upper side, in which heat stands still; stiff, so that little water changes its pressure.
+Ground<2> shortColumn(double h, bool held)
+{
+	constexpr double cold = -0.4, warm = 0.1;
+	auto             s                          = freezingGround<2>(h, { h, (held ? 5.0 : 8.0) * h });
+	s.mixture.solid.conductivity                = 20.0; // what freezes bends no profile
+	s.heat->thermalTimeScale                    = 1e4;
+	s.water->permeability.referenceConductivity = 1e-7;
+	s.water->state.liquidBulkModulus            = 2.2e8;
+	s.water->state.iceBulkModulus               = 8.8e8;
+	s.water->state.cavitationPressure           = -5e6;
+	s.skeletons                                 = { elasticOedometer(1e9) };
+	standOnRollers(s);
+	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable(cold));
+	if (held) {
+		addBoundary<RollerBoundary<2>>(s, Region<2>::side("top"));
+		addBoundary<WallTemperature<2>>(s, Region<2>::side("top"), TimeTable(warm));
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::side("top"), TimeTable(0.0), true);
+	} else addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(warm));
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { h, 5.0 * h }, [&](PointInput<2>& p) {
+		p.porosity    = porosity;
+		p.temperature = cold + (warm - cold) * p.position[1] / (5.0 * h);
+	});
+	ground.initialise();
+	return ground;
+}
+
+/// Mean temperature of the lowest row of cells [degC].
+double coldest(const Ground<2>& ground, double h)
+{
+	const auto y = valuesOf(ground, "position", 1), t = valuesOf(ground, "temperature");
+	double     sum   = 0.0;
+	int        count = 0;
+	for (std::size_t p = 0; p < y.size(); ++p)
+		if (y[p] < h) sum += t[p], ++count;
+	return sum / count;
+}
+
+} // namespace
+
+TEST(IceSegregation, GroundThatIsHeldPressesWithTheHeavingPressureAndClosedGroundSucksWithTheSuctionOfClapeyron)
+{
+	citing("Clapeyron");
+	const double h    = 0.05;
+	Ground<2>    held = shortColumn(h, true);
+	marchTo(held, 1.0);
+	const double count    = held.points().count();
+	const double pressure = (sumOf(held, "pressure") - sumOf(held, "stress", 1)) / count;
+	expectRelative(
+	        "ground that freezes and cannot heave or drink: heaving pressure of clamped ground over its lowest temperature [Pa/K]",
+	        -pressure / coldest(held, h), iceDensity * latent / kelvin, 0.03);
+	Ground<2>  closed = shortColumn(h, false);
+	const auto start  = closed.balance();
+	marchTo(closed, 3.0);
+	expectRelative(
+	        "ground that freezes and cannot heave or drink: suction of closed ground at no flow over its lowest temperature [Pa/K]",
+	        sumOf(closed, "pressure") / count / coldest(closed, h), waterDensity * latent / kelvin, 0.04);
+	expectSmall("ground that freezes and cannot heave or drink: water gained by closed ground", closed.balance().waterMass / start.waterMass - 1.0, 1e-13);
+}
+
+// A column under its own weight that freezes from below, thaws and freezes again, with water at its surface.
+TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
+{
+	citing("first cycle; volume of ice");
+	const double h = 0.05, height = 0.5, scale = 2e6, load = 5e3;
+	auto         s                              = freezingGround<2>(h, { h, height + 4.0 * h });
+	s.motion->gravity                           = { 0.0, -9.81 };
+	s.heat->thermalTimeScale                    = scale;
+	s.water->permeability.referenceConductivity = 1e-7;
+	s.segregation->potential                    = 1e-9;
+	auto soil                                   = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->youngModulus                          = 1e7;
+	soil->youngModulusFrozen                    = 1e8;
+	soil->cohesion                              = 0.0;
+	soil->cohesionFrozen                        = 1e6;
+	soil->frictionAngle                         = 30.0;
+	s.skeletons                                 = { soil };
+	standOnRollers(s);
+	const auto days = [](std::vector<double> list) {
+		for (double& d : list)
+			d *= day;
+		return list;
+	};
+	addBoundary<WallTemperature<2>>(
+	        s, Region<2>::side("bottom"), TimeTable(days({ 0, 60, 61, 120, 121, 180, 181 }), { -2.0, -2.0, 3.0, 3.0, -2.0, -2.0, 3.0 }));
+	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(0.5));
+	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), TimeTable(0.0), true);
+	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), TimeTable(load));
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { h, height }, [&](PointInput<2>& p) {
+		const double below = height - p.position[1];
+		p.porosity         = porosity;
+		p.temperature      = 0.5;
+		p.pressure         = 9810.0 * below;
+		p.stress[1]        = -load - 9.81 * 990.0 * below;
+		p.stress[0] = p.stress[2] = 0.5 * p.stress[1];
+	});
+	ground.initialise();
+	const auto top = [&] {
+		const auto y = valuesOf(ground, "position", 1);
+		return *std::max_element(y.begin(), y.end());
+	};
+	const auto   start = ground.balance();
+	const double level = top();
+	double       heave[2], left[2], ice[2];
+	for (const int cycle : { 0, 1 }) {
+		marchTo(ground, (60.0 + 120.0 * cycle) * day / scale);
+		heave[cycle] = top() - level;
+		ice[cycle]   = sumOf(ground, "segregatedVolume") / h;
+		marchTo(ground, (120.0 + 120.0 * cycle) * day / scale);
+		left[cycle] = top() - level;
+	}
+	std::printf(
+	        "heave %.1f and %.1f mm, left after thaw %.2f and %.2f mm, excess ice %.1f and %.1f mm\n", 1e3 * heave[0], 1e3 * heave[1], 1e3 * left[0],
+	        1e3 * left[1], 1e3 * ice[0], 1e3 * ice[1]);
+	expectRelative("freeze, thaw, freeze: excess ice of the second winter over the first", ice[1], ice[0], 0.03);
+	expectRelative("freeze, thaw, freeze: heave of the second winter over the first", heave[1] - left[0], heave[0], 0.05);
+	expectScaled("freeze, thaw, freeze: left after the first thaw over the heave", left[0], 0.0, heave[0], 0.05);
+	expectScaled("freeze, thaw, freeze: left after the second thaw over the heave", left[1], 0.0, heave[1], 0.10);
+	expectScaled("freeze, thaw, freeze: excess ice left", sumOf(ground, "segregatedVolume") / h, 0.0, ice[0], 1e-12);
+	const auto end = ground.balance();
+	expectSmall("freeze, thaw, freeze: drift of water", (end.waterMass - start.waterMass + end.waterOut) / start.waterMass, 1e-12);
+	expectSmall("freeze, thaw, freeze: drift of heat", (end.enthalpy - start.enthalpy - end.heatIn + end.enthalpyOut) / start.enthalpy, 1e-11);
+}
