@@ -174,6 +174,7 @@ double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& ran
 	return sum / weights;
 }
 
+/// Eq. (26.4).
 template <int D>
 double IceSegregation<D>::drawn(
         const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
