@@ -64,7 +64,7 @@ double SegregationPotential::largestIntake(double head, double perGradient, doub
 {
 	const double end     = std::min(-coldest, lowest);
 	const auto   through = [&](double depth) { return (suction_ * depth - head) / (resistance(depth) * perGradient + more); };
-	// an affine function over a convex one has one maximum
+	// eq. (26.2): an affine function over a convex one has one maximum
 	int low = 0, high = int(end / step);
 	while (high - low > 1) {
 		const int middle = (low + high) / 2;
@@ -86,7 +86,7 @@ double SegregationPotential::intake(const Front& f) const
 	if (settings_.isGiven()) return f.gradient * potential(f.load, f.pressure);
 	const double head = headOf(f.load, f.pressure) + f.rise, more = f.distance / conductivity_;
 	const auto   drawn = [&](double gradient) { return gradient > 0.0 ? largestIntake(head, 1.0 / gradient, more, f.coldest) : 0.0; };
-	// what freezes at the lens gives off heat, so that the gradient in the fringe is smaller than that behind it
+	// eq. (26.3): what freezes at the lens gives off heat, so that the gradient in the fringe is smaller than that behind it
 	const double heat = liquidDensity_ * latentHeat_ / f.conductivity;
 	double       low = 0.0, high = f.gradient / heat;
 	double       left = drawn(f.gradient), right = -high;

@@ -24,7 +24,10 @@ IceSegregation<D>::IceSegregation(PointFields& fields, const GroundSettings<D>& 
 	volumeField_                    = fields.declare("segregatedVolume", "segregation", "m^D", 1);
 	iceField_                       = fields.declare("segregatedIceMass", "segregation", "kg", 1);
 	std::vector<SoilMaterial> given = settings.materials;
-	if (given.empty()) given.push_back({ settings.mixture, {}, {} });
+	if (given.empty()) {
+		given.emplace_back();
+		given.front().mixture = settings.mixture;
+	}
 	for (const SoilMaterial& m : given) {
 		const FreezingCurve& curve = *(m.freezing ? m.freezing : settings.freezing);
 		freezingTemperature_.push_back(curve.freezingTemperature());
@@ -174,6 +177,7 @@ double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& ran
 	return sum / weights;
 }
 
+/// Eq. (26.4).
 template <int D>
 double IceSegregation<D>::drawn(
         const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
