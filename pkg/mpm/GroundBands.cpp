@@ -167,6 +167,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	if (bodies) bodies->keepOnly(first, last);
 	if (front) front->keepOnly(begin, end);
 	if (thawStrain) thawStrain->keepOnly(around, begin, end);
+	if (compression) compression->keepOnly(around, begin, end);
 	if (calendar) calendar->keepOnly(around);
 	scratch.keepOnly(begin, end);
 }

@@ -12,6 +12,7 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
@@ -87,6 +88,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<RigidContact<D>>        bodies;
 	EffectPart<ThawFront<D>>           front;
 	EffectPart<ThawStrain<D>>          thawStrain;
+	EffectPart<ThawedCompression<D>>   compression; ///< only with thawStrain
 	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
 
 	/// A boundary that gives by the state of its nodes, and those of its volume.
@@ -155,6 +157,7 @@ template <int D> struct Ground<D>::Parts {
 	bool hasContent() const { return settings.heat || settings.water; }
 	bool hasFront() const;
 	bool hasThawStrain() const;
+	bool hasCompression() const;
 	/// Points at the front are exceptions from the means of cells in dry ground whose cells share no thaw strain.
 	bool frontHasOwnMeans() const { return front && !water && !thawStrain; }
 	/// The effects whose points the content of the pores changes.
@@ -320,6 +323,8 @@ template <int D> struct Ground<D>::Parts {
 	int                 updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample);
 	void                findCellPressure();
 	void                closeThawStrain();
+	void                compressThawed();
+	void                checkCompression();
 	/// What a skeleton law throws to end the run after this step, or null.
 	std::exception_ptr updateSkeletons();
 	void               askByStrips(int skeleton);

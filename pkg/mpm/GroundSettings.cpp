@@ -73,13 +73,22 @@ namespace {
 		same(other.referenceTemperature, first.referenceTemperature, "referenceTemperature");
 	}
 
-	template <int D> void checkThawStrain(const GroundSettings<D>& s, double thawStrain, const std::string& name)
+	/// value: of the attribute name, above zero.
+	template <int D> void requireSettling(const GroundSettings<D>& s, double value, const std::string& name)
 	{
-		requireSetting(thawStrain >= 0.0 && thawStrain < 1.0, name, thawStrain, "must lie in [0, 1)");
-		if (thawStrain == 0.0) return;
-		requireSetting(bool(s.freezing), name, thawStrain, "ground that does not freeze has none; add freezing or leave it out");
-		requireSetting(bool(s.motion), name, thawStrain, "rigid ground does not settle; add motion or leave it out");
-		requireSetting(lengthOf<D>(s.motion->gravity) > 0.0, name, thawStrain, "acts along gravity; give gravity or leave it out");
+		requireSetting(bool(s.freezing), name, value, "ground that does not freeze has none; add freezing or leave it out");
+		requireSetting(bool(s.motion), name, value, "rigid ground does not settle; add motion or leave it out");
+		requireSetting(lengthOf<D>(s.motion->gravity) > 0.0, name, value, "acts along gravity; give gravity or leave it out");
+	}
+
+	template <int D> void checkThawStrain(const GroundSettings<D>& s, const SoilMaterial& m, const std::string& material)
+	{
+		const std::string name = material + "thawStrain";
+		requireSetting(m.thawStrain >= 0.0 && m.thawStrain < 1.0, name, m.thawStrain, "must lie in [0, 1)");
+		m.compression.validate(material);
+		if (m.thawStrain > 0.0) requireSettling(s, m.thawStrain, name);
+		if (m.compression.compressibility > 0.0) requireSettling(s, m.compression.compressibility, material + "compressibility");
+		if (m.compression.compressionIndex > 0.0) requireSettling(s, m.compression.compressionIndex, material + "compressionIndex");
 	}
 
 	template <int D> void checkMaterials(const GroundSettings<D>& s)
@@ -96,7 +105,7 @@ namespace {
 			if (m.permeability && !s.water)
 				throw std::invalid_argument(name + "permeability is set, but the scene has no water; add water or leave it out");
 			if (m.permeability) m.permeability->validate();
-			checkThawStrain(s, m.thawStrain, name + "thawStrain");
+			checkThawStrain(s, m, name);
 		}
 	}
 } // namespace

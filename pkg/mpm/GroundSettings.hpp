@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/boundary/Boundary.hpp>
+#include <pkg/mpm/effects/CompressionCurve.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/thm/Enthalpy.hpp>
@@ -127,6 +128,7 @@ struct SoilMaterial {
 	FreezingCurvePtr            freezing;     ///< empty: that of the scene; needs one there
 	std::optional<Permeability> permeability; ///< empty: that of the scene
 	double thawStrain = 0.0;                  ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
+	CompressionCurve compression;             ///< of the soil once it has thawed; needs the same
 };
 
 /// What is fixed about a scene before it starts and has no direction. Absent optionals are absent effects: no field, no loop, no limit.

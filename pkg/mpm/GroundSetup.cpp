@@ -27,7 +27,8 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.heat && settings.heat->followsMotion) calendar = std::make_unique<Calendar<D>>(field, *settings.heat);
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
-	if (hasThawStrain()) thawStrain = std::make_unique<ThawStrain<D>>(field, settings);
+	if (hasThawStrain() || hasCompression()) thawStrain = std::make_unique<ThawStrain<D>>(field, settings);
+	if (hasCompression()) compression = std::make_unique<ThawedCompression<D>>(field, settings);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
 }
 
@@ -45,6 +46,11 @@ template <int D> bool Ground<D>::Parts::hasFront() const
 template <int D> bool Ground<D>::Parts::hasThawStrain() const
 {
 	return std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.thawStrain > 0.0; });
+}
+
+template <int D> bool Ground<D>::Parts::hasCompression() const
+{
+	return std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.compression.given(); });
 }
 
 template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in, double fill)
@@ -82,6 +88,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	}
 	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, { content->waterMass, content->iceMass, content->porosity });
 	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
+	if (compression) compression->bind(*points, *motion, content->porosity, content->iceSaturation, grid.cellCount());
 	if (calendar) calendar->bind(*points, *motion, *heat);
 	shareRecords();
 	if (surface) {
@@ -174,6 +181,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	}
 	if (front) front->start(first, end);
 	if (thawStrain) thawStrain->start(first, end);
+	if (compression) compression->start(first, end);
 }
 
 /// Nodal numbers of heat lie in the records of other effects as far as these have columns for them, so that one pass over the points serves all.
@@ -249,6 +257,21 @@ template <int D> void Ground<D>::Parts::beginSkeletons()
 	}
 }
 
+template <int D> void Ground<D>::Parts::checkCompression()
+{
+	compression->open(*thawStrain);
+	std::string words;
+	for (std::size_t k = 0; k < settings.skeletons.size() && words.empty(); ++k) {
+		SkeletonBatch<D> thawed = batch(k);
+		thawed.iceSaturation    = compression->noIce();
+		settings.skeletons[k]->tangentModulus(thawed, compression->thawedModulus());
+		for (const int p : skeletonPlaces[k])
+			if (words.empty()) words = compression->fault(settings.skeletons[k]->name(), p);
+	}
+	words = wordsOfAny(words);
+	if (!words.empty()) throw std::invalid_argument(words);
+}
+
 /// In the order of places, whatever ranks there are.
 template <int D> double Ground<D>::Parts::initialMass() const
 {
@@ -289,6 +312,7 @@ template <int D> void Ground<D>::initialise()
 	g.checkFreeSurface();
 	if (g.motion) {
 		g.beginSkeletons();
+		if (g.compression) g.checkCompression();
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		if (g.water) g.water->chooseLargestConductivity(g.content->smallestReferencePorosity());
 		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.reached, g.grid, g.settings.heatFraction);

@@ -465,6 +465,24 @@ template <int D> void Ground<D>::Parts::closeThawStrain()
 		settings.skeletons[k]->tangentModulus(open, scratch.data());
 	}
 	thawStrain->close(scratch.data());
+	if (compression) compressThawed();
+}
+
+/// After the room of ice has closed: soil in open room carries nothing.
+template <int D> void Ground<D>::Parts::compressThawed()
+{
+	compression->open(*thawStrain);
+	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
+		const std::vector<int>& places = compression->thawedAmong(skeletonPlaces[k]);
+		if (places.empty()) continue;
+		SkeletonBatch<D> thawed = batch(k);
+		thawed.place            = places.data();
+		thawed.count            = int(places.size());
+		settings.skeletons[k]->tangentModulus(thawed, scratch.data());
+		thawed.iceSaturation = compression->noIce();
+		settings.skeletons[k]->tangentModulus(thawed, compression->thawedModulus());
+	}
+	compression->compress(scratch.data(), averagingCells(), around);
 }
 
 template <int D> void Ground<D>::Parts::collectSurfaces()
@@ -725,6 +743,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	std::exception_ptr stop;
 	if (g.thawStrain) g.cost.time(CostMeter::thawStrain, [&] { g.closeThawStrain(); });
 	if (g.motion) stop = g.updateSkeletons();
+	if (g.compression) g.compression->restoreGradients();
 	if (g.thawStrain) g.thawStrain->restoreGradients();
 	if (g.motion && g.settings.energyLedger) g.cost.time(CostMeter::ledger, [&] { g.keepStrainWork(false); });
 	g.bookStep();

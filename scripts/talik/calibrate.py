@@ -13,6 +13,7 @@
 	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.moments
 	scripts/calibrate --refrozen              # frozen strength after thaw and refreezing, see talik.refrozen
 	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.target
+	scripts/calibrate --settlement tests.csv,steps.csv  # thaw settlement predicted for tests left out of the fit, see talik.thawtests
 
 Every test starts from the ice-free sample, brings it to an isotropic pressure, freezes it there and compresses it at constant
 lateral stress (plane strain). One friction angle and one cohesion for each ice saturation are fitted to the peak stresses,
@@ -703,6 +704,9 @@ def main():
 		help="of each sample, with --scatter or --refrozen (8), --rolling, --temperature, --growth, --creep or --moments (3)",
 	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
+	parser.add_argument(
+		"--settlement", metavar="TESTS,STEPS", help="CSV files of thaw settlement tests: prediction against test, cross-validated, instead; table, picture"
+	)
 	parser.add_argument("--strain", type=float, default=0.04, help="with --target: axial strain of each test, within which strength is the largest stress")
 	parser.add_argument(
 		"--friction",
@@ -722,6 +726,10 @@ def main():
 	if options.target:
 		_toTarget(options.target, (options.grains or (100,))[0], folder, told, options.moments, options.strain)
 		writeWhole(folder / "target.md", "\n".join(lines) + "\n")
+		return
+	if options.settlement:
+		print(plots.save(_settlement(options.settlement, told), folder / "settlement.png", dpi=110))
+		writeWhole(folder / "settlement.md", "\n".join(lines) + "\n")
 		return
 	for name, study in _studies(options, told).items():
 		if not getattr(options, name):
@@ -777,6 +785,18 @@ def _toTarget(path, grains, folder, told, moments, strain):
 	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
 	picture = plots.save(target.draw(found, sample, strain=strain), folder / "target.png", dpi=100)
 	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
+
+
+def _settlement(paths, told):
+	"""Tells how far thaw settlement is predicted for tests in two CSV files; returns the figure."""
+	from talik import thawtests
+
+	if paths.count(",") != 1:
+		raise SystemExit(f"calibrate: --settlement {paths}: give two files, tests and load steps, with a comma between them")
+	try:
+		return thawtests.draw(thawtests.report(thawtests.read(*paths.split(",")), told=told))
+	except (ValueError, OSError) as fault:
+		raise SystemExit(f"calibrate: {fault}") from None
 
 
 def _numbers(text):

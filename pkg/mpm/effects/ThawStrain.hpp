@@ -33,6 +33,10 @@ public:
 	/// Adds to the displacement gradient of all points that were asked for what closes in this step, eq. (24.3); modulus [Pa]: of the
 	/// oedometer, by place.
 	void close(const double* modulus);
+	/// Ice saturation of the frozen ground at the start [-].
+	double frozenSaturation(int place) const { return frozenSaturation_[place]; }
+	/// Room that ice has left there is not closed yet.
+	bool isOpen(int place) const { return open_[place] > 0.0; }
 	/// Gives all points back the displacement gradient of the ground.
 	void restoreGradients();
 	/// Of cells or points only these take memory.

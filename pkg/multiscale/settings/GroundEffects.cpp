@@ -41,7 +41,7 @@ talik::MixtureProperties GroundMaterial::build() const
 
 bool GroundMaterial::isOwnSoil() const
 {
-	return freezing || thawStrain != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+	return freezing || thawStrain != 0 || compressibility != 0 || compressionIndex != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
 }
 
 bool GroundMaterial::hasDefaultPhases() const
@@ -64,6 +64,8 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 	s.mixture    = build();
 	s.thawStrain = thawStrain;
 	require(thawStrain >= 0 && thawStrain < 1, "thawStrain", thawStrain, "must lie between 0 and below 1");
+	s.compression = { compressibility, compressionIndex, referenceStress };
+	s.compression.validate("GroundMaterial.");
 	if (freezing && !ofScene)
 		throw std::invalid_argument("GroundMaterial.freezing is set but MpmEngine.freezing is None: add freezing=FreezingCurve() or leave it out.");
 	if (freezing) s.freezing = freezing->build();

@@ -119,7 +119,7 @@ public:
 	talik::MixtureProperties build() const;
 	/// With what it has of its own and, for the rest, what the scene has (null: nothing). Throws std::invalid_argument.
 	talik::SoilMaterial soil(const FreezingCurve* ofScene, const PoreWater* water) const;
-	/// True if it has a freezing curve, a conductivity or a thaw strain of its own.
+	/// True if it has a freezing curve, a conductivity, a thaw strain or a compression of its own.
 	bool isOwnSoil() const;
 	/// True if its phases are the default ones.
 	bool hasDefaultPhases() const;
@@ -147,7 +147,17 @@ public:
 				"the porosity n_0 of the frozen ground, excess ice included, and n_1 of the thawed soil (talik.layers.thawStrain). It is lost along gravity as the ice "
 				"saturation falls from that at the start to 0, and not regained by freezing; open room carries no stress. Any skeleton law takes it; "
 				"that of the grains of a sample, RveSample.thawStrain, comes on top. Adds the fields thawStrainReleased [-], of the "
-				"volume at the start, and thawStrainOpen [-], what is not closed yet of the present volume. Needs freezing, motion and gravity."))
+				"volume at the start, and thawStrainOpen [-], what is not closed yet of the present volume. It is the settlement without load: what "
+				"load adds is compressibility or compressionIndex. Needs freezing, motion and gravity."))
+		((Real,compressibility,0,,"Strain of the ground once it has thawed, of its volume frozen, over the effective stress along gravity, a_0 [1/Pa], 0 to 1e-3: "
+				"1 % per kPa is 1e-5. Thaw tests give settlement A_0+a_0*stress, with A_0 the thawStrain (talik.soils has them by soil). All strain since "
+				"the start counts, that of the skeleton law included, which must be the stiffer: it governs unloading. Ground without ice at the start has "
+				"settled under its stress already. Follows ice as thawStrain does, with load before or after thaw, and any skeleton law takes it. Adds the "
+				"fields thawedCompression [-], lost for good beyond the strain of the law, of the volume at the start, and pressureAtStart [Pa]. Needs "
+				"freezing, motion and gravity. Error where the law is softer, and where thaw closes all pores."))
+		((Real,compressionIndex,0,,"In place of compressibility: void ratio that thawed ground loses as the effective stress along gravity grows tenfold, C_c [-], 0 to "
+				"100. Strain is compressionIndex*(1-porosity)*log10(stress/referenceStress) beyond referenceStress, where thawStrain is that of the test."))
+		((Real,referenceStress,1e3,,"Effective stress along gravity up to which compressionIndex gives no strain [Pa], > 0."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Freezing curve of this material; None: MpmEngine.freezing, which must be there in either case."))
 		((Real,hydraulicConductivity,NaN,,"Saturated hydraulic conductivity of this material, thawed, at referencePorosity [m/s], > 0; NaN: PoreWater.conductivity."))
 		((Real,referencePorosity,NaN,,"Porosity at which hydraulicConductivity holds [-], in (0,1); NaN: PoreWater.referencePorosity."))

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/ThawedCompression.hpp>
+#include <pkg/mpm/effects/ThawStrain.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace talik {
+
+template <int D>
+ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSettings<D>& settings)
+        : settings_(&settings)
+{
+	compressionField_   = fields.declare("thawedCompression", "thawedCompression", "-", 1);
+	stressAtStartField_ = fields.declare("pressureAtStart", "thawedCompression", "Pa", 1);
+}
+
+template <int D>
+void ThawedCompression<D>::bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* porosity, const double* iceSaturation, int cells)
+{
+	points_              = &points;
+	motion_              = &motion;
+	porosity_            = porosity;
+	iceSaturation_       = iceSaturation;
+	compression_         = points.fields().component(compressionField_);
+	stressAtStart_       = points.fields().component(stressAtStartField_);
+	const Vec<D>& weight = motion.settings->gravity;
+	for (int a = 0; a < D; ++a)
+		down_[a] = weight[a] / lengthOf<D>(weight);
+	ofThawed_ = bool(settings_->water);
+	sharing_.reset(motion.settings->bBar ? cells : points.count());
+	noIce_.reset(points.count());
+	thawedModulus_.reset(points.count());
+	wishes_.reset(points.count());
+	for (std::vector<int>* places : { &ofSkeleton_, &thawed_ })
+		places->reserve(points.count());
+	changed_.reserve(points.count());
+}
+
+template <int D> double ThawedCompression<D>::pressureAt(int p) const
+{
+	double pressure = 0.0;
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j)
+			pressure -= down_[i] * motion_->stress[stressIndex<D>(i, j)][p] * down_[j];
+	return std::max(0.0, pressure);
+}
+
+template <int D> void ThawedCompression<D>::start(int first, int end)
+{
+	for (int p = first; p < end; ++p) {
+		stressAtStart_[p] = pressureAt(p);
+		if (iceSaturation_[p] == 0.0)
+			compression_[p] = settings_->materials[points_->material(p)].compression.strain(stressAtStart_[p], 1.0 - porosity_[p]);
+	}
+}
+
+/// Ice that forms again holds the soil.
+template <int D> double ThawedCompression<D>::melted(int p) const
+{
+	const double frozen = thawStrain_->frozenSaturation(p);
+	return frozen > 0.0 ? std::max(0.0, 1.0 - iceSaturation_[p] / frozen) : 1.0 - iceSaturation_[p];
+}
+
+template <int D> void ThawedCompression<D>::open(const ThawStrain<D>& thawStrain)
+{
+	thawStrain_ = &thawStrain;
+	for (const int p : thawed_)
+		wishes_[p] = {};
+	thawed_.clear();
+}
+
+template <int D> const std::vector<int>& ThawedCompression<D>::thawedAmong(const std::vector<int>& places)
+{
+	ofSkeleton_.clear();
+	for (const int p : places)
+		if (settings_->materials[points_->material(p)].compression.given() && melted(p) > 0.0) ofSkeleton_.push_back(p);
+	thawed_.insert(thawed_.end(), ofSkeleton_.begin(), ofSkeleton_.end());
+	return ofSkeleton_;
+}
+
+/// Eq. (24.5) at one point under the pressure of its cell, by bracketing: the stress cannot fall below zero.
+template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double pressure, double modulus) const
+{
+	if (!(pressure > 0.0) || thawStrain_->isOpen(p)) return {};
+	const CompressionCurve& curve      = settings_->materials[points_->material(p)].compression;
+	const double            share      = melted(p), present = points_->volume()[p] / motion_->initialVolume[p];
+	const double            solidShare = (1.0 - porosity_[p]) * present, lawModulus = thawedModulus_[p];
+	// what is still to be lost if the point now loses the strain r and its stress falls by that
+	const auto missing = [&](double r) {
+		const double left = pressure - modulus * r;
+		return share * (curve.strain(left, solidShare) - present * (left - stressAtStart_[p]) / lawModulus) - compression_[p] - present * r;
+	};
+	const double wanted = missing(0.0);
+	if (!(wanted > 0.0)) return {};
+	double low = 0.0, atLow = wanted, high = pressure / modulus, atHigh = missing(high);
+	if (atHigh > 0.0) return { wanted / present, std::max(0.0, wanted / (present * high) - 1.0) };
+	for (int side = 0, k = 0; k < 40 && high - low > 1e-12 * high; ++k) { // regula falsi of Illinois
+		const double r = low + (high - low) * atLow / (atLow - atHigh), at = missing(r);
+		if (at > 0.0) {
+			low   = r;
+			atLow = at;
+			if (side > 0) atHigh *= 0.5;
+			side = 1;
+		} else {
+			high   = r;
+			atHigh = at;
+			if (side < 0) atLow *= 0.5;
+			side = -1;
+			if (at == 0.0) break;
+		}
+	}
+	return { wanted / present, high > 0.0 ? std::max(0.0, wanted / (present * high) - 1.0) : 0.0 };
+}
+
+template <int D> void ThawedCompression<D>::compress(const double* modulus, const CellMeans<D>* cells, const ActiveRange& range)
+{
+	cells_ = cells;
+	if (cells) std::fill(sharing_.begin() + range.firstCell, sharing_.begin() + range.lastCell, Sharing {});
+	else std::fill(sharing_.begin() + points_->strips().firstPoint(), sharing_.begin() + points_->strips().endPoint(), Sharing {});
+	const double* const volume = points_->volume();
+	const auto          share  = [&](SharedRows& rows) {
+                if (cells_) rows.cells(sharing_.data());
+	};
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        for (int p = first; p < last; ++p) {
+			        Sharing&     s      = sharing(p);
+			        const double counts = volume[p] * (ofThawed_ ? melted(p) : 1.0);
+			        s.volume += volume[p];
+			        s.bearing += counts;
+			        s.pressure += counts * pressureAt(p);
+		        }
+	        },
+	        share);
+	for (const int p : thawed_)
+		wishes_[p] = wishOf(p, sharing(p).pressure / sharing(p).bearing, modulus[p]);
+	points_->strips().scatter(
+	        [&](int, int first, int last) {
+		        for (int p = first; p < last; ++p) {
+			        Sharing& s = sharing(p);
+			        s.wanted += volume[p] * wishes_[p].strain;
+			        s.stiffened += volume[p] * (1.0 + wishes_[p].excess);
+		        }
+	        },
+	        share);
+	for (int p = points_->strips().firstPoint(); p < points_->strips().endPoint(); ++p) {
+		const Sharing& s = sharing(p);
+		if (s.wanted == 0.0) continue;
+		lose(p, s.wanted / s.stiffened);
+		compression_[p] += wishes_[p].strain * s.volume / s.stiffened * volume[p] / motion_->initialVolume[p];
+	}
+}
+
+template <int D> void ThawedCompression<D>::lose(int p, double strain)
+{
+	Before before { p, {} };
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j) {
+			double* const gradient     = motion_->gradient[i * D + j];
+			before.gradient[i * D + j] = gradient[p];
+			gradient[p] += strain * down_[i] * down_[j];
+		}
+	changed_.push_back(before);
+}
+
+template <int D> void ThawedCompression<D>::restoreGradients()
+{
+	for (const Before& before : changed_)
+		for (int c = 0; c < D * D; ++c)
+			motion_->gradient[c][before.place] = before.gradient[c];
+	changed_.clear();
+}
+
+template <int D> void ThawedCompression<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
+{
+	if (motion_->settings->bBar) sharing_.keepOnly(range.firstCell, range.lastCell);
+	else sharing_.keepOnly(firstPoint, endPoint);
+	noIce_.keepOnly(firstPoint, endPoint);
+	thawedModulus_.keepOnly(firstPoint, endPoint);
+	wishes_.keepOnly(firstPoint, endPoint);
+}
+
+template <int D> std::string ThawedCompression<D>::fault(const std::string& law, int p) const
+{
+	const SoilMaterial& soil = settings_->materials[points_->material(p)];
+	std::ostringstream  text;
+	text.precision(4);
+	text << "materials[" << points_->material(p) << "].";
+	if (soil.compression.compressibility > 0.0 && soil.compression.compressibility * thawedModulus_[p] <= 1.0) {
+		text << "compressibility = " << soil.compression.compressibility << ": " << law << ", the law of these points, alone strains by "
+		     << 1.0 / thawedModulus_[p] << " per Pa when it is thawed; give a stiffer law, which the compressibility makes softer, or leave it 0";
+		return text.str();
+	}
+	const double strain = soil.thawStrain + soil.compression.strain(stressAtStart_[p], 1.0 - porosity_[p]);
+	if (iceSaturation_[p] == 0.0 || strain < porosity_[p]) return {};
+	text << "thawStrain and compression make " << strain << " at the stress of a point at the start, " << 1e-3 * stressAtStart_[p]
+	     << " kPa, and its porosity is " << porosity_[p] << ": give more porosity or less strain";
+	return text.str();
+}
+
+template class ThawedCompression<2>;
+template class ThawedCompression<3>;
+
+} // namespace talik

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+
+#include <vector>
+
+namespace talik {
+
+template <int D> class CellMeans;
+template <int D> class SolidMotion;
+template <int D> class ThawStrain;
+
+/// Ground that has thawed is softer than its skeleton law: it follows a measured curve of strain over stress (CompressionCurve). What the
+/// curve asks for beyond the strain of the law is lost for good along gravity, as thaw strain is, eqs (24.4) to (24.6). The law is
+/// given the strain of the soil without it, so that any law takes it. With B-bar the points of a cell share it, as they share thaw strain.
+template <int D> class ThawedCompression {
+public:
+	ThawedCompression(PointFields& fields, const GroundSettings<D>& settings);
+	/// porosity, iceSaturation: of the points.
+	void bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* porosity, const double* iceSaturation, int cells);
+	/// Takes the present stress as that without strain. Ground that has no ice has settled under it already.
+	void start(int first, int end);
+
+	/// Forgets the points of the step before; frozenSaturation: of thaw strain.
+	void open(const ThawStrain<D>& thawStrain);
+	/// Points of a skeleton that are thawed in part and have a curve, in the order of places; valid until the next call.
+	const std::vector<int>& thawedAmong(const std::vector<int>& places);
+	/// Ice saturation of thawed ground, by place.
+	const double* noIce() const { return noIce_.data(); }
+	/// For the oedometer moduli of thawed ground [Pa], by place.
+	double* thawedModulus() { return thawedModulus_.data(); }
+	/// Adds to the displacement gradient of all points around what is lost in this step; modulus [Pa]: of the oedometer, by place; cells
+	/// null: every point by itself.
+	void compress(const double* modulus, const CellMeans<D>* cells, const ActiveRange& range);
+	/// Gives all points back the displacement gradient that they had.
+	void restoreGradients();
+	/// Of cells or points only these take memory.
+	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
+	/// What is wrong where the law alone, of thawedModulus(), gives as much strain as the curve at the start, or
+	/// the curve more than there are pores; empty: nothing.
+	std::string fault(const std::string& law, int place) const;
+
+private:
+	/// Sums over the points of a cell, or one point.
+	struct Sharing {
+		double volume;    ///< [m^D]
+		double bearing;   ///< volume whose stress counts [m^D]
+		double pressure;  ///< of that volume, times it [Pa m^D]
+		double wanted;    ///< volume that the curves ask for if the stress stays [m^D]
+		double stiffened; ///< volume, weighted by how much less is lost because stress falls with it [m^D]
+	};
+	/// What a point wants to lose.
+	struct Wish {
+		double strain; ///< of its volume, if its stress stays [-]
+		double excess; ///< factor on the volume in Sharing::stiffened, less 1
+	};
+	/// Gradient of a point as it was.
+	struct Before {
+		int                       place;
+		std::array<double, D * D> gradient;
+	};
+	Sharing& sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }
+	/// Effective, along gravity [Pa], >= 0.
+	double pressureAt(int place) const;
+	double melted(int place) const;
+	Wish   wishOf(int place, double pressure, double modulus) const;
+	void   lose(int place, double strain);
+
+	const GroundSettings<D>* settings_;
+	MaterialPoints<D>*       points_           = nullptr;
+	SolidMotion<D>*          motion_           = nullptr;
+	const CellMeans<D>*      cells_            = nullptr;
+	const ThawStrain<D>*     thawStrain_       = nullptr;
+	const double *           porosity_         = nullptr, *iceSaturation_ = nullptr;
+	PointFields::Handle      compressionField_, stressAtStartField_;
+	double *                 compression_ = nullptr, *stressAtStart_ = nullptr;
+	Vec<D>                   down_ {};
+	PagedArray<double>       noIce_, thawedModulus_;
+	PagedArray<Wish>         wishes_; ///< by place
+	PagedArray<Sharing>      sharing_;
+	/// The stress of a cell is the mean of its points: their own scatters about it, and what the peaks press together does not come back. With pore
+	/// water that of its thawed part: frozen points stand in tension beside it.
+	bool                     ofThawed_ = false;
+	std::vector<int>         ofSkeleton_, thawed_;
+	std::vector<Before>      changed_;
+};
+
+extern template class ThawedCompression<2>;
+extern template class ThawedCompression<3>;
+
+} // namespace talik
