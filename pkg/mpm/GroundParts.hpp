@@ -89,7 +89,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<ThawFront<D>>           front;
 	EffectPart<ThawStrain<D>>          thawStrain;
 	EffectPart<ThawedCompression<D>>   compression; ///< only with thawStrain
-	EffectPart<Calendar<D>>            calendar; ///< whose scale follows the motion
+	EffectPart<Calendar<D>>            calendar;    ///< whose scale follows the motion
 
 	/// A boundary that gives by the state of its nodes, and those of its volume.
 	struct LookingBoundary {

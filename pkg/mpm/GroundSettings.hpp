@@ -127,7 +127,7 @@ struct SoilMaterial {
 	MixtureProperties           mixture;      ///< densities, specific heats and expansivities of ice and liquid, and the latent heat: those of all others
 	FreezingCurvePtr            freezing;     ///< empty: that of the scene; needs one there
 	std::optional<Permeability> permeability; ///< empty: that of the scene
-	double thawStrain = 0.0;                  ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
+	double           thawStrain = 0.0;        ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
 	CompressionCurve compression;             ///< of the soil once it has thawed; needs the same
 };
 

@@ -482,7 +482,7 @@ template <int D> void Ground<D>::Parts::compressThawed()
 		thawed.iceSaturation = compression->noIce();
 		settings.skeletons[k]->tangentModulus(thawed, compression->thawedModulus());
 	}
-	compression->compress(scratch.data(), averagingCells(), around);
+	compression->compress(scratch.data(), clock.dt, averagingCells(), around);
 }
 
 template <int D> void Ground<D>::Parts::collectSurfaces()

@@ -141,9 +141,11 @@ _submodules = (
 	"running",
 	"rve",
 	"slope",
+	"soils",
 	"solids",
 	"tables",
 	"target",
+	"thawtests",
 	"thermal",
 	"weather",
 )

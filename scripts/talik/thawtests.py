@@ -238,7 +238,9 @@ def rootMeanSquare(values):
 def report(tests, told=print):
 	"""Fits and cross-validates each group, tells the table line by line and returns {group: [HeldOut]}."""
 	found = {}
-	told("| soil | tests | boreholes | at the load steps | under the overburden | the same from 1150 kg/m³ on | Nixon & Ladanyi there | best method of the paper |")
+	told(
+		"| soil | tests | boreholes | at the load steps | under the overburden | the same from 1150 kg/m³ on | Nixon & Ladanyi there | best method of the paper |"
+	)
 	told("|---|---|---|---|---|---|---|---|")
 	fits = []
 	for group in groups.values():
@@ -259,8 +261,8 @@ def report(tests, told=print):
 		index = "ln(water content)" if one.group == "peat" else "frozen density [Mg/m³]"
 		line = np.array([held.line for held in found[one.group]])
 		told(
-			f"- {one.group}: {100 * one.constant:.2f} {100 * one.ofIndex:+.2f} × {index} {100 * one.perDecade:+.2f} × log10(stress/kPa); spread of held-out tests: "
-			f"{100 * line[:, 0].std():.2f} at 1 kPa, {100 * line[:, 1].std():.2f} a decade, correlation {np.corrcoef(line.T)[0, 1]:.2f}"
+			f"- {one.group}: {100 * one.constant:.2f} {100 * one.ofIndex:+.2f} × {index} {100 * one.perDecade:+.2f} × log10(stress/kPa); spread of held-out "
+			f"tests: {100 * line[:, 0].std():.2f} at 1 kPa, {100 * line[:, 1].std():.2f} a decade, correlation {np.corrcoef(line.T)[0, 1]:.2f}"
 		)
 	return found
 

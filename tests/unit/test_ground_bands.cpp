@@ -27,8 +27,8 @@ struct Scene {
 	bool             heat = false, water = false, freezing = false, bBar = true;
 	VelocityTransfer transfer = VelocityTransfer::flip;
 	bool             bodies = false, calendar = false, walls = false;
-	double           thawStrain = 0.0;
-	int              columns    = 0; ///< of points, along the slope; 0: all that have room
+	double           thawStrain = 0.0; ///< above 0: soil that is compressible once it has thawed
+	int              columns    = 0;   ///< of points, along the slope; 0: all that have room
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -97,8 +97,9 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	if (scene.walls) addWalls(s);
 	if (scene.thawStrain > 0.0) {
 		SoilMaterial silt;
-		silt.mixture    = s.mixture;
-		silt.thawStrain = scene.thawStrain;
+		silt.mixture                     = s.mixture;
+		silt.thawStrain                  = scene.thawStrain;
+		silt.compression.compressibility = 1e-6;
 		if (s.water) silt.permeability = s.water->permeability;
 		s.materials = { silt };
 	}

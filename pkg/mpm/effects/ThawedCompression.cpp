@@ -15,6 +15,7 @@ ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSetting
         : settings_(&settings)
 {
 	compressionField_   = fields.declare("thawedCompression", "thawedCompression", "-", 1);
+	meanPressureField_  = fields.declare("pressureMean", "thawedCompression", "Pa", 1);
 	stressAtStartField_ = fields.declare("pressureAtStart", "thawedCompression", "Pa", 1);
 }
 
@@ -26,11 +27,13 @@ void ThawedCompression<D>::bind(MaterialPoints<D>& points, SolidMotion<D>& motio
 	porosity_            = porosity;
 	iceSaturation_       = iceSaturation;
 	compression_         = points.fields().component(compressionField_);
+	meanPressure_        = points.fields().component(meanPressureField_);
 	stressAtStart_       = points.fields().component(stressAtStartField_);
 	const Vec<D>& weight = motion.settings->gravity;
 	for (int a = 0; a < D; ++a)
 		down_[a] = weight[a] / lengthOf<D>(weight);
-	ofThawed_ = bool(settings_->water);
+	ofThawed_      = bool(settings_->water);
+	smoothingTime_ = gravityTime(settings_->gridSpacing, lengthOf<D>(weight));
 	sharing_.reset(motion.settings->bBar ? cells : points.count());
 	noIce_.reset(points.count());
 	thawedModulus_.reset(points.count());
@@ -46,13 +49,13 @@ template <int D> double ThawedCompression<D>::pressureAt(int p) const
 	for (int i = 0; i < D; ++i)
 		for (int j = 0; j < D; ++j)
 			pressure -= down_[i] * motion_->stress[stressIndex<D>(i, j)][p] * down_[j];
-	return std::max(0.0, pressure);
+	return pressure;
 }
 
 template <int D> void ThawedCompression<D>::start(int first, int end)
 {
 	for (int p = first; p < end; ++p) {
-		stressAtStart_[p] = pressureAt(p);
+		stressAtStart_[p] = meanPressure_[p] = std::max(0.0, pressureAt(p));
 		if (iceSaturation_[p] == 0.0)
 			compression_[p] = settings_->materials[points_->material(p)].compression.strain(stressAtStart_[p], 1.0 - porosity_[p]);
 	}
@@ -82,21 +85,22 @@ template <int D> const std::vector<int>& ThawedCompression<D>::thawedAmong(const
 	return ofSkeleton_;
 }
 
-/// Eq. (24.5) at one point under the pressure of its cell, by bracketing: the stress cannot fall below zero.
-template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double pressure, double modulus) const
+/// Eq. (24.5) at one point by bracketing: the stress cannot fall below zero.
+template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double bearing, double modulus, double taken) const
 {
-	if (!(pressure > 0.0) || thawStrain_->isOpen(p)) return {};
-	const CompressionCurve& curve      = settings_->materials[points_->material(p)].compression;
-	const double            share      = melted(p), present = points_->volume()[p] / motion_->initialVolume[p];
+	const double pressure = meanPressure_[p];
+	if (!(pressure > 0.0 && bearing > 0.0) || thawStrain_->isOpen(p)) return {};
+	const CompressionCurve& curve = settings_->materials[points_->material(p)].compression;
+	const double            share = melted(p), present = points_->volume()[p] / motion_->initialVolume[p];
 	const double            solidShare = (1.0 - porosity_[p]) * present, lawModulus = thawedModulus_[p];
-	// what is still to be lost if the point now loses the strain r and its stress falls by that
+	// what is still to be lost if the point now loses the strain r, its stress falls by that, and the mean of its stress follows
 	const auto missing = [&](double r) {
-		const double left = pressure - modulus * r;
+		const double left = pressure - taken * modulus * r;
 		return share * (curve.strain(left, solidShare) - present * (left - stressAtStart_[p]) / lawModulus) - compression_[p] - present * r;
 	};
 	const double wanted = missing(0.0);
 	if (!(wanted > 0.0)) return {};
-	double low = 0.0, atLow = wanted, high = pressure / modulus, atHigh = missing(high);
+	double low = 0.0, atLow = wanted, high = std::min(pressure / taken, bearing) / modulus, atHigh = missing(high);
 	if (atHigh > 0.0) return { wanted / present, std::max(0.0, wanted / (present * high) - 1.0) };
 	for (int side = 0, k = 0; k < 40 && high - low > 1e-12 * high; ++k) { // regula falsi of Illinois
 		const double r = low + (high - low) * atLow / (atLow - atHigh), at = missing(r);
@@ -116,7 +120,7 @@ template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishO
 	return { wanted / present, high > 0.0 ? std::max(0.0, wanted / (present * high) - 1.0) : 0.0 };
 }
 
-template <int D> void ThawedCompression<D>::compress(const double* modulus, const CellMeans<D>* cells, const ActiveRange& range)
+template <int D> void ThawedCompression<D>::compress(const double* modulus, double dt, const CellMeans<D>* cells, const ActiveRange& range)
 {
 	cells_ = cells;
 	if (cells) std::fill(sharing_.begin() + range.firstCell, sharing_.begin() + range.lastCell, Sharing {});
@@ -136,8 +140,11 @@ template <int D> void ThawedCompression<D>::compress(const double* modulus, cons
 		        }
 	        },
 	        share);
+	const double taken = -std::expm1(-dt / smoothingTime_);
+	for (int p = points_->strips().firstPoint(); p < points_->strips().endPoint(); ++p)
+		if (sharing(p).bearing > 0.0) meanPressure_[p] += taken * (sharing(p).pressure / sharing(p).bearing - meanPressure_[p]);
 	for (const int p : thawed_)
-		wishes_[p] = wishOf(p, sharing(p).pressure / sharing(p).bearing, modulus[p]);
+		wishes_[p] = wishOf(p, sharing(p).pressure / sharing(p).bearing, modulus[p], taken);
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
@@ -151,6 +158,7 @@ template <int D> void ThawedCompression<D>::compress(const double* modulus, cons
 		const Sharing& s = sharing(p);
 		if (s.wanted == 0.0) continue;
 		lose(p, s.wanted / s.stiffened);
+		if (wishes_[p].strain > 0.0) meanPressure_[p] -= taken * modulus[p] * s.wanted / s.stiffened;
 		compression_[p] += wishes_[p].strain * s.volume / s.stiffened * volume[p] / motion_->initialVolume[p];
 	}
 }

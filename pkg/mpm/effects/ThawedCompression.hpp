@@ -33,9 +33,9 @@ public:
 	const double* noIce() const { return noIce_.data(); }
 	/// For the oedometer moduli of thawed ground [Pa], by place.
 	double* thawedModulus() { return thawedModulus_.data(); }
-	/// Adds to the displacement gradient of all points around what is lost in this step; modulus [Pa]: of the oedometer, by place; cells
+	/// Adds to the displacement gradient of all points around what is lost in this step of dt [s]; modulus [Pa]: of the oedometer, by place; cells
 	/// null: every point by itself.
-	void compress(const double* modulus, const CellMeans<D>* cells, const ActiveRange& range);
+	void compress(const double* modulus, double dt, const CellMeans<D>* cells, const ActiveRange& range);
 	/// Gives all points back the displacement gradient that they had.
 	void restoreGradients();
 	/// Of cells or points only these take memory.
@@ -64,29 +64,31 @@ private:
 		std::array<double, D * D> gradient;
 	};
 	Sharing& sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }
-	/// Effective, along gravity [Pa], >= 0.
+	/// Effective, along gravity [Pa].
 	double pressureAt(int place) const;
 	double melted(int place) const;
-	Wish   wishOf(int place, double pressure, double modulus) const;
+	Wish   wishOf(int place, double bearing, double modulus, double taken) const;
 	void   lose(int place, double strain);
 
 	const GroundSettings<D>* settings_;
-	MaterialPoints<D>*       points_           = nullptr;
-	SolidMotion<D>*          motion_           = nullptr;
-	const CellMeans<D>*      cells_            = nullptr;
-	const ThawStrain<D>*     thawStrain_       = nullptr;
-	const double *           porosity_         = nullptr, *iceSaturation_ = nullptr;
-	PointFields::Handle      compressionField_, stressAtStartField_;
-	double *                 compression_ = nullptr, *stressAtStart_ = nullptr;
+	MaterialPoints<D>*       points_     = nullptr;
+	SolidMotion<D>*          motion_     = nullptr;
+	const CellMeans<D>*      cells_      = nullptr;
+	const ThawStrain<D>*     thawStrain_ = nullptr;
+	const double *           porosity_ = nullptr, *iceSaturation_ = nullptr;
+	PointFields::Handle      compressionField_, meanPressureField_, stressAtStartField_;
+	double *                 compression_ = nullptr, *meanPressure_ = nullptr, *stressAtStart_ = nullptr;
 	Vec<D>                   down_ {};
 	PagedArray<double>       noIce_, thawedModulus_;
 	PagedArray<Wish>         wishes_; ///< by place
 	PagedArray<Sharing>      sharing_;
 	/// The stress of a cell is the mean of its points: their own scatters about it, and what the peaks press together does not come back. With pore
 	/// water that of its thawed part: frozen points stand in tension beside it.
-	bool                     ofThawed_ = false;
-	std::vector<int>         ofSkeleton_, thawed_;
-	std::vector<Before>      changed_;
+	bool ofThawed_ = false;
+	/// In which the stress that counts follows that of the cell [s]: sound that runs through the ground as it settles presses nothing together.
+	double              smoothingTime_ = 0.0;
+	std::vector<int>    ofSkeleton_, thawed_;
+	std::vector<Before> changed_;
 };
 
 extern template class ThawedCompression<2>;

@@ -41,7 +41,8 @@ talik::MixtureProperties GroundMaterial::build() const
 
 bool GroundMaterial::isOwnSoil() const
 {
-	return freezing || thawStrain != 0 || compressibility != 0 || compressionIndex != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+	const bool settles = thawStrain != 0 || compressibility != 0 || compressionIndex != 0;
+	return freezing || settles || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
 }
 
 bool GroundMaterial::hasDefaultPhases() const

@@ -155,8 +155,8 @@ public:
 				"settled under its stress already. Follows ice as thawStrain does, with load before or after thaw, and any skeleton law takes it. Adds the "
 				"fields thawedCompression [-], lost for good beyond the strain of the law, of the volume at the start, and pressureAtStart [Pa]. Needs "
 				"freezing, motion and gravity. Error where the law is softer, and where thaw closes all pores."))
-		((Real,compressionIndex,0,,"In place of compressibility: void ratio that thawed ground loses as the effective stress along gravity grows tenfold, C_c [-], 0 to "
-				"100. Strain is compressionIndex*(1-porosity)*log10(stress/referenceStress) beyond referenceStress, where thawStrain is that of the test."))
+		((Real,compressionIndex,0,,"In place of compressibility: void ratio that thawed ground loses as the effective stress along gravity grows tenfold, C_c "
+				"[-], 0 to 100. Strain is compressionIndex*(1-porosity)*log10(stress/referenceStress) beyond referenceStress, where thawStrain is that of the test."))
 		((Real,referenceStress,1e3,,"Effective stress along gravity up to which compressionIndex gives no strain [Pa], > 0."))
 		((shared_ptr<FreezingCurve>,freezing,,,"Freezing curve of this material; None: MpmEngine.freezing, which must be there in either case."))
 		((Real,hydraulicConductivity,NaN,,"Saturated hydraulic conductivity of this material, thawed, at referencePorosity [m/s], > 0; NaN: PoreWater.conductivity."))
