@@ -22,7 +22,7 @@ PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settin
         : settings_(&settings)
 {
 	std::vector<SoilMaterial> given = settings.materials;
-	if (given.empty()) given.push_back({ settings.mixture, {}, {} });
+	if (given.empty()) given.emplace_back().mixture = settings.mixture;
 	const HeatSettings heat         = settings.heat.value_or(HeatSettings {});
 	const Permeability permeability = settings.water ? settings.water->permeability : Permeability {};
 	for (const SoilMaterial& m : given)
