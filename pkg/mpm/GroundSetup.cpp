@@ -56,11 +56,6 @@ template <int D> bool Ground<D>::Parts::hasCompression() const
 	return std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.compression.given(); });
 }
 
-template <int D> bool Ground<D>::Parts::hasCompression() const
-{
-	return std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.compression.given(); });
-}
-
 template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in, double fill)
 {
 	for (int a = 0; a < D; ++a)
