@@ -24,7 +24,6 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 	parser.add_argument("--output", default=defaultFolder, help="folder for the results")
 	parser.add_argument("--resume", action="store_true", help="go on with the run that was stopped, from its checkpoint in the folder of the results")
 	parser.add_argument("--days", type=_days, help="of the thaw, in place of the case's; with --resume the run goes on until then")
-	parser.add_argument("--duration", type=_oldDuration, help=argparse.SUPPRESS)
 	parser.add_argument("--redraw", action="store_true", help="draw the pictures anew from the files in the folder of the results, without a run")
 	parser.add_argument("--film", action="store_true", help="also a film, film.gif, of the frames that the motion took; with --redraw of those in the folder")
 	parser.add_argument("--no-thaw", action="store_true", help="the same slope kept frozen, for comparison")
@@ -83,10 +82,6 @@ def _thickness(text):
 	if not 0 < float(text) <= 1:
 		raise argparse.ArgumentTypeError(f"{text} is no thickness: give m, above 0 and up to 1")
 	return float(text)
-
-
-def _oldDuration(text):
-	raise argparse.ArgumentTypeError("a thaw is given in days of the calendar now: --days, ten for each of the former seconds")
 
 
 def _thawStrain(text):

@@ -11,7 +11,7 @@ from yade import wrapper
 
 ofYade = {"dict", "updateAttrs", "qtHide", "dispHierarchy", "newAssocState"}  # what every class of YADE has
 ofConsole = {"heldByWaitingGround", "renewWaitingGrounds", "usePortablePath"}  # what the console needs
-commands = {"accuracy", "files"}  # programs of the repository and their parts
+commands = {"accuracy", "files", "studies"}  # programs of the repository and their parts
 formerName = re.compile(r"^\s*(The former name|Replaced by)")
 
 sections = (

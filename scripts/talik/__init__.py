@@ -142,6 +142,7 @@ _submodules = (
 	"rve",
 	"slope",
 	"solids",
+	"studies",
 	"tables",
 	"target",
 	"thermal",
@@ -167,8 +168,6 @@ def __getattr__(name):
 		return getattr(importlib.import_module("talik." + _functions[name]), name)
 	if name in _submodules:
 		return importlib.import_module("talik." + name)
-	if name in ("thawslump", "slumppage", "shearband"):
-		raise AttributeError(f"talik.{name} is in the folder thawslump of the examples now, beside thaw_slump_surface.py")
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
 
 

@@ -54,11 +54,8 @@ class Progress:
 		clock=None,
 		step=None,
 		stream=None,
-		thermalTimeScale=None,
 		ground=None,
 	):
-		if thermalTimeScale is not None:
-			raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}: thaw days are read from the calendar now; give calendar=lambda: mpm.calendar instead")
 		goals = {"endTime": endTime, "endStep": endStep, "endDay": endDay}
 		given = [name for name, end in goals.items() if end is not None]
 		if len(given) != 1:

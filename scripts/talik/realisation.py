@@ -4,7 +4,7 @@
 	samples = talik.rve.prepare(grains=100, realisations=8, seed=1)    # a list; those in the cache are not made again
 
 YADE has one current scene, so that a process prepares one sample at a time. Each realisation is therefore made by a yade of its own,
-which runs this file and leaves the sample in the cache.
+which runs onerealisation.py and leaves the sample in the cache.
 """
 
 import json
@@ -76,7 +76,13 @@ class _Worker:
 		environment = {**ranks.alone(os.environ), "OMP_NUM_THREADS": "1", "TALIK_PREPARE": json.dumps(call)}
 		environment["PYTHONPATH"] = os.pathsep.join(filter(None, [_moduleFolder(), os.environ.get("PYTHONPATH")]))
 		self.call, self.said = call, tempfile.TemporaryFile()
-		self.process = subprocess.Popen([yade, "-n", "-j1", "-x", __file__], env=environment, stdin=subprocess.DEVNULL, stdout=self.said, stderr=self.said)
+		self.process = subprocess.Popen(
+			[yade, "-n", "-j1", "-x", str(Path(__file__).with_name("onerealisation.py"))],
+			env=environment,
+			stdin=subprocess.DEVNULL,
+			stdout=self.said,
+			stderr=self.said,
+		)
 
 	def check(self):
 		from talik.packing import PackingError
@@ -130,19 +136,3 @@ class _Progress:
 	def close(self):
 		if self.bar is not None:
 			self.bar.close()
-
-
-def _work():
-	from talik import rve
-
-	call = json.loads(os.environ["TALIK_PREPARE"])
-	try:
-		rve.prepare(**{**call, "radius": tuple(call["radius"])})
-	except Exception as error:
-		print(f"{refusalMark}{' '.join(str(error).split())}", flush=True)
-		return
-	print(doneMark, flush=True)
-
-
-if __name__ == "__main__":
-	_work()

@@ -19,7 +19,7 @@ secondsPerDay = 86400.0
 coldest, warmest = -100.0, 100.0  # what SurfaceTemperature accepts [degC]
 
 
-def airTemperature(path, start=0.0, thermalTimeScale=None):
+def airTemperature(path, start=0.0):
 	"""Times [s] and air temperatures [degC] of a CSV file, for the attributes times and values of a thermal boundary.
 
 	path   file with the columns time [s], increasing, and air temperature [degC]; further columns are passed over, as are
@@ -32,8 +32,6 @@ def airTemperature(path, start=0.0, thermalTimeScale=None):
 	...     written = file.write("time [s],air [degC]\\n0,-10\\n86400,-5\\n")
 	>>> talik.weather.airTemperature(folder + "/station.csv")
 	([0.0, 86400.0], [-10.0, -5.0])"""
-	if thermalTimeScale is not None:
-		raise ValueError(f"thermalTimeScale is {thermalTimeScale!r}: tables are read at calendar time now, whatever the scale; leave it out")
 	if not math.isfinite(start):
 		raise ValueError(f"start is {start!r}; it must be a time of the series in s")
 	times, values = [], []

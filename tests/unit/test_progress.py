@@ -30,15 +30,13 @@ def progressOf(run, stream, **settings):
 	return Progress(clock=lambda: run.time, step=lambda: run.step, stream=stream, **{"endTime": 15, **settings})
 
 
-def test_days_of_the_calendar_are_a_goal_and_the_scale_of_former_days_is_refused():
+def test_days_of_the_calendar_are_a_goal():
 	run = Run()
 	progress = progressOf(run, io.StringIO(), endTime=None, endDay=150, calendar=lambda: {"day": 50 * run.time, "scale": 1.0})
 	run.advance(1.5, 10)
 	assert progress.fraction() == 0.5
 	with pytest.raises(ValueError, match="endDay is 150 without a calendar"):
 		Progress(endDay=150)
-	with pytest.raises(ValueError, match="calendar=lambda: mpm.calendar instead"):
-		Progress(endTime=15, thermalTimeScale=8.64e5)
 
 
 def test_without_a_terminal_one_line_per_interval_shows_time_day_scale_rate_and_end():

@@ -50,11 +50,9 @@ def test_a_faulty_series_is_refused_with_file_and_line(tmp_path, text, message):
 	assert message in str(refusal.value) and "station.csv" in str(refusal.value)
 
 
-def test_a_missing_file_and_the_scale_of_former_days_are_refused(tmp_path):
+def test_a_missing_file_is_refused(tmp_path):
 	with pytest.raises(ValueError, match="cannot be read"):
 		weather.airTemperature(tmp_path / "none.csv")
-	with pytest.raises(ValueError, match="thermalTimeScale is 864000.0: tables are read at calendar time"):
-		weather.airTemperature(written(tmp_path, series), thermalTimeScale=8.64e5)
 
 
 def test_degree_days_of_a_year_are_those_of_the_sine_and_n_factors_give_them_back():
