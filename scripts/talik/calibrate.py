@@ -20,10 +20,9 @@ import time
 
 import numpy as np
 import talik
-from yade import Matrix3, O, wrapper
+from yade import Matrix3, wrapper
 
-from talik import creep, packing, plots, rve
-from talik.files import writableFolder, writeWhole
+from talik import packing, plots, rve
 
 iceSaturations = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 pressures = (10e3, 30e3, 100e3)  # [Pa]

@@ -17,7 +17,7 @@ import talik
 from talik import plots, rve
 
 ourClasses = sorted({cls for cls in vars(talik).values() if inspect.isclass(cls) and issubclass(cls, wrapper.Serializable)}, key=lambda cls: cls.__name__)
-programs = {"accuracy", "files"}  # of commands, not tools for scenes of one's own
+programs = {"accuracy", "files", "studies"}  # of commands, not tools for scenes of one's own
 tools = sorted(set(talik._submodules) - programs | {"bodies", "inspection"})
 dimensional = re.compile(r"^(vector<)?(Real|Vector2r|Vector3r|Matrix3r)>?$")
 
