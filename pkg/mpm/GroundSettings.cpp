@@ -111,7 +111,9 @@ namespace {
 			if (m.segregation) m.segregation->validate(name + "segregation.");
 			if (s.segregation && m.compression.given())
 				throw std::invalid_argument(
-				        name + "compressibility or compressionIndex is set in a scene with segregation, whose excess ice would count as strain of the soil; leave one of them out");
+				        name
+				        + "compressibility or compressionIndex is set in a scene with segregation, whose excess ice would count as strain of "
+				          "the soil; leave one of them out");
 		}
 	}
 } // namespace
@@ -124,7 +126,7 @@ template <int D> void checkSegregation(const GroundSettings<D>& s)
 	if (!s.motion->bBar) refuse("with bBar = false: what is drawn is shared out by cells; leave bBar true or segregation out");
 	if (s.water->state.massCoefficient != MassCoefficient::exact)
 		refuse("with massCoefficient = printed: excess ice needs the pressure that follows from masses; use exact or leave segregation out");
-	if (s.water->implicit) refuse("with implicit pressure: water that ice draws is given from cell to cell by the explicit one; take that or leave segregation out");
+	if (s.water->implicit) refuse("with implicit pressure, which gives no water to ice; take the explicit pressure or leave segregation out");
 	s.segregation->validate("segregation.");
 }
 

@@ -131,8 +131,8 @@ struct SoilMaterial {
 	FreezingCurvePtr                   freezing;     ///< empty: that of the scene; needs one there
 	std::optional<Permeability>        permeability; ///< empty: that of the scene
 	std::optional<SegregationSettings> segregation;  ///< empty: that of the scene; needs one there
-	double thawStrain = 0.0; ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
-	CompressionCurve compression; ///< of the soil once it has thawed; needs the same
+	double           thawStrain = 0.0; ///< volume lost on complete thaw over that at the start [-], 0 to below 1; needs motion, gravity and freezing
+	CompressionCurve compression;      ///< of the soil once it has thawed; needs the same
 };
 
 /// What is fixed about a scene before it starts and has no direction. Absent optionals are absent effects: no field, no loop, no limit.

@@ -38,13 +38,14 @@ class _Fit:
 	tests: int
 	grainDensity: float  # mean of the tests [kg/m^3]
 	indexes: tuple  # least and largest of the tests
+	mostWater: float  # water content of the tests [-]
 
 
 # As scripts/calibrate --settlement prints them.
 _fits = {
-	"coarse": _Fit(1.2730, -0.7120, 0.1051, 0.1053, 0.0228, -0.08, 60, 2670.0, (1.23, 1.97)),
-	"fine": _Fit(1.0928, -0.5888, 0.0801, 0.1038, 0.0352, -0.40, 156, 2680.0, (0.86, 2.09)),
-	"peat": _Fit(-0.0537, 0.1248, 0.1998, 0.2073, 0.0864, -0.86, 60, 1515.0, (0.16, 3.15)),
+	"coarse": _Fit(1.2730, -0.7120, 0.1051, 0.1053, 0.0228, -0.08, 60, 2670.0, (1.23, 1.97), 1.2),
+	"fine": _Fit(1.0928, -0.5888, 0.0801, 0.1038, 0.0352, -0.40, 156, 2680.0, (0.86, 2.09), 5.2),
+	"peat": _Fit(-0.0537, 0.1248, 0.1998, 0.2073, 0.0864, -0.86, 60, 1515.0, (0.16, 3.15), 24.0),
 }
 # (group, ice-rich): mean and standard deviation of A_0 [-] and of a_0 [1/Pa]
 _table4 = {
@@ -173,8 +174,9 @@ def thaw(group, frozenDensity=None, waterContent=None, iceRich=None, grainDensit
 				f"soils: the frozen density is {frozenDensity:g} kg/m^3; pores full of ice give one between that of ice, {ofIce:g}, and of the grains, {grains:g}"
 			)
 		waterContent = (grains - frozenDensity) / (grains * (frozenDensity / ofIce - 1))
-	if not waterContent > 0:
-		raise ValueError(f"soils: the water content is {waterContent:g}; it is a ratio of masses above 0, 0.3 for 30 %")
+	if not 0 < waterContent <= fit.mostWater:
+		most = f"up to {fit.mostWater:g} in the tests of {group} soils"
+		raise ValueError(f"soils: the water content is {waterContent:g}; it is a ratio of masses, 0.3 for 30 %, {most}")
 	porosity = 1 - frozenDensity / ((1 + waterContent) * grains)
 	if not 0 < porosity < 1:
 		raise ValueError(f"soils: a frozen density of {frozenDensity:g} kg/m^3 and a water content of {waterContent:g} leave no pores; look at the units")

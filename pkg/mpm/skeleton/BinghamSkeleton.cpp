@@ -25,7 +25,7 @@ template <int D> void BinghamSkeleton<D>::declareFields(PointFields& fields, con
 	strain_ = fields.declare(prefix + "flowStrain", "BinghamSkeleton", "-", 1);
 }
 
-/// Eq. (26.2).
+/// Eq. (27.2).
 template <int D> void BinghamSkeleton<D>::flow(const SkeletonBatch<D>& b, int first, int count)
 {
 	const double shear  = LameModuli(youngModulus, poissonRatio).shear;

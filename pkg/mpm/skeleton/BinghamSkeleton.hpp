@@ -5,8 +5,8 @@
 
 namespace talik {
 
-/// Ground that flows like a Bingham fluid, eq. (26.1): elastic up to a yield stress, which ice raises, and a shear stress that grows with the rate
-/// of flow beyond it. Volume responds elastically, also in tension. Trial stress by the Jaumann rate, then eq. (26.2): implicit, so that steady flow
+/// Ground that flows like a Bingham fluid, eq. (27.1): elastic up to a yield stress, which ice raises, and a shear stress that grows with the rate
+/// of flow beyond it. Volume responds elastically, also in tension. Trial stress by the Jaumann rate, then eq. (27.2): implicit, so that steady flow
 /// has the stress of a Bingham fluid whatever the length of a step.
 template <int D> class BinghamSkeleton final : public SkeletonModel<D> {
 public:

@@ -20,8 +20,8 @@ public:
 		return model;
 	}
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(BinghamSkeleton,SkeletonLaw,"Skeleton of thawed ground that flows as mud: elastic while the shear stress (root of the second invariant "
-			"of the deviator) is below a yield stress, beyond it a Bingham fluid, shear stress = yieldStress + viscosity times shear rate, in time of motion. "
+	YADE_CLASS_BASE_DOC_ATTRS(BinghamSkeleton,SkeletonLaw,"Skeleton of thawed ground that flows as mud: elastic while the shear stress (root of the second "
+			"invariant of the deviator) is below a yield stress, beyond it a Bingham fluid, shear stress = yieldStress + viscosity times shear rate, in time of motion. "
 			"Volume responds elastically, also in tension. Field flowStrain [-]: shear strain that has flowed. Example: "
 			"BinghamSkeleton(yieldStress=800,viscosity=50).",
 		((Real,young,1e6,,"Young's modulus E [Pa], > 0. Sets the time step; steady flow does not depend on it while stress is much smaller."))

@@ -51,7 +51,8 @@ public:
 	void requireLiquid(const string& whose) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs "
-			"HeatTransfer. Examples: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05), FreezingCurve(curve='table',temperatures=[-5,-1,-0.2,0],liquidSaturations=[0.1,0.2,0.6,1]).",
+			"HeatTransfer. Examples: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05), "
+			"FreezingCurve(curve='table',temperatures=[-5,-1,-0.2,0],liquidSaturations=[0.1,0.2,0.6,1]).",
 		((string,curve,"gauss",,"gauss, exponential, power, vanGenuchten, linear, sharp; or table, of measured points."))
 		((Real,freezingTemperature,0,,"T_f: at and above it all water is liquid [degC]. A table has its own."))
 		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1; without PoreWater also 0. A table has its own."))
