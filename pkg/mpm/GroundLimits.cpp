@@ -65,12 +65,14 @@ template <int D> double Ground<D>::Parts::signalSpeed(int p, double modulus) con
 	double c = std::sqrt(modulus * points->volume()[p] / motion->mass[p]);
 	double v = sizeAt<D>(motion->velocity, p);
 	if (water) {
-		const double               porosity = content->porosity[p];
-		const double               sl       = content->iceSaturation ? 1.0 - content->iceSaturation[p] : 1.0;
-		const double               t        = heat ? heat->temperature[p] : content->mixture(p).referenceTemperature;
-		const PressureCoefficients k        = settings.water->state.coefficients(content->mixture(p), { porosity, sl, 0.0, t });
-		c                                   = largestWaveSpeed(content->mixture(p), VolumeFractions::of(porosity, sl), k, modulus);
-		v                                   = std::max(v, sizeAt<D>(water->velocity, p));
+		if (!implicit) {
+			const double               porosity = content->porosity[p];
+			const double               sl       = content->iceSaturation ? 1.0 - content->iceSaturation[p] : 1.0;
+			const double               t        = heat ? heat->temperature[p] : content->mixture(p).referenceTemperature;
+			const PressureCoefficients k        = settings.water->state.coefficients(content->mixture(p), { porosity, sl, 0.0, t });
+			c                                   = largestWaveSpeed(content->mixture(p), VolumeFractions::of(porosity, sl), k, modulus);
+		}
+		v = std::max(v, sizeAt<D>(water->velocity, p));
 	}
 	if (v > fastestGround)
 		throw std::runtime_error(

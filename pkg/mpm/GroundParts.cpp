@@ -107,12 +107,14 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	cells->clearSums(around);
 	const bool average = averaging();
 	if (water) water->clearCells(around.firstCell, around.lastCell);
+	if (implicit) implicit->clear(around);
 	points->strips().scatter(
 	        [&](int, int first, int last) {
 		        cells->locate(grid, *points, first, last);
 		        if (!average) return;
 		        if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
 		        if (water) water->addPressure(*cells, first, last);
+		        if (implicit) implicit->addContent(*points, *cells, *content, *water, *motion, heat ? heat->temperature : nullptr, first, last);
 		        const double* volume = points->volume();
 		        for (int p = first; p < last; ++p)
 			        cells->add(p, volume[p] * averagedStress(p));

@@ -6,6 +6,7 @@
 #include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
+#include <pkg/mpm/effects/ImplicitPressure.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
@@ -82,6 +83,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<DeformationRecord<D>>   record;
 	EffectPart<HeatTransfer<D>>        heat;
 	EffectPart<PoreWater<D>>           water;
+	EffectPart<ImplicitPressure<D>>    implicit; ///< pressure of the water at the end of the step
 	EffectPart<PoreContent<D>>         content;
 	EffectPart<FreeSurface<D>>         surface;
 	EffectPart<CellMeans<D>>           cells;
@@ -316,6 +318,8 @@ template <int D> struct Ground<D>::Parts {
 	void                pushByBoundaries();
 	void                solveMomentum();
 	void                seep();
+	void                feedWater();
+	void                findImplicitPressure();
 	void                gatherFromGrid();
 	void                addDivergence(const WeightBlock<D>& w);
 	void                finishPaths();
@@ -352,7 +356,7 @@ template <int D> struct Ground<D>::Parts {
 	/// Pore pressure is known per cell at both ends of a step.
 	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
 	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.
-	double      startShare() const { return cellPressure() ? 0.5 : 1.0; }
+	double      startShare() const { return implicit ? 0.0 : cellPressure() ? 0.5 : 1.0; }
 	std::string whereabouts(int place) const;
 	void        sort();
 

@@ -165,6 +165,12 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        "hydraulicTimeScale", s.water->hydraulicTimeScale,
 		        "must lie between 1e-12 and 1e12 (1: no scaling); leave it out for the scale of the calendar");
 		requireSetting(
+		        !s.water->implicit || s.motion->bBar, "bBar", s.motion->bBar,
+		        "must be on with implicit pressure, which belongs to cells; switch it on or take the explicit pressure");
+		requireSetting(
+		        !s.water->implicit || s.water->state.massCoefficient == MassCoefficient::exact, "massCoefficient", "printed",
+		        "must be exact with implicit pressure, which follows from masses");
+		requireSetting(
 		        !(s.water->picTime < 0.0), "water.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 	}
 }
@@ -185,6 +191,11 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
 			        + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
+		if (b->moves() && settings.water && settings.water->implicit)
+			throw std::invalid_argument(
+			        "boundaries[" + std::to_string(i) + "] = " + b->name()
+			        + " moves, and the implicit pressure of the water knows no walls that move; take the explicit pressure, or a body of the "
+			          "scene");
 		if (b->accelerates() && settings.water)
 			throw std::invalid_argument(
 			        "boundaries[" + std::to_string(i) + "] = " + b->name()

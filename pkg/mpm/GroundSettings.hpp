@@ -89,6 +89,8 @@ struct WaterSettings {
 	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see
 	/// PoreWater::largestConductivity; infinity: none.
 	double largestConductivity = std::numeric_limits<double>::quiet_NaN();
+	/// Pressure of the end of the step, from one system for all cells, see ImplicitPressure: the stiffness of water does not limit the step.
+	bool implicit = false;
 	/// exact: pressure from masses (drift-free). printed: rate form with the coefficient of Yu & Zhao eq. (3), for comparison.
 	/// The choice is made by state.massCoefficient.
 };

@@ -17,6 +17,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
 	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat, bool(settings.freezing));
 	if (settings.water) water = std::make_unique<PoreWater<D>>(field, *settings.water);
+	if (settings.water && settings.water->implicit) implicit = std::make_unique<ImplicitPressure<D>>();
 	if (settings.motion)
 		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
 			settings.skeletons[k]->declareFields(field, "skeleton" + std::to_string(k) + ".");
@@ -101,6 +102,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (cells) cells->allocate(grid, n);
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
+	if (implicit) implicit->allocate(grid);
 	listReadArrays();
 }
 

@@ -154,7 +154,12 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	cost.time(CostMeter::boundaries, [&] { pushByBoundaries(); });
 	if (bodies) cost.time(CostMeter::bodies, [&] { bodies->push(*shape, grid, clock.dt, *motion, front.get(), clock.steps == 0, clock.account.impulse); });
 	cost.time(CostMeter::motion, [&] {
-		momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger, ledger);
+		const auto correct = [this] {
+			cost.time(CostMeter::motion, [] {}); // so far
+			cost.time(CostMeter::water, [this] { findImplicitPressure(); });
+		};
+		const std::function<void()> change = implicit ? correct : std::function<void()>();
+		momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger && !implicit, ledger, change);
 		const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
 		for (int a = 0; a < D; ++a)
 			clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
@@ -162,8 +167,34 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 	if (water) cost.time(CostMeter::water, [&] { seep(); });
 }
 
+template <int D> void Ground<D>::Parts::feedWater()
+{
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
+		const Boundary<D>& boundary = *settings.boundaries[b];
+		if (boundary.feeds())
+			water->feed(
+			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(), enthalpyModel(),
+			        heat ? &heat->mapped : nullptr, ledger);
+	}
+}
+
+/// In place of the flow of the nodes water flows between cells, by the pressure that they have at the end of the step.
+template <int D> void Ground<D>::Parts::findImplicitPressure()
+{
+	waterRests = false;
+	feedWater();
+	implicit->beginFlow(grid, reached, *cells, *motion, *water, liquidDensity(), clock.dt);
+	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+		if (settings.boundaries[b]->drains())
+			implicit->drain(
+			        grid, reached, surface->patch(b), settings.boundaries[b]->pressure(calendarEnd()), settings.boundaries[b]->recharges(), *water);
+	implicit->solve(grid, reached, *momentum, *motion, *water, liquidDensity(), clock.dt, ledger);
+	if (settings.energyLedger) implicit->bookDissipation(grid, reached, ledger);
+}
+
 template <int D> void Ground<D>::Parts::seep()
 {
+	if (implicit) return water->finishExchange(reached);
 	waterRests = false;
 	if (settings.resting) {
 		const bool flows = water->flows(reached);
@@ -178,11 +209,8 @@ template <int D> void Ground<D>::Parts::seep()
 		if (boundary.drains())
 			water->drain(
 			        surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr, ledger);
-		if (boundary.feeds())
-			water->feed(
-			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(), enthalpyModel(),
-			        heat ? &heat->mapped : nullptr, ledger);
 	}
+	feedWater();
 	if (settings.energyLedger)
 		reached.overNodes([&](int, int first, int last) {
 			double work = 0.0;
@@ -262,7 +290,7 @@ template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
 		const double ofPressure = water && share != 0.0 ? -share * pressureWork(first, last, replace) : 0.0;
 		account.skeletonWork += ofStress;
 		account.porePressureWork += ofPressure;
-		if (!atStart) account.workAhead += ofStress + ofPressure;
+		if (!atStart) account.workAhead += ofStress + (implicit ? 0.0 : ofPressure);
 	});
 	if (water && share != 0.0 && !atStart) water->bookSeepageWork(reached, share, liquidDensity(), ledger);
 }
@@ -528,6 +556,7 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 	        PassPart { bool(water), CostMeter::water,
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), share, share ? heat->reference : 0.0); } },
 	        PassPart { conducts, CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
+	        PassPart { bool(implicit), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *points, *content); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }
 
@@ -612,13 +641,15 @@ template <int D> void Ground<D>::g2p()
 
 template <int D> void Ground<D>::Parts::levelCells()
 {
-	if (content->iceMass) water->levelCells(grid, around, *cells, motion->settings->gravity, clock.dt, liquidDensity(), enthalpyModel());
+	if (implicit) implicit->exchange(grid, reached, *water, liquidDensity(), enthalpyModel(), ledger);
+	else if (content->iceMass) water->levelCells(grid, around, *cells, motion->settings->gravity, clock.dt, liquidDensity(), enthalpyModel());
 	water->finishCells(reached, ledger);
 }
 
 template <int D> void Ground<D>::Parts::findCellPressure()
 {
 	water->findCellPressure(reached, enthalpyModel());
+	if (implicit) implicit->givePressure(reached, *water);
 	points->strips().gather([&](int, int first, int last) {
 		water->shareCellPressure(*cells, first, last);
 		if (content->iceMass) water->levelPoints(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, liquidDensity());

@@ -544,7 +544,8 @@ void MomentumSolver<D>::keepWallWork(const ActiveRange& range, const SolidMotion
 
 template <int D>
 void MomentumSolver<D>::solve(
-        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger)
+        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger,
+        const std::function<void()>& change)
 {
 	const bool damped = motion.settings->localDamping > 0.0;
 	rememberWalls(range, motion, water);
@@ -566,8 +567,95 @@ void MomentumSolver<D>::solve(
 	if (front) front->solve(constraints_, mirrors_, range, dt, ledger);
 	unfold(range, motion, water, dt);
 	if (water) findFlux(range, motion, *water);
+	if (change) change();
 	keepAccount(range, motion, water, dt, keepWorks, ledger);
 	loads_.clear();
+}
+
+template <int D>
+void MomentumSolver<D>::findResponse(
+        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& solid, NodeField<D>& liquid) const
+{
+	using W = PoreWater<D>;
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double ms = motion.nodes[i][motion.massAt], ml = water.nodes[i][W::massAt], q = water.nodes[i][W::dragAt];
+			const double part = water.nodal[i][W::Driving::liquidFraction];
+			const bool   wet  = ml > smallestLiquidShare * ms;
+			const auto   both = !(ms > 0.0) ? PhaseAccelerations { 0.0, 0.0 }
+			          : wet                 ? NodeDrag(ms, ml, q, dt)(0.0, 0.0, 1.0, part)
+			                                : PhaseAccelerations { 1.0 / (ms + ml), 1.0 / (ms + ml) };
+			for (int a = 0; a < D; ++a) {
+				solid[i][a]  = dt * both.solid;
+				liquid[i][a] = dt * both.liquid;
+			}
+		}
+	});
+	for (const int i : constraints_.constrainedNodes()) {
+		if (!range.holds(i) || !(motion.nodes[i][motion.massAt] > 0.0)) continue;
+		const double ms = motion.nodes[i][motion.massAt], ml = water.nodes[i][W::massAt], dq = dt * water.nodes[i][W::dragAt];
+		for (int a = 0; a < D; ++a) {
+			const bool fixed = constraints_.solidFixed(i, a), tied = constraints_.liquidTied(i, a);
+			if (!fixed && !tied) continue;
+			solid[i][a]  = fixed ? 0.0 : dt / (ms + ml);
+			liquid[i][a] = tied ? solid[i][a] : ml > 0.0 ? dt * water.nodal[i][W::Driving::liquidFraction] / (ml + dq) : 0.0;
+		}
+	}
+}
+
+template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, NodeField<D>& force) const
+{
+	for (const auto& m : mirrors_) {
+		if (!range.holds(m.inner)) continue;
+		for (int a = 0; a < D; ++a) {
+			force[m.inner][a] += m.sign[a] * force[m.ghost][a];
+			force[m.ghost][a] = 0.0;
+		}
+	}
+}
+
+template <int D> void MomentumSolver<D>::unfoldChanges(const ActiveRange& range, NodeField<D>& change) const
+{
+	for (int k = int(mirrors_.size()) - 1; k >= 0; --k) {
+		const auto& m = mirrors_[k];
+		if (!range.holds(m.inner)) continue;
+		for (int a = 0; a < D; ++a)
+			change[m.ghost][a] = m.sign[a] * change[m.inner][a];
+	}
+}
+
+template <int D>
+void MomentumSolver<D>::correct(
+        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, const NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid, double dt,
+        StepLedger<D>& ledger) const
+{
+	using W = PoreWater<D>;
+	unfoldChanges(range, solid);
+	unfoldChanges(range, liquid);
+	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
+		const int ghost = mirrors_[k].ghost;
+		if (foldLiquid_[k] || !range.holds(mirrors_[k].inner)) continue;
+		// its liquid is free, and follows the solid by drag
+		const double ml = water.nodes[ghost][W::massAt], dq = dt * water.nodes[ghost][W::dragAt];
+		for (int a = 0; a < D; ++a)
+			liquid[ghost][a] = ml > 0.0 ? dq / (ml + dq) * solid[ghost][a] : 0.0;
+	}
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double part = water.nodal[i][W::Driving::liquidFraction];
+			for (int a = 0; a < D; ++a) {
+				motion.solved[i][a] += solid[i][a];
+				motion.solved[i][motion.velocityAt + a] += solid[i][a];
+				water.solved[i][a] += liquid[i][a];
+				water.flux[i][a] += part * (liquid[i][a] - solid[i][a]);
+			}
+		}
+	});
+	for (const int i : wallNodes_) {
+		if (!range.holds(i)) continue;
+		for (int a = 0; a < D; ++a)
+			ledger.ofNode(i).impulse[a] -= dt * force[i][a];
+	}
 }
 
 template class MomentumSolver<2>;

@@ -8,6 +8,7 @@
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 
+#include <functional>
 #include <vector>
 
 namespace talik {
@@ -60,9 +61,22 @@ public:
 	/// The path of the walls in a step that is done.
 	void endStep(double dt);
 	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With keepWorks the works are
-	/// summed. Walls outside the range are left out.
+	/// summed. Walls outside the range are left out. change: what changes the solved values before they are booked, by correct().
 	void solve(
-	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger);
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger,
+	        const std::function<void()>& change = {});
+	/// What a force on the mixture of a node, of which the liquid takes the part n_I, changes of both velocities in dt, drag implicit
+	/// [m/s/N]; 0 where walls hold them. After solve().
+	void findResponse(
+	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& solid, NodeField<D>& liquid) const;
+	/// Forces behind walls are folded into the nodes in front of them.
+	void foldForces(const ActiveRange& range, NodeField<D>& force) const;
+	/// The transpose of folding, for velocities.
+	void unfoldChanges(const ActiveRange& range, NodeField<D>& change) const;
+	/// Adds what more force, before folding, changes of the solved velocities of solid and liquid (before unfolding), and books what walls hold of it.
+	void correct(
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, const NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid,
+	        double dt, StepLedger<D>& ledger) const;
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.

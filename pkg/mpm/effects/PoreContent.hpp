@@ -68,6 +68,18 @@ public:
 	/// Why a point is in an impossible state; heat may be null.
 	std::string whyImpossible(int place, const HeatTransfer<D>* heat) const;
 
+	/// add(place, e, c) for points first .. last: unstressed volume of liquid and ice less the pore volume [m^D], and compliance [m^D/Pa].
+	/// temperature null: that of reference.
+	template <class Add> void overFills(int first, int last, const double* temperature, Add&& add) const
+	{
+		for (int p = first; p < last; ++p) {
+			const MixtureProperties& m   = mixture(p);
+			const double             ice = iceMass ? iceMass[p] : 0.0;
+			const PoreFill f = settings_->water->state.fill(m, waterMass[p] - ice, ice, temperature ? temperature[p] : m.referenceTemperature);
+			add(p, f.volume - porosity[p] * volume_[p], f.compliance);
+		}
+	}
+
 	/// Of the liquid, which is the same in every material.
 	const EnthalpyModel&     enthalpyModel() const { return materials_.front().enthalpy; }
 	const MixtureProperties& mixture(int place) const { return of(place).mixture; }

@@ -129,6 +129,13 @@ public:
 	/// Books the work of the pressure of cells on the water that they received in the step, times a share.
 	void bookSeepageWork(const ActiveRange& range, double share, double liquidDensity, StepLedger<D>& ledger) const;
 
+	/// By what the pressure that drives the liquid of a cell differs from that of the cell, see findDrivingPressure [Pa].
+	double drivingExcess(int cell) const { return cells_[cell].driving - cells_[cell].pressure; }
+	/// What seepage brings to a cell, record Gathered, after gather() and before finishCells(); for ImplicitPressure.
+	double* cellExchange(int cell) { return cells_[cell].exchange; }
+	/// The same of the pressure of a cell at the end of the step, before shareCellPressure().
+	void setCellPressure(int cell, double pressure) { cells_[cell].fillPressure = pressure; }
+
 	const WaterSettings* settings;
 	Vec<D>               weight {};  ///< rho_l g in this step [N/m^3]
 	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()

@@ -166,8 +166,11 @@ talik::FreezingCurvePtr FreezingCurve::build() const
 talik::WaterSettings PoreWater::build(Real residualSaturation) const
 {
 	talik::WaterSettings water;
-	water.state.liquidBulkModulus  = bulkModulus;
-	water.state.iceBulkModulus     = std::isnan(iceBulkModulus) ? 4 * bulkModulus : iceBulkModulus;
+	water.implicit = pressure == "implicit";
+	if (!water.implicit && pressure != "explicit") throw std::invalid_argument("PoreWater.pressure is '" + pressure + "': choose explicit or implicit.");
+	constexpr Real numerical = 2.2e7, natural = 2.2e9; // of water [Pa]
+	water.state.liquidBulkModulus  = std::isnan(bulkModulus) ? (water.implicit ? natural : numerical) : bulkModulus;
+	water.state.iceBulkModulus     = std::isnan(iceBulkModulus) ? 4 * water.state.liquidBulkModulus : iceBulkModulus;
 	water.state.cavitationPressure = cavitationPressure;
 	water.state.densityChange      = zetaActive;
 	if (massCoefficient == "printed") water.state.massCoefficient = talik::MassCoefficient::printed;

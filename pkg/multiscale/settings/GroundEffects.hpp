@@ -97,9 +97,12 @@ public:
 		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and the inflow of WaterFlux [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
 				"thaw and consolidation keep their ratio. A number replaces it; 1 leaves seepage in seconds of motion. Seepage is accelerated only up to the conductivity "
 				"at which pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
-		((Real,bulkModulus,2.2e7,,"Bulk modulus of water K_w [Pa], > 0. Real water has 2.2e9; the default is a hundredth of it, which allows larger time steps and "
-				"lowers Skempton's B, see MpmEngine.skemptonB."))
-		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times bulkModulus."))
+		((string,pressure,"explicit",,"When the pressure of a step is found. explicit: from the state at its start, so that the stiffness of water limits the time "
+				"step. implicit: at its end, for all cells at once. The time step is then that of the skeleton, and pressure does not alternate from cell to cell. "
+				"implicit needs bBar and refuses MovingBoundary and distribute='ground'."))
+		((Real,bulkModulus,NaN,,"Bulk modulus of water K_w [Pa], > 0. Real water has 2.2e9. NaN: 2.2e9 with implicit pressure; with explicit pressure 2.2e7, "
+				"which allows larger time steps and lowers Skempton's B, see MpmEngine.skemptonB."))
+		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times that of water."))
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: lowest pressure. A gap opens there, which has to close before the pressure rises again."))
 		((bool,zetaActive,true,,"Water expands as it freezes. False: phase change drives no flow (density of ice kept in inertia and heat)."))
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))

@@ -1,0 +1,619 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/ImplicitPressure.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace talik {
+
+namespace {
+	/// The residual, in the norm of what pressures store, at which iterations end: over that of the start, and over the pressure that stands.
+	constexpr double relativeResidual = 1e-3, smallestResidual = 1e-7;
+	constexpr int    mostIterations = 500, mostRounds = 4;
+	/// Of what the inertia of the ground lets a cell give way in a step, the share that alternating pressures store.
+	constexpr double unseenShare = 0.25;
+	/// A cell is filled at least so far where the way of water to its surface is concerned [-].
+	constexpr double leastFill = 0.1;
+	/// A neighbour that conducts less than this part of a cell is ice to its water.
+	constexpr double tight = 0.1;
+	constexpr int    piece = 512;
+} // namespace
+
+template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
+{
+	const int n = grid.cellCount();
+	cells_.reset(n);
+	links_.reset(std::size_t(n) * corners * D);
+	liquids_.reset(std::size_t(n) * corners);
+	baseNodes_.reset(n);
+	for (auto& faces : faces_)
+		faces.reset(n);
+	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &diagonal_ })
+		values->reset(n);
+	for (auto* field : { &solid_, &liquid_, &force_, &moved_, &movedLiquid_ })
+		field->allocate(grid.nodeCount());
+	carried_.reset(grid.nodeCount());
+	open_.assign(grid.nodeCount(), Vec<D> {});
+	for (int c = 0; c < n; ++c) {
+		baseNodes_[c] = 0;
+		for (int a = 0; a < D; ++a)
+			baseNodes_[c] += placeOf(grid, c, a) * grid.nodeStride(a);
+	}
+	std::iota(byStride_.begin(), byStride_.end(), 0);
+	std::sort(byStride_.begin(), byStride_.end(), [&](int a, int b) { return grid.nodeStride(a) > grid.nodeStride(b); });
+	for (int k = 0; k < D; ++k) {
+		const int a = byStride_[D - 1 - k];
+		strides_[a] = grid.nodeStride(a);
+		step_[a]    = 1 << (2 * k);
+	}
+	for (int k = 0; k < corners; ++k) {
+		nodeOffset_[k] = 0;
+		for (int a = 0; a < D; ++a)
+			nodeOffset_[k] += k / step_[a] % 4 * strides_[a];
+	}
+	for (int k = 0; k < corners / 4; ++k)
+		rowOffset_[k] = nodeOffset_[4 * k];
+	for (int k = 0; k < supportCount<D>; ++k) {
+		within_[k] = 0;
+		for (int a = 0, rest = k; a < D; ++a, rest /= supportNodes)
+			within_[k] += rest % supportNodes * step_[a];
+	}
+	cellsOfRow_ = grid.cellStride(grid.slowAxis());
+	cellVolume_ = grid.cellVolume();
+	faceArea_   = grid.faceArea();
+	spacing_    = grid.spacing();
+}
+
+template <int D> void ImplicitPressure<D>::clear(const ActiveRange& range)
+{
+	range.overCells([&](int first, int last) {
+		std::fill(cells_.begin() + first, cells_.begin() + last, Cell {});
+		std::fill(link(first), link(last), 0.0);
+		std::fill(liquids_.data() + std::size_t(first) * corners, liquids_.data() + std::size_t(last) * corners, 0.0);
+	});
+}
+
+template <int D>
+void ImplicitPressure<D>::addContent(
+        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water, const SolidMotion<D>& motion,
+        const double* temperature, int first, int last)
+{
+	(void)motion;
+	const double* volume = points.volume();
+	content.overFills(first, last, temperature, [&](int p, double excess, double compliance) {
+		Cell&        c    = cells_[cells.cell(p)];
+		const double mass = content.waterMass[p] - (content.iceMass ? content.iceMass[p] : 0.0);
+		double       up   = 0.0;
+		for (int a = 0; a < D; ++a)
+			up -= water.weight[a] * points.position(a)[p];
+		c.liquidMass += mass;
+		c.drag += water.drag[p];
+		const double opens = mass * mass / water.drag[p];
+		c.open += opens;
+		c.opensWell += opens * opens / volume[p];
+		c.excess += excess;
+		c.compliance += compliance;
+		c.pressure += volume[p] * water.pressure[p];
+		c.height += mass * up;
+		c.warmth += temperature ? mass * temperature[p] : 0.0;
+		for (int a = 0; a < D; ++a)
+			c.carried[a] += mass * water.velocity[a][p];
+	});
+}
+
+template <int D>
+void ImplicitPressure<D>::map(const WeightBlock<D>& w, const CellMeans<D>& cells, const MaterialPoints<D>& points, const PoreContent<D>& content)
+{
+	const double* volume = points.volume();
+	for (int k = 0; k < w.count; ++k) {
+		const int p = w.first + k, c = cells.cell(p);
+		int       shift = w.base[k] - baseNodes_[c], at = 0;
+		for (const int a : byStride_)
+			if (shift >= strides_[a]) {
+				shift -= strides_[a];
+				at += step_[a];
+			}
+		const double  v = volume[p], mass = content.waterMass[p] - (content.iceMass ? content.iceMass[p] : 0.0);
+		double* const to     = link(c);
+		double* const liquid = liquids_.data() + std::size_t(c) * corners;
+		int           node   = 0;
+		overNodes<D>(w, k, [&](int, double s, const Vec<D>& g) {
+			const int corner = at + within_[node++];
+			for (int a = 0; a < D; ++a)
+				to[corner * D + a] += v * g[a];
+			liquid[corner] += mass * s;
+		});
+	}
+}
+
+// ---- flow between cells ---------------------------------------------------------------------------------------------------
+
+/// What falls freely does not flow: the part of its weight that a node does not follow.
+template <int D> void ImplicitPressure<D>::findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt)
+{
+	const Vec<D> g      = motion.settings->gravity;
+	const double square = dot<D>(g, g);
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			const double* r = motion.nodes[i];
+			carried_[i]     = 1.0;
+			if (!(r[motion.massAt] > 0.0) || square == 0.0) continue;
+			double along = 0.0;
+			for (int a = 0; a < D; ++a)
+				along += g[a] * (motion.solved[i][motion.velocityAt + a] - r[motion.momentumAt + a] / r[motion.massAt]) / dt;
+			carried_[i] = 1.0 - std::clamp(along / square, 0.0, 1.0);
+		}
+	});
+}
+
+/// Of the face between a cell and the next one along an axis.
+template <int D> double ImplicitPressure<D>::carriedAt(const Grid<D>& grid, int cell, int axis) const
+{
+	double sum = 0.0;
+	for (int k = 0; k < 1 << D; ++k) {
+		if (!(k >> axis & 1)) continue;
+		int node = baseNodes_[cell];
+		for (int a = 0; a < D; ++a)
+			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
+		sum += carried_[node];
+	}
+	return sum / (1 << (D - 1));
+}
+
+/// Mobility of the half of a cell before its neighbour. What has thawed in a cell lies on the side of the thawed neighbour: a layer whose water has
+/// but its own thickness to go.
+template <int D> double ImplicitPressure<D>::wayFrom(const Cell& cell, const Cell& neighbour)
+{
+	if (neighbour.mobility < cell.mobility) return cell.mobility;
+	return cell.mobility < tight * neighbour.mobility ? cell.layer : cell.open;
+}
+
+template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
+{
+	for (int a = 0; a < D; ++a)
+		range.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c) {
+				Face& f = faces_[a][c];
+				f       = {};
+				if (!hasNext(grid, range, c, a)) continue;
+				const Cell &here = cells_[c], &there = cells_[c + grid.cellStride(a)];
+				if (!(here.mobility > 0.0 && there.mobility > 0.0)) continue;
+				const double from = wayFrom(here, there), to = wayFrom(there, here);
+				f.conductance = faceArea_ / spacing_ * std::min(here.fill, there.fill) * 2.0 * from * to / (from + to);
+				f.weight      = carriedAt(grid, c, a) * (here.height - there.height) + here.drivingExcess - there.drivingExcess;
+			}
+		});
+}
+
+template <int D>
+void ImplicitPressure<D>::beginFlow(
+        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity,
+        double dt)
+{
+	const double lowest = water.settings->state.cavitationPressure;
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			Cell& cell = cells_[c];
+			if (!(cell.liquidMass > 0.0 && cell.compliance > 0.0)) continue;
+			const double liquid = cell.liquidMass / liquidDensity;
+			cell.volume         = cells.cellVolume(c);
+			cell.mobility       = liquid * liquid / (cell.volume * cell.drag);
+			// the part of the cell that is open, as if it were open evenly and the rest closed
+			const double part = cell.open * cell.open / (cell.volume * cell.opensWell);
+			cell.open /= liquidDensity * liquidDensity * cell.volume;
+			cell.layer = cell.open / (part * part);
+			cell.fill  = std::min(1.0, cell.volume / cellVolume_);
+			cell.pressure /= cell.volume;
+			cell.height /= cell.liquidMass;
+			cell.lowest        = lowest;
+			cell.drivingExcess = water.drivingExcess(c);
+			cell.state         = cell.pressure > lowest || cell.excess > cell.compliance * lowest ? wet : cavitated;
+			cell.base          = cell.state == cavitated ? lowest : cell.pressure;
+		}
+	});
+	findCarried(range, motion, dt);
+	findFaces(grid, range);
+	exposed_.clear();
+	for (int c = range.firstCell; c < range.lastCell; ++c) {
+		if (cells_[c].state == none) continue;
+		bool bare = false;
+		for (int a = 0; a < D; ++a) {
+			const int at = placeOf(grid, c, a), s = grid.cellStride(a);
+			bare = bare || at == 0 || at + 1 == grid.cells(a) || c - s < range.firstCell || c + s >= range.lastCell || cells_[c - s].state == none
+			        || cells_[c + s].state == none;
+		}
+		if (bare) exposed_.push_back(c);
+	}
+}
+
+template <int D>
+void ImplicitPressure<D>::drain(
+        const Grid<D>& grid, const ActiveRange& range, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water)
+{
+	for (const SurfaceNode<D>& n : patch.nodes) {
+		const double area = lengthOf<D>(n.area);
+		for (int a = 0; a < D && area > 0.0; ++a)
+			open_[n.node][a] = n.area[a] / area;
+	}
+	for (const int c : exposed_) {
+		Cell& cell = cells_[c];
+		for (int a = 0; a < D; ++a)
+			for (const int side : { -1, 1 }) {
+				const int at = placeOf(grid, c, a) + side, next = c + side * grid.cellStride(a);
+				if (at >= 0 && at < grid.cells(a) && next >= range.firstCell && next < range.lastCell && cells_[next].state != none) continue;
+				double open = 0.0;
+				for (int k = 0; k < 1 << D; ++k) {
+					if ((k >> a & 1) != (side > 0)) continue;
+					int node = baseNodes_[c];
+					for (int b = 0; b < D; ++b)
+						node += (1 + (k >> b & 1)) * grid.nodeStride(b);
+					open += std::max(0.0, side * open_[node][a]) / (1 << (D - 1));
+				}
+				if (open == 0.0) continue;
+				const double way    = 0.5 * spacing_ * std::max(cell.fill, leastFill);
+				const double drives = cell.drivingExcess - outside + side * water.weight[a] * way;
+				if (!recharges && !(cell.base + drives > 0.0)) continue;
+				const double conductance = cell.open * faceArea_ / way * open;
+				cell.drained += conductance;
+				cell.drives += conductance * drives;
+			}
+	}
+	for (const SurfaceNode<D>& n : patch.nodes)
+		open_[n.node] = {};
+}
+
+// ---- the system -----------------------------------------------------------------------------------------------------------
+
+/// Rows of cells in fours, every other four at the same time: these have no nodes in common.
+template <int D> void ImplicitPressure<D>::forces(const ActiveRange& range, const double* x, NodeField<D>& force) const
+{
+	range.overNodes([&](int, int first, int last) { std::fill(force[first], force[last], 0.0); });
+	const int four = Strips::rows * cellsOfRow_, begin = range.firstCell / four, end = (range.lastCell + four - 1) / four;
+	for (const int parity : { 0, 1 }) {
+		const int from = begin + (begin + parity) % 2;
+		ThreadTeam::run(std::max(0, (end - from + 1) / 2), range.parallel ? ThreadTeam::threads() : 1, [&](int k, int) {
+			const int at = (from + 2 * k) * four;
+			for (int c = std::max(range.firstCell, at); c < std::min(range.lastCell, at + four); ++c) {
+				if (x[c] == 0.0) continue;
+				const double* b = link(c);
+				for (const int offset : rowOffset_) {
+					double* const f = force[baseNodes_[c] + offset];
+#pragma GCC ivdep
+					for (int i = 0; i < inRow; ++i)
+						f[i] += b[i] * x[c];
+					b += inRow;
+				}
+			}
+		});
+	}
+}
+
+/// sum B v of velocities that follow each other in memory.
+template <int D> double ImplicitPressure<D>::divergence(int cell, const NodeField<D>& values) const
+{
+	const double* b           = link(cell);
+	double        part[inRow] = {};
+	for (const int offset : rowOffset_) {
+		const double* const v = values[baseNodes_[cell] + offset];
+#pragma GCC ivdep
+		for (int i = 0; i < inRow; ++i)
+			part[i] += b[i] * v[i];
+		b += inRow;
+	}
+	double sum = 0.0;
+	for (int i = 0; i < inRow; ++i)
+		sum += part[i];
+	return sum;
+}
+
+/// Flow out of a cell that pressures drive [m^D/s].
+template <int D> double ImplicitPressure<D>::seepage(const Grid<D>& grid, int c, const double* x) const
+{
+	double out = cells_[c].drained * x[c];
+	for (int a = 0; a < D; ++a) {
+		const int s = grid.cellStride(a);
+		if (faces_[a][c].conductance > 0.0) out += faces_[a][c].conductance * (x[c] - x[c + s]);
+		if (c >= s && faces_[a][c - s].conductance > 0.0) out += faces_[a][c - s].conductance * (x[c] - x[c - s]);
+	}
+	return out;
+}
+
+/// What alternates over the four cells from c on along two axes; 0 if not all of them hold water.
+template <int D> double ImplicitPressure<D>::hourglass(const Grid<D>& grid, int c, int a, int b, const double* x) const
+{
+	const int sa = grid.cellStride(a), sb = grid.cellStride(b);
+	if (placeOf(grid, c, a) + 1 >= grid.cells(a) || placeOf(grid, c, b) + 1 >= grid.cells(b)) return 0.0;
+	if (cells_[c].state == none || cells_[c + sa].state == none || cells_[c + sb].state == none || cells_[c + sa + sb].state == none) return 0.0;
+	return x[c] - x[c + sa] - x[c + sb] + x[c + sa + sb];
+}
+
+/// What a cell gives to others because pressures alternate [m^D].
+template <int D> double ImplicitPressure<D>::unseen(const Grid<D>& grid, int c, const double* x) const
+{
+	double sum = 0.0;
+	for (int a = 0; a < D; ++a)
+		for (int b = a + 1; b < D; ++b) {
+			const int  sa = grid.cellStride(a), sb = grid.cellStride(b);
+			const bool behindA = placeOf(grid, c, a) > 0, behindB = placeOf(grid, c, b) > 0;
+			sum += hourglass(grid, c, a, b, x);
+			if (behindA) sum -= hourglass(grid, c - sa, a, b, x);
+			if (behindB) sum -= hourglass(grid, c - sb, a, b, x);
+			if (behindA && behindB) sum += hourglass(grid, c - sa - sb, a, b, x);
+		}
+	return unseen_ * sum;
+}
+
+template <int D>
+void ImplicitPressure<D>::apply(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt, const double* x, double* y)
+{
+	forces(range, x, moved_);
+	momentum.foldForces(range, moved_);
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a)
+				moved_[i][a] *= solid_[i][a];
+	});
+	momentum.unfoldChanges(range, moved_);
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			y[c] = cells_[c].state == none ? 0.0
+			                               : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + seepage(grid, c, x)) + unseen(grid, c, x);
+	});
+}
+
+template <int D>
+void ImplicitPressure<D>::findResiduals(
+        const Grid<D>& grid, const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity, double dt)
+{
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			std::copy_n(motion.solved[i] + motion.velocityAt, D, moved_[i]);
+	});
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			Cell& cell  = cells_[c];
+			change_[c]  = cell.base - cell.pressure;
+			initial_[c] = 0.0;
+			if (cell.state == none) {
+				change_[c] = 0.0;
+				continue;
+			}
+			double fed = 0.0;
+			for (int k = 0; k < corners; ++k) {
+				const int    node = baseNodes_[c] + nodeOffset_[k];
+				const double got  = water.exchange[node][PoreWater<D>::Gathered::water];
+				if (got != 0.0) fed += liquids_[std::size_t(c) * corners + k] * got * water.nodal[node][PoreWater<D>::Driving::perLiquidMass];
+			}
+			double out = cell.drained * cell.pressure + cell.drives;
+			for (int a = 0; a < D; ++a) {
+				const int   s     = grid.cellStride(a);
+				const Face& ahead = faces_[a][c];
+				if (ahead.conductance > 0.0) out += ahead.conductance * (cell.pressure - cells_[c + s].pressure + ahead.weight);
+				if (c >= s && faces_[a][c - s].conductance > 0.0)
+					out += faces_[a][c - s].conductance * (cell.pressure - cells_[c - s].pressure - faces_[a][c - s].weight);
+			}
+			const double off = cell.excess - cell.compliance * cell.pressure;
+			initial_[c]      = off + fed / liquidDensity - dt * out - dt * divergence(c, moved_);
+		}
+	});
+}
+
+template <int D> void ImplicitPressure<D>::findDiagonal(const Grid<D>& grid, const ActiveRange& range, double dt)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			const Cell& cell = cells_[c];
+			diagonal_[c]     = 1.0;
+			if (cell.state == none) continue;
+			double moved = cell.drained;
+			for (int k = 0; k < corners; ++k) {
+				const double* const b     = link(c) + k * D;
+				const double* const gives = solid_[baseNodes_[c] + nodeOffset_[k]];
+				for (int a = 0; a < D; ++a)
+					moved += b[a] * b[a] * gives[a];
+			}
+			for (int a = 0; a < D; ++a) {
+				moved += faces_[a][c].conductance;
+				if (c >= grid.cellStride(a)) moved += faces_[a][c - grid.cellStride(a)].conductance;
+			}
+			diagonal_[c] = cell.compliance + dt * moved + 2 * D * (D - 1) * unseen_;
+		}
+	});
+}
+
+template <int D> template <class Value> double ImplicitPressure<D>::sum(const ActiveRange& range, Value&& value)
+{
+	partial_.assign((range.lastCell - range.firstCell + piece - 1) / piece, 0.0);
+	range.overCells([&](int first, int last) {
+		double part = 0.0;
+		for (int c = first; c < last; ++c)
+			if (cells_[c].state == wet) part += value(c);
+		partial_[(first - range.firstCell) / piece] = part;
+	});
+	return std::accumulate(partial_.begin(), partial_.end(), 0.0);
+}
+
+/// Conjugate gradients, preconditioned by the diagonal, from the change that stands.
+template <int D> void ImplicitPressure<D>::iterate(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt)
+{
+	apply(grid, range, momentum, dt, change_.data(), image_.data());
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			residual_[c]  = initial_[c] - image_[c];
+			direction_[c] = cells_[c].state == wet ? residual_[c] / diagonal_[c] : 0.0;
+		}
+	});
+	double       norm  = sum(range, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
+	const double stand = sum(range, [&](int c) { return diagonal_[c] * cells_[c].base * cells_[c].base; });
+	const double goal  = std::max(relativeResidual * relativeResidual * norm, smallestResidual * smallestResidual * stand);
+	for (int k = 0; k < mostIterations && norm > goal; ++k, ++iterations_) {
+		apply(grid, range, momentum, dt, direction_.data(), image_.data());
+		const double step = norm / sum(range, [&](int c) { return direction_[c] * image_[c]; });
+		range.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c) {
+				if (cells_[c].state == wet) change_[c] += step * direction_[c];
+				residual_[c] -= step * image_[c];
+			}
+		});
+		const double next = sum(range, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
+		range.overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c)
+				direction_[c] = cells_[c].state == wet ? residual_[c] / diagonal_[c] + next / norm * direction_[c] : 0.0;
+		});
+		norm = next;
+	}
+}
+
+/// Cells whose water would be torn leave a gap, and gaps that would be overfilled close.
+template <int D> bool ImplicitPressure<D>::changeStates(const ActiveRange& range)
+{
+	bool changed = false;
+	for (int c = range.firstCell; c < range.lastCell; ++c) {
+		Cell& cell = cells_[c];
+		if (cell.state == wet && cell.pressure + change_[c] < cell.lowest) {
+			cell.state = cavitated;
+			change_[c] = cell.lowest - cell.pressure;
+			changed    = true;
+		} else if (cell.state == cavitated && residual_[c] > 0.0) {
+			cell.state = wet;
+			changed    = true;
+		}
+	}
+	return changed;
+}
+
+template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const ActiveRange& range, double dt)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			Cell& cell = cells_[c];
+			cell.out   = dt * (cell.drained * (cell.pressure + change_[c]) + cell.drives);
+			for (int a = 0; a < D; ++a) {
+				Face&     f = faces_[a][c];
+				const int s = grid.cellStride(a);
+				if (!hasNext(grid, range, c, a) || cell.state == none || cells_[c + s].state == none) continue;
+				f.moved = dt * f.conductance * (cell.pressure + change_[c] - cells_[c + s].pressure - change_[c + s] + f.weight);
+				for (int b = 0; b < D; ++b) {
+					if (b == a) continue;
+					const auto alternates = [&](int at) {
+						return a < b ? hourglass(grid, at, a, b, change_.data()) : hourglass(grid, at, b, a, change_.data());
+					};
+					f.moved += 0.5 * unseen_ * alternates(c);
+					if (placeOf(grid, c, b) > 0) f.moved -= 0.5 * unseen_ * alternates(c - grid.cellStride(b));
+				}
+			}
+		}
+	});
+}
+
+template <int D>
+void ImplicitPressure<D>::solve(
+        const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity,
+        double dt, StepLedger<D>& ledger)
+{
+	momentum.findResponse(range, motion, water, dt, solid_, liquid_);
+	double mass = 0.0, volume = 0.0;
+	for (int i = range.firstNode; i < range.lastNode; ++i) {
+		mass += motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt];
+		volume += water.nodes[i][PoreWater<D>::volumeAt];
+	}
+	unseen_ = volume > 0.0 ? unseenShare * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
+	findResiduals(grid, range, motion, water, liquidDensity, dt);
+	findDiagonal(grid, range, dt);
+	iterations_ = 0;
+	for (int round = 0; round < mostRounds; ++round) {
+		iterate(grid, range, momentum, dt);
+		if (!changeStates(range)) break;
+	}
+	findMoved(grid, range, dt);
+	forces(range, change_.data(), force_);
+	range.overNodes([&](int, int first, int last) { std::copy(force_[first], force_[last], moved_[first]); });
+	momentum.foldForces(range, moved_);
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a) {
+				movedLiquid_[i][a] = liquid_[i][a] * moved_[i][a];
+				moved_[i][a] *= solid_[i][a];
+			}
+	});
+	momentum.correct(range, motion, water, force_, moved_, movedLiquid_, dt, ledger);
+}
+
+template <int D> void ImplicitPressure<D>::bookDissipation(const Grid<D>& grid, const ActiveRange& range, StepLedger<D>& ledger) const
+{
+	for (int c = range.firstCell; c < range.lastCell; ++c) {
+		const Cell& cell = cells_[c];
+		if (cell.state == none) continue;
+		double lost = cell.drained > 0.0 ? cell.out * (cell.pressure + change_[c] + cell.drives / cell.drained) : 0.0;
+		for (int a = 0; a < D; ++a) {
+			const Face& f    = faces_[a][c];
+			const int   next = c + grid.cellStride(a);
+			if (f.moved != 0.0) lost += f.moved * (cell.pressure + change_[c] - cells_[next].pressure - change_[next] + f.weight);
+		}
+		ledger.ofCell(c).dragDissipation += lost;
+	}
+}
+
+template <int D> double ImplicitPressure<D>::givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const
+{
+	const auto mean = [&](int c) { return cells_[c].warmth / cells_[c].liquidMass; };
+	const int  at = placeOf(grid, cell, axis) - step, s = step * grid.cellStride(axis), before = cell - s;
+	if (at < 0 || at >= grid.cells(axis) || before < range.firstCell || before >= range.lastCell || cells_[before].state == none) return mean(cell);
+	const double behind = mean(cell) - mean(before), ahead = mean(cell + s) - mean(cell); // the limiter of van Leer
+	return behind * ahead > 0.0 ? mean(cell) + behind * ahead / (behind + ahead) : mean(cell);
+}
+
+template <int D>
+void ImplicitPressure<D>::exchange(
+        const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, double liquidDensity, const EnthalpyModel* enthalpy, StepLedger<D>& ledger)
+{
+	using Gathered  = typename PoreWater<D>::Gathered;
+	const auto take = [&](double* to, int donor, double mass, double temperature) {
+		to[Gathered::water] += mass;
+		if (enthalpy) to[Gathered::enthalpy] += mass * enthalpy->liquidEnthalpy(temperature);
+		for (int a = 0; a < D; ++a)
+			to[Gathered::momentum + a] += mass / cells_[donor].liquidMass * cells_[donor].carried[a];
+	};
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			if (cells_[c].state == none) continue;
+			double* const to = water.cellExchange(c);
+			for (int a = 0; a < D; ++a) {
+				const int    s     = grid.cellStride(a);
+				const double ahead = faces_[a][c].moved, behind = c - s >= range.firstCell ? faces_[a][c - s].moved : 0.0;
+				// both cells of a face ask for the same number, so that none is lost
+				const auto warmth = [&](int face, double moved) {
+					return !enthalpy      ? 0.0
+					        : moved > 0.0 ? givenTemperature(grid, range, face, a, 1)
+					                      : givenTemperature(grid, range, face + s, a, -1);
+				};
+				if (ahead != 0.0) take(to, ahead > 0.0 ? c : c + s, -liquidDensity * ahead, warmth(c, ahead));
+				if (behind != 0.0) take(to, behind > 0.0 ? c - s : c, liquidDensity * behind, warmth(c - s, behind));
+			}
+			if (cells_[c].out != 0.0) take(to, c, -liquidDensity * cells_[c].out, cells_[c].warmth / cells_[c].liquidMass);
+		}
+	});
+	for (const int c : exposed_) {
+		const double mass = liquidDensity * cells_[c].out;
+		if (mass == 0.0) continue;
+		StepAccount<D>& account = ledger.ofCell(c);
+		account.waterOut += mass;
+		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].warmth / cells_[c].liquidMass);
+		for (int a = 0; a < D; ++a)
+			account.momentumOut[a] += mass / cells_[c].liquidMass * cells_[c].carried[a];
+	}
+}
+
+template <int D> void ImplicitPressure<D>::givePressure(const ActiveRange& range, PoreWater<D>& water) const
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			if (cells_[c].state != none) water.setCellPressure(c, std::max(cells_[c].pressure + change_[c], cells_[c].lowest));
+	});
+}
+
+template class ImplicitPressure<2>;
+template class ImplicitPressure<3>;
+
+} // namespace talik

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/effects/MomentumSolver.hpp>
+#include <pkg/mpm/effects/PoreContent.hpp>
+#include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/StepLedger.hpp>
+
+#include <array>
+#include <vector>
+
+namespace talik {
+
+/// Pore pressure of all cells at the end of a step at once, so that neither the stiffness of water nor its conductivity limits the step.
+///
+/// Nodes are solved with the pressure of the start, as without this effect. Then the change x of the pressure of the cells follows from
+///   (C + dt B A B' + dt L + S) x = e + inflow - dt B v - C p
+/// with the compliance C of what fills the pores, the divergence B of the points of a cell and its transpose B', the response A of the nodes to
+/// a force (drag implicit), the flow L between the middles of cells (Darcy, with the mobility of both halves of the way), and a share S of the
+/// storage that nodes do not see, eq. (7.8). Velocities take A B' x, water flows between cells by L. So the masses and the pore volume of the
+/// end fit the pressure, but for what is left over: ice that forms or thaws within the step, and rounding. That part is in e of the next step.
+template <int D> class ImplicitPressure {
+public:
+	void allocate(const Grid<D>& grid);
+	void clear(const ActiveRange& range);
+	/// What points bring to their cells; call within MaterialPoints::strips().scatter. temperature may be null.
+	void addContent(
+	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water,
+	        const SolidMotion<D>& motion, const double* temperature, int first, int last);
+	/// The divergence of each cell by its nodes, and the liquid that they share.
+	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const MaterialPoints<D>& points, const PoreContent<D>& content);
+
+	/// Means of the cells and conductances between them, when nodes are solved.
+	void beginFlow(
+	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water,
+	        double liquidDensity, double dt);
+	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
+	void drain(const Grid<D>& grid, const ActiveRange& range, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water);
+	/// Solves for the pressure, and corrects the velocities of the nodes.
+	void solve(
+	        const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water,
+	        double liquidDensity, double dt, StepLedger<D>& ledger);
+	/// What the flow between cells loses by drag.
+	void bookDissipation(const Grid<D>& grid, const ActiveRange& range, StepLedger<D>& ledger) const;
+	/// Adds what flows to the exchange of the cells.
+	void exchange(
+	        const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, double liquidDensity, const EnthalpyModel* enthalpy, StepLedger<D>& ledger);
+	/// The pressure of the cells, for their points.
+	void givePressure(const ActiveRange& range, PoreWater<D>& water) const;
+
+	/// Iterations of the last step.
+	int iterations() const { return iterations_; }
+
+private:
+	static constexpr int corners = D == 2 ? 16 : 64; ///< nodes that the points of a cell reach
+	static constexpr int inRow   = 4 * D;            ///< numbers of a row of four nodes, which follow each other in memory
+	/// Sums over the points of a cell, and means of them once the flow begins.
+	struct Cell {
+		double liquidMass, drag, excess, compliance, pressure, height, warmth, carried[D];
+		double open, opensWell; ///< sum V times the mobility of each point, of layers beside each other; and times its square
+		double layer;           ///< mobility of the way out of a layer that is open
+		double volume, mobility, fill, base, drivingExcess; ///< base: pressure from which x counts [Pa]
+		double lowest;                                      ///< cavitation pressure [Pa]
+		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
+		double out;             ///< volume that leaves through them in the step [m^D]
+		int    state;           ///< see State
+	};
+	enum State { none, wet, cavitated };
+	/// Between a cell and the next one along an axis.
+	struct Face {
+		double conductance; ///< [m^D/(Pa s)]
+		double weight;      ///< pressure by which gravity drives [Pa]
+		double moved;       ///< volume that flows in the step [m^D]
+	};
+	double*       link(int cell) { return links_.data() + std::size_t(cell) * corners * D; }
+	const double* link(int cell) const { return links_.data() + std::size_t(cell) * corners * D; }
+	int           placeOf(const Grid<D>& grid, int cell, int axis) const { return cell / grid.cellStride(axis) % grid.cells(axis); }
+	bool          hasNext(const Grid<D>& grid, const ActiveRange& range, int cell, int axis) const
+	{
+		return placeOf(grid, cell, axis) + 1 < grid.cells(axis) && cell + grid.cellStride(axis) < range.lastCell;
+	}
+	static double wayFrom(const Cell& cell, const Cell& neighbour);
+	void          findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt);
+	void          findFaces(const Grid<D>& grid, const ActiveRange& range);
+	double        carriedAt(const Grid<D>& grid, int cell, int axis) const;
+	/// Force of pressures on the nodes.
+	void forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
+	/// sum B v of a cell.
+	double divergence(int cell, const NodeField<D>& values) const;
+	void   apply(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt, const double* x, double* y);
+	double seepage(const Grid<D>& grid, int cell, const double* x) const;
+	double unseen(const Grid<D>& grid, int cell, const double* x) const;
+	double hourglass(const Grid<D>& grid, int cell, int a, int b, const double* x) const;
+	void   findResiduals(const Grid<D>& grid, const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity, double dt);
+	void   findDiagonal(const Grid<D>& grid, const ActiveRange& range, double dt);
+	/// Temperature of the water that a cell gives to the next one along an axis (step 1) or to the one before (-1): second order where it changes
+	/// evenly, and never beyond both cells [degC].
+	double givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const;
+	/// Sum over the cells in an order of its own.
+	template <class Value> double sum(const ActiveRange& range, Value&& value);
+	void                          iterate(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt);
+	bool                          changeStates(const ActiveRange& range);
+	void                          findMoved(const Grid<D>& grid, const ActiveRange& range, double dt);
+
+	PagedArray<Cell>                 cells_;
+	PagedArray<int>                  baseNodes_;
+	PagedArray<double>               links_;   ///< sum V grad S of each cell at its nodes
+	PagedArray<double>               liquids_; ///< sum m_l S of each cell at its nodes
+	std::array<PagedArray<Face>, D>  faces_;
+	std::array<int, corners>         nodeOffset_ {};
+	std::array<int, supportCount<D>> within_ {};            ///< place of a node of a point's support among the corners
+	std::array<int, D>               byStride_ {};          ///< axes, the slowest first
+	std::array<int, D>               strides_ {}, step_ {}; ///< from a node to the next one along an axis, on the grid and among the corners
+	std::array<int, corners / 4>     rowOffset_ {};
+	int                              cellsOfRow_ = 1;
+	PagedArray<double>               change_, residual_, initial_, direction_, image_, diagonal_;
+	NodeField<D>                     solid_, liquid_, force_, moved_, movedLiquid_;
+	PagedArray<double>               carried_; ///< part of the weight of a node that stress carries [-]
+	std::vector<Vec<D>>              open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
+	std::vector<int>                 exposed_; ///< cells with a face without ground behind it
+	std::vector<double>              partial_;
+	double                           unseen_     = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
+	double                           cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
+	int                              iterations_ = 0;
+};
+
+extern template class ImplicitPressure<2>;
+extern template class ImplicitPressure<3>;
+
+} // namespace talik

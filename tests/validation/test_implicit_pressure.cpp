@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Implicit pore pressure, with water as stiff as it is: Terzaghi, Skempton, tight ground, water that freezes in a sealed box.
+#include "References.hpp"
+#include "Report.hpp"
+#include "Scenes.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <random>
+
+using namespace talik;
+using namespace talik::validation;
+
+namespace {
+
+constexpr double porosity = 0.4, oedometer = 1e7, load = 1e4;
+
+void addStiffWater(GroundSettings<2>& s, double conductivity, double bulkModulus)
+{
+	s.water.emplace();
+	s.water->implicit                           = true;
+	s.water->state.liquidBulkModulus            = bulkModulus;
+	s.water->state.iceBulkModulus               = 4.0 * bulkModulus;
+	s.water->state.cavitationPressure           = -0.01 * bulkModulus; // the closed forms are linear
+	s.water->permeability.referenceConductivity = conductivity;
+}
+
+GroundSettings<2> loadedColumn(double conductivity, double bulkModulus, int cells, bool drained = true)
+{
+	const double h = 1.0 / cells;
+	auto         s = columnSettings(h, 1.0 + 2 * h);
+	standOnRollers(s);
+	s.motion.emplace();
+	s.motion->localDamping = 0.3;
+	addStiffWater(s, conductivity, bulkModulus);
+	s.skeletons.push_back(elasticOedometer(oedometer));
+	if (drained) addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
+	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), load);
+	return s;
+}
+
+/// Points moved at random by up to this part of their spacing.
+Ground<2> started(const GroundSettings<2>& s, const Vec<2>& size, double moved = 0.0)
+{
+	Ground<2>                              ground(s);
+	std::mt19937                           random(1);
+	std::uniform_real_distribution<double> by(-moved, moved);
+	fillBox(ground, { 0.0, 0.0 }, size, [&](PointInput<2>& p) {
+		p.porosity = porosity;
+		for (double& x : p.position)
+			x += by(random) * 0.5 * s.gridSpacing;
+	});
+	ground.initialise();
+	return ground;
+}
+
+std::vector<double> cellPressures(const Ground<2>& ground, int cells)
+{
+	const auto          p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1);
+	std::vector<double> values(cells, 0.0);
+	for (std::size_t k = 0; k < p.size(); ++k)
+		values[std::min(cells - 1, int(y[k] / ground.settings().gridSpacing))] = p[k];
+	return values;
+}
+
+void expectTerzaghi(double conductivity, double bulkModulus, const std::vector<double>& factors, double tolerance, double moved = 0.0)
+{
+	citing("Terzaghi, compressible water");
+	constexpr int             cells = 20;
+	const reference::Terzaghi exact { 1.0, load, oedometer, porosity / bulkModulus, conductivity / 9810.0 };
+	const auto                s      = loadedColumn(conductivity, bulkModulus, cells);
+	Ground<2>                 ground = started(s, { s.gridSpacing, 1.0 }, moved);
+	char                      name[120];
+	std::snprintf(
+	        name, sizeof name, "implicit pressure, Terzaghi, k = %.0e, K_w = %.1e%s: ", conductivity, bulkModulus, moved > 0.0 ? ", points moved" : "");
+	for (const double factor : factors) {
+		const double t = exact.timeAt(factor);
+		marchTo(ground, t);
+		const auto          found = cellPressures(ground, cells);
+		std::vector<double> off(cells);
+		double              square = 0.0, alternates = 0.0;
+		for (int k = 0; k < cells; ++k) {
+			off[k] = (found[k] - exact.pressure((k + 0.5) / cells, t)) / load;
+			square += off[k] * off[k] / cells;
+			if (k > 1) alternates = std::max(alternates, std::abs(off[k - 1] - 0.5 * (off[k] + off[k - 2])));
+		}
+		char at[40];
+		std::snprintf(at, sizeof at, ", T_v = %.2f", factor);
+		expectSmall(name + std::string("rms of the isochrone over q") + at, std::sqrt(square), tolerance);
+		expectSmall(name + std::string("alternation from cell to cell over q") + at, alternates, 5e-3);
+	}
+}
+
+} // namespace
+
+TEST(ImplicitPressure, MeetsTerzaghiWithTheBulkModulusOfWater) { expectTerzaghi(1e-3, 2.2e9, { 0.02, 0.1, 0.5 }, 1e-2); }
+
+TEST(ImplicitPressure, MeetsTerzaghiToThreeTenthsOfAPercentInTighterGround_slow)
+{
+	for (const double bulk : { 2.2e7, 2.2e9 })
+		expectTerzaghi(1e-5, bulk, { 0.02, 0.1 }, 3e-3);
+	expectTerzaghi(1e-3, 2.2e7, { 0.5 }, 1e-2); // before, the wave of the load goes to and fro in soft water
+}
+
+// the load reaches the base to 3 %: sums over points that do not lie evenly in their cells are that far from the integral
+TEST(ImplicitPressure, MeetsTerzaghiWhereverPointsLie_slow)
+{
+	expectTerzaghi(1e-3, 2.2e9, { 0.1, 0.5 }, 3.5e-2, 0.1);
+	expectTerzaghi(1e-5, 2.2e9, { 0.1 }, 3.5e-2, 0.1);
+}
+
+TEST(ImplicitPressure, UndrainedLoadIsBorneByTheWater)
+{
+	citing("Skempton 1954");
+	auto s                 = loadedColumn(1e-4, 2.2e9, 4, false);
+	s.motion->localDamping = 0.6;
+	Ground<2> ground       = started(s, { s.gridSpacing, 1.0 });
+	marchTo(ground, 0.2);
+	const auto p = valuesOf(ground, "pressure");
+	expectRelative(
+	        "implicit pressure, undrained load: B, M = 1e7", sumOf(ground, "pressure") / p.size() / load, 1.0 / (1.0 + oedometer * porosity / 2.2e9), 1e-3);
+}
+
+namespace {
+
+/// Largest pressure, and what alternates over four cells in both directions, over the load. Half of the surface is loaded.
+std::pair<double, double> underAStrip(double conductivity, double bulkModulus, long steps)
+{
+	constexpr int     n = 8;
+	constexpr double  h = 0.25;
+	GroundSettings<2> s;
+	s.lower       = { 0.0, 0.0 };
+	s.upper       = { n * h, (n + 2) * h };
+	s.gridSpacing = h;
+	s.mixture     = withoutExpansion();
+	standOnRollers(s);
+	s.motion.emplace();
+	s.motion->localDamping = 0.3;
+	addStiffWater(s, conductivity, bulkModulus);
+	s.skeletons.push_back(elasticOedometer(oedometer));
+	addBoundary<Traction<2>>(s, Region<2>::freeSurface().within({ -1.0, 0.0 }, { 0.51 * n * h, 10.0 }), load);
+	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface().within({ 0.51 * n * h, 0.0 }, { 10.0, 10.0 }));
+	Ground<2>    ground = started(s, { n * h, n * h });
+	const double dt     = ground.stableTimeStep().step;
+	for (long k = 0; k < steps; ++k)
+		ground.step(dt);
+	const auto                p = valuesOf(ground, "pressure"), x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
+	std::array<double, n * n> cells {};
+	std::pair<double, double> found { largestSize(p), 0.0 };
+	for (std::size_t k = 0; k < p.size(); ++k)
+		cells[std::clamp(int(x[k] / h), 0, n - 1) + n * std::clamp(int(y[k] / h), 0, n - 1)] = p[k];
+	for (int j = 0; j + 1 < n; ++j)
+		for (int i = 0; i + 1 < n; ++i) {
+			const double* const c = &cells[i + n * j];
+			found.second += 0.0625 * std::pow(c[0] - c[1] - c[n] + c[n + 1], 2) / ((n - 1) * (n - 1));
+		}
+	return { found.first / load, std::sqrt(found.second) / load };
+}
+
+void expectSteadyUnderAStrip(const std::vector<double>& conductivities, const std::vector<double>& moduli, long steps)
+{
+	citing("bound");
+	for (const double k : conductivities)
+		for (const double bulk : moduli) {
+			const auto [largest, alternates] = underAStrip(k, bulk, steps);
+			char name[100];
+			std::snprintf(name, sizeof name, "implicit pressure under a strip, k = %.0e, K_w = %.1e: ", k, bulk);
+			expectSmall(name + std::string("largest pressure over the load"), largest, 1.2);
+			expectSmall(name + std::string("rms over nodes of what alternates over four cells, over the load"), alternates, 5e-2);
+		}
+}
+
+} // namespace
+
+TEST(ImplicitPressure, IsBoundedAndDoesNotAlternateInTightGroundWithWaterThatDoesNotYield) { expectSteadyUnderAStrip({ 1e-16 }, { 2.2e9, 1e15 }, 1000); }
+
+TEST(ImplicitPressure, IsBoundedAndDoesNotAlternateAtAnyConductivity_slow)
+{
+	expectSteadyUnderAStrip({ 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-16 }, { 2.2e7, 2.2e9, 1e15 }, 20000);
+}
+
+namespace {
+
+GroundSettings<2> freezingBox()
+{
+	GroundSettings<2> s;
+	s.lower       = { 0.0, 0.0 };
+	s.upper       = { 1.0, 1.25 };
+	s.gridSpacing = 0.125;
+	standOnRollers(s);
+	s.motion.emplace();
+	s.motion->gravity = { 0.0, -9.81 };
+	s.heat.emplace();
+	s.heat->thermalTimeScale = 1e5;
+	s.freezing               = makeFreezingCurve();
+	addStiffWater(s, 1e-5, 2.2e9);
+	s.water->state.cavitationPressure = 0.0;
+	s.skeletons.push_back(elasticOedometer(oedometer));
+	return s;
+}
+
+void fillFreezingBox(Ground<2>& ground)
+{
+	fillBox(ground, { 0.0, 0.0 }, { 1.0, 1.0 }, [](PointInput<2>& p) {
+		p.porosity    = porosity;
+		p.temperature = p.position[0] < 0.5 ? 3.0 : -2.0;
+	});
+	ground.initialise();
+}
+
+} // namespace
+
+TEST(ImplicitPressure, WaterThatFreezesAndThawsInASealedBoxIsKept)
+{
+	citing("exact");
+	Ground<2> ground(freezingBox());
+	fillFreezingBox(ground);
+	const auto   start = ground.balance();
+	const double dt    = ground.stableTimeStep().step;
+	for (int k = 0; k < 1000; ++k)
+		ground.step(dt);
+	const auto end = ground.balance();
+	expectSmall("implicit pressure, freezing in a sealed box: drift of ice and water", (end.waterMass - start.waterMass) / start.waterMass, 1e-13);
+	expectSmall("implicit pressure, freezing in a sealed box: drift of heat", (end.enthalpy - start.enthalpy) / start.enthalpy, 1e-12);
+	expectSmall("implicit pressure, freezing in a sealed box: largest pressure [MPa]", 1e-6 * largestSize(valuesOf(ground, "pressure")), 1.0);
+}
+
+TEST(ImplicitPressure, HasTheSameBitsWithAnyThreads)
+{
+	const auto run = [](int threads) {
+		omp_set_num_threads(threads);
+		auto s         = freezingBox();
+		s.parallelFrom = 0;
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
+		Ground<2> ground(s);
+		fillFreezingBox(ground);
+		const double dt = ground.stableTimeStep().step;
+		for (int k = 0; k < 200; ++k)
+			ground.step(dt);
+		return valuesOf(ground, "pressure");
+	};
+	const auto one = run(1), two = run(2);
+	omp_set_num_threads(1);
+	double differing = 0.0;
+	for (std::size_t k = 0; k < one.size(); ++k)
+		differing += one[k] != two[k];
+	citing("exact");
+	expectSmall("implicit pressure with one and two threads: points that differ", differing, 0.0);
+}
