@@ -95,6 +95,12 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<ThawedCompression<D>>   compression; ///< only with thawStrain
 	EffectPart<Calendar<D>>            calendar;    ///< whose scale follows the motion
 
+	/// Sums over the points of a cell, for bBarWeight: volume times place, mass, volume times stress along gravity.
+	struct CellWeight {
+		double place[D], mass, along;
+	};
+	PagedArray<CellWeight> cellWeights;
+
 	/// A boundary that gives by the state of its nodes, and those of its volume.
 	struct LookingBoundary {
 		int                    index;
@@ -142,12 +148,18 @@ template <int D> struct Ground<D>::Parts {
 	bool contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
-	void   declareFields();
-	void   placePoints();
-	void   bindEffects();
-	void   listReadArrays();
-	void   fillPoints();
-	void   beginSkeletons();
+	void declareFields();
+	void placePoints();
+	void bindEffects();
+	void listReadArrays();
+	void fillPoints();
+	void beginSkeletons();
+	/// Changes the stress of the points by as little as it takes for the ground to rest.
+	void   balanceStart();
+	void   requireBalancedStress(const std::vector<double>& vertical) const;
+	void   findForcesAtRest();
+	void   findStrains(const NodeField<D>& displacement, std::array<std::vector<double>, stressSize<D>>& strain);
+	void   findReactions(const std::array<std::vector<double>, stressSize<D>>& stress, NodeField<D>& force);
 	double initialMass() const;
 	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
 	void   shareRecords();
@@ -287,6 +299,8 @@ template <int D> struct Ground<D>::Parts {
 	void   locateInCells();
 	double averagedStress(int p) const;
 	void   addStress(int first, int last);
+	void   addCellWeights(int first, int last);
+	double stressOfWeight(int p, double mean) const;
 	void   findKeptFractions();
 	void   openStep(double dt);
 	bool   heatMayRest();

@@ -846,6 +846,8 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 
 template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
 template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
+template void                                        Ground<2>::Parts::collectSurfaces();
+template void                                        Ground<3>::Parts::collectSurfaces();
 template void                                        Ground<2>::Parts::useScale();
 template void                                        Ground<2>::Parts::forgetShownNodes();
 template int                                         Ground<2>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;

@@ -34,7 +34,7 @@ namespace {
 		talik::MotionSettings<D> m;
 		m.gravity  = engine.gravity.in<D>("MpmEngine.gravity");
 		m.transfer = talik::velocityTransferFromName(engine.transfer);
-		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar))
+		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar)(bBarWeight)(balanceStart))
 		m.localDamping = engine.damping;
 		return m;
 	}

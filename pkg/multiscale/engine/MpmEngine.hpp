@@ -186,6 +186,12 @@ public:
 				"exp(-dt/picTime) of it is kept. 0: nothing (PIC; apic and tpic as published), inf: all of it (FLIP). NaN: with transfer='flip' sqrt(h/g), in which a "
 				"body falls by half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
 		((bool,bBar,true,,"B-bar: mean of div v over each cell and, transposed, of the mean stress. False: nearly incompressible ground locks."))
+		((bool,bBarWeight,false,,"B-bar leaves the mean stress of a cell the gradient that the weight of the ground gives it. Without it the rows of a cell at "
+				"the surface carry up to half a row too little and too much, and weak ground drifts there by millimetres. Ground whose stress does not come "
+				"from its weight is hardly changed."))
+		((bool,balanceStart,false,,"At the start the stress of points, as layers.fill gives it, changes by the least with which the ground rests, as it is made "
+				"of points and nodes. The stress of a continuum is off by some per cent of the weight near surfaces. For laws, not samples; needs ground that "
+				"boundaries hold."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or "
 				"linear (debugging only)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))

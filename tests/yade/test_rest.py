@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""MpmEngine(balanceStart=True): ground of a law rests from its first step on."""
+
+import numpy as np
+import pytest
+from yade import O, wrapper
+
+import talik
+from talik.geometry import rectangle
+
+sand = {"sand": dict(polygon=rectangle(0, 0, 1, 2), porosity=0.4)}
+
+
+def ground(sides=("left", "right", "bottom"), **settings):
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(1, 3),
+		gravity=(0, -9.81),
+		skeleton=wrapper.MohrCoulombSkeleton(young=1e7, cohesion=1e3),
+		poreFill=0,
+		boundaries=[wrapper.RollerBoundary(region=side) for side in sides],
+		**settings,
+	)
+	talik.layers.fill(mpm, sand, lateralRatio=0.5)
+	O.reset()
+	O.engines = [mpm]
+	return mpm
+
+
+def moved(mpm):
+	"""Largest change of the vertical stress in 300 steps over the weight of the ground."""
+	mpm.initialise()
+	before = mpm.field("stress")[:, 1]
+	O.run(300, True)
+	return np.abs(mpm.field("stress")[:, 1] - before).max() / (2 * 9.81 * 0.6 * 2650)
+
+
+@pytest.mark.parametrize("weight", [False, True])
+def test_layers_of_a_law_with_a_balanced_start_rest(weight):
+	change = {balanced: moved(ground(balanceStart=balanced, bBarWeight=weight)) for balanced in (False, True)}
+	print("change of stress over the weight:", change, "reference: 0, tolerance: 1e-6 where it is balanced")
+	assert change[True] < 1e-6 < 1e-3 < change[False]
+
+
+def test_ground_that_nothing_holds_cannot_be_balanced():
+	with pytest.raises((ValueError, RuntimeError), match="there is no stress in which this ground rests"):
+		ground(sides=("left",), balanceStart=True).initialise()
