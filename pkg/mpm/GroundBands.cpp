@@ -24,6 +24,7 @@ template <int D> bool Ground<D>::inBands() const { return parts_->bands != nullp
 template <int D> std::string Ground<D>::Parts::refusalOfBands() const
 {
 	const int strips = points->strips().count(), least = Bands::leastStrips;
+	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'samples', or leave it out.";
 	if (implicit) return "the implicit pressure of its water is one system for the whole ground: choose 'samples', or the explicit pressure.";
 	if (strips < least * talk->count())
 		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells, and each of "

@@ -108,6 +108,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	const bool average = averaging();
 	if (water) water->clearCells(around.firstCell, around.lastCell);
 	if (implicit) implicit->clear(around);
+	if (!cellWeights.empty()) std::fill(cellWeights.begin() + around.firstCell, cellWeights.begin() + around.lastCell, CellWeight {});
 	points->strips().scatter(
 	        [&](int, int first, int last) {
 		        cells->locate(grid, *points, first, last);

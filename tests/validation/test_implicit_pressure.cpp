@@ -249,3 +249,71 @@ TEST(ImplicitPressure, HasTheSameBitsWithAnyThreads)
 	citing("exact");
 	expectSmall("implicit pressure with one and two threads: points that differ", differing, 0.0);
 }
+
+namespace {
+
+/// Largest change of pressure and of vertical effective stress in so many steps, over the pressure at the base of a column of 20 cells.
+std::pair<double, double> changeAtRest(bool saturated, double moved, long steps)
+{
+	constexpr int    cells = 20;
+	constexpr double h = 0.25, height = cells * h, g = 9.81;
+	const double     weight = ((1.0 - porosity) * 2650.0 - (saturated ? 1.0 - porosity : 0.0) * 1000.0) * g;
+	auto             s      = columnSettings(h, height + 2 * h);
+	s.upper[0]              = 2 * h;
+	standOnRollers(s);
+	s.motion.emplace();
+	s.motion->gravity      = { 0.0, -g };
+	s.motion->balanceStart = true;
+	s.poreFill             = saturated ? s.poreFill : 0.0;
+	if (saturated) {
+		addStiffWater(s, 1e-4, 2.2e9);
+		s.water->state.cavitationPressure = 0.0;
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
+	}
+	s.skeletons.push_back(elasticOedometer(oedometer));
+	Ground<2>                              ground(s);
+	std::mt19937                           random(1);
+	std::uniform_real_distribution<double> by(-moved, moved);
+	fillBox(ground, { 0.0, 0.0 }, { 2 * h, height }, [&](PointInput<2>& p) {
+		p.porosity  = porosity;
+		p.stress[1] = -weight * (height - p.position[1]);
+		p.stress[0] = 0.5 * p.stress[1];
+		p.pressure  = saturated ? 1000.0 * g * (height - (std::floor(p.position[1] / h) + 0.5) * h) : 0.0;
+		for (double& x : p.position)
+			x += by(random) * 0.5 * h;
+	});
+	ground.initialise();
+	const auto   stress   = valuesOf(ground, "stress", 1);
+	const auto   pressure = saturated ? valuesOf(ground, "pressure") : stress;
+	const double dt       = ground.stableTimeStep().step;
+	for (long k = 0; k < steps; ++k)
+		ground.step(dt);
+	const auto                stressNow = valuesOf(ground, "stress", 1), pressureNow = saturated ? valuesOf(ground, "pressure") : stressNow;
+	const double              scale = (saturated ? 1000.0 : (1.0 - porosity) * 2650.0) * g * height;
+	std::pair<double, double> change;
+	for (std::size_t p = 0; p < stress.size(); ++p) {
+		change.first  = std::max(change.first, std::abs(pressureNow[p] - pressure[p]) / scale);
+		change.second = std::max(change.second, std::abs(stressNow[p] - stress[p]) / scale);
+	}
+	return change;
+}
+
+} // namespace
+
+TEST(Rest, BalancedDryGroundRestsToRoundOffWhereverItsPointsLie)
+{
+	citing("exact");
+	for (const double moved : { 0.0, 0.1 })
+		expectSmall(
+		        "balanced start, dry, points moved by " + std::to_string(moved).substr(0, 3) + ": change of stress in 2000 steps over rho g H",
+		        changeAtRest(false, moved, 2000).second, 1e-10);
+}
+
+TEST(Rest, BalancedSaturatedGroundKeepsItsPressure)
+{
+	citing("exact");
+	for (const double moved : { 0.0, 0.1 })
+		expectSmall(
+		        "balanced start, saturated, points moved by " + std::to_string(moved).substr(0, 3) + ": change of pressure in 1000 steps over rho g H",
+		        changeAtRest(true, moved, 1000).first, moved > 0.0 ? 2e-3 : 1e-4);
+}

@@ -71,6 +71,11 @@ public:
 	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& solid, NodeField<D>& liquid) const;
 	/// Forces behind walls are folded into the nodes in front of them.
 	void foldForces(const ActiveRange& range, NodeField<D>& force) const;
+	/// Zero where walls hold the solid, and at the ghosts behind them.
+	void holdWalls(const ActiveRange& range, NodeField<D>& values) const;
+	void clearGhosts(const ActiveRange& range, NodeField<D>& values) const;
+	/// As if addLoad() had not been called.
+	void forgetLoads() { loads_.clear(); }
 	/// The transpose of folding, for velocities.
 	void unfoldChanges(const ActiveRange& range, NodeField<D>& change) const;
 	/// Adds what more force, before folding, changes of the solved velocities of solid and liquid (before unfolding), and books what walls hold of it.
