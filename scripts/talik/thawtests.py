@@ -254,7 +254,7 @@ def report(tests, told=print):
 		overburden = [rootMeanSquare([one.underOverburden for one in some]) if some else math.nan for some in (held, dense)]
 		classical = [nixonLadanyi(one.test.density) - one.test.at(one.test.overburden) for one in dense]
 		numbers = [steps, *overburden, rootMeanSquare(classical) if classical else math.nan]
-		cells = [f"{100 * number:.2f} %" for number in numbers] + [f"{bestOfPaper[group]:.2f} %" if group in bestOfPaper else ""]
+		cells = ["" if math.isnan(number) else f"{100 * number:.2f} %" for number in numbers] + [f"{bestOfPaper[group]:.2f} %" if group in bestOfPaper else ""]
 		told(f"| {group} | {len(held)} | {len({test.borehole for test in ofGroup})} | " + " | ".join(cells) + " |")
 	told("\nRoot mean square difference of strain on tests of boreholes that were not used to fit. Fitted to all of them, strain [%]:\n")
 	for one in fits:
