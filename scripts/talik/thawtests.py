@@ -149,6 +149,7 @@ class Fitted:
 	perDecade: float
 
 	def strain(self, index, stress):
+		"""At an index and a stress, or an array of stresses [Pa]."""
 		return self.constant + self.ofIndex * index + self.perDecade * np.log10(np.asarray(stress) / 1e3)
 
 
@@ -192,13 +193,14 @@ class HeldOut:
 	"""A test and what was predicted for it by tests of other boreholes; strains [-].
 
 	>>> test = talik.thawtests.ThawTest("A", "hole", "fine", 2.0, 1500.0, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), np.array([0.2, 0.3, 0.4]))
-	>>> talik.thawtests.HeldOut(test, talik.thawtests.Fitted("fine", 0.2, 0, 0.1)).ofSteps
+	>>> round(talik.thawtests.HeldOut(test, talik.thawtests.Fitted("fine", 0.2, 0, 0.1)).ofSteps, 9)
 	0.0"""
 
 	test: ThawTest
 	fitted: Fitted
 
 	def predicted(self, stress):
+		"""Strain of the soil of the test at a stress, or an array of them [Pa]."""
 		return self.fitted.strain(indexOf(self.test.group, self.test.density, self.test.waterContent), stress)
 
 	@property
@@ -221,7 +223,14 @@ class HeldOut:
 def crossValidate(tests):
 	"""Predicts the tests of each borehole by those of all others of the group: [HeldOut] in the order of tests.
 
-	ValueError if a group has tests of one borehole only."""
+	ValueError if a group has tests of one borehole only.
+
+	>>> def test(hole, density):
+	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
+	...     return talik.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	>>> tests = [test(hole, 1300.0 + 50 * k) for k, hole in enumerate("abcabc")]
+	>>> abs(round(talik.thawtests.crossValidate(tests)[0].underOverburden, 9))
+	0.0"""
 	held = []
 	for test in tests:
 		others = [other for other in tests if other.group == test.group and other.borehole != test.borehole]
@@ -232,11 +241,22 @@ def crossValidate(tests):
 
 
 def rootMeanSquare(values):
+	"""Of an array.
+
+	>>> talik.thawtests.rootMeanSquare([3.0, 4.0, 5.0, 0.0, 0.0, 0.0])
+	2.886751345948129"""
 	return math.sqrt(float(np.mean(np.square(values))))
 
 
 def report(tests, told=print):
-	"""Fits and cross-validates each group, tells the table line by line and returns {group: [HeldOut]}."""
+	"""Fits and cross-validates each group, tells the table line by line and returns {group: [HeldOut]}.
+
+	>>> def test(hole, density):
+	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
+	...     return talik.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	>>> tests = [test(hole, 1300.0 + 50 * k) for k, hole in enumerate("abcabc")]
+	>>> len(talik.thawtests.report(tests, told=lambda line: None)["fine"])
+	6"""
 	found = {}
 	told(
 		"| soil | tests | boreholes | at the load steps | under the overburden | the same from 1150 kg/m³ on | Nixon & Ladanyi there | best method of the paper |"
@@ -254,7 +274,7 @@ def report(tests, told=print):
 		overburden = [rootMeanSquare([one.underOverburden for one in some]) if some else math.nan for some in (held, dense)]
 		classical = [nixonLadanyi(one.test.density) - one.test.at(one.test.overburden) for one in dense]
 		numbers = [steps, *overburden, rootMeanSquare(classical) if classical else math.nan]
-		cells = [f"{100 * number:.2f} %" for number in numbers] + [f"{bestOfPaper[group]:.2f} %" if group in bestOfPaper else ""]
+		cells = ["" if math.isnan(number) else f"{100 * number:.2f} %" for number in numbers] + [f"{bestOfPaper[group]:.2f} %" if group in bestOfPaper else ""]
 		told(f"| {group} | {len(held)} | {len({test.borehole for test in ofGroup})} | " + " | ".join(cells) + " |")
 	told("\nRoot mean square difference of strain on tests of boreholes that were not used to fit. Fitted to all of them, strain [%]:\n")
 	for one in fits:
@@ -268,7 +288,15 @@ def report(tests, told=print):
 
 
 def draw(found):
-	"""Prediction against test at the load steps, a panel for each group of a report: matplotlib figure."""
+	"""Prediction against test at the load steps, a panel for each group of a report: matplotlib figure.
+
+	found  {group: [HeldOut]}, of report
+
+	>>> def test(hole, density):
+	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
+	...     return talik.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	>>> tests = [test(hole, 1300.0 + 50 * k) for k, hole in enumerate("abcabc")]
+	>>> figure = talik.thawtests.draw(talik.thawtests.report(tests, told=lambda line: None))"""
 	figure = plots.figure(3.4 * len(found), 3.6)
 	panels = np.atleast_1d(figure.subplots(1, len(found)))
 	for axes, (group, held) in zip(panels, found.items()):

@@ -188,9 +188,15 @@ template <int Dim> void expectSameWhateverHappens(const std::shared_ptr<SampleDe
 		                 : r < 24         ? 0
 		                 : r < 32         ? from * (r - 23) / 8.
 		                                  : from;
-		        return Round { r % 4 ? 5e-4 : 0., 1e-4 * std::sin(r), ice };
+		        return Round { r % 4 ? 5e-4 : 0., r % 4 ? 1e-4 * std::sin(r) : 0., ice };
 	        },
 	        "thawing and refreezing", 13, 20);
+	expectSameRun<Dim>(
+	        ofIce, 24, device,
+	        [](int r, int s) {
+		        return Round { r % 5 ? 3e-4 : 0., r % 5 ? 1e-4 * std::sin(r) : 0., (s ? 0.2 : 0.1) + 0.008 * std::sin(r) };
+	        },
+	        "ice that comes and goes a little", 7, 40);
 	expectSameRun<Dim>(
 	        ofIce, 24, device,
 	        [](int r, int s) {
@@ -280,7 +286,7 @@ TEST(SampleDevice, cardThatIsAbsentTooOldOrHiddenIsRefusedByASentenceWithARemedy
 TEST(SampleDevice, cardThatFailsAtAnyCallOfItsDriverLeavesTheRunItsBits)
 {
 	const std::vector<PackedState<2>> starts { frozen<2>(0.1), thawed<2>(), frozen<2>(0.2) };
-	const auto                        of = [](int r, int s) { return Round { 1e-3, 3e-4 * std::sin(r), s == 1 ? 0. : s ? 0.2 : 0.1 }; };
+	const auto of = [](int r, int s) { return Round { 1e-3, 3e-4 * std::sin(r), s == 1 ? 0. : s ? 0.2 - 0.01 * (r % 4) : 0.1 + 0.01 * (r % 3) }; };
 	expectSameRun<2>(starts, 12, stub(""), of, "driver that works", 5, 20);
 	for (const char* function : { "cuMemGetInfo_v2", "cuMemAlloc_v2", "cuMemcpyHtoD_v2", "cuLaunchKernel", "cuCtxSynchronize", "cuMemcpyDtoH_v2" })
 		for (const int at : { 1, 2, 5, 16 }) {

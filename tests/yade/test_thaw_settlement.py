@@ -2,11 +2,18 @@
 """Settlement of soils on thaw: by what is known of them, with its spread, and against tests in files."""
 
 import math
+import os
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
+from yade import O
 
+import talik
 from talik import soils, thawtests
+
+here = Path(__file__).parents[2]
 
 
 def dataset(folder, scatter=0.0, boreholes=6, perHole=5, seed=1, fault=None):
@@ -74,6 +81,16 @@ def test_files_without_a_column_or_a_test_are_refused(tmp_path):
 		thawtests.crossValidate(one)
 
 
+def test_the_command_writes_table_and_picture(tmp_path):
+	files = ",".join(str(path) for path in dataset(tmp_path, scatter=0.02))
+	script = here / "scripts" / "talik" / "calibrate.py"
+	command = [os.environ.get("YADE", "yade"), "-n", "-x", str(script), "--output", str(tmp_path / "out"), "--settlement", files]
+	done = subprocess.run(command, capture_output=True, text=True, timeout=200)
+	assert done.returncode == 0, done.stdout + done.stderr
+	assert "| fine | 30 | 6 |" in (tmp_path / "out" / "settlement.md").read_text()
+	assert (tmp_path / "out" / "settlement.png").stat().st_size > 5000
+
+
 # The paper of the dataset (Table 4) has the deciles, which were not used for these numbers
 @pytest.mark.parametrize("group, iceRich, low, high", [("coarse", True, 0.131, 0.502), ("fine", True, 0.139, 0.522), ("peat", True, 0.334, 0.585)])
 def test_soils_known_in_words_alone_spread_as_the_deciles_of_the_data_paper(group, iceRich, low, high):
@@ -112,3 +129,50 @@ def test_density_follows_from_the_water_content_and_back_where_ice_fills_the_por
 def test_a_description_that_fits_no_tests_is_refused(wrong, words):
 	with pytest.raises(ValueError, match=words):
 		soils.thaw(**wrong)
+
+
+def column(material, porosity, stiff=1e7):
+	mpm = MpmEngine(  # noqa: F821: published by talik
+		gridSpacing=0.1,
+		lower=(0, 0),
+		upper=(0.1, 0.6),
+		gravity=(0, -9.81),
+		damping=0.3,
+		heat=HeatTransfer(thermalTimeScale=5e6),  # noqa: F821
+		freezing=FreezingCurve(),  # noqa: F821
+		materials=[GroundMaterial(solidConductivity=2, **material)],  # noqa: F821
+		skeleton=ElasticSkeleton(young=stiff),  # noqa: F821
+		boundaries=[RollerBoundary(region=side) for side in ("left", "right", "bottom")]  # noqa: F821
+		+ [SurfaceTemperature(region="surface", temperature=8), SurfaceLoad(region="surface", pressure=20e3)],  # noqa: F821
+	)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.1, 0.4), porosity=porosity, temperature=-1)
+	return mpm
+
+
+def test_ground_of_a_soil_settles_by_its_curve():
+	soil = soils.thaw("fine", frozenDensity=1600, waterContent=0.5)
+	mpm = column(soil.material(), soil.porosity)
+	O.engines = [mpm]
+	O.step()
+	while mpm.field("iceSaturation").max() > 0:
+		talik.runUntilDay(mpm, mpm.calendar["day"] + 20)
+	talik.runSerially(1000)
+	strain = 1 - mpm.field("volume").sum() / 0.04
+	wanted = np.mean([soil.strain(20e3 + 1600 * 9.81 * depth) for depth in np.linspace(0, 0.4, 101)])
+	print(f"strain {strain:.4f}, of the soil under the weight above {wanted:.4f}, tolerance 4 %; {mpm.field('thawedCompression').mean():.3f} beyond the law")
+	assert strain == pytest.approx(wanted, rel=0.04)
+
+
+@pytest.mark.parametrize(
+	"material, words",
+	[
+		(dict(compressibility=1e-8), "alone strains by .* per Pa when it is thawed"),
+		(dict(compressibility=0.05), "GroundMaterial.compressibility = 0.05: must lie between 0 and 1e-3"),
+		(dict(compressionIndex=0.2, compressibility=1e-6), "leave one of them 0"),
+		(dict(compressionIndex=0.2, referenceStress=0), "GroundMaterial.referenceStress = 0: must be positive"),
+	],
+)
+def test_materials_that_cannot_be_are_refused_with_a_remedy(material, words):
+	O.engines = [column(material, 0.6)]
+	with pytest.raises((ValueError, RuntimeError), match=words):
+		O.step()

@@ -57,8 +57,10 @@ struct SampleCall {
 	double        norm, strainRate; ///< of the velocity gradient [1/s]
 	double        dt, damping, friction, bondFriction, stiffnessRatio;
 	double        iceRatio, tensileStrength, shearStrength, thickness;
+	double        formerIceRatio;                                                  ///< before the steps, where the ice changes
 	double        skin, travel, stretch, largestRadius, smallestRadius;            ///< see PackedListUse
 	std::int32_t  grains, pairs, inside, images, moving, resting, thawed, tangent; ///< images >= 1: the first one moves the cell
+	std::int32_t  changesIce; ///< bonds follow the ice from formerIceRatio to iceRatio before the steps
 };
 
 /// What came of it.

@@ -61,7 +61,7 @@ template <int Dim> std::string SampleImage<Dim>::reasonAgainst() const
 	if (workspace.bondsCarryMoments) return "bonds that carry moments";
 	if (!fuses(workspace.path()))
 		return "the vectors of this processor, " + std::string(workspace.path()) + ", which round otherwise (AVX2 or later is needed)";
-	if (workspace.grainCount >= std::size_t(PairCode::mostGrains)) return "more than 4095 grains";
+	if (workspace.grainCount >= std::size_t(PairCode::mostGrains)) return "more than 1000 grains, or 2560 pairs of neighbours";
 	if (workspace.shiftOrder.size() > std::size_t(mostImages)) return "thin cells";
 	const PlaceLayout l       = layout();
 	const auto&       kernels = sampleKernels();
@@ -174,7 +174,9 @@ void SampleImage<Dim>::take(
 	const Out rows(l, bytes.data());
 	auto&     view = workspace.view;
 	workspace.adoptParameters(parameters);
-	workspace.use = use;
+	workspace.use      = use;
+	workspace.iceRatio = parameters.ice.iceStiffnessRatio(parameters.iceSaturation); // it may have changed there
+	workspace.setStrengths();
 	for (std::size_t g = 0; g < workspace.grainCount; ++g) {
 		for (int d = 0; d < Dim; ++d) {
 			view.position(g)[d] = rows.motion(d, g);

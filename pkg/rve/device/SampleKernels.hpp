@@ -205,6 +205,12 @@ namespace N_ONE {
 				c *= f;
 			return *this;
 		}
+		TALIK_CARD PlainVector& operator-=(const PlainVector& other)
+		{
+			for (int d = 0; d < 3; ++d)
+				v[d] -= other.v[d];
+			return *this;
+		}
 		TALIK_CARD PlainVector& operator+=(const PlainVector& other)
 		{
 			for (int d = 0; d < 3; ++d)
@@ -251,6 +257,20 @@ namespace N_ONE {
 		f.normal   = { forces.normal };
 		f.shear    = shearOf(forces.shear);
 		f.iceShear = shearOf(forces.iceShear);
+	}
+
+	/// A bond at an overlap whose ice has changed, as PackedWorkspace::setIceSaturation changes it: neither new nor melted.
+	template <int Dim, class PlainShear>
+	TALIK_CARD __attribute__((noinline)) void changeIce(
+	        const SampleCall& call, const Place<Dim, true>& place, int p, double overlap, PlainShear& shear, PlainShear& iceShear)
+	{
+		IceBond          bond = place.iceBond(p);
+		ContactStiffness k = place.contactStiffness(call, p), former = k;
+		former.iceRatio = call.formerIceRatio;
+		if (bond.hasIceSpring()) bond.changeStiffness(former, k, overlap, shear, iceShear);
+		else clearShear(iceShear);
+		place.setBond(p, bond);
+		place.setResponse(p, bond.response(k, place.strength(call, p)));
 	}
 
 	/// What the law needs of a pair, kept by its thread.
@@ -359,6 +379,7 @@ namespace N_ONE {
 				fixed.brokenInTension = fixed.brokenInShear = fixed.bonds = fixed.unsound = 0;
 			});
 
+			if (Bonded && call.changesIce) together<Threads>([&](int t) TALIK_INLINED { kernel.changeIceOf(t, s, place, call); });
 			ListUse use { call.travel, call.stretch };
 			int     step = 0;
 			for (; step < total && !use.exhausted(call); ++step) {
@@ -442,6 +463,13 @@ namespace N_ONE {
 					sum -= fixed.imageForce[k][t / Dim] * fixed.image[k].place[t % Dim];
 				answer.forces[t] = sum;
 			});
+		}
+
+		/// Overlap of a pair as PackedWorkspace::geometry() has it.
+		HWY_INLINE static double overlapOf(const Shared<Dim>& s, const At& place, int p)
+		{
+			double branch[Dim];
+			return place.pair(At::sumRadius, p) - __builtin_sqrt(branchOf(s, place, p, branch));
 		}
 
 		/// Branch of a pair and its square, as pairBranch() of the packed samples has it.
@@ -560,6 +588,22 @@ namespace N_ONE {
 				if (Bonded) ice(t, k) = { place.pair(At::iceShear, p) };
 				index(t, k)     = place.index(p);
 				constants(t, k) = constantsOf<2, Bonded>(place, p);
+			}
+		}
+
+		HWY_INLINE void changeIceOf(int t, const Shared<2>& s, const At& place, const SampleCall& call)
+		{
+			TALIK_UNROLL for (int k = 0; k < PairsEach; ++k)
+			{
+				const int p = k * Threads + t;
+				if (p >= call.pairs) continue;
+				if constexpr (Bonded) {
+					auto ofAll = plainShear(shear(t, k)), ofIce = plainShear(ice(t, k));
+					changeIce<2>(call, place, p, Run<DiscsOf>::overlapOf(s, place, p), ofAll, ofIce);
+					shear(t, k)     = shearOf(ofAll);
+					ice(t, k)       = shearOf(ofIce);
+					constants(t, k) = constantsOf<2, true>(place, p);
+				}
 			}
 		}
 
@@ -764,6 +808,22 @@ namespace N_ONE {
 				index(t, k)          = place.index(p);
 				constants(t, k)      = constantsOf<3, Bonded>(place, p);
 				halfDifference(t, k) = { place.pair(At::halfDifference, p) };
+			}
+		}
+
+		HWY_INLINE void changeIceOf(int t, const Shared<3>& s, const At& place, const SampleCall& call)
+		{
+			TALIK_UNROLL for (int k = 0; k < PairsEach; ++k)
+			{
+				const int p = k * Threads + t;
+				if (p >= call.pairs) continue;
+				if constexpr (Bonded) {
+					auto ofAll = plainShear(shear(t, k)), ofIce = plainShear(ice(t, k));
+					changeIce<3>(call, place, p, Run<SpheresOf>::overlapOf(s, place, p), ofAll, ofIce);
+					shear(t, k)     = shearOf(ofAll);
+					ice(t, k)       = shearOf(ofIce);
+					constants(t, k) = constantsOf<3, true>(place, p);
+				}
 			}
 		}
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/rve/device/DeviceMemory.hpp>
@@ -87,12 +88,20 @@ template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::co
 	PackedState<Dim> state;
 	load<Dim>(workspace, *base, state);
 	for (const Update& update : since)
-		updateWorkspace<Dim>(workspace, state, update.displacementGradient, state.iceSaturation, update.options);
+		updateWorkspace<Dim>(workspace, state, update.displacementGradient, update.iceSaturation, update.options);
 	if (!since.empty()) base = compactOf<Dim>(workspace);
 	since.clear();
 	now     = base->withoutArrays();
 	spoiled = true; // its place holds what nobody knows
 	return base;
+}
+
+template <int Dim> double SampleOnDevice<Dim>::longestTimeStep() const
+{
+	thread_local std::vector<double> radii; // its memory is kept
+	radii.resize(grains->size());
+	std::transform(grains->radius.begin(), grains->radius.end(), radii.begin(), [this](double r) { return r * now.radiusFactor; });
+	return talik::longestTimeStep<Dim>(now, *grains, { radii.data(), common.largestRadius, common.smallestRadius }, 1);
 }
 
 template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::home()
@@ -163,11 +172,53 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	away.use                  = image.listUse();
 	away.layout               = image.layout();
 	away.common               = image.call();
-	away.longestTimeStep      = workspace.longestTimeStep(1);
+	away.grains               = worker.state.grains;
 	away.meanRadius           = workspace.meanRadius();
 	task.isNew                = true;
-	if (!planMotion(task)) return false;
+	if (!planCall(task)) return false;
 	image.write(away.layout, task.bytes);
+	return true;
+}
+
+namespace {
+	bool listsLast(const SampleCall& call) { return call.travel + (call.largestRadius + call.skin) * call.stretch * 1.01 < call.skin; }
+} // namespace
+
+template <int Dim> bool SamplesOnDevice<Dim>::planCall(Task& task)
+{
+	const bool ice = task.request->iceSaturation != task.away->now.iceSaturation, moves = !task.request->displacementGradient.isZero(0);
+	if (!(ice ? planIce(task) : planMotion(task)) || !listsLast(task.call)) return false;
+	task.stepBefore = task.away->now.step;
+	task.stage      = ice && moves ? Task::ice : Task::begun;
+	return true;
+}
+
+/// A change in one part that neither forms nor melts bonds, nor shrinks grains: bonds follow the ice, and steps at rest come after.
+template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
+{
+	const SampleOnDevice<Dim>&   away   = *task.away;
+	const PackedParameters<Dim>& now    = away.now;
+	const IceBondModel&          ice    = now.ice;
+	const double                 target = task.request->iceSaturation, from = now.iceSaturation;
+	if (std::ceil(std::fabs(target - from) / task.options.saturationIncrement - 1e-9) != 1 || task.options.stepsPerSaturation < 1) return false;
+	if (ice.formsBonds(from, target) || now.thawStrain.thawStrain != 0) return false;
+	if (away.layout.bonded && (ice.melted(from) || ice.melted(target))) return false;
+	SampleCall& call     = task.call;
+	call                 = away.common;
+	call.place           = away.place;
+	call.formerIceRatio  = call.iceRatio;
+	call.iceRatio        = ice.iceStiffnessRatio(target);
+	call.tensileStrength = ice.tensileStrength(target);
+	call.shearStrength   = ice.shearStrength(target);
+	call.thawed          = ice.melted(target);
+	call.changesIce      = 1;
+	copyMatrix<Dim>(now.hSize, call.hSize);
+	copyMatrix<Dim>(now.trsf, call.trsf);
+	call.dt      = now.dt;
+	call.travel  = away.use.travel;
+	call.stretch = away.use.stretch;
+	call.resting = std::int32_t(task.options.stepsPerSaturation);
+	call.tangent = task.options.tangent && task.request->displacementGradient.isZero(0);
 	return true;
 }
 
@@ -178,7 +229,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	const auto&                       h        = task.request->displacementGradient;
 	const double                      rest     = away.now.dt;
 	PackedUpdateOptions               ofMotion = task.options;
-	const double                      dt       = ofMotion.timeStepFollowsIce ? timeStepOfMotion(rest, away.longestTimeStep) : rest;
+	const double                      dt       = ofMotion.timeStepFollowsIce ? timeStepOfMotion(rest, away.longestTimeStep()) : rest;
 	typename PackedTypes<Dim>::Matrix rate;
 	long                              moving;
 	ofMotion.maxStrainPerStep *= dt / rest;
@@ -202,36 +253,35 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	call.moving     = std::int32_t(moving);
 	call.resting    = std::int32_t(stepsToRest(rest, dt));
 	call.tangent    = task.options.tangent;
-	task.stepBefore = away.now.step;
-	return call.travel + (call.largestRadius + call.skin) * call.stretch * 1.01 < call.skin;
+	return true;
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::plan(Task& task, Worker& worker)
 {
 	const PackedParameters<Dim>& now = task.away ? task.away->now : task.home->withoutArrays();
 	task.refusal                     = reasonAgainst(*task.request, task.options);
-	if (!task.refusal.empty() || task.request->compareRates || task.request->displacementGradient.isZero(0)) return;
-	if (task.request->iceSaturation != now.iceSaturation) return;
+	if (!task.refusal.empty() || task.request->compareRates) return;
+	if (task.request->displacementGradient.isZero(0) && task.request->iceSaturation == now.iceSaturation) return;
 	if (!now.velGrad.isZero(0) || !now.prevVelGrad.isZero(0) || !now.nextVelGrad.isZero(0)) return;
 	const bool stays = task.away && task.mayChange && task.away->place && !task.away->spoiled;
 	if (task.away && !stays) return; // it comes home first, and may leave again with the next update
-	if (stays ? planMotion(task) : makeAway(task, worker)) task.stage = Task::begun;
-	else if (task.isNew) task.away.reset();
+	if (stays ? planCall(task) : makeAway(task, worker)) return;
+	if (task.isNew) task.away.reset();
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
 {
 	std::map<std::size_t, std::size_t> wanted; // by size
 	for (const Task& task : tasks)
-		if (task.stage == Task::begun && task.isNew) ++wanted[DeviceMemory::sizeOf(task.away->layout)];
+		if (task.underWay() && task.isNew) ++wanted[DeviceMemory::sizeOf(task.away->layout)];
 	for (const auto& [size, number] : wanted)
 		memory->reserve(size, number);
 	std::size_t without = 0, each = 0;
 	for (Task& task : tasks) {
-		if (task.stage != Task::begun || !task.isNew) continue;
+		if (!task.underWay() || !task.isNew) continue;
 		SampleOnDevice<Dim>& away = *task.away;
 		if (memory->device().memoryOfBlock() < memoryOfBlock(away.layout)) {
-			task.refusal = "samples so large that a block of this card has too little memory of its own for them";
+			task.refusal = "more grains than a block of this card has memory for";
 		} else if (const auto place = memory->take(away.layout)) {
 			away.place = task.call.place = place;
 			memory->device().copyIn(place, task.bytes.data(), task.bytes.size());
@@ -251,11 +301,12 @@ template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
 	toldOfMemory |= without > 0;
 }
 
-template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks)
+template <int Dim> template <class Which> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, Which which)
 {
+	launches.clear();
 	for (std::size_t t = 0; t < tasks.size(); ++t) {
 		Task& task = tasks[t];
-		if (task.stage != Task::begun) continue;
+		if (!which(task)) continue;
 		auto found = std::find_if(launches.begin(), launches.end(), [&](const Launch& l) { return l.arguments.layout == task.away->layout; });
 		if (found == launches.end()) {
 			launches.push_back({});
@@ -300,9 +351,30 @@ template <int Dim> void SamplesOnDevice<Dim>::bringHome(std::vector<Task>& tasks
 	inParallel(tasks, threads, stays, [this](Task& task, Worker& worker) { leaveToProcessor(task, worker); });
 }
 
+template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks)
+{
+	memory->device().wait();
+	for (Launch& launch : launches) {
+		launch.answers.resize(launch.calls.size());
+		memory->device().copyOut(
+		        launch.answers.data(), reinterpret_cast<std::uint64_t>(launch.arguments.answers), launch.answers.size() * sizeof(SampleAnswer));
+		for (std::size_t n = 0; n < launch.tasks.size(); ++n)
+			tasks[launch.tasks[n]].answer = launch.answers[n];
+	}
+	launches.clear();
+}
+
+/// A change of ice is done, or has come to a halt; the motion is planned with the stress after it.
+template <int Dim> void SamplesOnDevice<Dim>::absorbIce(Task& task)
+{
+	task.iceSteps = task.call.resting - long(task.answer.steps);
+	task.stage    = Task::halted;
+	absorb(task);
+	if (!task.answer.unsound && task.iceSteps == 0 && planMotion(task) && listsLast(task.call)) task.stage = Task::begun;
+}
+
 template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads)
 {
-	launches.clear();
 	for (Task& task : tasks) {
 		task.options = options;
 		if (task.request->inertialNumber > 0) task.options.maxInertialNumber = task.request->inertialNumber;
@@ -313,12 +385,18 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 	try {
 		if (!memory->lost()) {
 			placeAll(tasks);
-			launchAll(tasks);
+			const auto changesIce = [](const Task& task) { return task.stage == Task::ice; };
+			if (std::any_of(tasks.begin(), tasks.end(), changesIce)) {
+				launchAll(tasks, changesIce);
+				awaitAll(tasks);
+				inParallel(tasks, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
+			}
+			launchAll(tasks, [](const Task& task) { return task.stage == Task::begun; });
 		}
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
 		for (Task& task : tasks)
-			if (task.stage == Task::begun) {
+			if (task.underWay()) {
 				task.stage         = Task::processor;
 				task.away->spoiled = true;
 				task.bytes.clear();
@@ -331,7 +409,8 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 
 // ---------------------------------------------------------------------------------------------- end
 
-template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
+/// Parameters and use of the lists as the device has left them.
+template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
 {
 	SampleOnDevice<Dim>&   away   = *task.away;
 	const SampleAnswer&    answer = task.answer;
@@ -347,20 +426,37 @@ template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
 	now.bondsBrokenInShear += answer.brokenInShear;
 	away.use.travel  = answer.travel;
 	away.use.stretch = answer.stretch;
+	if (call.changesIce) {
+		now.iceSaturation           = task.request->iceSaturation;
+		away.common.iceRatio        = call.iceRatio;
+		away.common.tensileStrength = call.tensileStrength;
+		away.common.shearStrength   = call.shearStrength;
+		away.common.thawed          = call.thawed;
+	}
 	if (done < total) {
 		now.velGrad = now.prevVelGrad = done > 0 && done - 1 < call.moving ? matrixOf<Dim>(call.velGrad) : Matrix(Matrix::Zero());
-		return false;
+		return;
 	}
 	Matrix stress = matrixOf<Dim>(answer.forces), sum = Matrix::Zero();
 	stress /= now.volume();
 	sum += stress; // as PackedWorkspace::run sums them
-	now.stress      = sum / 1.;
+	now.stress = sum / 1.;
+}
+
+/// Takes the answer of the device; true: nothing is left to do.
+template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
+{
+	SampleOnDevice<Dim>&         away   = *task.away;
+	const SampleAnswer&          answer = task.answer;
+	const PackedParameters<Dim>& now    = away.now;
+	absorb(task);
+	if (long(answer.steps) < task.call.moving + task.call.resting) return false;
 	const bool gone = away.layout.bonded && answer.bonds == 0;
 	if (gone || flipIsDue<Dim>(now.hSize, task.options) || !isCompact<Dim>(now.hSize) || away.since.size() + 1 >= mostSince) return false;
-	const Matrix transposed = now.stress.transpose();
-	task.result.stress      = 0.5 * (now.stress + transposed);
-	task.result.steps       = total;
-	task.result.movingSteps = call.moving;
+	const typename PackedTypes<Dim>::Matrix transposed = now.stress.transpose();
+	task.result.stress                                 = 0.5 * (now.stress + transposed);
+	task.result.steps                                  = long(now.step - task.stepBefore);
+	task.result.movingSteps                            = task.call.moving;
 	if (task.options.tangent) {
 		constexpr int products = Dim * (Dim + 1) / 2;
 		double        fourth[products * products] {};
@@ -369,7 +465,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
 				fourth[k * products + l] = answer.tangent[at++];
 		task.result.tangent = tangentFromSums<Dim>(answer.tangent, fourth, now.stiffnessRatio);
 	}
-	away.since.push_back({ task.request->displacementGradient, task.options });
+	away.since.push_back({ task.request->displacementGradient, task.request->iceSaturation, task.options });
 	task.stage = Task::done;
 	return true;
 }
@@ -389,8 +485,13 @@ template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 	}
 	try {
 		away.takeInto(workspace, task.bytes);
-		const long done = long(task.answer.steps), moving = call.moving, total = moving + call.resting;
-		if (done < total) {
+		const long done = long(task.answer.steps), total = call.moving + call.resting;
+		long       moving = call.moving;
+		if (task.stage == Task::halted) {
+			workspace.run(task.iceSteps);
+			moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, task.options)
+			                 .perform(task.request->displacementGradient, away.now.iceSaturation);
+		} else if (done < total) {
 			workspace.setTimeStep(call.dt);
 			if (done < moving) {
 				workspace.setNextVelGrad(matrixOf<Dim>(call.velGrad));
@@ -401,7 +502,7 @@ template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 			workspace.setTimeStep(away.now.dt);
 		}
 		task.result = concludeUpdate<Dim>(workspace, task.options, moving, task.stepBefore);
-	} catch (const std::runtime_error&) { // it has blown up: the processor finds out how
+	} catch (const std::exception&) { // it has blown up: the processor finds out how
 		away.spoiled = true;
 		task.bytes.clear();
 		leaveToProcessor(task, worker);
@@ -415,30 +516,21 @@ template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 
 template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int threads)
 {
-	const auto underWay = [](const Task& task) { return task.stage == Task::begun; };
+	const auto underWay = [](const Task& task) { return task.underWay(); };
 	if (std::none_of(tasks.begin(), tasks.end(), underWay)) {
 		went.left += tasks.size();
 		return;
 	}
-	bool answered = !memory->lost();
 	try {
-		if (answered) memory->device().wait();
-		for (std::size_t k = 0; k < launches.size() && answered; ++k) {
-			Launch& launch = launches[k];
-			launch.answers.resize(launch.calls.size());
-			memory->device().copyOut(
-			        launch.answers.data(), reinterpret_cast<std::uint64_t>(launch.arguments.answers), launch.answers.size() * sizeof(SampleAnswer));
-			for (std::size_t n = 0; n < launch.tasks.size(); ++n)
-				tasks[launch.tasks[n]].answer = launch.answers[n];
-		}
+		if (!memory->lost()) awaitAll(tasks);
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
-		answered = false;
 	}
 	for (Task& task : tasks) {
-		if (task.stage != Task::begun) continue;
+		if (!task.underWay()) continue;
 		task.bytes.clear();
-		if (answered && !task.answer.unsound && !take(task)) task.away->fetch(task.bytes);
+		if (memory->lost() || task.answer.unsound) continue;
+		if (task.stage == Task::halted || !take(task)) task.away->fetch(task.bytes);
 		if (memory->lost()) task.bytes.clear();
 	}
 	for (const Task& task : tasks)

@@ -34,23 +34,26 @@ private:
 	template <int> friend class SamplesOnDevice;
 	struct Update {
 		typename PackedTypes<Dim>::Matrix displacementGradient;
+		double                            iceSaturation;
 		PackedUpdateOptions               options;
 	};
+	double  longestTimeStep() const;                        ///< as PackedWorkspace has it, of now
 	bool    fetch(std::vector<unsigned char>& bytes) const; ///< false where the device does not know it any more
 	void    takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
 	Compact settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
 	Compact computedAgain(PackedWorkspace<Dim>& workspace);
 
-	std::shared_ptr<DeviceMemory> memory;
-	Compact                       base;
-	std::vector<Update>           since; ///< updates after `base`
-	PackedParameters<Dim>         now;
-	PackedListUse<Dim>            use {};
-	PlaceLayout                   layout {};
-	SampleCall                    common {}; ///< what its calls have in common
-	double                        longestTimeStep = 0, meanRadius = 0;
-	std::uint64_t                 place   = 0;     ///< 0: none yet
-	bool                          spoiled = false; ///< the device holds another state than that of now
+	std::shared_ptr<DeviceMemory>       memory;
+	Compact                             base;
+	std::vector<Update>                 since; ///< updates after `base`
+	PackedParameters<Dim>               now;
+	PackedListUse<Dim>                  use {};
+	PlaceLayout                         layout {};
+	SampleCall                          common {}; ///< what its calls have in common
+	double                              meanRadius = 0;
+	std::shared_ptr<const PackedGrains> grains;
+	std::uint64_t                       place   = 0;     ///< 0: none yet
+	bool                                spoiled = false; ///< the device holds another state than that of now
 };
 
 /// Updates of samples on a device, those that it can do with the bits of the processor.
@@ -68,8 +71,10 @@ public:
 		const PackedRequest<Dim>* request = nullptr;
 		Compact                   home;
 		Away                      away;
-		bool                      mayChange   = false; ///< nobody else has the state of a sample that is away
-		enum { processor, begun, done } stage = processor;
+		bool                      mayChange = false; ///< nobody else has the state of a sample that is away
+		/// ice: its change is under way, motion comes after it; halted: it, or what comes after it, is for the host to end.
+		enum { processor, ice, halted, begun, done } stage = processor;
+		bool                    underWay() const { return stage == ice || stage == halted || stage == begun; }
 		PackedUpdateResult<Dim> result {};
 
 		// while it is under way
@@ -77,6 +82,7 @@ public:
 		SampleCall                 call {};
 		SampleAnswer               answer {};
 		std::uint64_t              stepBefore = 0;
+		long                       iceSteps   = 0;     ///< that a halted one has still to do
 		bool                       isNew      = false; ///< on the device
 		std::vector<unsigned char> bytes;
 		std::string                refusal;
@@ -91,14 +97,19 @@ public:
 private:
 	struct Worker;
 	struct Launch;
-	std::string reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
-	void        plan(Task&, Worker&);
-	bool        makeAway(Task&, Worker&);
-	bool        planMotion(Task&);
-	void        placeAll(std::vector<Task>& tasks);
-	void        launchAll(std::vector<Task>& tasks);
-	void        leaveToProcessor(Task&, Worker&);
-	void        bringHome(std::vector<Task>& tasks, int threads);
+	std::string                 reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
+	void                        plan(Task&, Worker&);
+	bool                        makeAway(Task&, Worker&);
+	bool                        planCall(Task&);
+	bool                        planIce(Task&);
+	bool                        planMotion(Task&);
+	void                        placeAll(std::vector<Task>& tasks);
+	template <class Which> void launchAll(std::vector<Task>& tasks, Which which);
+	void                        awaitAll(std::vector<Task>& tasks);
+	void                        absorbIce(Task&);
+	void                        absorb(Task&);
+	void                        leaveToProcessor(Task&, Worker&);
+	void                        bringHome(std::vector<Task>& tasks, int threads);
 	/// Takes the answer of the device; true: nothing is left to do.
 	bool                                    take(Task&);
 	void                                    finish(Task&, Worker&);

@@ -95,19 +95,26 @@ template <int Dim> void PackedWorkspace<Dim>::loadGrains(const PackedState<Dim>&
 /// Time step of the motion, eq. (13.8).
 template <int Dim> double PackedWorkspace<Dim>::longestTimeStep(double iceFactor) const
 {
-	const double full = base.ice.iceStiffnessRatio(1), now = base.ice.iceStiffnessRatio(base.iceSaturation) * iceFactor;
-	const double ofMoments = bondsCarryMoments ? GrainStiffening::momentsOf(grains->section, base.ice.bondAreaFactor, base.stiffnessRatio) : 0;
-	const double ofRolling = resistsRolling ? grains->rolling.alphaKr * largestRadius : 0;
-	double       mass = 1, stiffness = 0; // of the grain with the smallest m/k [kg, N/m]
-	for (std::size_t g = 0; g < grainCount; ++g) {
-		const double own = view.radius[g] * GrainStiffening { resistsRolling ? ofRolling / view.radius[g] : 0, ofMoments }.total(now);
-		if (grains->mass[g] * stiffness >= mass * own) continue;
-		mass      = grains->mass[g];
+	return talik::longestTimeStep<Dim>(base, *grains, { view.radius, largestRadius, smallestRadius }, iceFactor);
+}
+
+template <int Dim> double longestTimeStep(const PackedParameters<Dim>& parameters, const PackedGrains& grains, const PackedRadii& radii, double iceFactor)
+{
+	const IceBondModel& ice  = parameters.ice;
+	const double        full = ice.iceStiffnessRatio(1), now = ice.iceStiffnessRatio(parameters.iceSaturation) * iceFactor;
+	const bool          rolls     = grains.rolling.acts();
+	const double        ofMoments = grains.section.acts() ? GrainStiffening::momentsOf(grains.section, ice.bondAreaFactor, parameters.stiffnessRatio) : 0;
+	const double        ofRolling = rolls ? grains.rolling.alphaKr * radii.largest : 0;
+	double              mass = 1, stiffness = 0; // of the grain with the smallest m/k [kg, N/m]
+	for (std::size_t g = 0; g < grains.size(); ++g) {
+		const double own = radii.now[g] * GrainStiffening { rolls ? ofRolling / radii.now[g] : 0, ofMoments }.total(now);
+		if (grains.mass[g] * stiffness >= mass * own) continue;
+		mass      = grains.mass[g];
 		stiffness = own;
 	}
-	const GrainStiffening ofSmallest { ofRolling / smallestRadius, ofMoments };
+	const GrainStiffening ofSmallest { ofRolling / radii.smallest, ofMoments };
 	return std::min(
-	        timeStepOverPeriod * std::sqrt(mass / (base.ice.grainYoung * stiffness)), base.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
+	        timeStepOverPeriod * std::sqrt(mass / (ice.grainYoung * stiffness)), parameters.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
 }
 
 /// Radii follow the thaw strain; peripheral velocities follow the radii.
@@ -360,6 +367,8 @@ template <int Dim> bool PackedWorkspace<Dim>::flip(double skew)
 	return true;
 }
 
+template double longestTimeStep<2>(const PackedParameters<2>&, const PackedGrains&, const PackedRadii&, double);
+template double longestTimeStep<3>(const PackedParameters<3>&, const PackedGrains&, const PackedRadii&, double);
 template class PackedWorkspace<2>;
 template class PackedWorkspace<3>;
 

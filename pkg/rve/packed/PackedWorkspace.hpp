@@ -232,6 +232,15 @@ template <int Dim> inline double frobenius(const double* a)
 	return std::sqrt(square);
 }
 
+/// Radii of the grains at present [m].
+struct PackedRadii {
+	const double* now;
+	double        largest, smallest;
+};
+
+/// See PackedWorkspace::longestTimeStep.
+template <int Dim> double longestTimeStep(const PackedParameters<Dim>& parameters, const PackedGrains& grains, const PackedRadii& radii, double iceStiffness);
+
 /// (13.4) from its sums over the contacts: of f n_j n_l and of f n_i n_j n_k n_l with f = d^2 k_n/V, each product once, j <= l, row by row.
 template <int Dim> PackedTangent<Dim> tangentFromSums(const double* second, const double* fourth, double stiffnessRatio);
 
