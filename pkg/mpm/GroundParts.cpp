@@ -20,7 +20,7 @@ template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const int* places, int
 		b.stress[c] = motion->stress[c];
 	b.volume      = points->volume();
 	b.temperature = heat ? heat->temperature : nullptr;
-	b.naturalTime = clock.calendar.scale * clock.dt;
+	b.time        = { clock.dt, clock.calendar.scale * clock.dt };
 	return b;
 }
 

@@ -85,13 +85,6 @@ inline std::string asText(double number)
 	return text.str();
 }
 
-/// AttributeError of Python with this sentence.
-[[noreturn]] inline void raiseAttributeError(const std::string& text)
-{
-	PyErr_SetString(PyExc_AttributeError, text.c_str());
-	throw boost::python::error_already_set();
-}
-
 } // namespace talik
 
 namespace yade {

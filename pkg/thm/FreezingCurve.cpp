@@ -13,7 +13,10 @@ namespace {
 	template <class Curve> class CurveOf final : public FreezingCurve {
 	public:
 		explicit CurveOf(const CurveParameters& parameters)
-		        : curve_(parameters)
+		        : CurveOf(Curve(parameters), parameters)
+		{}
+		CurveOf(const Curve& curve, const CurveParameters& parameters)
+		        : curve_(curve)
 		        , name_(Curve::name())
 		        , parameters_(parameters)
 		{}
@@ -237,6 +240,61 @@ std::vector<CurveParameter> SharpCurve::parameters() { return baseParameters(); 
 SharpCurve::SharpCurve(const CurveParameters& given)
         : CurveBase(given)
 {}
+
+namespace {
+	/// The points of a table up to the first at which nothing is frozen.
+	std::vector<CurvePoint> usedPoints(const std::vector<CurvePoint>& points)
+	{
+		const auto thawed = std::find_if(points.begin(), points.end(), [](const CurvePoint& point) { return point.liquidSaturation == 1.0; });
+		return { points.begin(), thawed == points.end() ? thawed : thawed + 1 };
+	}
+
+	void requireMonotone(const std::vector<CurvePoint>& points)
+	{
+		const auto require = [](bool valid, const char* attribute, std::size_t k, double value, const char* remedy) {
+			requireSetting(valid, "freezingCurve.table." + std::string(attribute) + "[" + std::to_string(k) + "]", value, remedy);
+		};
+		for (std::size_t k = 0; k < points.size(); ++k) {
+			const auto [temperature, saturation] = points[k];
+			require(temperature > -100.0 && temperature < 50.0, "temperatures", k, temperature,
+			        "must be a temperature in degC between -100 and 50");
+			require(saturation >= 0.0 && saturation <= 1.0, "liquidSaturations", k, saturation, "must lie in [0, 1]");
+			if (k == 0) continue;
+			require(temperature - points[k - 1].temperature >= narrowest, "temperatures", k, temperature,
+			        "must exceed the one before by 1e-9 K or more: give the points in ascending order, each temperature once");
+			require(saturation >= points[k - 1].liquidSaturation, "liquidSaturations", k, saturation,
+			        "must not be less than the one before: liquid water does not decrease as ground warms up");
+		}
+	}
+} // namespace
+
+TableCurve::TableCurve(std::vector<CurvePoint> points)
+        : CurveBase(CurveParameters {})
+{
+	requireSetting(points.size() >= 2, "freezingCurve.table.temperatures: number of points", points.size(), "must be 2 or more");
+	requireMonotone(points);
+	requireSetting(
+	        points.back().liquidSaturation == 1.0, "freezingCurve.table.liquidSaturations: last value", points.back().liquidSaturation,
+	        "must be 1, at the temperature at which freezing begins");
+	points_ = usedPoints(points);
+	requireSetting(
+	        points_.size() >= 2, "freezingCurve.table.liquidSaturations: first value", points_.front().liquidSaturation,
+	        "must be less than 1, the liquid that is left in the coldest ground");
+	freezingTemperature = points_.back().temperature;
+	residualSaturation  = points_.front().liquidSaturation;
+	integrals_.assign(points_.size(), 0.0);
+	for (std::size_t k = points_.size() - 1; k-- > 0;) {
+		const double width = points_[k + 1].temperature - points_[k].temperature;
+		integrals_[k]      = integrals_[k + 1] - 0.5 * width * (points_[k].liquidSaturation + points_[k + 1].liquidSaturation);
+	}
+}
+
+FreezingCurvePtr makeFreezingCurve(const std::vector<CurvePoint>& points)
+{
+	const TableCurve curve(points);
+	return std::make_shared<CurveOf<TableCurve>>(
+	        curve, CurveParameters { { "freezingTemperature", curve.freezingTemperature }, { "residualSaturation", curve.residualSaturation } });
+}
 
 FreezingCurvePtr makeFreezingCurve(const std::string& name, const CurveParameters& parameters)
 {

@@ -53,6 +53,16 @@ using FreezingCurvePtr = std::shared_ptr<const FreezingCurve>;
 /// their defaults. Throws std::invalid_argument for an unknown name or parameter, or a value out of range.
 FreezingCurvePtr makeFreezingCurve(const std::string& name = "gauss", const CurveParameters& parameters = {});
 
+/// A measured point of a freezing curve.
+struct CurvePoint {
+	double temperature;      ///< [degC]
+	double liquidSaturation; ///< [-], 0 to 1
+};
+
+/// The curve through measured points, in ascending order of temperature: linear in between, constant below the first. T_f is the temperature of the
+/// first point with S_l = 1, S_r the saturation of the first point. Throws std::invalid_argument for points that are none of a monotone curve.
+FreezingCurvePtr makeFreezingCurve(const std::vector<CurvePoint>& points);
+
 /// The curve of ground that never freezes: S_l = 1 at any temperature.
 FreezingCurvePtr unfrozenCurve();
 

@@ -9,7 +9,9 @@
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talik {
 
@@ -17,6 +19,11 @@ namespace talik {
 struct CurveBase {
 	static constexpr bool sharp        = false;
 	static constexpr bool neverFreezes = false;
+	/// S_l is linear in T in pieces, of which pieceOf(rootBelow) finds that of a root: rootBelow(T) says whether the root lies at or below T.
+	static constexpr bool piecewiseLinear = false;
+	struct Piece {
+		double low, high; ///< [degC]; low is minus infinity in the lowest piece
+	};
 
 	double freezingTemperature = 0.0;  ///< T_f [degC]
 	double residualSaturation  = 0.05; ///< S_r [-], in [0,1)
@@ -118,13 +125,19 @@ struct PowerCurve : CurveBase {
 
 /// S_e falls linearly from one at T_f to zero at frozenTemperature T_m; has exact moving-boundary solutions (Lunardini).
 struct LinearCurve : CurveBase {
+	static constexpr bool              piecewiseLinear = true;
 	static const char*                 name() { return "linear"; }
 	static std::vector<CurveParameter> parameters();
 	explicit LinearCurve(const CurveParameters& given);
 
 	double frozenTemperature; ///< T_m [degC], < T_f
 
-	double span() const { return freezingTemperature - frozenTemperature; }
+	double                           span() const { return freezingTemperature - frozenTemperature; }
+	template <class RootBelow> Piece pieceOf(RootBelow&& rootBelow) const
+	{
+		if (rootBelow(frozenTemperature)) return { -std::numeric_limits<double>::infinity(), frozenTemperature };
+		return { frozenTemperature, freezingTemperature };
+	}
 	double liquidSaturation(double temperature) const
 	{
 		if (temperature >= freezingTemperature) return 1.0;
@@ -187,18 +200,71 @@ private:
 
 /// All pore water but the residual freezes at T_f itself.
 struct SharpCurve : CurveBase {
-	static constexpr bool              sharp = true;
+	static constexpr bool              sharp           = true;
+	static constexpr bool              piecewiseLinear = true;
 	static const char*                 name() { return "sharp"; }
 	static std::vector<CurveParameter> parameters();
 	explicit SharpCurve(const CurveParameters& given);
 
-	double liquidSaturation(double temperature) const { return temperature >= freezingTemperature ? 1.0 : residualSaturation; }
-	double derivative(double) const { return 0.0; }
-	double integral(double temperature) const
+	template <class RootBelow> Piece pieceOf(RootBelow&&) const { return { -std::numeric_limits<double>::infinity(), freezingTemperature }; }
+	double                           liquidSaturation(double temperature) const { return temperature >= freezingTemperature ? 1.0 : residualSaturation; }
+	double                           derivative(double) const { return 0.0; }
+	double                           integral(double temperature) const
 	{
 		const double above = temperature - freezingTemperature;
 		return above >= 0.0 ? above : residualSaturation * above;
 	}
+};
+
+/// Measured points, linear in between.
+struct TableCurve : CurveBase {
+	static constexpr bool piecewiseLinear = true;
+	static const char*    name() { return "table"; }
+	/// See makeFreezingCurve.
+	explicit TableCurve(std::vector<CurvePoint> points);
+
+	template <class RootBelow> Piece pieceOf(RootBelow&& rootBelow) const
+	{
+		const auto above = std::partition_point(points_.begin(), points_.end(), [&](const CurvePoint& point) { return !rootBelow(point.temperature); });
+		if (above == points_.begin()) return { -std::numeric_limits<double>::infinity(), points_.front().temperature };
+		return { (above - 1)->temperature, above == points_.end() ? freezingTemperature : above->temperature };
+	}
+	double liquidSaturation(double temperature) const
+	{
+		if (temperature >= freezingTemperature) return 1.0;
+		const int k = pointBelow(temperature);
+		return k < 0 ? residualSaturation : points_[k].liquidSaturation + slope(k) * (temperature - points_[k].temperature);
+	}
+	double derivative(double temperature) const
+	{
+		const int k = pointBelow(temperature);
+		return temperature >= freezingTemperature || k < 0 ? 0.0 : slope(k);
+	}
+	double integral(double temperature) const
+	{
+		if (temperature >= freezingTemperature) return temperature - freezingTemperature;
+		const int k = pointBelow(temperature);
+		if (k < 0) return integrals_.front() + residualSaturation * (temperature - points_.front().temperature);
+		const double beyond = temperature - points_[k].temperature;
+		return integrals_[k] + beyond * (points_[k].liquidSaturation + 0.5 * slope(k) * beyond);
+	}
+
+private:
+	/// Place of the last point below a temperature, -1 where there is none.
+	int pointBelow(double temperature) const
+	{
+		const auto lower = [](const CurvePoint& point, double t) { return point.temperature < t; };
+		return int(std::lower_bound(points_.begin(), points_.end(), temperature, lower) - points_.begin()) - 1;
+	}
+	/// dS_l/dT between the points k and k + 1 [1/K]
+	double slope(int k) const
+	{
+		const CurvePoint &low = points_[k], &high = points_[k + 1];
+		return (high.liquidSaturation - low.liquidSaturation) / (high.temperature - low.temperature);
+	}
+
+	std::vector<CurvePoint> points_;    ///< the last one is that of T_f
+	std::vector<double>     integrals_; ///< of S_l from T_f to each point [K]
 };
 
 /// Ground that never freezes.

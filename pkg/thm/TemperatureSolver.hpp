@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 namespace talik {
 
@@ -113,16 +112,12 @@ private:
 		      { nan, std::numeric_limits<double>::infinity(), (1.0 - fractionThawed) * frozen.iceMass, capacity });
 	}
 
-	/// Root where the enthalpy is a polynomial of degree two in T (linear and sharp curve, ice expansion left out); else the guess.
+	/// Root where the enthalpy is in pieces a polynomial of degree two in T (linear curve, sharp one and table, ice expansion left out); else the guess.
 	double closedForm(const SoilContent& soil, double enthalpy, double guess) const
 	{
-		if constexpr (!std::is_same_v<Curve, LinearCurve> && !std::is_same_v<Curve, SharpCurve>) return guess;
+		if constexpr (!Curve::piecewiseLinear) return guess;
 		else {
-			double low = -std::numeric_limits<double>::infinity(), high = curve_.freezingTemperature;
-			if constexpr (std::is_same_v<Curve, LinearCurve>) {
-				const bool belowInterval     = enthalpy <= valueAt(soil, curve_.frozenTemperature).enthalpy;
-				(belowInterval ? high : low) = curve_.frozenTemperature;
-			}
+			const auto [low, high] = curve_.pieceOf([&](double t) { return enthalpy <= valueAt(soil, t).enthalpy; });
 			// Between low and high H is its second-order expansion about one temperature inside; the expansion is exact.
 			const double base = std::isfinite(low) ? 0.5 * (low + high) : high - 1.0;
 			const double step = 0.25 * (std::isfinite(low) ? high - low : 1.0);

@@ -3,7 +3,6 @@
 
 import importlib
 import inspect
-import re
 
 import helptexts
 import talik
@@ -12,7 +11,6 @@ from yade import wrapper
 ofYade = {"dict", "updateAttrs", "qtHide", "dispHierarchy", "newAssocState"}  # what every class of YADE has
 ofConsole = {"heldByWaitingGround", "renewWaitingGrounds", "usePortablePath"}  # what the console needs
 commands = {"accuracy", "files", "studies"}  # programs of the repository and their parts
-formerName = re.compile(r"^\s*(The former name|Replaced by)")
 
 sections = (
 	(
@@ -44,7 +42,7 @@ def members(cls):
 	static = helptexts.ofStaticAttributes(cls.__doc__)
 	for name, member in vars(cls).items():
 		text = static.get(name) or member.__doc__ or ""
-		if name.startswith("_") or name in ofYade | ofConsole or formerName.match(text) or "|yhidden|" in text or not text.strip():
+		if name.startswith("_") or name in ofYade | ofConsole or "|yhidden|" in text or not text.strip():
 			continue
 		yield name, member
 

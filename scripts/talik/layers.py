@@ -205,6 +205,13 @@ def _numbersOfLaws(mpm, layers):
 	return numbers
 
 
+def _freezingPoint(curve):
+	"""T_f of a FreezingCurve [degC]; of a table the temperature of its first point without ice."""
+	if curve.curve != "table":
+		return curve.freezingTemperature
+	return next((t for t, saturation in zip(curve.temperatures, curve.liquidSaturations) if saturation == 1), 0.0)
+
+
 def _density(mpm, layer):
 	"""Of a layer as a whole [kg/m3], with ice where it is colder than its freezing point."""
 	material = layer.get("material", mpm.material)
@@ -218,7 +225,7 @@ def _density(mpm, layer):
 		if callable(temperature):
 			inside = _outlineOf("", layer).representative_point()
 			temperature = temperature(np.array([inside.x]), np.array([inside.y]))
-		cold = curve is not None and np.mean(temperature) < curve.freezingTemperature
+		cold = curve is not None and np.mean(temperature) < _freezingPoint(curve)
 		filling = material.iceDensity if cold else material.liquidDensity
 	return (1 - porosity) * material.solidDensity + porosity * filling
 

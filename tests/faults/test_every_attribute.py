@@ -40,7 +40,7 @@ boundaries = {
 
 
 def everything(sample):
-	"""Ground with every effect, five skeletons and a body above it: what it holds, by name."""
+	"""Ground with every effect, six skeletons and a body above it: what it holds, by name."""
 	O.reset()
 	held = dict(
 		material=wrapper.GroundMaterial(),
@@ -50,7 +50,7 @@ def everything(sample):
 		bodies=wrapper.BodyContact(),
 	)
 	skeletons = [wrapper.RveSkeleton(samples=[sample.copy()], strainTolerance=2e-5), wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()]
-	skeletons += [wrapper.CreepingSkeleton(), wrapper.PythonSkeleton(law=soft, modulus=1e7, states=["strain"], statesAtStart=[0])]
+	skeletons += [wrapper.CreepingSkeleton(), wrapper.BinghamSkeleton(), wrapper.PythonSkeleton(law=soft, modulus=1e7, states=["strain"], statesAtStart=[0])]
 	conditions = [getattr(wrapper, name)(**settings) for name, settings in boundaries.items()]
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.5,
@@ -64,7 +64,7 @@ def everything(sample):
 		**held,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.5)
-	mpm.addPoints(position=position, volume=volume, temperature=-1.0, skeleton=[min(4, k // 3) for k in range(len(position))])
+	mpm.addPoints(position=position, volume=volume, temperature=-1.0, skeleton=[min(5, k // 3) for k in range(len(position))])
 	O.bodies.append(utils.sphere((0.5, 1.3, 0), 0.2))
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
 	return {type(part).__name__: part for part in [mpm, *held.values(), *skeletons, *conditions]}
@@ -81,6 +81,7 @@ names = [
 	"ElasticSkeleton",
 	"MohrCoulombSkeleton",
 	"CreepingSkeleton",
+	"BinghamSkeleton",
 	"PythonSkeleton",
 	*boundaries,
 ]

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include "lawElement.hpp"
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
@@ -16,30 +17,6 @@ using namespace talik;
 namespace {
 
 constexpr double degree = 0.017453292519943295;
-
-/// One point driven by displacement gradients.
-template <int D> struct Element {
-	double gradient[D * D]       = {};
-	double stress[stressSize<D>] = {};
-	double ice = 0.0, volume = 1.0, temperature = 0.0, time = 0.0;
-	int    place = 0, id = 0;
-	void   step(SkeletonModel<D>& model)
-	{
-		SkeletonBatch<D> b;
-		b.count = 1;
-		b.place = &place;
-		b.id    = &id;
-		for (int c = 0; c < D * D; ++c)
-			b.gradient[c] = &gradient[c];
-		for (int c = 0; c < stressSize<D>; ++c)
-			b.stress[c] = &stress[c];
-		b.iceSaturation = &ice;
-		b.volume        = &volume;
-		b.temperature   = &temperature;
-		b.naturalTime   = time;
-		model.updateStress(b);
-	}
-};
 
 MohrCoulombSkeleton<2> soil(double cohesion, double friction, double dilation = 0.0)
 {

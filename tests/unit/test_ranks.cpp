@@ -76,49 +76,7 @@ History follow(SampleStoreOf<3>& store, int turns)
 	return history;
 }
 
-/// A saved state as it was written when all grains had one skin.
-std::string withOneSkinForAll(const std::string& saved)
-{
-	ByteReader       reader(saved);
-	ByteWriter       writer;
-	PackedListUse<3> use;
-	writer.block(reader.block());
-	EXPECT_EQ(reader.number(), 2u);
-	writer.number(1);
-	reader.block(&use, sizeof use);
-	use.skin *= 2;
-	writer.block(&use, sizeof use);
-	writer.number(reader.number());
-	const std::string slack = reader.block();
-	EXPECT_EQ(slack, std::string(slack.size(), '\0')); // else the lists might miss a pair
-	while (!reader.atEnd())
-		writer.block(reader.block());
-	return writer.bytes();
-}
-
 } // namespace
-
-TEST(PackedStore, readsListsOfBeforeGrainsHadSkinsOfTheirOwn)
-{
-	auto prototype = std::make_shared<PackedState<3>>(packedSpheres::sample().state());
-	for (auto& v : prototype->velocity)
-		v.setZero();
-	PackedStore<3>                 present({ prototype }), former({ prototype });
-	PackedUpdateOptions            options;
-	const PackedRequest<3>         still { 0, Matrix::Zero(), 0. }, squeezed { 0, Matrix::Identity() * -1e-5, 0. };
-	const std::vector<std::size_t> first { 0 };
-	ByteWriter                     writer;
-	for (PackedStore<3>* store : { &present, &former })
-		store->add(0, 0., options);
-	present.update({ still }, options, 1);
-	present.saveState(writer, 0);
-	const std::string old = withOneSkinForAll(writer.bytes());
-	ByteReader        reader(old);
-	former.restoreState(reader, first);
-	const auto now = present.update({ squeezed }, options, 1), then = former.update({ squeezed }, options, 1);
-	EXPECT_GT(now[0].stress.norm(), 0);
-	EXPECT_TRUE(now[0].stress == then[0].stress);
-}
 
 TEST(Ranks, SamplesThatAreSharedOutAndMovedHaveTheBitsOfOneRank)
 {

@@ -37,6 +37,7 @@ std::vector<FreezingCurvePtr> allCurves()
 	curves.push_back(makeFreezingCurve("gauss", { { "freezingTemperature", -0.3 }, { "residualSaturation", 0.0 } }));
 	curves.push_back(makeFreezingCurve("linear", { { "frozenTemperature", -1e-6 } }));
 	curves.push_back(makeFreezingCurve("sharp", { { "freezingTemperature", 0.4 }, { "residualSaturation", 0.0 } }));
+	curves.push_back(makeFreezingCurve(std::vector<CurvePoint> { { -6.0, 0.08 }, { -1.2, 0.2 }, { -0.3, 0.2 }, { -0.08, 0.9 }, { 0.0, 1.0 } }));
 	curves.push_back(unfrozenCurve());
 	return curves;
 }

@@ -40,6 +40,37 @@ CurveParameters referenceParameters(const std::string& curve)
 	return curve == "vanGenuchten" ? CurveParameters { { "residualSaturation", 0.0 } } : CurveParameters {};
 }
 
+/// Points of a silt, as unfrozen water is measured: irregular, with a plateau, the last one above the freezing point.
+std::vector<CurvePoint> measuredPoints(double freezingTemperature)
+{
+	const std::pair<double, double> undercooled[] = { { 9.0, 0.06 },  { 3.0, 0.09 }, { 1.5, 0.16 }, { 0.65, 0.3 }, { 0.5, 0.3 },
+		                                          { 0.15, 0.62 }, { 0.05, 0.9 }, { 0.0, 1.0 },  { -2.0, 1.0 } };
+	std::vector<CurvePoint>         points;
+	for (const auto& [undercooling, saturation] : undercooled)
+		points.push_back({ freezingTemperature - undercooling, saturation });
+	return points;
+}
+
+/// All that have a name, and a table.
+std::vector<FreezingCurvePtr> allCurves(double freezingTemperature = 0.0)
+{
+	std::vector<FreezingCurvePtr> curves { makeFreezingCurve(measuredPoints(freezingTemperature)) };
+	for (const std::string& name : freezingCurveNames())
+		curves.push_back(makeFreezingCurve(name, { { "freezingTemperature", freezingTemperature } }));
+	return curves;
+}
+
+/// Samples of another curve.
+FreezingCurvePtr sampled(const FreezingCurve& curve, double coldest, int intervals)
+{
+	std::vector<CurvePoint> points;
+	for (int k = 0; k <= intervals; ++k) {
+		const double t = coldest * (1.0 - double(k) / intervals);
+		points.push_back({ t, curve.liquidSaturation(t) });
+	}
+	return makeFreezingCurve(points);
+}
+
 double simpson(const FreezingCurve& curve, double from, double to, int intervals)
 {
 	const double step = (to - from) / intervals;
@@ -90,8 +121,8 @@ TEST(FreezingCurve, DefaultIsGaussOfHalfKelvinWithFivePercentResidual)
 TEST(FreezingCurve, SlopeIsTheNumericalDerivativeOfEveryCurve)
 {
 	double worst = 0.0;
-	for (const std::string& name : freezingCurveNames()) {
-		const auto curve = makeFreezingCurve(name, { { "freezingTemperature", -0.1 } });
+	for (const auto& curve : allCurves(-0.1)) {
+		const std::string name = curve->name();
 		for (double t : { 0.3, -0.13, -0.2, -0.35, -0.7, -2.0, -7.0 }) {
 			const double h       = 1e-5;
 			const double numeric = (curve->liquidSaturation(t + h) - curve->liquidSaturation(t - h)) / (2.0 * h);
@@ -105,12 +136,12 @@ TEST(FreezingCurve, SlopeIsTheNumericalDerivativeOfEveryCurve)
 TEST(FreezingCurve, IntegralIsTheQuadratureOfEveryCurve)
 {
 	double worst = 0.0;
-	for (const std::string& name : freezingCurveNames()) {
-		const auto curve = makeFreezingCurve(name, { { "freezingTemperature", -0.1 } });
+	for (const auto& curve : allCurves(-0.1)) {
+		const std::string name = curve->name();
 		for (double t : { 0.7, -0.4, -1.1, -6.0 }) {
 			// away from the kinks at T_f and T_m Simpson converges; difference two integrals on the smooth side
 			const double nearer  = t > -0.1 ? 0.2 : t + 0.25 * (-0.1 - t);
-			const bool   kink    = name == "linear" && t < -1.0 && nearer > -1.0;
+			const bool   kink    = name == "table" || (name == "linear" && t < -1.0 && nearer > -1.0);
 			const double numeric = simpson(*curve, t, nearer, kink ? 200000 : 2000);
 			const double exact   = curve->integral(nearer) - curve->integral(t);
 			worst                = std::max(worst, std::abs(numeric - exact));
@@ -122,9 +153,9 @@ TEST(FreezingCurve, IntegralIsTheQuadratureOfEveryCurve)
 
 TEST(FreezingCurve, SaturationNeverDecreasesWithTemperatureAndStaysBetweenResidualAndOne)
 {
-	for (const std::string& name : freezingCurveNames()) {
-		const auto curve    = makeFreezingCurve(name);
-		double     previous = 0.0;
+	for (const auto& curve : allCurves()) {
+		const std::string name     = curve->name();
+		double            previous = 0.0;
 		for (double t = -40.0; t < 2.0; t += 0.01) {
 			const double s = curve->liquidSaturation(t);
 			ASSERT_GE(s, previous) << name << " at " << t;
@@ -140,15 +171,93 @@ TEST(FreezingCurve, SaturationNeverDecreasesWithTemperatureAndStaysBetweenResidu
 TEST(FreezingCurve, BatchGivesTheSameBitsAsSingleCalls)
 {
 	const double temperature[] = { -3.0, -0.4, -0.1, 0.0, 1.0 };
-	for (const std::string& name : freezingCurveNames()) {
-		const auto curve = makeFreezingCurve(name);
-		double     saturation[5], slope[5];
+	for (const auto& curve : allCurves()) {
+		double saturation[5], slope[5];
 		curve->evaluate(temperature, saturation, slope, 5);
 		for (int k = 0; k < 5; ++k) {
 			EXPECT_EQ(saturation[k], curve->liquidSaturation(temperature[k]));
 			EXPECT_EQ(slope[k], curve->derivative(temperature[k]));
 		}
 	}
+}
+
+TEST(FreezingCurve, TableOfTwoPointsIsTheLinearCurve)
+{
+	const auto linear = makeFreezingCurve("linear", { { "frozenTemperature", -1.4 }, { "freezingTemperature", -0.2 } });
+	const auto table  = makeFreezingCurve(std::vector<CurvePoint> { { -1.4, 0.05 }, { -0.2, 1.0 } });
+	double     worst  = 0.0;
+	for (double t = -3.03; t < 1.0; t += 0.01)
+		for (const double difference : { table->liquidSaturation(t) - linear->liquidSaturation(t), table->derivative(t) - linear->derivative(t),
+		                                 table->integral(t) - linear->integral(t) })
+			worst = std::max(worst, std::abs(difference));
+	std::printf("largest difference of S_l, slope and integral %.1e (tolerance 1e-14)\n", worst);
+	EXPECT_LT(worst, 1e-14);
+	EXPECT_EQ(table->freezingTemperature(), -0.2);
+	EXPECT_EQ(table->residualSaturation(), 0.05);
+}
+
+TEST(FreezingCurve, TableHasTheMeasuredValuesAtItsPoints)
+{
+	const auto curve = makeFreezingCurve(measuredPoints(-0.1));
+	for (const CurvePoint& point : measuredPoints(-0.1))
+		EXPECT_NEAR(curve->liquidSaturation(point.temperature), point.liquidSaturation, 1e-15) << point.temperature;
+	EXPECT_EQ(curve->freezingTemperature(), -0.1); // of the first point without ice, not of the last
+	EXPECT_EQ(curve->liquidSaturation(-60.0), 0.06);
+}
+
+// Linear interpolation is off by h^2/8 times the largest curvature, which is 4 (1 - S_r)/W^2 exp(-3/2) of exp(-(theta/W)^2), or 2 (1 - S_r)/W^2 at T_f.
+TEST(FreezingCurve, TableOfManyPointsIsTheCurveThatTheyWereTakenFrom)
+{
+	const auto   gauss   = makeFreezingCurve("gauss", { { "width", 0.5 } });
+	const double coldest = -4.0;
+	double       former  = 0.0;
+	for (const int intervals : { 40, 80, 160, 320 }) {
+		const auto   table = sampled(*gauss, coldest, intervals);
+		const double h = -coldest / intervals, bound = h * h / 8.0 * 2.0 * 0.95 / 0.25;
+		double       saturation = 0.0, integral = 0.0;
+		for (double t = coldest; t < 0.1; t += 0.000737) {
+			saturation = std::max(saturation, std::abs(table->liquidSaturation(t) - gauss->liquidSaturation(t)));
+			integral   = std::max(integral, std::abs(table->integral(t) - gauss->integral(t)));
+		}
+		std::printf(
+		        "%3d points: S_l off by %.2e (bound %.2e), integral by %.2e K; error of S_l over that of half as many points %.3f (1/4, tolerance "
+		        "0.02)\n",
+		        intervals + 1, saturation, bound, integral, saturation / former);
+		EXPECT_LE(saturation, bound);
+		EXPECT_LE(integral, bound * 0.5); // over the width in which there is curvature
+		if (former > 0.0) {
+			EXPECT_NEAR(saturation / former, 0.25, 0.02);
+		}
+		former = saturation;
+	}
+}
+
+TEST(FreezingCurve, TablesThatAreNoMonotoneCurveAreRefusedInASentence)
+{
+	const auto message = [](const std::vector<CurvePoint>& points) -> std::string {
+		try {
+			makeFreezingCurve(points);
+		} catch (const std::invalid_argument& error) {
+			return error.what();
+		}
+		return "no exception";
+	};
+	const std::pair<std::vector<CurvePoint>, const char*> wrong[] = {
+		{ {}, "number of points = 0: must be 2 or more" },
+		{ { { 0.0, 1.0 } }, "number of points = 1: must be 2 or more" },
+		{ { { -1.0, 0.1 }, { -1.0, 0.3 }, { 0.0, 1.0 } }, "temperatures[1] = -1: must exceed the one before" },
+		{ { { 0.0, 1.0 }, { -1.0, 0.1 } }, "temperatures[1] = -1: must exceed the one before by 1e-9 K or more: give the points in ascending order" },
+		{ { { -2.0, 0.3 }, { -1.0, 0.1 }, { 0.0, 1.0 } }, "liquidSaturations[1] = 0.1: must not be less than the one before" },
+		{ { { -1.0, 0.1 }, { -0.1, 0.8 } }, "last value = 0.8: must be 1, at the temperature at which freezing begins" },
+		{ { { -1.0, 1.0 }, { 0.0, 1.0 } }, "first value = 1: must be less than 1" },
+		{ { { -1.0, -0.1 }, { 0.0, 1.0 } }, "liquidSaturations[0] = -0.1: must lie in [0, 1]" },
+		{ { { -1.0, 0.1 }, { 0.0, 1.1 } }, "liquidSaturations[1] = 1.1: must lie in [0, 1]" },
+		{ { { std::nan(""), 0.1 }, { 0.0, 1.0 } }, "temperatures[0] = nan: must be a temperature" },
+		{ { { -1.0, std::nan("") }, { 0.0, 1.0 } }, "liquidSaturations[0] = nan: must lie in [0, 1]" },
+		{ { { -300.0, 0.1 }, { 0.0, 1.0 } }, "temperatures[0] = -300: must be a temperature in degC between -100 and 50" },
+	};
+	for (const auto& [points, sentence] : wrong)
+		EXPECT_NE(message(points).find(sentence), std::string::npos) << sentence << " is missing in: " << message(points);
 }
 
 TEST(FreezingCurve, WrongNamesAndValuesAreRefusedWithAttributeValueAndRemedy)

@@ -289,24 +289,6 @@ def test_a_table_in_days_is_that_in_seconds_to_the_last_bit():
 	assert np.array_equal(*states) and np.ptp(states[0]) > 1
 
 
-@pytest.mark.parametrize("use", (lambda: MpmEngine(flip=0.97), lambda: setattr(MpmEngine(), "flip", 1), lambda: MpmEngine().flip, lambda: PoreWater(flip=0.9)))
-def test_the_share_per_step_is_refused_by_a_sentence_that_names_the_time_in_its_place(use):
-	with pytest.raises(AttributeError) as refusal:
-		use()
-	print(refusal.value)
-	assert "picTime" in str(refusal.value) and ".flip" in str(refusal.value)
-
-
-@pytest.mark.parametrize("former, present", (("waveFraction", "courantNumber"), ("cellAveraging", "bBar"), ("believedError", "estimatedError")))
-def test_a_renamed_attribute_is_refused_by_a_sentence_that_gives_the_new_name(former, present):
-	for use in (lambda: MpmEngine(**{former: 0.3}), lambda: setattr(MpmEngine(), former, 0.3), lambda: getattr(MpmEngine(), former)):
-		with pytest.raises(AttributeError) as refusal:
-			use()
-		assert f"MpmEngine.{former} is now MpmEngine.{present}" in str(refusal.value)
-	print(refusal.value)
-	assert hasattr(MpmEngine, present)
-
-
 def test_a_bad_value_given_to_a_running_ground_is_refused_before_the_step():
 	mpm = engine(**motion, gravity=(0, -10))
 	O.step()
@@ -346,6 +328,43 @@ def test_attributes_of_a_freezing_curve_mean_what_they_say():
 		exact = 0.1 + 0.9 * fraction
 		print(f"{curve}, {attribute} = {value:g}: S_l({-theta} degC) = {liquid:.6f}, closed form {exact:.6f}")
 		assert liquid == pytest.approx(exact, rel=2e-3)
+
+
+def test_a_table_of_measured_points_is_the_freezing_curve():
+	temperatures, saturations = [-4, -1.5, -0.5, -0.1, 0.5], [0.08, 0.15, 0.4, 1, 1]
+	for temperature in (-9.0, -2.0, -0.9, -0.3, -0.05):
+		O.reset()
+		table = FreezingCurve(curve="table", temperatures=temperatures, liquidSaturations=saturations)
+		mpm = engine(**{**heat, "freezing": table}, pointValues=[("temperature", temperature)])
+		mpm.initialise()
+		liquid, exact = 1 - mpm.field("iceSaturation")[0], np.interp(temperature, temperatures, saturations)
+		print(f"S_l({temperature} degC) = {liquid:.6f}, interpolated {exact:.6f}")
+		assert liquid == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+	"attributes, sentence",
+	(
+		(dict(), "FreezingCurve.temperatures: number of points = 0: must be 2 or more"),
+		(
+			dict(temperatures=[-1, 0], liquidSaturations=[1]),
+			"FreezingCurve.temperatures has 2 values and FreezingCurve.liquidSaturations 1: give as many of each",
+		),
+		(dict(temperatures=[0, -1], liquidSaturations=[0.1, 1]), r"FreezingCurve.temperatures\[1\] = -1: must exceed the one before"),
+		(dict(temperatures=[-1, 0], liquidSaturations=[0.1, 0.9]), "FreezingCurve.liquidSaturations: last value = 0.9: must be 1"),
+		(dict(temperatures=[-1, 0], liquidSaturations=[0.1, 1], width=2), "FreezingCurve.width = 2: the points of the curve table say it; leave it out"),
+		(
+			dict(temperatures=[-1, 0], liquidSaturations=[0.1, 1], freezingTemperature=-1),
+			"FreezingCurve.freezingTemperature = -1: the points of the curve table",
+		),
+		(dict(curve="gauss", temperatures=[-1, 0]), "FreezingCurve.curve = 'gauss': write curve='table', or leave them out"),
+	),
+)
+def test_a_table_that_is_no_freezing_curve_is_refused_by_a_sentence(attributes, sentence):
+	mpm = engine(**{**heat, "freezing": FreezingCurve(**{"curve": "table", **attributes})})
+	with pytest.raises(ValueError, match=sentence) as refusal:
+		mpm.initialise()
+	print(refusal.value)
 
 
 def test_an_error_in_the_background_thread_reaches_python():

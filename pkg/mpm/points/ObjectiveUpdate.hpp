@@ -11,6 +11,9 @@ namespace talik {
 /// the stress exactly.
 template <int D> struct MidpointIncrement;
 
+/// Place of a component of MidpointIncrement::strain in a stress; the plane has no strain zz.
+template <int D> constexpr int stressOfStrain(int c) { return D == 2 && c == 2 ? 3 : c; }
+
 template <> struct MidpointIncrement<2> {
 	double strain[3]; ///< xx, yy, xy (tensor component)
 	double cosine, sine;

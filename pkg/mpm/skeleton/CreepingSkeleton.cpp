@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/ShearStress.hpp>
 #include <pkg/thm/Errors.hpp>
 
 #include <cmath>
@@ -38,28 +39,20 @@ template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int 
 	double*      crept = fields_ ? fields_->component(strain_) : nullptr;
 	for (int p = first; p < first + count; ++p) {
 		if (b.iceSaturation && b.iceSaturation[p] == 0.0) continue;
-		const double mean   = (b.stress[0][p] + b.stress[1][p] + b.stress[2][p]) / 3.0;
-		double       square = 0.0;
-		for (int c = 0; c < stressSize<D>; ++c) {
-			const double part = b.stress[c][p] - (c < 3 ? mean : 0.0);
-			square += (c < 3 ? 0.5 : 1.0) * part * part;
-		}
-		if (!(square > 0.0)) continue;
-		const double trial = std::sqrt(square);
-		const double rate  = rateFactor(b.temperature ? b.temperature[p] : temperatureWithoutHeat);
-		const double tau   = relaxed(trial, 2.0 * shear * rate * b.naturalTime, exponent);
-		for (int c = 0; c < stressSize<D>; ++c) {
-			const double volumetric = c < 3 ? mean : 0.0;
-			b.stress[c][p]          = volumetric + (b.stress[c][p] - volumetric) * (tau / trial);
-		}
+		ShearStress<D> stress(b, p);
+		const double   trial = stress.value();
+		if (!(trial > 0.0)) continue;
+		const double rate = rateFactor(b.temperature ? b.temperature[p] : temperatureWithoutHeat);
+		const double tau  = relaxed(trial, 2.0 * shear * rate * b.time.calendar, exponent);
+		stress.become(tau);
 		if (crept) crept[p] += (trial - tau) / (2.0 * shear);
 	}
 }
 
 template <int D> void CreepingSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
-	updateElasticBatch<D, 256, 2000>(b, LameModuli(youngModulus, poissonRatio), [&](int first, int count) {
-		if (b.naturalTime > 0.0) creep(b, first, count);
+	updateElasticBatch<D>(b, LameModuli(youngModulus, poissonRatio), [&](int first, int count) {
+		if (b.time.calendar > 0.0) creep(b, first, count);
 	});
 }
 

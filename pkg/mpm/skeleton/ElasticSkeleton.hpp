@@ -9,9 +9,9 @@
 
 namespace talik {
 
-/// Elastic stress of a batch of points by the Jaumann rate, in pieces of Piece points, several threads from Parallel points on; then
-/// after(first place, count) of each run of places that follow each other.
-template <int D, int Piece, int Parallel, class After> void updateElasticBatch(const SkeletonBatch<D>& b, const LameModuli& moduli, After&& after)
+/// Elastic stress of a batch of points by the Jaumann rate; then after(first place, count) of each run of places that follow each other. A thread
+/// works on pieces of Piece points; several threads do from Parallel points on, fewer take less time than threads to meet.
+template <int D, int Piece = 256, int Parallel = 2000, class After> void updateElasticBatch(const SkeletonBatch<D>& b, const LameModuli& moduli, After&& after)
 {
 	double lambda[Piece], shear[Piece];
 	std::fill(lambda, lambda + Piece, moduli.lambda);

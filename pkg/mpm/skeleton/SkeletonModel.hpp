@@ -19,6 +19,12 @@ public:
 	using std::runtime_error::runtime_error;
 };
 
+/// How much time passes in the step that a law is asked about.
+struct StepTime {
+	double motion   = 0; ///< Delta t [s]: a rate of strain is the strain of the step over it
+	double calendar = 0; ///< Delta t_c [s], physical time of slow processes such as heat and creep: Delta t times the scale of the calendar
+};
+
 /// The material points that share one skeleton model. All arrays are indexed by the place of a point, i.e. volume[place[k]] for
 /// k < count; places change when points are sorted, id[place] never does.
 struct SkeletonPoints {
@@ -28,8 +34,8 @@ struct SkeletonPoints {
 	const double* iceSaturation = nullptr; ///< S_i [-] of the new state; nullptr in ground that does not freeze
 	const double* volume        = nullptr; ///< current volume [m^D]
 	const double* temperature   = nullptr; ///< [degC]; nullptr in ground without heat
-	double        naturalTime   = 0;       ///< time of slow processes that passes in this step [s]
-	int           strip         = 0;       ///< whose points these are, for a model that sees strips
+	StepTime      time;
+	int           strip = 0; ///< whose points these are, for a model that sees strips
 };
 
 /// What the model of some points reads and writes besides.

@@ -24,9 +24,9 @@ namespace talik {
 using yade::Scene;
 
 namespace {
-	constexpr int         currentFormat = 2, formatWithoutParts = 1;
-	constexpr std::size_t headerLength = 4096;
-	const char            firstLine[]  = "Talik checkpoint";
+	constexpr int         currentFormat = 3;
+	constexpr std::size_t headerLength  = 4096;
+	const char            firstLine[]   = "Talik checkpoint";
 
 	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
 
@@ -145,8 +145,7 @@ namespace {
 				h.classes[name] = layout;
 			}
 		}
-		if (h.format == formatWithoutParts) h.parts = h.bytes;
-		else if (h.format != currentFormat)
+		if (h.format != currentFormat)
 			refuse(file,
 			       "has format " + std::to_string(h.format) + ", written " + h.written + "; this Talik reads format "
 			               + std::to_string(currentFormat) + ": resume it with the version that wrote it");

@@ -181,10 +181,7 @@ void MpmEngine::checkMaterials() const
 		if (!m->name.empty() && !names.insert(m->name).second)
 			throw std::invalid_argument("MpmEngine.materials has two materials named '" + m->name + "': give each a name of its own.");
 	for (const auto& m : activeMaterials())
-		if (m->freezing && water && m->freezing->residualSaturation < 0.01)
-			throw std::invalid_argument(
-			        "FreezingCurve.residualSaturation of material '" + m->name + "' is " + std::to_string(m->freezing->residualSaturation)
-			        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+		if (m->freezing && water) m->freezing->requireLiquid(" of material '" + m->name + "'");
 }
 
 void MpmEngine::checkPresence() const
@@ -195,10 +192,7 @@ void MpmEngine::checkPresence() const
 	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + talik::asText(gridSpacing) + ": give a positive spacing in m.");
 	checkMaterials();
 	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
-	if (freezing && water && freezing->residualSaturation < 0.01)
-		throw std::invalid_argument(
-		        "FreezingCurve.residualSaturation is " + std::to_string(freezing->residualSaturation)
-		        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+	if (freezing && water) freezing->requireLiquid("");
 	if (bodies && !motion)
 		throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
 	if (water && !motion)
@@ -476,45 +470,6 @@ void MpmEngine::checkFixed() const
 	require(!built || built->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
 	require(materialCount == materials.size(), "materials", "a list of " + std::to_string(materials.size()));
 	require(boundaryCount == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
-}
-
-namespace {
-	// a share per step is a viscosity that grows as the step shrinks: there is no time that stands for it
-	[[noreturn]] void refuseFlip(const string& className)
-	{
-		talik::raiseAttributeError(
-		        className
-		        + ".flip, a share kept per step, is replaced by picTime [s]: exp(-dt/picTime) is kept; leave both out for the default, or give "
-		        + className + ".picTime=inf in place of flip=1.");
-	}
-
-	const std::map<string, string>& renamedAttributes()
-	{
-		static const std::map<string, string> names { { "waveFraction", "courantNumber" },
-			                                      { "cellAveraging", "bBar" },
-			                                      { "believedError", "estimatedError" } };
-		return names;
-	}
-} // namespace
-
-void MpmEngine::refuseFormerName(const char* name)
-{
-	if (string(name) == "flip") refuseFlip("MpmEngine");
-	talik::raiseAttributeError("MpmEngine." + string(name) + " is now MpmEngine." + renamedAttributes().at(name) + ": the same value under the new name.");
-}
-
-void MpmEngine::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
-{
-	if (keywords.has_key("flip")) refuseFlip("MpmEngine");
-	for (const auto& [former, present] : renamedAttributes())
-		if (keywords.has_key(former)) refuseFormerName(former.c_str());
-}
-
-Real PoreWater::refusedFlip() const { refuseFlip("PoreWater"); }
-void PoreWater::setFlip(Real) { refuseFlip("PoreWater"); }
-void PoreWater::pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords)
-{
-	if (keywords.has_key("flip")) refuseFlip("PoreWater");
 }
 
 void MpmEngine::followAttributes()

@@ -293,14 +293,6 @@ public:
 		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
-		.add_property("flip",+[](const MpmEngine&)->Real{refuseFormerName("flip");},
-				+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("flip");},"Replaced by picTime.")
-		.add_property("waveFraction",+[](const MpmEngine&)->Real{refuseFormerName("waveFraction");},
-				+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("waveFraction");},"The former name of courantNumber.")
-		.add_property("cellAveraging",+[](const MpmEngine&)->Real{refuseFormerName("cellAveraging");},
-				+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("cellAveraging");},"The former name of bBar.")
-		.add_property("believedError",+[](const MpmEngine&)->Real{refuseFormerName("believedError");},
-				+[](MpmEngine&,const ::boost::python::object&){refuseFormerName("believedError");},"The former name of estimatedError.")
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, setDay, exchangeSkeletons, "
 				"replaceSample). Until then every setting may be changed, also after fields were read.")
@@ -311,8 +303,6 @@ public:
 	);
 	// clang-format on
 	/// Throws AttributeError with the attribute that has taken the place of this one.
-	[[noreturn]] static void       refuseFormerName(const char* name);
-	void                           pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	static ::boost::python::object pyAddPoints(::boost::python::tuple args, ::boost::python::dict keywords);
 };
 REGISTER_SERIALIZABLE(MpmEngine);

@@ -179,25 +179,6 @@ void PointTable::setSkeleton(int id, int number)
 	columns_[ofSkeleton][std::size_t(id)] = number;
 }
 
-/// Of an archive of a former version.
-void PointTable::takeRows(const Numbers& rows)
-{
-	constexpr std::size_t columns = 9;
-	std::size_t           row     = 0;
-	count_                        = 0;
-	columns_.clear();
-	if (dimension_ == 0) return;
-	for (std::size_t c = 0; c < columns; ++c)
-		row += width(c);
-	count_ = int(rows.size() / row);
-	columns_.assign(columns, {});
-	for (std::size_t c = 0, first = 0; c < columns; first += width(c++)) {
-		for (std::size_t at = first; at < rows.size(); at += row)
-			columns_[c].insert(columns_[c].end(), rows.begin() + long(at), rows.begin() + long(at + width(c)));
-		holdOnce(columns_[c], width(c));
-	}
-}
-
 template <int D> PointInput<D> PointTable::point(int id) const
 {
 	std::size_t column = 0;

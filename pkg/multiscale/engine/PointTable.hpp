@@ -37,34 +37,13 @@ public:
 	/// Bit by bit, but for numbers that are none: archives of text keep only that.
 	std::uint64_t digest() const;
 
-	/// Former archives have rows of numbers behind the dimension, and so have those of an empty table: what its class looks like is unchanged.
-	template <class Archive> void save(Archive& ar, unsigned) const
+	template <class Archive> void serialize(Archive& ar, unsigned)
 	{
-		const int     marked = -dimension_;
-		const Numbers none;
-		ar&           boost::serialization::make_nvp("dimension", marked);
-		if (marked == 0) ar& boost::serialization::make_nvp("numbers", none);
-		else {
-			ar& boost::serialization::make_nvp("count", count_);
-			ar& boost::serialization::make_nvp("columns", columns_);
-		}
+		ar& boost::serialization::make_nvp("dimension", dimension_);
+		ar& boost::serialization::make_nvp("count", count_);
+		ar& boost::serialization::make_nvp("columns", columns_);
 		ar& boost::serialization::make_nvp("materials", materials_);
 	}
-	template <class Archive> void load(Archive& ar, unsigned)
-	{
-		Numbers    rows;
-		ar&        boost::serialization::make_nvp("dimension", dimension_);
-		const bool inRows = dimension_ >= 0;
-		dimension_        = std::abs(dimension_);
-		if (inRows) ar& boost::serialization::make_nvp("numbers", rows);
-		else {
-			ar& boost::serialization::make_nvp("count", count_);
-			ar& boost::serialization::make_nvp("columns", columns_);
-		}
-		ar& boost::serialization::make_nvp("materials", materials_);
-		if (inRows) takeRows(rows);
-	}
-	BOOST_SERIALIZATION_SPLIT_MEMBER()
 
 private:
 	static constexpr int ofSkeleton = 5;
@@ -75,7 +54,6 @@ private:
 		const Numbers& numbers = columns_[column];
 		return numbers[(numbers.size() == width(column) ? 0 : std::size_t(id) * width(column)) + std::size_t(component)];
 	}
-	void takeRows(const Numbers& rows);
 	void expand(std::size_t column);
 	void append(std::size_t column, const Numbers& more, int points);
 

@@ -28,16 +28,6 @@ namespace {
 		if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), bytes.data(), array.size() * sizeof(T));
 	}
 
-	// What comes before the lists of a sample: none, those of former archives, where all grains have the same skin, or present ones.
-	enum : std::size_t { noLists, listsWithoutSlack, listsWithSlack };
-
-	/// Lists of a former archive; their skin was that of a pair.
-	template <int Dim> void supplySlack(PackedLists<Dim>& lists, std::size_t grains)
-	{
-		lists.skin *= 0.5;
-		lists.slack.assign(grains, 0);
-	}
-
 	template <int Dim> bool belongTogether(const PackedLists<Dim>& lists, std::size_t grains)
 	{
 		if (lists.slack.size() != grains) return false;
@@ -127,7 +117,7 @@ template <int Dim> void PackedStore<Dim>::saveState(ByteWriter& writer, std::siz
 	PackedLists<Dim> lists;
 	const bool       listed = pool.compact(sample)->expand(state, lists);
 	writer.block(state.toBytes());
-	writer.number(listed ? listsWithSlack : noLists);
+	writer.number(listed);
 	if (!listed) return;
 	writer.block(static_cast<const PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
 	writer.number(lists.inside);
@@ -142,12 +132,11 @@ template <int Dim> void PackedStore<Dim>::restoreState(ByteReader& reader, const
 	auto state = PackedState<Dim>::fromBytes(reader.block());
 	shareGrains(state, knownGrains);
 	typename SamplePool<Dim>::Compact compact;
-	if (const auto kind = reader.number()) {
+	if (reader.number()) {
 		PackedLists<Dim> lists;
 		reader.block(static_cast<PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
 		lists.inside = reader.number();
-		if (kind == listsWithSlack) restoreArray(reader, lists.slack);
-		else supplySlack(lists, state.size());
+		restoreArray(reader, lists.slack);
 		restoreArray(reader, lists.first);
 		restoreArray(reader, lists.second);
 		restoreArray(reader, lists.cellDist);

@@ -509,11 +509,6 @@ py::dict RveSkeleton::cost() const
 	return d;
 }
 
-py::dict RveSkeleton::refuseCounters() const
-{
-	talik::raiseAttributeError("RveSkeleton.counters is now RveSkeleton.cost(), a call as MpmEngine.cost() is: the same dictionary.");
-}
-
 py::dict RveSkeleton::blownUp() const
 {
 	py::dict d;

@@ -53,7 +53,6 @@ public:
 	::boost::python::list   pyMeasures() const;
 	::boost::python::dict   cost() const;
 	/// Throws AttributeError: the former name of cost().
-	::boost::python::dict refuseCounters() const;
 	::boost::python::dict blownUp() const;
 
 private:
@@ -161,7 +160,6 @@ public:
 				"ranks divide the samples, seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
 				"moved, how often one went to another rank (in slabs each of several that share a state counts); balance, mean over largest cost of the ranks [-]. If "
 				"device is not cpu: onDevice, updates that a device did; endedOnProcessor, those that it began (neighbour lists, flipped cells); leftToProcessor.")
-		.add_property("counters",&RveSkeleton::refuseCounters,"The former name of cost().")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
 	// clang-format on

@@ -180,7 +180,7 @@ template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const
 	toleranceField  = f.declare(prefix + "strainTolerance", name(), "-", 1);
 	ratioField      = f.declare(prefix + "tangentRatio", name(), "-", 1);
 	tangentField    = f.declare(prefix + "tangent", name(), "Pa", tangentSize<Dim>);
-	if (schedule.followsTime()) timeField = f.declare(prefix + "naturalTime", name(), "s", 1);
+	if (schedule.followsTime()) timeField = f.declare(prefix + "timeSinceUpdate", name(), "s", 1);
 	if (accuracy) accuracy->declareFields(f, prefix, name());
 }
 
@@ -276,12 +276,12 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	else if (!dueScratch.empty()) book(ask(batch, dueScratch, a));
 }
 
-/// Time of nature since the samples were asked.
+/// Calendar time since the samples were updated.
 template <int Dim> void SampleSkeleton<Dim>::passTime(const SkeletonBatch<Dim>& batch) const
 {
 	double* time = fields->component(timeField);
 	for (int k = 0; k < batch.count; ++k)
-		time[batch.place[k]] += batch.naturalTime;
+		time[batch.place[k]] += batch.time.calendar;
 }
 
 /// Whether the bonds of a point's sample have had time to creep.

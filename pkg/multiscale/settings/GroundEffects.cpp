@@ -73,7 +73,7 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 		                            "water=PoreWater() or leave it out.");
 	if (!water) return s;
 	const FreezingCurve* const curve = freezing ? freezing.get() : ofScene;
-	s.permeability                   = water->build(curve ? curve->residualSaturation : 0).permeability;
+	s.permeability                   = water->build(curve ? curve->residual() : 0).permeability;
 	if (!std::isnan(hydraulicConductivity)) s.permeability->referenceConductivity = hydraulicConductivity;
 	if (!std::isnan(referencePorosity)) s.permeability->referencePorosity = referencePorosity;
 	if (!std::isnan(impedance)) s.permeability->impedance = impedance;
@@ -131,8 +131,44 @@ namespace {
 	}
 } // namespace
 
+Real FreezingCurve::residual() const { return curve == "table" && !liquidSaturations.empty() ? liquidSaturations.front() : residualSaturation; }
+
+void FreezingCurve::requireLiquid(const string& whose) const
+{
+	if (residual() >= 0.01) return;
+	throw std::invalid_argument(
+	        string("FreezingCurve.") + (curve == "table" ? "liquidSaturations[0]" : "residualSaturation") + whose + " is " + std::to_string(residual())
+	        + ": give 0.01 to below 1 in a scene with water, whose ground is never quite solid.");
+}
+
+/// The curve through measured points.
+talik::FreezingCurvePtr FreezingCurve::ofTable() const
+{
+	if (temperatures.size() != liquidSaturations.size())
+		throw std::invalid_argument(
+		        "FreezingCurve.temperatures has " + std::to_string(temperatures.size()) + " values and FreezingCurve.liquidSaturations "
+		        + std::to_string(liquidSaturations.size()) + ": give as many of each");
+	for (const auto& [attribute, value, byDefault] : { std::tuple("width", width, NaN),
+	                                                   { "exponent", exponent, NaN },
+	                                                   { "airEntryPressure", airEntryPressure, NaN },
+	                                                   { "freezingTemperature", freezingTemperature, 0. },
+	                                                   { "residualSaturation", residualSaturation, 0.05 } })
+		if (value != byDefault && !std::isnan(value))
+			throw std::invalid_argument(
+			        string("FreezingCurve.") + attribute + " = " + talik::asText(value) + ": the points of the curve table say it; leave it out");
+	std::vector<talik::CurvePoint> points;
+	for (std::size_t k = 0; k < temperatures.size(); ++k)
+		points.push_back({ temperatures[k], liquidSaturations[k] });
+	return talik::underScriptNames({ { "freezingCurve.table.", "FreezingCurve." } }, [&] { return talik::makeFreezingCurve(points); });
+}
+
 talik::FreezingCurvePtr FreezingCurve::build() const
 {
+	if (curve == "table") return ofTable();
+	if (!temperatures.empty() || !liquidSaturations.empty())
+		throw std::invalid_argument(
+		        "FreezingCurve.temperatures and liquidSaturations are those of the curve table, but FreezingCurve.curve = '" + curve
+		        + "': write curve='table', or leave them out");
 	talik::CurveParameters given { { "freezingTemperature", freezingTemperature }, { "residualSaturation", residualSaturation } };
 	const auto             pass = [&](const string& attribute, Real value) {
                 if (std::isnan(value)) return;

@@ -41,17 +41,27 @@ REGISTER_SERIALIZABLE(HeatTransfer);
 
 /// Effect: pore water freezes, liquid saturation follows temperature.
 class FreezingCurve : public Serializable {
+	talik::FreezingCurvePtr ofTable() const;
+
 public:
 	talik::FreezingCurvePtr build() const;
+	/// S_r [-]
+	Real residual() const;
+	/// Refuses a curve that leaves too little liquid for a scene with water; whose: " of material 'silt'", or nothing.
+	void requireLiquid(const string& whose) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(FreezingCurve,Serializable,"Effect of a scene: pore water freezes along the soil freezing characteristic curve S_l(T). Needs "
-			"HeatTransfer. Example: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05).",
-		((string,curve,"gauss",,"gauss, exponential, power, vanGenuchten, linear or sharp."))
-		((Real,freezingTemperature,0,,"T_f: at and above it all water is liquid [degC]."))
-		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1; without PoreWater also 0."))
+			"HeatTransfer. Examples: FreezingCurve(curve='gauss',width=0.5,residualSaturation=0.05), "
+			"FreezingCurve(curve='table',temperatures=[-5,-1,-0.2,0],liquidSaturations=[0.1,0.2,0.6,1]).",
+		((string,curve,"gauss",,"gauss, exponential, power, vanGenuchten, linear, sharp; or table, of measured points."))
+		((Real,freezingTemperature,0,,"T_f: at and above it all water is liquid [degC]. A table has its own."))
+		((Real,residualSaturation,0.05,,"S_r: liquid saturation that never freezes [-], 0.01 to below 1; without PoreWater also 0. A table has its own."))
 		((Real,width,NaN,,"Width of the freezing range [K], > 0: W of gauss and exponential, T_f - T_m of linear, D of power; NaN: the curve's default."))
 		((Real,exponent,NaN,,"a of power, lambda of vanGenuchten [-]; NaN: the curve's default."))
 		((Real,airEntryPressure,NaN,,"P_0 of vanGenuchten [Pa]; NaN: the curve's default."))
+		((vector<Real>,temperatures,,,"Of the measured points of the curve table [degC], ascending: -100 to 50. T_f is that of the first point with saturation 1."))
+		((vector<Real>,liquidSaturations,,,"At each of temperatures [-], 0 to 1, never decreasing; the last is 1. Linear in between; the first is S_r, and holds in "
+				"colder ground, too."))
 	);
 	// clang-format on
 };
@@ -79,12 +89,8 @@ REGISTER_SERIALIZABLE(ThawFront);
 class PoreWater : public Serializable {
 public:
 	talik::WaterSettings build(Real residualSaturation) const;
-	/// The share per step that picTime has replaced.
-	Real refusedFlip() const;
-	void setFlip(Real);
-	void pyHandleCustomCtorArgs(::boost::python::tuple&, ::boost::python::dict& keywords) override;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag "
+	YADE_CLASS_BASE_DOC_ATTRS(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag "
 			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
 			"PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
 		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Larger values than 12.5 ms * g * "
@@ -105,9 +111,6 @@ public:
 		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
 		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; "
 				"NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is accelerated."))
-		,/*ctor*/ ,
-		/*py*/
-		.add_property("flip",&PoreWater::refusedFlip,&PoreWater::setFlip,"Replaced by picTime.")
 	);
 	// clang-format on
 };

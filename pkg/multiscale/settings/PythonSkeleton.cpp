@@ -11,10 +11,6 @@ namespace py = boost::python;
 namespace np = boost::python::numpy;
 
 namespace talik {
-namespace {
-	/// Place of a component of MidpointIncrement::strain in a stress; the plane has no strain zz.
-	template <int D> constexpr int stressOfStrain(int c) { return D == 2 && c == 2 ? 3 : c; }
-} // namespace
 
 /// Arrays that a law sees, for as many points as it has; reused from step to step.
 template <int D> struct LawArrays {
@@ -137,7 +133,8 @@ private:
 		py::dict      named;
 		TALIK_PUT_MEMBERS(named, a, (gradient)(strain)(stress)(state)(iceSaturation)(volume)(id))
 		named["temperature"]      = b.temperature ? py::object(a.temperature) : py::object();
-		named["duration"]         = b.naturalTime;
+		named["timeStep"]         = b.time.motion;
+		named["calendarTimeStep"] = b.time.calendar;
 		const py::object step     = py::import("types").attr("SimpleNamespace")(*py::tuple(), **named);
 		const py::object returned = (*script_.law)(step);
 		const auto       stress   = numbers(returned.is_none() ? step.attr("stress") : returned, b, "stress", stressSize<D>);
@@ -223,7 +220,8 @@ public:
 			"effective, tension positive, of the step before and turned with the ground [Pa]; strain of the step, tensor components of the same shape [-]; gradient "
 			"(n,2,2) or (n,3,3), increment of the displacement gradient [-]; state (n,k), which the law owns; iceSaturation (n,) [-], 0 where nothing freezes; "
 			"temperature (n,) [degC], None in ground without heat; volume (n,) [m^3; in the plane m^2]; id (n,), numbers of the points, whose order changes in a run; "
-			"and duration, calendar time of the step [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
+			"timeStep, time of motion that passes in the step [s]: strain/timeStep is the rate of strain; and calendarTimeStep, time of the calendar that passes, "
+			"for creep and ageing [s]. The law writes the new stress and state into the arrays or returns the new stress. The "
 			"arrays are used again in the next step: copy what is to be kept. An elastic law costs 80 ns per point and step, of which NumPy takes half, and doubles "
 			"the time of a dry step; a step costs 30 us at least. Errors and values that are not finite end the run with a sentence. Checkpoints "
 			"have the states and the name of the function, from which it is imported again. With MpmEngine.distribute='ground' the "

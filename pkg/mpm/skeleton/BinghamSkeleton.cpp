@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/skeleton/BinghamSkeleton.hpp>
+#include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
+#include <pkg/mpm/skeleton/ShearStress.hpp>
+#include <pkg/thm/Errors.hpp>
+
+#include <cmath>
+
+namespace talik {
+
+template <int D> void BinghamSkeleton<D>::validate() const
+{
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "BinghamSkeleton.youngModulus", youngModulus, "must be positive, in Pa");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "BinghamSkeleton.poissonRatio", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(yieldStress) && yieldStress >= 0.0, "BinghamSkeleton.yieldStress", yieldStress, "must be finite and not negative, in Pa");
+	requireSetting(
+	        std::isfinite(yieldStressFrozen) && yieldStressFrozen >= yieldStress, "BinghamSkeleton.yieldStressFrozen", yieldStressFrozen,
+	        "must be finite and at least yieldStress, in Pa");
+	requireSetting(std::isfinite(viscosity) && viscosity > 0.0, "BinghamSkeleton.viscosity", viscosity, "must be positive, in Pa s");
+}
+
+template <int D> void BinghamSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
+{
+	fields_ = &fields;
+	strain_ = fields.declare(prefix + "flowStrain", "BinghamSkeleton", "-", 1);
+}
+
+/// Eq. (26.2).
+template <int D> void BinghamSkeleton<D>::flow(const SkeletonBatch<D>& b, int first, int count)
+{
+	const double shear  = LameModuli(youngModulus, poissonRatio).shear;
+	const double ratio  = shear * b.time.motion / viscosity;
+	double*      flowed = fields_ ? fields_->component(strain_) : nullptr;
+	for (int p = first; p < first + count; ++p) {
+		ShearStress<D> stress(b, p);
+		const double   trial = stress.value(), yield = yieldStressAt(b.iceSaturation ? b.iceSaturation[p] : 0.0);
+		if (!(trial > yield)) continue;
+		const double tau = (trial + ratio * yield) / (1.0 + ratio);
+		stress.become(tau);
+		if (flowed) flowed[p] += (trial - tau) / shear;
+	}
+}
+
+template <int D> void BinghamSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
+{
+	updateElasticBatch<D>(b, LameModuli(youngModulus, poissonRatio), [&](int first, int count) { flow(b, first, count); });
+}
+
+template <int D> void BinghamSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
+{
+	const double m = LameModuli(youngModulus, poissonRatio).oedometer();
+	for (int k = 0; k < b.count; ++k)
+		modulus[b.place[k]] = m;
+}
+
+template class BinghamSkeleton<2>;
+template class BinghamSkeleton<3>;
+
+} // namespace talik
