@@ -4,7 +4,6 @@
 
 	scripts/style.py         # names what differs, ends with 1 if anything does
 	scripts/style.py --fix   # formats
-	scripts/style.py --cpp   # only searches C++ for defects with cppcheck, which takes a minute
 
 Versions of clang-format lay out differently; the style is that of Debian 12 (version 14). With another one C++ is not checked.
 """
@@ -28,13 +27,6 @@ folders = "plugin pkg scripts examples tests".split()
 longestLine = 160
 indent = "    "
 clangFormatVersion = 14
-searchedFolders = "pkg/mpm pkg/thm pkg/rve/packed pkg/ranks".split()  # without YADE, whose macros cppcheck does not know
-defectsPassedOver = [
-	"missingInclude",  # of the system: cppcheck knows the standard library by itself
-	"duplInheritedMember",  # constants of a kind that a struct has in place of those of its base, as TableCurve::piecewiseLinear
-	"uninitvar:pkg/mpm/grid/ShapeFunctions.hpp",  # it does not see that a loop with two counters writes all of an array
-	"nullPointer:pkg/mpm/GroundParts.hpp",  # AbsentEffect, which nobody asks
-]
 consoleNames = "O utils yade getStress".split()  # what YADE's console knows beside its classes
 passedOver = {"__init__.py": messages.UnusedImport, "conftest.py": messages.RedefinedWhileUnused}  # what such files are made for
 
@@ -123,28 +115,11 @@ def defects(path):
 	return found
 
 
-def defectsInCpp():
-	"""Lines that cppcheck says of errors, and of what is slow or not portable; none, and a sentence, where it is not installed."""
-	if not shutil.which("cppcheck"):
-		print("C++ is not searched for defects: Debian's package cppcheck is not installed")
-		return []
-	command = ["cppcheck", "--std=c++17", "--language=c++", "--enable=warning,performance,portability", "-I.", "--quiet"]
-	command += ["--template={file}:{line}: {message} [{id}]", *(f"--suppress={name}" for name in defectsPassedOver), *searchedFolders]
-	found = subprocess.run(command, capture_output=True, text=True, cwd=root).stderr.splitlines()
-	print(*found, sep="\n", end="\n" if found else "")
-	print(f"{sum(len(list((root / folder).rglob('*.cpp'))) for folder in searchedFolders)} files of C++ searched for defects, {len(found)} found")
-	return found
-
-
 def main():
 	gc.disable()  # black's trees point both ways; to look for what can be thrown away takes a fifth of the time
 	parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 	parser.add_argument("--fix", action="store_true", help="format the files")
-	parser.add_argument("--cpp", action="store_true", help="only search C++ for defects")
-	options = parser.parse_args()
-	if options.cpp:
-		return 1 if defectsInCpp() else 0
-	fix = options.fix
+	fix = parser.parse_args().fix
 	python, cpp = sources(".py"), sources(".cpp", ".hpp", ".inc")
 	program = clangFormat()
 	if program is None:

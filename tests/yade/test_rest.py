@@ -17,7 +17,7 @@ def ground(sides=("left", "right", "bottom"), **settings):
 		lower=(0, 0),
 		upper=(1, 3),
 		gravity=(0, -9.81),
-		skeleton=wrapper.MohrCoulombSkeleton(young=1e7, cohesion=1e3),
+		skeleton=wrapper.ElasticSkeleton(young=1e7),
 		poreFill=0,
 		boundaries=[wrapper.RollerBoundary(region=side) for side in sides],
 		**settings,

@@ -655,8 +655,3 @@ def test_a_sample_behind_a_point_can_be_looked_at_and_put_back(form, frozen):
 	assert intact[5] == 0 and (np.delete(intact, 5) == shown[1]).all()
 	O.step()
 	assert np.isfinite(mpm.field("stress")).all()
-
-
-def test_counters_are_refused_by_a_sentence_that_gives_their_new_name():
-	with pytest.raises(AttributeError, match=r"RveSkeleton.counters is now RveSkeleton.cost\(\), a call as MpmEngine.cost\(\) is"):
-		wrapper.RveSkeleton().counters

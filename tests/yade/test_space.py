@@ -172,7 +172,7 @@ def terzaghi(height, length, pressure, factor):
 
 def test_water_is_squeezed_out_along_each_axis_as_in_the_plane_and_as_terzaghi_has_it():
 	results = {name: consolidated(axis, dimension) for name, axis, dimension in (("plane", 1, 2), ("x", 0, 3), ("y", 1, 3), ("z", 2, 3))}
-	modulus, storage = 10e6 * 0.8 / (1.2 * 0.6), 0.4 / wrapper.PoreWater().bulkModulus
+	modulus, storage = 10e6 * 0.8 / (1.2 * 0.6), 0.4 / 2.2e7  # K_w of the explicit pressure, when it is not given
 	for name, (height, pressure) in results.items():
 		exact = terzaghi(height, 2.0, 10e3, 1e-3 / (9810 * (1 / modulus + storage)) / 4)
 		error = np.sqrt(np.mean((pressure - exact) ** 2)) / 10e3

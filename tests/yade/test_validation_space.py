@@ -53,7 +53,7 @@ def drainedSphere(cells, poisson):
 	"""Times c_v t/a^2, pressure at the centre over that at the start, and K S, of a sphere of 1 m with so many cells along its radius."""
 	load, young, conductivity, radius = 10e3, 1e6, 1e-3, 1.0
 	bulk, oedometer = young / (3 * (1 - 2 * poisson)), young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
-	water = wrapper.PoreWater(conductivity=conductivity)
+	water = wrapper.PoreWater(conductivity=conductivity, bulkModulus=2.2e7)
 	storage = porosity / water.bulkModulus
 	atStart = load / (1 + bulk * storage)  # Skempton
 	mpm = ofOctant(

@@ -4,6 +4,7 @@
 The page, the pictures and the rows that they are made of lie beside each other, so that anybody can make the page anew from its rows."""
 
 import json
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -111,9 +112,14 @@ def _partsOf(case, rows, pictures):
 		_markdownTable(verdictOf(case, there)),
 		"Every row, with its difference to the finest of its knob that came to that day:",
 		_markdownTable(tableOf(case, there)),
-		*(["Did not come to their end:\n\n" + "\n".join(unfinished)] if unfinished else []),
+		*(["Did not come to their end:\n\n" + "\n".join(map(_wrapped, unfinished))] if unfinished else []),
 		f"![{title}: largest displacement over the days, one panel for each knob]({pictures}_{case}.png)",
 	]
+
+
+def _wrapped(item):
+	"""An item of a list in lines that the page takes."""
+	return textwrap.fill(item, 150, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
 def _markdownTable(lines):
