@@ -313,7 +313,8 @@ TEST(ThawedCompression, GroundThatStaysFrozenHasTheBitsOfGroundWithoutCompressio
 	}
 	expectSmall("frozen column with a compression curve under load: values that differ in any bit from those without", differing, 0.0);
 	expectSmall("frozen column with a compression curve under load: strain lost", largestSize(valuesOf(*with, "thawedCompression")), 0.0);
-	EXPECT_FALSE(std::any_of(without->fields().begin(), without->fields().end(), [](const FieldInfo& f) { return f.owner == "thawedCompression"; }));
+	const auto fields = without->fields();
+	EXPECT_FALSE(std::any_of(fields.begin(), fields.end(), [](const FieldInfo& f) { return f.owner == "thawedCompression"; }));
 }
 
 // Ice that forms again holds the soil, and what was lost stays lost
