@@ -115,6 +115,10 @@ template <int D> void Ground<D>::Parts::findReactions(const std::array<std::vect
 /// unit modulus whose nodes give way to them. Conjugate gradients, each node by its own stiffness.
 template <int D> void Ground<D>::Parts::balanceStart()
 {
+	if (std::any_of(settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesNodes(); }))
+		throw std::invalid_argument(
+		        "balanceStart = true: a boundary of a script answers to steps only, and there is none yet at the start; leave balanceStart "
+		        "out, or take a boundary of Talik");
 	findForcesAtRest();
 	const int                                      n = points->count();
 	std::array<std::vector<double>, stressSize<D>> strain;
