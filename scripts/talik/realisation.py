@@ -4,7 +4,7 @@
 	samples = talik.rve.prepare(grains=100, realisations=8, seed=1)    # a list; those in the cache are not made again
 
 YADE has one current scene, so that a process prepares one sample at a time. Each realisation is therefore made by a yade of its own,
-which runs onerealisation.py and leaves the sample in the cache.
+which runs _onerealisation.py and leaves the sample in the cache.
 """
 
 import json
@@ -77,7 +77,7 @@ class _Worker:
 		environment["PYTHONPATH"] = os.pathsep.join(filter(None, [_moduleFolder(), os.environ.get("PYTHONPATH")]))
 		self.call, self.said = call, tempfile.TemporaryFile()
 		self.process = subprocess.Popen(
-			[yade, "-n", "-j1", "-x", str(Path(__file__).with_name("onerealisation.py"))],
+			[yade, "-n", "-j1", "-x", str(Path(__file__).with_name("_onerealisation.py"))],
 			env=environment,
 			stdin=subprocess.DEVNULL,
 			stdout=self.said,
