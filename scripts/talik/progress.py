@@ -161,8 +161,11 @@ def whatSlowsTheCalendar(mpm):
 		return None
 	position, velocity, volume = (mpm.field(name) for name in ("position", "velocity", "volume"))
 	lower = np.array(mpm.lower) if len(mpm.lower) == position.shape[1] and np.isfinite(mpm.lower).all() else 0.0
-	cells, cell = np.unique(np.floor((position - lower) / mpm.gridSpacing), axis=0, return_inverse=True)
-	means = [np.bincount(cell, volume * component, len(cells)) / np.bincount(cell, volume, len(cells)) for component in velocity.T]
+	place = np.floor((position - lower) / mpm.gridSpacing).astype(int)
+	place -= place.min(axis=0)
+	cell = np.ravel_multi_index(tuple(place.T), tuple(place.max(axis=0) + 1))
+	size = np.bincount(cell, volume)
+	means = [np.divide(np.bincount(cell, volume * component), size, out=np.zeros_like(size), where=size > 0) for component in velocity.T]
 	fastest = np.linalg.norm(means, axis=0).argmax()
 	ids = np.flatnonzero(cell == fastest)
 	speed = float(np.linalg.norm([mean[fastest] for mean in means]))

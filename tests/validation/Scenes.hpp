@@ -8,6 +8,7 @@
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -93,6 +94,16 @@ template <int D> std::vector<double> valuesOf(const Ground<D>& ground, const std
 {
 	std::vector<double> values(ground.points().count());
 	ground.copyById(field, component, values.data());
+	return values;
+}
+
+/// Pore pressure of the cells of a column from the base up [Pa].
+inline std::vector<double> cellPressures(const Ground<2>& ground, int cells)
+{
+	const auto          p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1);
+	std::vector<double> values(cells, 0.0);
+	for (std::size_t k = 0; k < p.size(); ++k)
+		values[std::min(cells - 1, int(y[k] / ground.settings().gridSpacing))] = p[k];
 	return values;
 }
 

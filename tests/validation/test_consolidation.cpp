@@ -82,16 +82,6 @@ double settlement(const Ground<2>& ground, double height)
 
 constexpr const char* terzaghiSource = "Terzaghi, compressible water";
 
-/// Pore pressure of the cells from the base up.
-std::vector<double> cellPressures(const Ground<2>& ground, int cells)
-{
-	const auto          p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1);
-	std::vector<double> values(cells, 0.0);
-	for (std::size_t k = 0; k < p.size(); ++k)
-		values[std::min(cells - 1, int(y[k] / ground.settings().gridSpacing))] = p[k];
-	return values;
-}
-
 /// The full curve: base pressure, isochrones and settlement.
 void expectTerzaghi(const ColumnScene& c, const std::string& name, const std::string& file, double pressureTolerance)
 {

@@ -56,15 +56,6 @@ Ground<2> started(const GroundSettings<2>& s, const Vec<2>& size, double moved =
 	return ground;
 }
 
-std::vector<double> cellPressures(const Ground<2>& ground, int cells)
-{
-	const auto          p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1);
-	std::vector<double> values(cells, 0.0);
-	for (std::size_t k = 0; k < p.size(); ++k)
-		values[std::min(cells - 1, int(y[k] / ground.settings().gridSpacing))] = p[k];
-	return values;
-}
-
 void expectTerzaghi(double conductivity, double bulkModulus, const std::vector<double>& factors, double tolerance, double moved = 0.0)
 {
 	citing("Terzaghi, compressible water");

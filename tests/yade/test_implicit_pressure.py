@@ -38,12 +38,10 @@ def test_the_stiffness_of_water_does_not_limit_the_step():
 	for pressure in ("explicit", "implicit"):
 		for modulus in (2.2e7, 2.2e9):
 			mpm = slope(pressure=pressure, bulkModulus=modulus)
-			O.step()
+			mpm.initialise()
 			steps[pressure, modulus] = mpm.timeStepLimits()["wave"]
 	print("time step [s]:", steps, "reference: that of the skeleton, the same with any stiffness of water")
-	# the first step has changed porosities by what each water gives way
-	assert steps["implicit", 2.2e9] == pytest.approx(steps["implicit", 2.2e7], rel=1e-4)
-	assert steps["implicit", 2.2e7] > steps["explicit", 2.2e7] > steps["explicit", 2.2e9]
+	assert steps["implicit", 2.2e9] == steps["implicit", 2.2e7] > steps["explicit", 2.2e7] > steps["explicit", 2.2e9]
 
 
 def test_a_checkpoint_of_ground_with_implicit_pressure_goes_on_to_the_same_bits(tmp_path):

@@ -379,7 +379,8 @@ namespace N_ONE {
 				fixed.brokenInTension = fixed.brokenInShear = fixed.bonds = fixed.unsound = 0;
 			});
 
-			if (Bonded && call.changesIce) together<Threads>([&](int t) TALIK_INLINED { kernel.changeIceOf(t, s, place, call); });
+			if constexpr (Bonded)
+				if (call.changesIce) together<Threads>([&](int t) TALIK_INLINED { changeIceOf(kernel, t, s, place, call); });
 			ListUse use { call.travel, call.stretch };
 			int     step = 0;
 			for (; step < total && !use.exhausted(call); ++step) {
@@ -466,6 +467,20 @@ namespace N_ONE {
 		}
 
 		/// Overlap of a pair as PackedWorkspace::geometry() has it.
+		HWY_INLINE static void changeIceOf(Kernel& kernel, int t, const Shared<Dim>& s, const At& place, const SampleCall& call)
+		{
+			TALIK_UNROLL for (int k = 0; k < Kernel::Pairs; ++k)
+			{
+				const int p = k * Threads + t;
+				if (p >= call.pairs) continue;
+				auto ofAll = plainShear(kernel.shear(t, k)), ofIce = plainShear(kernel.ice(t, k));
+				changeIce<Dim>(call, place, p, overlapOf(s, place, p), ofAll, ofIce);
+				kernel.shear(t, k)     = shearOf(ofAll);
+				kernel.ice(t, k)       = shearOf(ofIce);
+				kernel.constants(t, k) = constantsOf<Dim, true>(place, p);
+			}
+		}
+
 		HWY_INLINE static double overlapOf(const Shared<Dim>& s, const At& place, int p)
 		{
 			double branch[Dim];
@@ -558,7 +573,7 @@ namespace N_ONE {
 
 	/// Rows of grains in the block: x, v; of pairs: G, then s and s u_n/2.
 	template <int ThreadsOfBlock, int GrainsEach, int PairsEach, bool WithBonds> struct DiscsOf {
-		static constexpr int  Dim = 2, Threads = ThreadsOfBlock;
+		static constexpr int  Dim = 2, Threads = ThreadsOfBlock, Pairs = PairsEach;
 		static constexpr bool Bonded = WithBonds;
 		using At                     = Place<2, Bonded>;
 
@@ -588,22 +603,6 @@ namespace N_ONE {
 				if (Bonded) ice(t, k) = { place.pair(At::iceShear, p) };
 				index(t, k)     = place.index(p);
 				constants(t, k) = constantsOf<2, Bonded>(place, p);
-			}
-		}
-
-		HWY_INLINE void changeIceOf(int t, const Shared<2>& s, const At& place, const SampleCall& call)
-		{
-			TALIK_UNROLL for (int k = 0; k < PairsEach; ++k)
-			{
-				const int p = k * Threads + t;
-				if (p >= call.pairs) continue;
-				if constexpr (Bonded) {
-					auto ofAll = plainShear(shear(t, k)), ofIce = plainShear(ice(t, k));
-					changeIce<2>(call, place, p, Run<DiscsOf>::overlapOf(s, place, p), ofAll, ofIce);
-					shear(t, k)     = shearOf(ofAll);
-					ice(t, k)       = shearOf(ofIce);
-					constants(t, k) = constantsOf<2, true>(place, p);
-				}
 			}
 		}
 
@@ -752,7 +751,7 @@ namespace N_ONE {
 
 	/// Rows of grains in the block: x, y; z, w_y r; v_x, v_y; v_z, w_z r (and w_x r beside w_x); of pairs: G, n x s, levers of first and second.
 	template <int ThreadsOfBlock, int GrainsEach, int PairsEach, bool WithBonds> struct SpheresOf {
-		static constexpr int  Dim = 3, Threads = ThreadsOfBlock;
+		static constexpr int  Dim = 3, Threads = ThreadsOfBlock, Pairs = PairsEach;
 		static constexpr bool Bonded = WithBonds;
 		using At                     = Place<3, Bonded>;
 
@@ -808,22 +807,6 @@ namespace N_ONE {
 				index(t, k)          = place.index(p);
 				constants(t, k)      = constantsOf<3, Bonded>(place, p);
 				halfDifference(t, k) = { place.pair(At::halfDifference, p) };
-			}
-		}
-
-		HWY_INLINE void changeIceOf(int t, const Shared<3>& s, const At& place, const SampleCall& call)
-		{
-			TALIK_UNROLL for (int k = 0; k < PairsEach; ++k)
-			{
-				const int p = k * Threads + t;
-				if (p >= call.pairs) continue;
-				if constexpr (Bonded) {
-					auto ofAll = plainShear(shear(t, k)), ofIce = plainShear(ice(t, k));
-					changeIce<3>(call, place, p, Run<SpheresOf>::overlapOf(s, place, p), ofAll, ofIce);
-					shear(t, k)     = shearOf(ofAll);
-					ice(t, k)       = shearOf(ofIce);
-					constants(t, k) = constantsOf<3, true>(place, p);
-				}
 			}
 		}
 
