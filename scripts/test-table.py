@@ -35,6 +35,17 @@ def outcome(case):
 	return "ok"
 
 
+def _reason(case):
+	"""What ctest says of a failure: its exit status, a signal or the time it was given."""
+	failure = case.find("failure")
+	return (failure.get("message") if failure is not None else "") or "no reason given"
+
+
+def _ending(case, lines=60):
+	"""Last lines of a failed test, repeated at the end, where whoever reads a long log looks first."""
+	return [line.rstrip() for line in (case.findtext("system-out") or "").splitlines() if line.strip()][-lines:]
+
+
 def main(path):
 	try:
 		cases = ElementTree.parse(path).getroot().findall("testcase")
@@ -55,6 +66,9 @@ def main(path):
 		print(f"\n{'case: figure':80s} | {'measured':>13s} | {'reference':>13s} | {'error':>10s} | {'tolerance':>8s} | source\n" + "\n".join(rows))
 	failed = [case.get("name") for case in cases if outcome(case) != "ok"]
 	seconds = sum(float(case.get("time", 0)) for case in cases)
+	for case in cases:
+		if outcome(case) == "FAILED":
+			print(f"\nThe end of what {case.get('name')} said ({_reason(case)}):\n" + "\n".join(f"        {line}" for line in _ending(case)))
 	print(f"\n{len(cases) - len(failed)} of {len(cases)} tests passed in {seconds:.0f} s" + (f"; not passed: {', '.join(failed)}" if failed else ""))
 
 
