@@ -41,7 +41,7 @@ private:
 	double colderBy(double temperature) const { return referenceTemperature - std::min(temperature, 0.); }
 };
 
-/// Creep of ice bonds over some time of nature at one temperature.
+/// Creep of ice bonds over some calendar time at one temperature.
 struct BondCreep {
 	double fluidity = 0; ///< rate factor times time, A(T) t [Pa^-n], >= 0; 0: no creep
 	double exponent = 3; ///< n of Glen's law [-], >= 1
@@ -72,7 +72,7 @@ struct IceCreepLaw {
 		const double t = std::min(temperature, 0.), energy = t < referenceTemperature ? coldActivationEnergy : warmActivationEnergy;
 		return rateFactor * std::exp(energy / gasConstant * (1 / (celsius + referenceTemperature) - 1 / (celsius + t)));
 	}
-	/// Over a time of nature [s].
+	/// Over a calendar time [s].
 	BondCreep over(double temperature, double time) const { return { rateFactorAt(temperature) * time, exponent }; }
 };
 

@@ -54,7 +54,7 @@ public:
 			"area, is A s^n, with A = rateFactor exp(Q/R (1/T_0-1/T)), T in K. Defaults are those that Cuffey & Paterson 2010 (The Physics of Glaciers, section "
 			"3.4.6) recommend for glacier ice. Time is that of nature, in samples behind points that of the calendar. Example: "
 			"IceCreep(exponent=3).rateFactorAt(-5).",
-		((Real,rateFactor,3.5e-25,Attr::triggerPostLoad,"A at T_0 [Pa^-n/s in nature's time], >= 0. Stress in a bond is that of a sample times some 40 t/(0.1 m), t "
+		((Real,rateFactor,3.5e-25,Attr::triggerPostLoad,"A at T_0 [Pa^-n/s of calendar time], >= 0. Stress in a bond is that of a sample times some 40 t/(0.1 m), t "
 				"its thickness."))
 		((Real,exponent,3,Attr::triggerPostLoad,"n [-], 1 to 10; 3 by Glen 1955."))
 		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], > -273.15 and <= 0; Q changes there. Ground above 0 counts as 0."))
@@ -64,7 +64,7 @@ public:
 		/*py*/
 		.def("rateFactorAt",&IceCreep::rateFactorAt,(::boost::python::arg("temperature")),"A [Pa^-n/s] at a temperature [degC].")
 		.def("over",&IceCreep::over,(::boost::python::arg("temperature"),::boost::python::arg("time")),"(A t [Pa^-n], n): creep at a temperature [degC] over a "
-				"time of nature [s]. RveSample.apply and OpenRveSample.apply take it as creep.")
+				"calendar time [s]. RveSample.apply and OpenRveSample.apply take it as creep.")
 	);
 	// clang-format on
 };

@@ -503,7 +503,7 @@ def drawStrength(overRate, overTemperature):
 		for column, label, mark in ((0, "compression at 100 kPa", "o-"), (1, "tension", "s--")):
 			axes.plot(across, 1e-6 * table[:, column], mark, color=("black", "red")[column], label=label)
 		axes.set_yscale("log")
-	ofRate.set(xscale="log", xlabel="strain rate in nature's time [1/s]", ylabel="strength [MPa]", title="at -10 °C")
+	ofRate.set(xscale="log", xlabel="strain rate over calendar time [1/s]", ylabel="strength [MPa]", title="at -10 °C")
 	ofTemperature.set(xlabel="temperature [°C]", title="at 1e-4 1/s")
 	ofRate.legend(frameon=False)
 	return fig

@@ -2,12 +2,15 @@
 """Writing files and folders so that nothing is left half done."""
 
 import bz2
+import fcntl
 import gzip
 import hashlib
 import os
 import shutil
+import sys
 import tempfile
 import zlib
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -41,6 +44,21 @@ def writeWhole(path, content):
 		if isinstance(failure, OSError):
 			raise RuntimeError(f"file '{path}' could not be written: {failure.strerror or failure}") from None
 		raise
+
+
+@contextmanager
+def heldAlone(path, waitingFor):
+	"""One process at a time passes here with this file, which it leaves behind empty; another waits, and says for what. On a file system without
+	locks nobody waits."""
+	with open(path, "a") as file:
+		try:
+			fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+		except BlockingIOError:
+			print(f"talik: waiting for {waitingFor}, which another process makes", file=sys.stderr, flush=True)
+			fcntl.flock(file, fcntl.LOCK_EX)
+		except OSError:
+			pass
+		yield
 
 
 # --- scenes of YADE --------------------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ from yade import O, wrapper
 import talik
 from talik import packing, ranks, realisation
 from talik.console import checkedLabels
-from talik.files import sceneContent, writableFolder, writeWhole
+from talik.files import heldAlone, sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
 recipeVersion = 3  # part of the cache key: raise it whenever the recipe gives other samples
@@ -320,12 +320,28 @@ def _cached(parameters, cache, make):
 	folder = _cacheFolder(cache)
 	key = hashlib.sha256(json.dumps({**parameters, "layout": _classLayout(parameters["ice"]), "sheet": 2}, sort_keys=True).encode()).hexdigest()[:20]
 	scene, sheet = folder / f"{key}.yade.gz", folder / f"{key}.json"
-	if cache is not False and (scene.exists() or sheet.exists()):
-		try:
-			return _fromSheet(sheet, scene, parameters)
-		except (OSError, ValueError, TypeError, KeyError) as problem:
-			print(f"talik.rve: the cached sample {scene} is {_said(problem)}; it is made anew.", file=sys.stderr)
+	if cache is not False:
+		found = _found(sheet, scene, parameters)
+		if found:
+			return found
 	writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
+	with heldAlone(folder / f".{key}.lock", f"the sample {scene}"):
+		found = cache is not False and _found(sheet, scene, parameters)  # made while this process waited
+		return found or _makeAndKeep(sheet, scene, key, parameters, make)
+
+
+def _found(sheet, scene, parameters):
+	"""The sample of these files; None if there is none, or one that is damaged or another."""
+	if not (scene.exists() and sheet.exists()):
+		return None
+	try:
+		return _fromSheet(sheet, scene, parameters)
+	except (OSError, ValueError, TypeError, KeyError) as problem:
+		print(f"talik.rve: the cached sample {scene} is {_said(problem)}; it is made anew.", file=sys.stderr)
+		return None
+
+
+def _makeAndKeep(sheet, scene, key, parameters, make):
 	with talik.scratchScene():
 		extra = make()
 		sample = _measured(str(scene), {**parameters, **extra})

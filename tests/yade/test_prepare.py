@@ -270,6 +270,27 @@ def test_a_sample_is_the_same_to_the_last_bit_however_many_threads_yade_has_slow
 	assert one == three
 
 
+def test_two_yades_that_prepare_one_sample_in_one_cache_get_the_same_one(tmp_path):
+	script = tmp_path / "prepare.py"
+	script.write_text(
+		"import sys, time, talik\nfrom talik import rve\n"
+		"write = rve.writeWhole\n"
+		"def slowly(path, content):\n"
+		"\ttime.sleep(0.6)\n"
+		"\twrite(path, content)\n"
+		"rve.writeWhole = slowly\n"  # the other one meanwhile looks, makes or writes
+		"sample = rve.prepare(grains=30, cache=sys.argv[1])\n"
+		"print('MADE', sample.porosity, rve._digest(sample.path))\n"
+	)
+	command = ["yade", "-n", "-x", "-j1", str(script), str(tmp_path / "cache")]
+	both = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) for _ in range(2)]
+	said = [one.communicate(timeout=300)[0] for one in both]
+	made = [[line for line in text.splitlines() if line.startswith("MADE")] for text in said]
+	waited = sum("waiting for the sample" in text for text in said)
+	print(f"\n{made}; {waited} of the two waited for the other")
+	assert len(made[0]) == 1 and made[0] == made[1], "\n".join(said)
+
+
 def test_a_serial_run_follows_yades_own_run_to_the_last_bit(draftSample):
 	states = []
 	for advance in (packing.advance, lambda steps: O.run(steps, True)):
