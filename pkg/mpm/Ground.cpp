@@ -196,20 +196,8 @@ template <int D> std::vector<StateArray> Ground<D>::commonState()
 	list.push_back({ "clock", &g.clock, sizeof(g.clock) });
 	if (g.momentum && !g.momentum->wallPaths().empty())
 		list.push_back({ "wallPaths", g.momentum->wallPaths().data(), g.momentum->wallPaths().size() * sizeof(Vec<D>) });
-	if (g.heat) {
-		list.push_back({ "heatIn", &g.heat->heatIn, sizeof(double) });
-		list.push_back({ "smoothingTime", &g.heat->smoothingTime, sizeof(double) });
-	}
-	if (g.segregation) {
-		list.push_back({ "waterDrawn", &g.segregation->waterDrawn, sizeof(double) });
-		list.push_back({ "segregationWork", &g.segregation->work, sizeof(double) });
-	}
-	if (g.water) {
-		list.push_back({ "largestConductivity", &g.water->largestConductivity, sizeof(double) });
-		list.push_back({ "waterOut", &g.water->waterOut, sizeof(double) });
-		list.push_back({ "enthalpyOut", &g.water->enthalpyOut, sizeof(double) });
-		list.push_back({ "momentumOut", &g.water->momentumOut, sizeof(Vec<D>) });
-	}
+	if (g.heat) list.push_back({ "smoothingTime", &g.heat->smoothingTime, sizeof(double) });
+	if (g.water) list.push_back({ "largestConductivity", &g.water->largestConductivity, sizeof(double) });
 	return list;
 }
 
@@ -250,6 +238,27 @@ template <int D> void Ground<D>::readPoints(const PartedFile& file, std::uint64_
 
 // ---- balance ------------------------------------------------------------------------------------------------------------
 
+namespace {
+	template <int D> void fillAccounts(Balance<D>& b, const RunAccount<D>& of)
+	{
+		for (int a = 0; a < D; ++a)
+			b.impulse[a] = of.impulse[a] - of.momentumOut[a];
+		b.dragDissipation    = of.dragDissipation;
+		b.dampingDissipation = of.dampingDissipation;
+		b.loadWork           = of.loadWork;
+		b.slipWork           = of.slipWork;
+		b.wallWork           = of.wallWork;
+		b.skeletonWork       = of.skeletonWork;
+		b.porePressureWork   = of.porePressureWork;
+		b.workAhead          = of.workAhead;
+		b.heatIn             = of.heatIn;
+		b.segregationWork    = of.segregationWork;
+		b.waterDrawn         = of.waterDrawn;
+		b.waterOut           = of.waterOut;
+		b.enthalpyOut        = of.enthalpyOut;
+	}
+} // namespace
+
 template <int D> Balance<D> Ground<D>::balance() const
 {
 	const Parts& g = *parts_;
@@ -280,26 +289,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 		}
 		if (g.heat) b.enthalpy += g.heat->enthalpy[p];
 	}
-	b.impulse            = g.clock.account.impulse;
-	b.dragDissipation    = g.clock.account.dragDissipation;
-	b.dampingDissipation = g.clock.account.dampingDissipation;
-	b.loadWork           = g.clock.account.loadWork;
-	b.slipWork           = g.clock.account.slipWork;
-	b.wallWork           = g.clock.account.wallWork;
-	b.skeletonWork       = g.clock.skeletonWork;
-	b.porePressureWork   = g.clock.porePressureWork;
-	b.workAhead          = g.clock.workAhead;
-	if (g.heat) b.heatIn = g.heat->heatIn;
-	if (g.segregation) {
-		b.segregationWork = g.segregation->work;
-		b.waterDrawn      = g.segregation->waterDrawn;
-	}
-	if (g.water) {
-		b.waterOut    = g.water->waterOut;
-		b.enthalpyOut = g.water->enthalpyOut;
-		for (int a = 0; a < D; ++a)
-			b.impulse[a] -= g.water->momentumOut[a];
-	}
+	fillAccounts(b, g.clock.account);
 	return b;
 }
 

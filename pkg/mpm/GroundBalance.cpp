@@ -33,7 +33,7 @@ template <int D> void Ground<D>::Parts::findForcesAtRest()
 	scatter(
 	        read.toGrid,
 	        [&](const WeightBlock<D>& w) {
-		        if (motion->addedStress) addStress(w.first, w.first + w.count);
+		        if (motion->addedStress) bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count);
 		        motion->map(w);
 		        if (water) water->map(w, averagingCells());
 		        if (surface) surface->map(w);

@@ -277,32 +277,12 @@ template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
 		if (leavesGrid(p, w)) leaving.push_back(p);
 	const Concerned   all   = concerned(leaving);
 	const std::string place = all.count == 0 ? "a material point" : all.first;
-	accounts.restore(*this);
+	clock                   = clockBefore;
 	throw std::runtime_error(
 	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(all.count)
 	        + (all.count == 1 ? " point concerned: " : " points concerned: ") + all.names + (all.count > 5 ? ", ..." : "")
 	        + "); the ground is as it was before this step: "
 	        + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
-}
-
-template <int D> void Ground<D>::Parts::Accounts::take(const Parts& g)
-{
-	clock = g.clock;
-	if (g.heat) heatIn = g.heat->heatIn;
-	if (!g.water) return;
-	waterOut    = g.water->waterOut;
-	enthalpyOut = g.water->enthalpyOut;
-	momentumOut = g.water->momentumOut;
-}
-
-template <int D> void Ground<D>::Parts::Accounts::restore(Parts& g) const
-{
-	g.clock = clock;
-	if (g.heat) g.heat->heatIn = heatIn;
-	if (!g.water) return;
-	g.water->waterOut    = waterOut;
-	g.water->enthalpyOut = enthalpyOut;
-	g.water->momentumOut = momentumOut;
 }
 
 template StableTimeStep Ground<2>::stableTimeStep() const;
@@ -315,9 +295,5 @@ template void           Ground<2>::Parts::checkPositions();
 template void           Ground<3>::Parts::checkPositions();
 template void           Ground<2>::Parts::requirePathsInside();
 template void           Ground<3>::Parts::requirePathsInside();
-template void           Ground<2>::Parts::Accounts::take(const Ground<2>::Parts&);
-template void           Ground<3>::Parts::Accounts::take(const Ground<3>::Parts&);
-template void           Ground<2>::Parts::Accounts::restore(Ground<2>::Parts&) const;
-template void           Ground<3>::Parts::Accounts::restore(Ground<3>::Parts&) const;
 
 } // namespace talik

@@ -108,7 +108,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	const bool average = averaging();
 	if (water) water->clearCells(around.firstCell, around.lastCell);
 	if (implicit) implicit->clear(around);
-	if (!cellWeights.empty()) std::fill(cellWeights.begin() + around.firstCell, cellWeights.begin() + around.lastCell, CellWeight {});
+	bBar.clear(around);
 	points->strips().scatter(
 	        [&](int, int first, int last) {
 		        cells->locate(grid, *points, first, last);
@@ -116,68 +116,19 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		        if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
 		        if (water) water->addPressure(*cells, first, last);
 		        if (implicit) implicit->addContent(*points, *cells, *content, *water, *motion, heat ? heat->temperature : nullptr, first, last);
-		        const double* volume = points->volume();
-		        for (int p = first; p < last; ++p)
-			        cells->add(p, volume[p] * averagedStress(p));
-		        if (!cellWeights.empty()) addCellWeights(first, last);
+		        bBar.addToCells(*cells, *points, *motion, water.get(), content.get(), first, last);
 	        },
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
 		        cells->share(rows);
 		        if (average && water) water->shareCells(rows);
-		        if (!cellWeights.empty()) rows.cells(cellWeights.data());
+		        bBar.share(rows);
 	        });
 	if (!average) return;
 	cells->finish(reached);
 	if (!water) return;
 	water->finishPressure(around);
 	water->findDrivingPressure(grid, around, *cells, motion->settings->gravity, liquidDensity());
-}
-
-/// Of the total stress.
-template <int D> double Ground<D>::Parts::averagedStress(int p) const { return motion->averagedStress(p) - (water ? water->pressure[p] : 0.0); }
-
-template <int D> void Ground<D>::Parts::addCellWeights(int first, int last)
-{
-	const Vec<D> g      = motion->settings->gravity;
-	const double square = dot<D>(g, g);
-	for (int p = first; p < last; ++p) {
-		CellWeight&  cell   = cellWeights[cells->cell(p)];
-		const double volume = points->volume()[p];
-		double       along  = water ? -water->pressure[p] : 0.0;
-		for (int i = 0; i < D; ++i) {
-			cell.place[i] += volume * points->position(i)[p];
-			for (int j = 0; j < D && square > 0.0; ++j)
-				along += g[i] * g[j] / square * motion->stress[stressIndex<D>(i, j)][p];
-		}
-		cell.along += volume * along;
-		cell.mass += motion->mass[p] + (water ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0);
-	}
-}
-
-/// What the weight of a cell adds to its mean stress at a point, by the ratio of the mean to the stress along gravity. It does not turn the sign of
-/// the mean: ground that nothing carries has none.
-template <int D> double Ground<D>::Parts::stressOfWeight(int p, double mean) const
-{
-	const CellWeight& cell   = cellWeights[cells->cell(p)];
-	const double      volume = cells->cellVolume(cells->cell(p)), along = cell.along / volume;
-	if (!(mean < 0.0 && along < 0.0)) return 0.0;
-	double below = 0.0;
-	for (int a = 0; a < D; ++a)
-		below += motion->settings->gravity[a] * (points->position(a)[p] - cell.place[a] / volume);
-	const double added = -std::min(1.0, mean / along) * cell.mass / volume * below;
-	return std::clamp(added, mean, -mean);
-}
-
-template <int D> void Ground<D>::Parts::addStress(int first, int last)
-{
-	const bool average = averaging();
-	for (int p = first; p < last; ++p) {
-		const double own       = averagedStress(p);
-		const double mean      = average ? cells->mean(p, own) : own;
-		motion->addedStress[p] = mean - motion->averagedStress(p);
-		if (!cellWeights.empty()) motion->addedStress[p] += stressOfWeight(p, mean);
-	}
 }
 
 template SkeletonBatch<2>        Ground<2>::Parts::batch(const std::vector<int>&) const;
@@ -188,7 +139,6 @@ template void                    Ground<2>::Parts::sort();
 template void                    Ground<2>::Parts::afterReordering(bool);
 template void                    Ground<2>::Parts::clearNodes();
 template void                    Ground<2>::Parts::locateInCells();
-template void                    Ground<2>::Parts::addStress(int, int);
 template SkeletonBatch<3>        Ground<3>::Parts::batch(const std::vector<int>&) const;
 template SkeletonBatch<3>        Ground<3>::Parts::batch(const int*, int) const;
 template std::string             Ground<3>::Parts::whereabouts(int) const;
@@ -197,6 +147,5 @@ template void                    Ground<3>::Parts::sort();
 template void                    Ground<3>::Parts::afterReordering(bool);
 template void                    Ground<3>::Parts::clearNodes();
 template void                    Ground<3>::Parts::locateInCells();
-template void                    Ground<3>::Parts::addStress(int, int);
 
 } // namespace talik

@@ -5,6 +5,7 @@
 
 #include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/CostMeter.hpp>
+#include <pkg/mpm/effects/BBar.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/IceSegregation.hpp>
 #include <pkg/mpm/effects/ImplicitPressure.hpp>
@@ -14,6 +15,7 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/StrainWork.hpp>
 #include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
@@ -23,6 +25,7 @@
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/ArraysAhead.hpp>
 #include <pkg/mpm/points/DeformationRecord.hpp>
+#include <pkg/mpm/StepContext.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
@@ -53,17 +56,16 @@ template <class T> using EffectPart = std::unique_ptr<T>;
 
 /// Numbers that change from step to step, kept together so that a checkpoint holds them all.
 template <int D> struct Clock {
-	double             time = 0.0;
-	double             dt   = 0.0;
-	CalendarState      calendar;
-	long               steps        = 0;
-	long               lastSort     = 0;
-	long               sortWanted   = 0;
-	long               halfDone     = 0; ///< points have moved and the step has not ended
-	double             initialMass  = 0.0;
-	double             skeletonWork = 0.0, porePressureWork = 0.0, workAhead = 0.0;
-	MomentumAccount<D> account;
-	ActiveRange        range;
+	double        time = 0.0;
+	double        dt   = 0.0;
+	CalendarState calendar;
+	long          steps       = 0;
+	long          lastSort    = 0;
+	long          sortWanted  = 0;
+	long          halfDone    = 0; ///< points have moved and the step has not ended
+	double        initialMass = 0.0;
+	RunAccount<D> account; ///< of the run; one for all effects
+	ActiveRange   range;
 };
 
 template <int D> struct Ground<D>::Parts {
@@ -88,18 +90,14 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<PoreContent<D>>         content;
 	EffectPart<FreeSurface<D>>         surface;
 	EffectPart<CellMeans<D>>           cells;
+	BBar<D>                            bBar;
+	StrainWork<D>                      strainWork;
 	EffectPart<RigidContact<D>>        bodies;
 	EffectPart<ThawFront<D>>           front;
 	EffectPart<ThawStrain<D>>          thawStrain;
 	EffectPart<IceSegregation<D>>      segregation;
 	EffectPart<ThawedCompression<D>>   compression; ///< only with thawStrain
 	EffectPart<Calendar<D>>            calendar;    ///< whose scale follows the motion
-
-	/// Sums over the points of a cell, for bBarWeight: volume times place, mass, volume times stress along gravity.
-	struct CellWeight {
-		double place[D], mass, along;
-	};
-	PagedArray<CellWeight> cellWeights;
 
 	/// A boundary that gives by the state of its nodes, and those of its volume.
 	struct LookingBoundary {
@@ -122,14 +120,7 @@ template <int D> struct Ground<D>::Parts {
 	ActiveRange                   around;  ///< and as many beyond as it has to know to solve there
 	StepLedger<D>                 ledger;  ///< of the step
 	std::vector<double>           partial;
-	/// What a step adds to before points move, as it was at its beginning.
-	struct Accounts {
-		Clock<D> clock;
-		double   heatIn = 0.0, waterOut = 0.0, enthalpyOut = 0.0;
-		Vec<D>   momentumOut {};
-		void     take(const Parts&);
-		void     restore(Parts&) const;
-	} accounts;
+	Clock<D>                      clockBefore; ///< the clock at the beginning of the step, to which a step goes back that is refused before points move
 	/// Smallest box around the points of each strip.
 	struct PositionBounds {
 		Vec<D> low, high;
@@ -231,11 +222,6 @@ template <int D> struct Ground<D>::Parts {
 			work(w);
 		}
 	}
-	/// work(account, firstPoint, lastPoint) for all strips.
-	template <class Work> void bookByStrip(Work&& work)
-	{
-		points->strips().gather([&](int strip, int first, int last) { work(ledger.ofStrip(strip), first, last); });
-	}
 
 	// ---- ranks ----------------------------------------------------------------------------------------------------------
 	void startBands();
@@ -292,19 +278,21 @@ template <int D> struct Ground<D>::Parts {
 		return std::any_of(bad.begin(), bad.end(), [](int p) { return p >= 0; });
 	}
 
+	/// Of the step that goes on.
+	StepContext<D> context()
+	{
+		return { clock.dt, clock.calendar.scale * clock.dt, calendarEnd(), grid, reached, around, points->strips(), bands.get(), ledger };
+	}
+
 	// ---- pieces of a step -----------------------------------------------------------------------------------------------
-	void   clearNodes();
-	void   clearNodes(int first, int last);
-	void   afterReordering(bool pointsMoved = false);
-	void   locateInCells();
-	double averagedStress(int p) const;
-	void   addStress(int first, int last);
-	void   addCellWeights(int first, int last);
-	double stressOfWeight(int p, double mean) const;
-	void   findKeptFractions();
-	void   openStep(double dt);
-	bool   heatMayRest();
-	void   settleHeat();
+	void clearNodes();
+	void clearNodes(int first, int last);
+	void afterReordering(bool pointsMoved = false);
+	void locateInCells();
+	void findKeptFractions();
+	void openStep(double dt);
+	bool heatMayRest();
+	void settleHeat();
 	/// What the step has added to the accounts of the run; collective.
 	void bookStep();
 	/// Calendar time at the end of the step.
@@ -337,7 +325,6 @@ template <int D> struct Ground<D>::Parts {
 	void                feedWater();
 	void                findImplicitPressure();
 	void                gatherFromGrid();
-	void                addDivergence(const WeightBlock<D>& w);
 	void                finishPaths();
 	void                levelCells();
 	void                segregate();
@@ -356,20 +343,14 @@ template <int D> struct Ground<D>::Parts {
 	bool               mayLeaveGrid(int place, double reach) const;
 	bool               leavesGrid(int place, WeightBlock<D>& w) const;
 	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
-	void                            requirePathsInside();
-	[[noreturn]] void               refuseToLeave(bool stable);
-	void                            boundPositions(int strip, int first, int last);
-	void                            checkPositions();
-	void                            findOutside(int strip);
-	void                            refuseBadPoints();
-	void                            refuseImpossibleStates();
-	bool                            pays(CostMeter::Entry entry) const;
-	void                            averageStrain(int first, int last);
-	TALIK_PROCESSOR_VERSIONS void   replaceTraces(int first, int last);
-	TALIK_PROCESSOR_VERSIONS void   stretchVolumes(int first, int last);
-	TALIK_PROCESSOR_VERSIONS double skeletonWork(int first, int last, bool replace) const;
-	TALIK_PROCESSOR_VERSIONS double pressureWork(int first, int last, bool replace) const;
-	void                            keepStrainWork(bool atStart);
+	void              requirePathsInside();
+	[[noreturn]] void refuseToLeave(bool stable);
+	void              boundPositions(int strip, int first, int last);
+	void              checkPositions();
+	void              findOutside(int strip);
+	void              refuseBadPoints();
+	void              refuseImpossibleStates();
+	bool              pays(CostMeter::Entry entry) const;
 	/// Pore pressure is known per cell at both ends of a step.
 	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
 	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.

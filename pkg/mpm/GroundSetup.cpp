@@ -106,7 +106,8 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
 		if (settings.boundaries[b]->usesNodes()) lookingBoundaries.push_back({ int(b), nodeShares(grid, settings.boundaries[b]->region()) });
 	if (cells) cells->allocate(grid, n);
-	if (averaging() && settings.motion->bBarWeight) cellWeights.reset(grid.cellCount());
+	if (averaging()) bBar.allocate(grid, settings.motion->bBarWeight);
+	strainWork = { startShare(), bool(implicit) };
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
 	if (implicit) implicit->allocate(grid);
@@ -322,7 +323,7 @@ template <int D> void Ground<D>::initialise()
 	if (g.motion) {
 		const bool balanced = g.settings.motion->balanceStart;
 		// the ratio of stresses by which the weight of a cell acts in it changes as they do
-		for (int round = 0; balanced && round < (g.cellWeights.empty() ? 1 : 6); ++round)
+		for (int round = 0; balanced && round < (g.bBar.hasWeights() ? 6 : 1); ++round)
 			g.balanceStart();
 		const double* const       upright = g.motion->stress[stressIndex<D>(D - 1, D - 1)];
 		const std::vector<double> before(upright, upright + (balanced ? g.points->count() : 0));

@@ -58,7 +58,7 @@ template <int D> void Ground<D>::Parts::finishTemperature()
 	heat->finishNodes(around, settings.boundaries, time, clock.dt, ledger);
 	if (settings.heat->source == 0.0) return;
 	const double* volume = points->volume();
-	bookByStrip([&](StepAccount<D>& account, int first, int last) {
+	context().bookByStrip([&](StepAccount<D>& account, int first, int last) {
 		double v = 0.0;
 		for (int p = first; p < last; ++p)
 			v += volume[p];
@@ -160,7 +160,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 		};
 		const std::function<void()> change = implicit ? correct : std::function<void()>();
 		momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger && !implicit, ledger, change);
-		const double mass = clock.initialMass - (water ? water->waterOut : 0.0);
+		const double mass = clock.initialMass - clock.account.waterOut;
 		for (int a = 0; a < D; ++a)
 			clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
 	});
@@ -216,7 +216,7 @@ template <int D> void Ground<D>::Parts::seep()
 			double work = 0.0;
 			for (int i = first; i < last; ++i)
 				work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
-			ledger.ofNode(first).porePressureWork += startShare() * work / liquidDensity();
+			ledger.ofNode(first).porePressureWork += strainWork.pressureAtStart * work / liquidDensity();
 		});
 	water->finishExchange(reached);
 }
@@ -240,145 +240,7 @@ template <int D> void Ground<D>::Parts::refuseBadPoints()
 	        + (number ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
 }
 
-template <int D> void Ground<D>::Parts::averageStrain(int first, int last)
-{
-	if (averaging()) replaceTraces(first, last);
-	stretchVolumes(first, last);
-}
-
-template <int D> void Ground<D>::Parts::replaceTraces(int first, int last)
-{
-	const std::array<double*, D* D> g     = motion->gradient;
-	const CellMeans<D>&             means = *cells;
-	const Vec<D>                    share = motion->traceShare;
-#pragma GCC ivdep
-	for (int p = first; p < last; ++p) {
-		double trace = g[0][p];
-		for (int a = 1; a < D; ++a)
-			trace += g[a * D + a][p];
-		const double missing = means.mean(p, trace) - trace;
-		for (int a = 0; a < D; ++a)
-			g[a * D + a][p] += missing * share[a];
-	}
-}
-
-/// V times det(1 + G), eq. (2.1).
-template <int D> void Ground<D>::Parts::stretchVolumes(int first, int last)
-{
-	const std::array<double*, D* D> g      = motion->gradient;
-	double* const                   volume = points->volume();
-#pragma GCC ivdep
-	for (int p = first; p < last; ++p) {
-		if constexpr (D == 2) {
-			volume[p] *= (1.0 + g[0][p]) * (1.0 + g[3][p]) - g[1][p] * g[2][p];
-		} else {
-			const double a = 1.0 + g[0][p], b = g[1][p], c = g[2][p], d = g[3][p], e = 1.0 + g[4][p], f = g[5][p], h = g[6][p], i = g[7][p],
-			             j = 1.0 + g[8][p];
-			volume[p] *= a * (e * j - f * i) - b * (d * j - f * h) + c * (d * i - e * h);
-		}
-	}
-}
-
-/// Work of stress and pressure on the strain of the step, half at its start (before cell means replace the divergence) and half at
-/// its end: the mean of both is what an elastic skeleton stores, either alone is off by the first order of dt.
-template <int D> void Ground<D>::Parts::keepStrainWork(bool atStart)
-{
-	const bool   replace = atStart && averaging();
-	const double share   = atStart ? startShare() : 1.0 - startShare();
-	bookByStrip([&](StepAccount<D>& account, int first, int last) {
-		const double ofStress   = 0.5 * skeletonWork(first, last, replace);
-		const double ofPressure = water && share != 0.0 ? -share * pressureWork(first, last, replace) : 0.0;
-		account.skeletonWork += ofStress;
-		account.porePressureWork += ofPressure;
-		if (!atStart) account.workAhead += ofStress + (implicit ? 0.0 : ofPressure);
-	});
-	if (water && share != 0.0 && !atStart) water->bookSeepageWork(reached, share, liquidDensity(), ledger);
-}
-
-template <int D> void Ground<D>::Parts::bookStep()
-{
-	const StepAccount<D> step = ledger.sum(bands.get());
-	MomentumAccount<D>&  all  = clock.account;
-	for (int a = 0; a < D; ++a)
-		all.impulse[a] += step.impulse[a];
-	all.dragDissipation += step.dragDissipation;
-	all.dampingDissipation += step.dampingDissipation;
-	all.loadWork += step.loadWork;
-	all.slipWork += step.slipWork;
-	all.wallWork += step.wallWork;
-	clock.skeletonWork += step.skeletonWork;
-	clock.porePressureWork += step.porePressureWork;
-	clock.workAhead = step.workAhead;
-	if (heat) heat->heatIn += step.heatIn;
-	if (segregation) {
-		segregation->waterDrawn += step.waterDrawn;
-		segregation->work += step.segregationWork;
-	}
-	if (!water) return;
-	water->waterOut += step.waterOut;
-	water->enthalpyOut += step.enthalpyOut;
-	for (int a = 0; a < D; ++a)
-		water->momentumOut[a] += step.momentumOut[a];
-}
-
-namespace {
-	/// Sum of value(p, trace, mean) for first <= p < last, in the order of the points; the values are found in vectors. trace: of the gradients g;
-	/// mean: that of the cell, the trace itself where means is null.
-	template <int D, class Value>
-	[[gnu::always_inline]] inline double inOrder(int first, int last, const std::array<double*, D * D>& g, const CellMeans<D>* means, Value&& value)
-	{
-		constexpr int piece = 32;
-		double        sum   = 0.0, values[piece], trace[piece], mean[piece];
-		for (int start = first; start < last; start += piece) {
-			const int n = std::min(piece, last - start);
-#pragma GCC ivdep
-			for (int k = 0; k < n; ++k) {
-				trace[k] = 0.0;
-#pragma GCC unroll 3
-				for (int a = 0; a < D; ++a)
-					trace[k] += g[a * D + a][start + k];
-				mean[k] = trace[k];
-			}
-			for (int k = 0; means && k < n; ++k)
-				mean[k] = means->mean(start + k, trace[k]);
-#pragma GCC ivdep
-			for (int k = 0; k < n; ++k)
-				values[k] = value(start + k, trace[k], mean[k]);
-			for (int k = 0; k < n; ++k)
-				sum += values[k];
-		}
-		return sum;
-	}
-} // namespace
-
-template <int D> double Ground<D>::Parts::skeletonWork(int first, int last, bool replace) const
-{
-	const std::array<double*, D* D>          g      = motion->gradient;
-	const std::array<double*, stressSize<D>> stress = motion->stress;
-	const double* const                      volume = points->volume();
-	const Vec<D>                             share  = motion->traceShare;
-	return inOrder<D>(
-	        first, last, g, replace ? cells.get() : nullptr, [&](int p, double trace, double mean) __attribute__((always_inline)) {
-		        const double missing = mean - trace;
-		        double       density = 0.0;
-#pragma GCC unroll 3
-		        for (int i = 0; i < D; ++i)
-#pragma GCC unroll 3
-			        for (int j = 0; j < D; ++j)
-				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing * share[i] : 0.0));
-		        return volume[p] * density;
-	        });
-}
-
-template <int D> double Ground<D>::Parts::pressureWork(int first, int last, bool replace) const
-{
-	const std::array<double*, D* D> g        = motion->gradient;
-	const double* const             volume   = points->volume();
-	const double* const             pressure = water->pressure;
-	return inOrder<D>(
-	        first, last, g,
-	        replace ? cells.get() : nullptr, [&](int p, double, double mean) __attribute__((always_inline)) { return volume[p] * pressure[p] * mean; });
-}
+template <int D> void Ground<D>::Parts::bookStep() { clock.account.add(ledger.sum(bands.get())); }
 
 /// Heat of ground with one temperature, in which nothing can change it, has nothing to do. That is decided anew in every step, from
 /// the state alone.
@@ -431,7 +293,7 @@ template <int D> void Ground<D>::Parts::moveWalls()
 	try {
 		momentum->beginStep(grid, *shape, clock.calendar.time, calendarEnd(), clock.dt);
 	} catch (...) {
-		accounts.restore(*this);
+		clock = clockBefore;
 		throw;
 	}
 }
@@ -441,7 +303,7 @@ template <int D> void Ground<D>::Parts::openStep(double dt)
 	if (bands) meetRanks();
 	clock.dt = dt;
 	if (clock.sortWanted || clock.steps - clock.lastSort >= stepsBetweenSorts) sort();
-	accounts.take(*this);
+	clockBefore = clock;
 	ledger.clear();
 	useScale();
 	if (momentum) moveWalls();
@@ -552,7 +414,7 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 	        [](int, int, int) {},
 	        PassPart { bool(motion), CostMeter::motion,
 	                   [&](const WeightBlock<D>& w, double*) {
-		                   if (motion->addedStress) addStress(w.first, w.first + w.count);
+		                   if (motion->addedStress) bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count);
 		                   motion->map(w, sharedWithMotion, share ? heat->temperature : nullptr, share ? heat->reference : 0.0);
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
@@ -586,18 +448,6 @@ template <int D> void Ground<D>::solveNodes()
 	if (g.motion) g.solveMomentum();
 }
 
-/// Cells sum the divergence of their points, for B-bar.
-template <int D> void Ground<D>::Parts::addDivergence(const WeightBlock<D>& w)
-{
-	const double* volume = points->volume();
-	for (int p = w.first; p < w.first + w.count; ++p) {
-		double trace = motion->gradient[0][p];
-		for (int a = 1; a < D; ++a)
-			trace += motion->gradient[a * D + a][p];
-		cells->add(p, volume[p] * trace);
-	}
-}
-
 template <int D> void Ground<D>::Parts::gatherFromGrid()
 {
 	const bool average = averaging(), conducts = heat && !heatRests, inRecordOfWater = conducts && water && NodeColumns<D>::Gathered::carriesRise,
@@ -622,7 +472,7 @@ template <int D> void Ground<D>::Parts::gatherFromGrid()
 	                   [&](const WeightBlock<D>& w, double* gained) { heat->gather(w, inRecordOfWater || inRecordOfMotion ? gained : nullptr); } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->gather(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->gather(grid, w, clock.dt, affine.get()); } },
-	        PassPart { average, CostMeter::cells, [&](const WeightBlock<D>& w, double*) { addDivergence(w); } });
+	        PassPart { average, CostMeter::cells, [&](const WeightBlock<D>& w, double*) { BBar<D>::addDivergence(*cells, *points, *motion, w); } });
 }
 
 template <int D> void Ground<D>::Parts::finishPaths()
@@ -693,7 +543,8 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 {
 	Parts& g = *parts_;
 	if (g.allRests() && g.contentSettled) return;
-	if (g.motion && g.settings.energyLedger) g.cost.time(CostMeter::ledger, [&] { g.keepStrainWork(true); });
+	if (g.motion && g.settings.energyLedger)
+		g.cost.time(CostMeter::ledger, [&] { g.strainWork.bookStart(g.context(), *g.points, *g.motion, g.water.get(), g.averagingCells()); });
 	const CellMeans<D>* const        cells = g.water ? g.averagingCells() : nullptr;
 	std::function<void(SharedRows&)> share;
 	if (cells) {
@@ -715,7 +566,8 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	                   [&](int, int first, int last, Sample&) {
 		                   g.segregation->receive(*cells, first, last, *g.heat, g.content->waterMass, g.heat->enthalpy, *g.water);
 	                   } },
-	        PassPart { bool(g.motion), CostMeter::motion, [&](int, int first, int last, Sample&) { g.averageStrain(first, last); } },
+	        PassPart { bool(g.motion), CostMeter::motion,
+	                   [&](int, int first, int last, Sample&) { BBar<D>::strain(g.averagingCells(), *g.points, *g.motion, first, last); } },
 	        PassPart { bool(g.segregation), CostMeter::segregation,
 	                   [&](int, int first, int last, Sample&) { g.segregation->shareVolume(*cells, first, last); } },
 	        PassPart { bool(g.record), CostMeter::record,
@@ -798,7 +650,8 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	if (g.segregation) g.segregation->restoreGradients(*g.motion);
 	if (g.compression) g.compression->restoreGradients();
 	if (g.thawStrain) g.thawStrain->restoreGradients();
-	if (g.motion && g.settings.energyLedger) g.cost.time(CostMeter::ledger, [&] { g.keepStrainWork(false); });
+	if (g.motion && g.settings.energyLedger)
+		g.cost.time(CostMeter::ledger, [&] { g.strainWork.bookEnd(g.context(), *g.points, *g.motion, g.water.get(), g.liquidDensity()); });
 	g.bookStep();
 	if (g.momentum) g.momentum->endStep(g.clock.dt);
 	g.clock.calendar.time = g.calendarEnd();

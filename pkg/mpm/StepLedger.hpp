@@ -50,6 +50,15 @@ template <int D> struct StepAccount : MomentumAccount<D> {
 	}
 };
 
+/// The accounts of a run, to which every step adds.
+template <int D> struct RunAccount : StepAccount<D> {
+	void add(const StepAccount<D>& step)
+	{
+		*this += step;
+		this->workAhead = step.workAhead; // of the last step alone
+	}
+};
+
 /// What a step adds to the accounts, kept by pairs of rows of nodes. A strip of cells has the two pairs in its middle, and the sum runs over
 /// the strips: so it has one order for any number of threads and ranks, and a rank knows all that belongs to its own strips.
 template <int D> class StepLedger {

@@ -111,7 +111,6 @@ public:
 	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
 	NodeField<1> volumes;  ///< sum S V, in scenes with regions that produce heat
 
-	double heatIn        = 0.0; ///< through boundaries and from sources since the start [J]
 	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:

@@ -56,9 +56,6 @@ public:
 
 	double *volume, *iceMass; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
 
-	double waterDrawn = 0.0; ///< since the start [kg]
-	double work       = 0.0; ///< of suction on it since the start [J]
-
 private:
 	/// Sums over the points of a cell, and what it is given in the step.
 	struct Cell {

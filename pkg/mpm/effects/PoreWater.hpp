@@ -179,9 +179,6 @@ public:
 	/// f_H in force in a material where slow processes run f times as fast as motion: it multiplies its conductivity.
 	double usedScale(double f, const Permeability& material) const;
 
-	double waterOut = 0.0, enthalpyOut = 0.0; ///< through drained surfaces since the start [kg, J]
-	Vec<D> momentumOut {};
-
 private:
 	/// What the points of a cell sum up to, and what follows from it in a step. Means are sums first, until all points were added.
 	struct Cell {

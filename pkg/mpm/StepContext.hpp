@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#pragma once
+
+#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/StepLedger.hpp>
+
+namespace talik {
+
+/// What a step is for every effect: how long it takes, on which part of the grid and of the points, and where it is booked. What an effect reads
+/// and writes besides are arguments of its calls.
+template <int D> struct StepContext {
+	double             dt;          ///< Delta t [s of motion]
+	double             calendarDt;  ///< Delta t_c, time of slow processes that passes in the step [s]
+	double             calendarEnd; ///< calendar time at the end of the step [s]
+	const Grid<D>&     grid;
+	const ActiveRange& owned;  ///< rows of nodes and cells that the points of this rank touch
+	const ActiveRange& halo;   ///< the same rows and those of the neighbours that are needed to solve there
+	const Strips&      strips; ///< points of this rank, and the threads that work on them
+	Bands*             bands;  ///< the ranks that divide the ground; null: there is one
+	StepLedger<D>&     ledger; ///< what the step adds to the accounts
+
+	/// work(account, firstPoint, lastPoint) for all strips.
+	template <class Work> void bookByStrip(Work&& work) const
+	{
+		strips.gather([&](int strip, int first, int last) { work(ledger.ofStrip(strip), first, last); });
+	}
+	/// True if any rank says so.
+	bool onAnyRank(bool here) const { return bands ? bands->anyOf(here) : here; }
+};
+
+} // namespace talik
