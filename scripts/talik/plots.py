@@ -582,6 +582,7 @@ def forceChains(axes, start, end, force, state, centre=None, radius=None, widest
 	shown = [points for points in (start, end, centre, corners) if points is not None and len(points)]
 	if shown:
 		metricAxes(axes, np.vstack(shown))
+	axes.locator_params(axis="x", nbins=4)  # labels of millimetres are wide
 	axes.set_xlabel("x [m]")
 	axes.set_ylabel("y [m]")
 	if legend:
