@@ -29,10 +29,10 @@ FrozenInclusion soil()
 
 GroundSettings<2> rigidColumn(const FrozenInclusion& c)
 {
-	auto s           = columnSettings(spacing, height);
-	s.mixture.solid  = { c.solidDensity, c.solidHeat, c.solidConductivity, 0.0 };
-	s.mixture.liquid = { c.waterDensity, c.waterHeat, c.waterConductivity, 0.0 };
-	s.mixture.ice    = { c.waterDensity, c.iceHeat * c.iceDensity / c.waterDensity, c.iceConductivity, 0.0 };
+	auto s               = columnSettings(spacing, height);
+	s.mixture.solid      = { c.solidDensity, c.solidHeat, c.solidConductivity, 0.0 };
+	s.mixture.liquid     = { c.waterDensity, c.waterHeat, c.waterConductivity, 0.0 };
+	s.mixture.ice        = { c.waterDensity, c.iceHeat * c.iceDensity / c.waterDensity, c.iceConductivity, 0.0 };
 	s.mixture.latentHeat = c.latentHeat * c.iceDensity / c.waterDensity;
 	s.heat.emplace();
 	s.freezing = makeFreezingCurve("gauss", { { "width", c.width }, { "residualSaturation", c.residual } });
@@ -107,8 +107,9 @@ TEST(Peers, AColumnThatThawsFromItsTopHasTheFrontOfTheFiniteVolumes)
 		double ice = 0.0;
 		for (const double saturation : valuesOf(ground, "iceSaturation"))
 			ice += saturation / ground.points().count();
-		expectScaled("thawing column of 20 cells: depth of thaw after " + std::to_string(int(days)) + " days [m]", height * (1.0 - ice / iceAtStart),
-		             exact.thawedDepth(), exact.thawedDepth(), 1e-2);
+		expectScaled(
+		        "thawing column of 20 cells: depth of thaw after " + std::to_string(int(days)) + " days [m]", height * (1.0 - ice / iceAtStart),
+		        exact.thawedDepth(), exact.thawedDepth(), 1e-2);
 	}
 }
 
@@ -130,8 +131,9 @@ TEST(Peers, AFrozenAndAThawedHalfMixToTheTemperatureOfTheirHeat)
 	const double mixed = temperatureOf(c, 0.5 * (c.enthalpy(c.cold)[0] + c.enthalpy(c.warm)[0]));
 	for (const bool low : { true, false }) {
 		const auto all = valuesOf(ground, "temperature");
-		expectScaled(std::string("halves that mix: ") + (low ? "lowest" : "highest") + " temperature after 1000 days [degC]",
-		             low ? *std::min_element(all.begin(), all.end()) : *std::max_element(all.begin(), all.end()), mixed, 15.0, 1e-3);
+		expectScaled(
+		        std::string("halves that mix: ") + (low ? "lowest" : "highest") + " temperature after 1000 days [degC]",
+		        low ? *std::min_element(all.begin(), all.end()) : *std::max_element(all.begin(), all.end()), mixed, 15.0, 1e-3);
 	}
 }
 
@@ -160,6 +162,8 @@ TEST(Peers, ASoftDryColumnBearsItsWeightAtEveryPoint)
 		square += off * off / y.size();
 		largest = std::max(largest, std::abs(off));
 	}
-	std::printf("soft dry column: the top sinks by %.3f m, stress is off by up to %.4f of the weight\n", height - *std::max_element(y.begin(), y.end()), largest);
+	std::printf(
+	        "soft dry column: the top sinks by %.3f m, stress is off by up to %.4f of the weight\n", height - *std::max_element(y.begin(), y.end()),
+	        largest);
 	expectSmall("soft dry column that is compressed by a twelfth: rms error of the stress over the weight", std::sqrt(square), 2e-2);
 }
