@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -14,7 +14,8 @@ namespace talik {
 /// proportion. What one vector instruction does for two effects is counted for the first.
 class CostMeter {
 public:
-	enum Entry {
+	/// Those from `entries` on are of effects that stand in files of their own, in their order.
+	enum Entry : int {
 		sorting,
 		motion,
 		transfer,
@@ -27,7 +28,6 @@ public:
 		flows,
 		surface,
 		boundaries,
-		record,
 		thawStrain,
 		segregation,
 		ledger,
@@ -42,7 +42,7 @@ public:
 	/// Samples of one thread's work on one strip.
 	class Sample {
 	public:
-		explicit Sample(std::array<double, entries>& sums)
+		explicit Sample(std::vector<double>& sums)
 		        : sums_(sums)
 		{}
 		/// Before work that is always stamped.
@@ -66,17 +66,19 @@ public:
 		}
 
 	private:
-		std::array<double, entries>& sums_;
-		Moment                       last_ {};
-		int                          blocks_ = 0;
-		double                       weight_ = 0.0;
+		std::vector<double>& sums_;
+		Moment               last_ {};
+		int                  blocks_ = 0;
+		double               weight_ = 0.0;
 	};
 
-	void allocate(int strips, int skeletons)
+	void allocate(int strips, int skeletons, int effects)
 	{
-		samples_.assign(strips, {});
+		seconds_.resize(entries + effects);
+		samples_.assign(strips, std::vector<double>(seconds_.size()));
 		skeletons_.assign(skeletons, 0.0);
 	}
+	static Entry ofEffect(int number) { return Entry(entries + number); }
 	/// What happened since the last lap is not counted.
 	void start() { last_ = now(); }
 	/// Does work; its time, and what went before it since the last lap, belong to an effect, or to a skeleton.
@@ -95,30 +97,39 @@ public:
 	/// What happened since the last lap was a pass with samples.
 	void lapShared()
 	{
-		std::array<double, entries> sums {};
-		double                      all = 0.0;
-		for (auto& strip : samples_) {
-			for (int e = 0; e < entries; ++e) {
-				sums[e] += strip[e];
-				all += strip[e];
+		double all = 0.0;
+		sums_.assign(seconds_.size(), 0.0);
+		for (auto& strip : samples_)
+			for (std::size_t e = 0; e < strip.size(); ++e) {
+				sums_[e] += strip[e];
+				all += std::exchange(strip[e], 0.0);
 			}
-			strip.fill(0.0);
-		}
 		const double pass = sinceLast();
-		for (int e = 0; e < entries && all > 0.0; ++e)
-			seconds_[e] += pass * sums[e] / all;
+		for (std::size_t e = 0; e < sums_.size() && all > 0.0; ++e)
+			seconds_[e] += pass * sums_[e] / all;
 	}
 
 	double             seconds(Entry e) const { return seconds_[e]; }
 	double             secondsOfSkeleton(int k) const { return skeletons_[k]; }
 	static const char* nameOf(Entry e)
 	{
-		static constexpr const char* names[entries] = {
-			"sorting",       "motion",     "transfer",           "thaw front",  "bodies",
-			"cell averages", "heat",       "freezing",           "water",       "conduction and pore pressure",
-			"free surface",  "boundaries", "deformation record", "thaw strain", "ice segregation",
-			"energy ledger", "calendar",   "time step limits"
-		};
+		static constexpr const char* names[entries] = { "sorting",
+			                                        "motion",
+			                                        "transfer",
+			                                        "thaw front",
+			                                        "bodies",
+			                                        "cell averages",
+			                                        "heat",
+			                                        "freezing",
+			                                        "water",
+			                                        "conduction and pore pressure",
+			                                        "free surface",
+			                                        "boundaries",
+			                                        "thaw strain",
+			                                        "ice segregation",
+			                                        "energy ledger",
+			                                        "calendar",
+			                                        "time step limits" };
 		return names[e];
 	}
 
@@ -131,13 +142,14 @@ private:
 		return elapsed;
 	}
 
-	std::array<double, entries>              seconds_ {};
-	std::vector<double>                      skeletons_;
-	std::vector<std::array<double, entries>> samples_;
-	Moment                                   last_ {};
+	std::vector<double>              seconds_ = std::vector<double>(entries);
+	std::vector<double>              skeletons_, sums_;
+	std::vector<std::vector<double>> samples_; ///< by strip
+	Moment                           last_ {};
 };
 
-/// What one effect does in a pass over blocks or strips of points: whether it takes part, who pays, and its work.
+/// What one effect does in a pass over blocks or strips of points: whether it takes part, who pays, and its work. Work that takes the samples as its
+/// last argument may lap them for several effects.
 template <class Work> struct PassPart {
 	bool             present;
 	CostMeter::Entry pays;
@@ -146,7 +158,8 @@ template <class Work> struct PassPart {
 	template <class... Given> void run(CostMeter::Sample& sample, Given&&... given) const
 	{
 		if (!present) return;
-		work(given...);
+		if constexpr (std::is_invocable_v<const Work&, Given..., CostMeter::Sample&>) work(given..., sample);
+		else work(given...);
 		sample.lap(pays);
 	}
 };

@@ -83,69 +83,6 @@ template <int D> void Ground<D>::Parts::chooseRows()
 	limit(around, bands->touched(true));
 }
 
-template <int D> std::pair<int, int> Ground<D>::Parts::shownRange() const
-{
-	if (!bands) return { 0, grid.nodeCount() };
-	const int strip = Strips::rows * grid.nodeStride(points->strips().axis);
-	return { bands->firstStrip() * strip, bands->rank() + 1 == bands->count() ? grid.nodeCount() : bands->endStrip() * strip };
-}
-
-namespace {
-	template <class T> void appendBytes(std::string& bytes, const std::vector<T>& values)
-	{
-		bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-	}
-	template <class T> void takeBytes(const char*& from, std::size_t count, std::vector<T>& values)
-	{
-		const std::size_t before = values.size();
-		values.resize(before + count);
-		std::memcpy(static_cast<void*>(values.data() + before), from, count * sizeof(T));
-		from += count * sizeof(T);
-	}
-} // namespace
-
-/// Every rank sees the nodes of all in the order of one: nodes follow each other by rows, as bands do.
-template <int D> void Ground<D>::Parts::showNodesOfAll(const LookingBoundary& looking)
-{
-	BoundaryNodes<D>& shown  = boundaryNodes;
-	const bool        normal = !settings.boundaries[looking.index]->takesVolumes();
-	std::string       own;
-	appendBytes(own, shownNodes);
-	for (const auto* vectors : { &shown.position, &shown.normal, &shown.velocity })
-		appendBytes(own, *vectors);
-	for (const auto* numbers : { &shown.temperature, &shown.pressure })
-		appendBytes(own, *numbers);
-	const std::size_t ofNode = sizeof(int) + (1 + normal + bool(motion)) * sizeof(Vec<D>) + (bool(heat) + bool(water)) * sizeof(double);
-	forgetShownNodes();
-	for (const std::string& bytes : bands->say(own)) {
-		const std::size_t count = bytes.size() / ofNode;
-		const char*       from  = bytes.data();
-		takeBytes(from, count, shownNodes);
-		takeBytes(from, count, shown.position);
-		if (normal) takeBytes(from, count, shown.normal);
-		if (motion) takeBytes(from, count, shown.velocity);
-		if (heat) takeBytes(from, count, shown.temperature);
-		if (water) takeBytes(from, count, shown.pressure);
-	}
-	std::size_t k = 0; // slots follow the nodes, too
-	for (const int node : shownNodes) {
-		while (k < shown.slots && nodeOfSlot(looking, k) < node)
-			++k;
-		shown.slot.push_back(k < shown.slots && nodeOfSlot(looking, k) == node ? int(k) : -1);
-	}
-}
-
-/// Ranks work out the gifts of a boundary each for themselves.
-template <int D> void Ground<D>::Parts::requireSameGifts(const Boundary<D>& boundary)
-{
-	const auto digests = bands->byRank(boundary.digest());
-	for (std::size_t rank = 1; rank < digests.size(); ++rank)
-		if (digests[rank] != digests[0])
-			throw std::runtime_error(
-			        boundary.name() + " gives other values on rank " + std::to_string(rank)
-			        + " than on rank 0: let its function follow from its argument alone, or choose distribute='none'.");
-}
-
 template <int D> void Ground<D>::Parts::meetRanks()
 {
 	bands->meet(clock.steps);
@@ -324,9 +261,6 @@ template void                                 Ground<2>::Parts::startBands();
 template void                                 Ground<2>::Parts::cutBands();
 template void                                 Ground<2>::Parts::followBands(bool);
 template void                                 Ground<2>::Parts::chooseRows();
-template std::pair<int, int>                  Ground<2>::Parts::shownRange() const;
-template void                                 Ground<2>::Parts::showNodesOfAll(const LookingBoundary&);
-template void                                 Ground<2>::Parts::requireSameGifts(const Boundary<2>&);
 template void                                 Ground<2>::Parts::meetRanks();
 template void                                 Ground<2>::Parts::keepOwnPart();
 template void                                 Ground<2>::Parts::sortInBands();
@@ -342,9 +276,6 @@ template void                                 Ground<3>::Parts::startBands();
 template void                                 Ground<3>::Parts::cutBands();
 template void                                 Ground<3>::Parts::followBands(bool);
 template void                                 Ground<3>::Parts::chooseRows();
-template std::pair<int, int>                  Ground<3>::Parts::shownRange() const;
-template void                                 Ground<3>::Parts::showNodesOfAll(const LookingBoundary&);
-template void                                 Ground<3>::Parts::requireSameGifts(const Boundary<3>&);
 template void                                 Ground<3>::Parts::meetRanks();
 template void                                 Ground<3>::Parts::keepOwnPart();
 template void                                 Ground<3>::Parts::sortInBands();

@@ -117,7 +117,7 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 	const double             h = g.grid.spacing();
 
 	StableTimeStep result;
-	const auto     add = [&](const char* name, const std::function<double(int)>& limitOf) {
+	const auto     add = [&](const std::string& name, const std::function<double(int)>& limitOf) {
                 TimeStepLimit limit { name, infinity, -1 };
                 for (int p = g.points->strips().firstPoint(); p < g.points->strips().endPoint(); ++p) {
                         const double step = limitOf(p);
@@ -134,6 +134,8 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 			s.skeletons[k]->tangentModulus(g.batch(k), g.scratch.data());
 		add("wave", [&](int p) { return reach / g.signalSpeed(p, g.scratch[p]); });
 		add("velocity", [&](int p) { return s.motionFraction * h / sizeAt<D>(g.motion->velocity, p); });
+		for (const auto& effect : g.effects)
+			if (effect->limitsStep()) add(effect->name(), [&](int p) { return effect->largestStep(g.inMotion, p, h); });
 		if (g.bodies) add("contact", [&](int p) { return g.bodies->timeStep(p); });
 	}
 	if (g.heat) {

@@ -6,6 +6,8 @@
 #include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/effects/BBar.hpp>
+#include <pkg/mpm/effects/DeformationRecord.hpp>
+#include <pkg/mpm/effects/Effect.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/IceSegregation.hpp>
 #include <pkg/mpm/effects/ImplicitPressure.hpp>
@@ -15,6 +17,7 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
+#include <pkg/mpm/effects/StateDependentBoundaries.hpp>
 #include <pkg/mpm/effects/StrainWork.hpp>
 #include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
@@ -24,7 +27,6 @@
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/ArraysAhead.hpp>
-#include <pkg/mpm/points/DeformationRecord.hpp>
 #include <pkg/mpm/StepContext.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
@@ -83,7 +85,6 @@ template <int D> struct Ground<D>::Parts {
 	std::unique_ptr<SolidMotion<D>>    motion;
 	std::unique_ptr<MomentumSolver<D>> momentum;
 	EffectPart<AffineVelocity<D>>      affine;
-	EffectPart<DeformationRecord<D>>   record;
 	EffectPart<HeatTransfer<D>>        heat;
 	EffectPart<PoreWater<D>>           water;
 	EffectPart<ImplicitPressure<D>>    implicit; ///< pressure of the water at the end of the step
@@ -98,15 +99,12 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<IceSegregation<D>>      segregation;
 	EffectPart<ThawedCompression<D>>   compression; ///< only with thawStrain
 	EffectPart<Calendar<D>>            calendar;    ///< whose scale follows the motion
+	/// Those that stand in files of their own, and the points as they see them.
+	std::vector<std::shared_ptr<Effect<D>>> effects;
+	std::vector<int>                        stressingEffects; ///< numbers of those that add stress
+	PointsInMotion<D>                       inMotion {};
 
-	/// A boundary that gives by the state of its nodes, and those of its volume.
-	struct LookingBoundary {
-		int                    index;
-		std::vector<NodeShare> shares;
-	};
-	std::vector<LookingBoundary> lookingBoundaries;
-	BoundaryNodes<D>             boundaryNodes; ///< what they see
-	std::vector<int>             shownNodes;    ///< their numbers
+	StateDependentBoundaries<D> stateDependent;
 
 	std::vector<std::vector<int>> skeletonPlaces;       ///< of this rank's points
 	std::vector<char>             skeletonUsed;         ///< it has points, on any rank
@@ -140,6 +138,7 @@ template <int D> struct Ground<D>::Parts {
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
 	void declareFields();
+	void listEffects();
 	void placePoints();
 	void bindEffects();
 	void listReadArrays();
@@ -304,35 +303,29 @@ template <int D> struct Ground<D>::Parts {
 	void findFrontStrength();
 	void findFront();
 	void mapToGrid();
+	void addStress(const WeightBlock<D>& w, CostMeter::Sample& sample);
+	void followStrain(int strip, int first, int last, CostMeter::Sample& sample);
 	void collectSurfaces();
 	void findNodalPressure();
 	void findFlows();
 	void exchangeHeat();
 	void finishTemperature();
 	void updateTemperature();
-	void showNodes();
-	void forgetShownNodes();
-	void showNode(const LookingBoundary& looking, int slot, int node);
-	/// Nodes of the boundary that this rank computes, and those that other ranks show.
-	void showNodesOfAll(const LookingBoundary& looking);
-	void requireSameGifts(const Boundary<D>& boundary);
-	int  nodeOfSlot(const LookingBoundary& looking, std::size_t slot) const;
-	/// Nodes that this rank shows to the others: the rows of its strips.
-	std::pair<int, int> shownRange() const;
-	void                pushByBoundaries();
-	void                solveMomentum();
-	void                seep();
-	void                feedWater();
-	void                findImplicitPressure();
-	void                gatherFromGrid();
-	void                finishPaths();
-	void                levelCells();
-	void                segregate();
-	int                 updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample);
-	void                findCellPressure();
-	void                closeThawStrain();
-	void                compressThawed();
-	void                checkCompression();
+	void evaluateBoundaries();
+	void pushByBoundaries();
+	void solveMomentum();
+	void seep();
+	void feedWater();
+	void findImplicitPressure();
+	void gatherFromGrid();
+	void finishPaths();
+	void levelCells();
+	void segregate();
+	int  updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample);
+	void findCellPressure();
+	void closeThawStrain();
+	void compressThawed();
+	void checkCompression();
 	/// What a skeleton law throws to end the run after this step, or null.
 	std::exception_ptr updateSkeletons();
 	void               askByStrips(int skeleton);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/Effect.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/thm/Errors.hpp>
 
@@ -160,6 +161,11 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 			if (!skeleton) throw std::invalid_argument("skeletons: an entry is empty; give a skeleton model");
 			skeleton->validate();
 		}
+	}
+	for (const auto& effect : s.effects) {
+		if (!effect) throw std::invalid_argument("effects: an entry is empty; give an effect");
+		requireSetting(bool(s.motion), "effects", effect->name(), "needs ground that moves; switch motion on or leave the effect out");
+		effect->validate(s);
 	}
 	if (s.heat) {
 		requireSetting(

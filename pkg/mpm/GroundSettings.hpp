@@ -174,6 +174,8 @@ struct SettingsOfAnyDimension {
 	double motionFraction = 0.2; ///< largest path of a point per step over h, in (0, 0.5]
 };
 
+template <int D> class Effect;
+
 /// Everything about a scene that is fixed before it starts.
 template <int D> struct GroundSettings : SettingsOfAnyDimension {
 	Vec<D> lower {}; ///< corner of the grid's box [m]
@@ -182,6 +184,7 @@ template <int D> struct GroundSettings : SettingsOfAnyDimension {
 	std::optional<MotionSettings<D>>               motion;
 	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
 	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
+	std::vector<std::shared_ptr<Effect<D>>>        effects;   ///< that stand in files of their own, see Effect; need motion
 };
 
 /// One material point as it is put into a scene.

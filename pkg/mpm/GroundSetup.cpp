@@ -10,10 +10,13 @@ template <int D> void Ground<D>::Parts::declareFields()
 {
 	points             = std::make_unique<MaterialPoints<D>>();
 	PointFields& field = points->fields();
-	if (settings.motion) motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar);
+	listEffects();
+	if (settings.motion)
+		motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar || !stressingEffects.empty());
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
-	if (settings.motion && settings.deformationRecord) record = std::make_unique<DeformationRecord<D>>(field);
+	for (const auto& effect : effects)
+		effect->declareFields(field);
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
 	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat, bool(settings.freezing));
 	if (settings.water) water = std::make_unique<PoreWater<D>>(field, *settings.water);
@@ -32,6 +35,15 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (settings.segregation) segregation = std::make_unique<IceSegregation<D>>(field, settings);
 	if (hasCompression()) compression = std::make_unique<ThawedCompression<D>>(field, settings);
 	if (settings.motion) momentum = std::make_unique<MomentumSolver<D>>(grid, settings.boundaries);
+}
+
+/// Those of the scene, and one that has a switch.
+template <int D> void Ground<D>::Parts::listEffects()
+{
+	effects = settings.effects;
+	if (settings.motion && settings.deformationRecord) effects.push_back(std::make_shared<DeformationRecord<D>>());
+	for (std::size_t k = 0; k < effects.size(); ++k)
+		if (effects[k]->addsStress()) stressingEffects.push_back(int(k));
 }
 
 template <int D> bool Ground<D>::Parts::facesBodies() const
@@ -76,6 +88,15 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 	if (content) content->fill(p, in.porosity, in.temperature, in.pressure, fill, contentOf());
 }
 
+namespace {
+	template <std::size_t N> std::array<const double*, N> readOnly(const std::array<double*, N>& arrays)
+	{
+		std::array<const double*, N> same;
+		std::copy(arrays.begin(), arrays.end(), same.begin());
+		return same;
+	}
+} // namespace
+
 template <int D> void Ground<D>::Parts::bindEffects()
 {
 	const int n = points->count();
@@ -83,7 +104,9 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (bodies) bodies->bind(*points, *motion);
 	if (bodies && facesBodies()) bodies->allocateFaces(grid);
 	if (affine) affine->bind(*points);
-	if (record) record->bind(*points);
+	if (motion)
+		inMotion = { points->positions(), readOnly(motion->velocity), readOnly(motion->gradient), readOnly(motion->stress),
+			     motion->mass,        points->volume(),           motion->addedStress };
 	if (heat) heat->bind(*points, grid);
 	if (content) {
 		content->bind(*points);
@@ -103,8 +126,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 		surface->setBoundaries(settings.boundaries, grid, bool(settings.motion));
 	}
 	if (heat) heat->constrain(grid, settings.boundaries);
-	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
-		if (settings.boundaries[b]->usesNodes()) lookingBoundaries.push_back({ int(b), nodeShares(grid, settings.boundaries[b]->region()) });
+	stateDependent.find(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
 	if (averaging()) bBar.allocate(grid, settings.motion->bBarWeight);
 	strainWork = { startShare(), bool(implicit) };
@@ -176,8 +198,9 @@ template <int D> void Ground<D>::Parts::placePoints()
 	ledger = StepLedger<D>(grid);
 	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.reset(n);
-	cost.allocate(points->strips().count(), int(settings.skeletons.size()));
-	if (record) record->start(first, end);
+	cost.allocate(points->strips().count(), int(settings.skeletons.size()), int(effects.size()));
+	for (const auto& effect : effects)
+		effect->start(points->fields(), first, end);
 	if (content) {
 		const int   failed = content->update(first, end, contentOf());
 		std::string words;

@@ -72,74 +72,16 @@ template <int D> void Ground<D>::Parts::updateTemperature()
 	cost.time(CostMeter::heat, [&] { finishTemperature(); });
 }
 
-template <int D> int Ground<D>::Parts::nodeOfSlot(const LookingBoundary& looking, std::size_t slot) const
+/// Fluxes and forces of boundaries that follow the state of their nodes.
+template <int D> void Ground<D>::Parts::evaluateBoundaries()
 {
-	const bool volume = settings.boundaries[looking.index]->takesVolumes();
-	return volume ? looking.shares[slot].node : surface->patch(looking.index).nodes[slot].node;
-}
-
-template <int D> void Ground<D>::Parts::forgetShownNodes()
-{
-	boundaryNodes.slot.clear();
-	shownNodes.clear();
-	for (auto* vectors : { &boundaryNodes.position, &boundaryNodes.normal, &boundaryNodes.velocity })
-		vectors->clear();
-	for (auto* numbers : { &boundaryNodes.temperature, &boundaryNodes.pressure })
-		numbers->clear();
-}
-
-/// Boundaries whose gifts follow the state of their nodes see it, before anything of the step is booked.
-template <int D> void Ground<D>::Parts::showNodes()
-{
-	BoundaryNodes<D>& shown = boundaryNodes;
-	shown.time              = calendarEnd();
-	for (const LookingBoundary& looking : lookingBoundaries) {
-		Boundary<D>& boundary = *settings.boundaries[looking.index];
-		shown.slots           = boundary.takesVolumes() ? looking.shares.size() : surface->patch(looking.index).nodes.size();
-		forgetShownNodes();
-		const auto range = shownRange();
-		for (std::size_t k = 0; k < shown.slots; ++k) {
-			const int node = nodeOfSlot(looking, k);
-			if (node >= range.first && node < range.second) showNode(looking, int(k), node);
-		}
-		if (bands) showNodesOfAll(looking);
-		boundary.lookAt(shown);
-		if (bands) requireSameGifts(boundary);
-	}
-}
-
-template <int D> void Ground<D>::Parts::showNode(const LookingBoundary& looking, int slot, int node)
-{
-	BoundaryNodes<D>& shown  = boundaryNodes;
-	const double*     moving = motion ? motion->nodes[node] : nullptr;
-	if (!((moving ? moving[motion->massAt] : heat->nodes[node][0]) > 0.0)) return;
-	Vec<D>     x, v;
-	const auto at = grid.nodeOf(node);
-	for (int a = 0; a < D; ++a) {
-		x[a] = grid.nodePosition(a, at[a]);
-		v[a] = moving ? moving[motion->momentumAt + a] / moving[motion->massAt] : 0.0;
-	}
-	shown.slot.push_back(slot);
-	shownNodes.push_back(node);
-	shown.position.push_back(x);
-	if (moving) shown.velocity.push_back(v);
-	if (heat) shown.temperature.push_back(heatRests ? heat->reference : heat->mapped[node][0]);
-	if (water) shown.pressure.push_back(water->pressureAtNode(node));
-	if (settings.boundaries[looking.index]->takesVolumes()) return;
-	Vec<D>       normal = surface->patch(looking.index).nodes[slot].area;
-	const double area   = lengthOf<D>(normal);
-	for (int a = 0; a < D && area > 0.0; ++a)
-		normal[a] /= area;
-	shown.normal.push_back(normal);
+	stateDependent.evaluate(context(), { motion.get(), heat.get(), heatRests, water.get() }, surface.get());
 }
 
 template <int D> void Ground<D>::Parts::pushByBoundaries()
 {
 	const double time = calendarEnd();
-	for (const LookingBoundary& looking : lookingBoundaries) {
-		const Boundary<D>& boundary = *settings.boundaries[looking.index];
-		if (boundary.accelerates()) momentum->accelerate(boundary, looking.shares, *motion);
-	}
+	stateDependent.accelerate(*momentum, *motion);
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.loads()) momentum->addLoad(boundary, surface->patch(b), time, *motion);
@@ -395,6 +337,24 @@ template <int D> void Ground<D>::Parts::findFront()
 	findFrontStrength();
 }
 
+/// Effects in files of their own add to the stress of a block.
+template <int D> void Ground<D>::Parts::addStress(const WeightBlock<D>& w, CostMeter::Sample& sample)
+{
+	for (const int k : stressingEffects) {
+		effects[k]->addStress(context(), inMotion, w.first, w.first + w.count);
+		sample.lap(CostMeter::ofEffect(k));
+	}
+}
+
+/// They follow the strain of a strip.
+template <int D> void Ground<D>::Parts::followStrain(int strip, int first, int last, CostMeter::Sample& sample)
+{
+	for (std::size_t k = 0; k < effects.size(); ++k) {
+		effects[k]->followStrain(context(), inMotion, first, last, ledger.ofStrip(strip));
+		sample.lap(CostMeter::ofEffect(int(k)));
+	}
+}
+
 template <int D> void Ground<D>::Parts::mapToGrid()
 {
 	using Columns                        = NodeColumns<D>;
@@ -412,9 +372,14 @@ template <int D> void Ground<D>::Parts::mapToGrid()
 		        if (surface) rows.nodes(surface->nodes);
 	        },
 	        [](int, int, int) {},
+	        PassPart { motion && motion->addedStress, CostMeter::motion,
+	                   [&](const WeightBlock<D>& w, double*) {
+		                   bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count);
+	                   } },
+	        PassPart { !stressingEffects.empty(), CostMeter::motion,
+	                   [&](const WeightBlock<D>& w, double*, CostMeter::Sample& sample) { addStress(w, sample); } },
 	        PassPart { bool(motion), CostMeter::motion,
 	                   [&](const WeightBlock<D>& w, double*) {
-		                   if (motion->addedStress) bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count);
 		                   motion->map(w, sharedWithMotion, share ? heat->temperature : nullptr, share ? heat->reference : 0.0);
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
@@ -443,7 +408,7 @@ template <int D> void Ground<D>::solveNodes()
 	Parts& g = *parts_;
 	if (g.allRests()) return;
 	if (g.heat || g.water) g.findFlows();
-	if (!g.lookingBoundaries.empty()) g.cost.time(CostMeter::boundaries, [&] { g.showNodes(); });
+	if (!g.stateDependent.empty()) g.cost.time(CostMeter::boundaries, [&] { g.evaluateBoundaries(); });
 	if (g.heat && !g.heatRests) g.updateTemperature();
 	if (g.motion) g.solveMomentum();
 }
@@ -570,8 +535,8 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	                   [&](int, int first, int last, Sample&) { BBar<D>::strain(g.averagingCells(), *g.points, *g.motion, first, last); } },
 	        PassPart { bool(g.segregation), CostMeter::segregation,
 	                   [&](int, int first, int last, Sample&) { g.segregation->shareVolume(*cells, first, last); } },
-	        PassPart { bool(g.record), CostMeter::record,
-	                   [&](int, int first, int last, Sample&) { g.record->accumulate(first, last, g.motion->gradient); } },
+	        PassPart { !g.effects.empty(), CostMeter::motion,
+	                   [&](int strip, int first, int last, Sample& sample) { g.followStrain(strip, first, last, sample); } },
 	        PassPart { bool(g.content), CostMeter::freezing, [&](int strip, int first, int last, Sample& sample) {
 		                  const int failed = g.updateContent(first, last, cells, sample);
 		                  if (failed < last) g.bad[strip] = failed;
@@ -669,6 +634,8 @@ template <int D> std::vector<std::pair<std::string, double>> Ground<D>::cost() c
 	for (int e = 0; e < CostMeter::entries; ++e)
 		if (g.pays(static_cast<CostMeter::Entry>(e)))
 			list.emplace_back(CostMeter::nameOf(static_cast<CostMeter::Entry>(e)), g.cost.seconds(static_cast<CostMeter::Entry>(e)));
+	for (std::size_t k = 0; k < g.effects.size(); ++k)
+		list.emplace_back(g.effects[k]->name(), g.cost.seconds(CostMeter::ofEffect(int(k))));
 	for (std::size_t k = 0; g.motion && k < g.settings.skeletons.size(); ++k)
 		list.emplace_back(g.settings.skeletons[k]->name() + "[" + std::to_string(k) + "]", g.cost.secondsOfSkeleton(int(k)));
 	return list;
@@ -687,8 +654,7 @@ template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
 		case CostMeter::water: return bool(water);
 		case CostMeter::flows: return heat && water;
 		case CostMeter::surface: return bool(surface);
-		case CostMeter::boundaries: return surface || !lookingBoundaries.empty();
-		case CostMeter::record: return bool(record);
+		case CostMeter::boundaries: return surface || !stateDependent.empty();
 		case CostMeter::thawStrain: return bool(thawStrain);
 		case CostMeter::segregation: return bool(segregation);
 		case CostMeter::calendar: return bool(calendar);
@@ -702,11 +668,7 @@ template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
 template void                                        Ground<2>::Parts::collectSurfaces();
 template void                                        Ground<3>::Parts::collectSurfaces();
 template void                                        Ground<2>::Parts::useScale();
-template void                                        Ground<2>::Parts::forgetShownNodes();
-template int                                         Ground<2>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;
 template void                                        Ground<3>::Parts::useScale();
-template void                                        Ground<3>::Parts::forgetShownNodes();
-template int                                         Ground<3>::Parts::nodeOfSlot(const LookingBoundary&, std::size_t) const;
 template void                                        Ground<2>::beginStep(double);
 template void                                        Ground<2>::p2g();
 template void                                        Ground<2>::solveNodes();

@@ -17,7 +17,7 @@ sections = (
 		"engine",
 		"The ground",
 		"MpmEngine, its soil and its effects.",
-		("MpmEngine", "GroundMaterial", "HeatTransfer", "FreezingCurve", "PoreWater", "IceSegregation", "ThawFront"),
+		("MpmEngine", "GroundMaterial", "HeatTransfer", "FreezingCurve", "PoreWater", "IceSegregation", "ThawFront", "GroundEffect"),
 	),
 	("boundaries", "Boundaries", "Conditions on the surface of the ground and inside it. All have the attributes of GroundBoundary.", ("GroundBoundary",)),
 	(

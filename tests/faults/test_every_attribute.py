@@ -52,6 +52,7 @@ def everything(sample):
 	)
 	skeletons = [wrapper.RveSkeleton(samples=[sample.copy()], strainTolerance=2e-5), wrapper.ElasticSkeleton(), wrapper.MohrCoulombSkeleton()]
 	skeletons += [wrapper.CreepingSkeleton(), wrapper.BinghamSkeleton(), wrapper.PythonSkeleton(law=soft, modulus=1e7, states=["strain"], statesAtStart=[0])]
+	others = [wrapper.BulkViscosity(viscosity=10)]
 	conditions = [getattr(wrapper, name)(**settings) for name, settings in boundaries.items()]
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.5,
@@ -62,13 +63,14 @@ def everything(sample):
 		energyLedger=True,
 		skeletons=skeletons,
 		boundaries=conditions,
+		effects=others,
 		**held,
 	)
 	position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, 1, 1), 0.5)
 	mpm.addPoints(position=position, volume=volume, temperature=-1.0, skeleton=[min(5, k // 3) for k in range(len(position))])
 	O.bodies.append(utils.sphere((0.5, 1.3, 0), 0.2))
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0))]
-	return {type(part).__name__: part for part in [mpm, *held.values(), *skeletons, *conditions]}
+	return {type(part).__name__: part for part in [mpm, *held.values(), *skeletons, *conditions, *others]}
 
 
 names = [
@@ -85,6 +87,7 @@ names = [
 	"CreepingSkeleton",
 	"BinghamSkeleton",
 	"PythonSkeleton",
+	"BulkViscosity",
 	*boundaries,
 ]
 

@@ -65,6 +65,8 @@ namespace {
 		s.deformationRecord = engine.motion && engine.deformationRecord;
 		for (const auto& boundary : engine.boundaries)
 			s.boundaries.push_back(boundary->build<D>());
+		for (const auto& effect : engine.effects)
+			s.effects.push_back(effect->build<D>());
 		if (engine.motion) {
 			const auto places = placesOf<D>(engine.points);
 			for (const auto& law : engine.activeSkeletons()) {

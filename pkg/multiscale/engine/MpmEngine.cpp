@@ -207,6 +207,8 @@ void MpmEngine::checkPresence() const
 		if (!law) throw std::invalid_argument("MpmEngine.skeletons holds None: give skeleton laws only.");
 	for (const auto& boundary : boundaries)
 		if (!boundary) throw std::invalid_argument("MpmEngine.boundaries holds None: give boundaries only.");
+	if (!effects.empty() && !motion)
+		throw std::invalid_argument("MpmEngine.effects is set but motion is False: they act on ground that moves; set motion=True.");
 	checkChangeable();
 }
 
@@ -267,6 +269,7 @@ void MpmEngine::initialise()
 	shareAmongRanks();
 	boundaryCount     = boundaries.size();
 	materialCount     = materials.size();
+	effectCount       = effects.size();
 	groundOfScene     = underSettingNames([&] { return GroundOfScene::make(*this, usedDimension(), goesOn); });
 	ground            = &groundOfScene->ground();
 	stepsUntilLimit   = 0;
@@ -470,6 +473,7 @@ void MpmEngine::checkFixed() const
 	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
 	require(!built || built->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
 	require(materialCount == materials.size(), "materials", "a list of " + std::to_string(materials.size()));
+	require(effectCount == effects.size(), "effects", "a list of " + std::to_string(effects.size()));
 	require(boundaryCount == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
 }
 

@@ -9,6 +9,7 @@
 #include <pkg/multiscale/engine/GroundOfScene.hpp>
 #include <pkg/multiscale/engine/PointTable.hpp>
 #include <pkg/multiscale/settings/GroundBoundaries.hpp>
+#include <pkg/multiscale/settings/GroundEffect.hpp>
 #include <pkg/multiscale/settings/GroundEffects.hpp>
 #include <pkg/multiscale/settings/GroundVector.hpp>
 #include <pkg/multiscale/settings/SkeletonLaws.hpp>
@@ -145,8 +146,8 @@ private:
 	void                            recordWatched();
 
 	std::shared_ptr<GroundOfScene> groundOfScene;
-	talik::AnyGround*              ground        = nullptr;              ///< that of groundOfScene
-	std::size_t                    boundaryCount = 0, materialCount = 0; ///< with which the ground was built
+	talik::AnyGround*              ground        = nullptr;                               ///< that of groundOfScene
+	std::size_t                    boundaryCount = 0, materialCount = 0, effectCount = 0; ///< with which the ground was built
 	long                           stepsUntilLimit = 0, stepsAtStart = 0;
 	long                           nextComparison = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed    = false; ///< boundaries have found the bodies that they name
@@ -210,6 +211,7 @@ public:
 		((shared_ptr<SkeletonLaw>,skeleton,,,"Skeleton law of all points, unless skeletons lists several."))
 		((vector<shared_ptr<SkeletonLaw>>,skeletons,,,"Skeleton laws; addPoints(skeleton=i) says which a point has."))
 		((vector<shared_ptr<GroundBoundary>>,boundaries,,,"Conditions on sides, free surface or boxes of nodes."))
+		((vector<shared_ptr<GroundEffect>>,effects,,,"Further effects of moving ground, such as BulkViscosity."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
 		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and divided into sub-steps where it exceeds the limit. Of several "
 				"grounds in O.engines the first sets it, to the smallest of their steps."))
@@ -271,8 +273,8 @@ public:
 				"suction on the water that freezing ground has drawn, waterDrawn [kg].")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: "
 				"motion, transfer (apic, tpic), bodies, heat, freezing, water, 'conduction and pore pressure' (the pass that serves both), 'cell averages', 'free "
-				"surface', boundaries, 'deformation record', 'thaw strain', 'energy ledger', each skeleton by name and number, sorting, 'time step limits'; beside them "
-				"steps, their number. Time of passes that serve several effects is divided among them by sampling. Not kept in archives.")
+				"surface', boundaries, 'thaw strain', 'energy ledger', sorting, 'time step limits', 'deformation record' and others of effects, each skeleton by name and "
+				"number; beside them steps, their number. Time of passes that serve several effects is divided among them by sampling. Not kept in archives.")
 		.def("skemptonB",&MpmEngine::skemptonB,"Skempton's B with the bulk modulus of water in use [-]: of the softest point, by the oedometer modulus of its "
 				"skeleton, with its pores full of liquid.")
 		.def("doubts",&MpmEngine::doubts,"Warnings about settings that are valid but probably a mistake; talik.check(mpm) prints them, and the first step "
