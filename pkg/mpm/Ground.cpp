@@ -88,9 +88,9 @@ template <int D> RigidContact<D>* Ground<D>::bodies() { return parts_->bodies.ge
 template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const
 {
 	Parts& g = *parts_;
-	if (!g.bands) return g.batch(skeleton);
+	if (!g.bands) return g.skeletons.batch(skeleton, g.stepTime());
 	g.bringPoints();
-	return g.batch(g.placesOfAll(skeleton));
+	return g.skeletons.batch(g.skeletons.placesOfAll(skeleton), g.stepTime());
 }
 
 template <int D> void Ground<D>::startSkeleton(int skeleton)

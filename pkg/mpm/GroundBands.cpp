@@ -118,8 +118,8 @@ template <int D> const double* Ground<D>::Parts::costOfPoints() const
 	double* const cost = scratch.data();
 	std::fill(cost + bands->firstPoint(), cost + bands->endPoint(), double(std::max(1L, clock.steps - clock.lastSort)));
 	if (motion)
-		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
-			settings.skeletons[k]->addCost(batch(k), cost);
+		for (int k = 0; k < skeletons.count(); ++k)
+			skeletons.law(k).addCost(skeletons.batch(k, stepTime()), cost);
 	return cost;
 }
 

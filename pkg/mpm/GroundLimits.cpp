@@ -130,8 +130,7 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 		// its velocity, 0 <= s <= g <= 1. It grows where (omega dt)^2 > 2 (1 + g)/(1 + g - s), which is 4 without smoothing and never below 2.
 		// No mode has omega > sqrt(D steepness) c/h.
 		const double reach = h * std::min(s.courantNumber, std::sqrt(2.0 / (D * g.shape->steepness())));
-		for (std::size_t k = 0; k < s.skeletons.size(); ++k)
-			s.skeletons[k]->tangentModulus(g.batch(k), g.scratch.data());
+		g.skeletons.tangentModulus(g.stepTime(), g.scratch.data());
 		add("wave", [&](int p) { return reach / g.signalSpeed(p, g.scratch[p]); });
 		add("velocity", [&](int p) { return s.motionFraction * h / sizeAt<D>(g.motion->velocity, p); });
 		for (const auto& effect : g.effects)

@@ -5,25 +5,6 @@
 
 namespace talik {
 
-template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const std::vector<int>& places) const { return batch(places.data(), int(places.size())); }
-
-template <int D> SkeletonBatch<D> Ground<D>::Parts::batch(const int* places, int count) const
-{
-	SkeletonBatch<D> b;
-	b.count = count;
-	b.place = places;
-	b.id    = points->ids();
-	for (int c = 0; c < D * D; ++c)
-		b.gradient[c] = motion->gradient[c];
-	b.iceSaturation = content ? content->iceSaturation : nullptr;
-	for (int c = 0; c < stressSize<D>; ++c)
-		b.stress[c] = motion->stress[c];
-	b.volume      = points->volume();
-	b.temperature = heat ? heat->temperature : nullptr;
-	b.time        = { clock.dt, clock.calendar.scale * clock.dt };
-	return b;
-}
-
 template <int D> std::string Ground<D>::Parts::whereabouts(int place) const
 {
 	std::ostringstream text;
@@ -58,33 +39,9 @@ template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
 	if (cells && !bands) cells->clearAll();
 	if (water && !bands) water->clearCells(0, grid.cellCount());
 	if (!motion) return;
-	listSkeletons();
+	skeletons.list();
 	bounds.resize(points->strips().count());
 	points->strips().gather([&](int strip, int first, int last) { boundPositions(strip, first, last); });
-}
-
-template <int D> void Ground<D>::Parts::listSkeletons()
-{
-	skeletonPlaces.resize(settings.skeletons.size());
-	for (auto& places : skeletonPlaces) {
-		places.clear();
-		places.reserve(points->count());
-	}
-	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
-		skeletonPlaces[points->skeletons()[p]].push_back(p);
-	skeletonUsed.assign(settings.skeletons.size(), 0);
-	for (int p = 0; p < points->count(); ++p)
-		skeletonUsed[points->skeletons()[p]] = 1;
-}
-
-template <int D> const std::vector<int>& Ground<D>::Parts::placesOfAll(int skeleton)
-{
-	skeletonPlacesOfAll.resize(settings.skeletons.size());
-	std::vector<int>& places = skeletonPlacesOfAll[skeleton];
-	places.clear();
-	for (int p = 0; p < points->count(); ++p)
-		if (points->skeletons()[p] == skeleton) places.push_back(p);
-	return places;
 }
 
 template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
@@ -131,21 +88,15 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	water->findDrivingPressure(grid, around, *cells, motion->settings->gravity, liquidDensity());
 }
 
-template SkeletonBatch<2>        Ground<2>::Parts::batch(const std::vector<int>&) const;
-template SkeletonBatch<2>        Ground<2>::Parts::batch(const int*, int) const;
-template std::string             Ground<2>::Parts::whereabouts(int) const;
-template const std::vector<int>& Ground<2>::Parts::placesOfAll(int);
-template void                    Ground<2>::Parts::sort();
-template void                    Ground<2>::Parts::afterReordering(bool);
-template void                    Ground<2>::Parts::clearNodes();
-template void                    Ground<2>::Parts::locateInCells();
-template SkeletonBatch<3>        Ground<3>::Parts::batch(const std::vector<int>&) const;
-template SkeletonBatch<3>        Ground<3>::Parts::batch(const int*, int) const;
-template std::string             Ground<3>::Parts::whereabouts(int) const;
-template const std::vector<int>& Ground<3>::Parts::placesOfAll(int);
-template void                    Ground<3>::Parts::sort();
-template void                    Ground<3>::Parts::afterReordering(bool);
-template void                    Ground<3>::Parts::clearNodes();
-template void                    Ground<3>::Parts::locateInCells();
+template std::string Ground<2>::Parts::whereabouts(int) const;
+template void        Ground<2>::Parts::sort();
+template void        Ground<2>::Parts::afterReordering(bool);
+template void        Ground<2>::Parts::clearNodes();
+template void        Ground<2>::Parts::locateInCells();
+template std::string Ground<3>::Parts::whereabouts(int) const;
+template void        Ground<3>::Parts::sort();
+template void        Ground<3>::Parts::afterReordering(bool);
+template void        Ground<3>::Parts::clearNodes();
+template void        Ground<3>::Parts::locateInCells();
 
 } // namespace talik

@@ -27,6 +27,7 @@
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/ArraysAhead.hpp>
+#include <pkg/mpm/skeleton/SkeletonSet.hpp>
 #include <pkg/mpm/StepContext.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
@@ -106,19 +107,17 @@ template <int D> struct Ground<D>::Parts {
 
 	StateDependentBoundaries<D> stateDependent;
 
-	std::vector<std::vector<int>> skeletonPlaces;       ///< of this rank's points
-	std::vector<char>             skeletonUsed;         ///< it has points, on any rank
-	std::shared_ptr<RankTalk>     talk;                 ///< of the ranks that share out this ground; null: there is one
-	bool                          bandsRequired = true; ///< what bands do not serve is an error
-	std::unique_ptr<Bands>        bands;                ///< the same, from initialise() on
-	std::vector<std::vector<int>> skeletonPlacesOfAll;  ///< of the points of all ranks
-	std::vector<double>           pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
-	Clock<D>                      clock {};
-	ActiveRange                   reached; ///< rows that the points of this rank may touch
-	ActiveRange                   around;  ///< and as many beyond as it has to know to solve there
-	StepLedger<D>                 ledger;  ///< of the step
-	std::vector<double>           partial;
-	Clock<D>                      clockBefore; ///< the clock at the beginning of the step, to which a step goes back that is refused before points move
+	SkeletonSet<D>            skeletons;            ///< only with motion
+	std::shared_ptr<RankTalk> talk;                 ///< of the ranks that share out this ground; null: there is one
+	bool                      bandsRequired = true; ///< what bands do not serve is an error
+	std::unique_ptr<Bands>    bands;                ///< the same, from initialise() on
+	std::vector<double>       pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
+	Clock<D>                  clock {};
+	ActiveRange               reached; ///< rows that the points of this rank may touch
+	ActiveRange               around;  ///< and as many beyond as it has to know to solve there
+	StepLedger<D>             ledger;  ///< of the step
+	std::vector<double>       partial;
+	Clock<D>                  clockBefore; ///< the clock at the beginning of the step, to which a step goes back that is refused before points move
 	/// Smallest box around the points of each strip.
 	struct PositionBounds {
 		Vec<D> low, high;
@@ -137,13 +136,14 @@ template <int D> struct Ground<D>::Parts {
 	bool contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
-	void declareFields();
-	void listEffects();
-	void placePoints();
-	void bindEffects();
-	void listReadArrays();
-	void fillPoints();
-	void beginSkeletons();
+	void             declareFields();
+	void             listEffects();
+	void             placePoints();
+	void             bindEffects();
+	SkeletonBatch<D> arraysOfSkeletons() const;
+	void             listReadArrays();
+	void             fillPoints();
+	void             beginSkeletons();
 	/// Changes the stress of the points by as little as it takes for the ground to rest.
 	void   balanceStart();
 	void   requireBalancedStress(const std::vector<double>& vertical) const;
@@ -154,10 +154,7 @@ template <int D> struct Ground<D>::Parts {
 	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
 	void   shareRecords();
 	void   checkFreeSurface();
-	void   listSkeletons();
-	/// Of the points of a skeleton on all ranks.
-	const std::vector<int>& placesOfAll(int skeleton);
-	double                  fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
+	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
 	/// True if a boundary acts where the ground faces bodies.
 	bool facesBodies() const;
 	bool hasContent() const { return settings.heat || settings.water; }
@@ -328,7 +325,6 @@ template <int D> struct Ground<D>::Parts {
 	void checkCompression();
 	/// What a skeleton law throws to end the run after this step, or null.
 	std::exception_ptr updateSkeletons();
-	void               askByStrips(int skeleton);
 	void               measureMotion();
 	double             signalSpeed(int place, double modulus) const;
 	double             advectionStep(int place) const;
@@ -351,12 +347,11 @@ template <int D> struct Ground<D>::Parts {
 	std::string whereabouts(int place) const;
 	void        sort();
 
-	SkeletonBatch<D>     batch(int skeleton) const { return batch(skeletonPlaces[skeleton]); }
-	SkeletonBatch<D>     batch(const int* places, int count) const;
-	SkeletonBatch<D>     batch(const std::vector<int>& places) const;
+	StepTime             stepTime() const { return { clock.dt, clock.calendar.scale * clock.dt }; }
 	double               largestModulus() const;
 	double               liquidDensity() const { return settings.mixtureOf(0).liquid.density; }
 	CostMeter::Entry     base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
+	LiquidOfGround       liquid() const { return { liquidDensity(), enthalpyModel() }; }
 	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
 };
 

@@ -97,6 +97,17 @@ namespace {
 	}
 } // namespace
 
+template <int D> SkeletonBatch<D> Ground<D>::Parts::arraysOfSkeletons() const
+{
+	SkeletonBatch<D> all;
+	all.gradient      = readOnly(motion->gradient);
+	all.stress        = motion->stress;
+	all.iceSaturation = content ? content->iceSaturation : nullptr;
+	all.volume        = points->volume();
+	all.temperature   = heat ? heat->temperature : nullptr;
+	return all;
+}
+
 template <int D> void Ground<D>::Parts::bindEffects()
 {
 	const int n = points->count();
@@ -120,6 +131,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	}
 	if (compression) compression->bind(*points, *motion, content->porosity, content->iceSaturation, grid.cellCount());
 	if (calendar) calendar->bind(*points, *motion, *heat);
+	if (motion) skeletons.bind(settings.skeletons, *points, arraysOfSkeletons());
 	shareRecords();
 	if (surface) {
 		surface->bind(*points, grid, heat ? heat->conductivity : nullptr);
@@ -265,8 +277,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 
 template <int D> double Ground<D>::Parts::largestModulus() const
 {
-	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
-		settings.skeletons[k]->tangentModulus(batch(k), scratch.data());
+	skeletons.tangentModulus(stepTime(), scratch.data());
 	const Strips& strips  = points->strips();
 	double        largest = 0.0;
 	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p)
@@ -279,14 +290,14 @@ template <int D> double Ground<D>::Parts::largestModulus() const
 
 template <int D> void Ground<D>::Parts::beginSkeletons()
 {
-	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
-		SkeletonModel<D>& model = *settings.skeletons[k];
+	for (int k = 0; k < skeletons.count(); ++k) {
+		SkeletonModel<D>& model = skeletons.law(k);
 		if (!bands || !model.beginsWithAll()) {
-			model.initialise(batch(k));
+			model.initialise(skeletons.batch(k, stepTime()));
 			continue;
 		}
 		if (content) showAll(content->iceSaturation);
-		model.initialise(batch(placesOfAll(k)));
+		model.initialise(skeletons.batch(skeletons.placesOfAll(k), stepTime()));
 	}
 }
 
@@ -294,12 +305,12 @@ template <int D> void Ground<D>::Parts::checkCompression()
 {
 	compression->open(*thawStrain);
 	std::string words;
-	for (std::size_t k = 0; k < settings.skeletons.size() && words.empty(); ++k) {
-		SkeletonBatch<D> thawed = batch(k);
+	for (int k = 0; k < skeletons.count() && words.empty(); ++k) {
+		SkeletonBatch<D> thawed = skeletons.batch(k, stepTime());
 		thawed.iceSaturation    = compression->noIce();
-		settings.skeletons[k]->tangentModulus(thawed, compression->thawedModulus());
-		for (const int p : skeletonPlaces[k])
-			if (words.empty()) words = compression->fault(settings.skeletons[k]->name(), p);
+		skeletons.law(k).tangentModulus(thawed, compression->thawedModulus());
+		for (const int p : skeletons.places(k))
+			if (words.empty()) words = compression->fault(skeletons.law(k).name(), p);
 	}
 	words = wordsOfAny(words);
 	if (!words.empty()) throw std::invalid_argument(words);

@@ -26,7 +26,7 @@ template <int D> void Ground<D>::Parts::findNodalPressure()
 template <int D> void Ground<D>::Parts::findFlows()
 {
 	const bool conducts = heat && !heatRests;
-	if (conducts) cost.time(CostMeter::heat, [&] { heat->nodalTemperature(grid, around, settings.boundaries, calendarEnd(), clock.dt); });
+	if (conducts) cost.time(CostMeter::heat, [&] { heat->nodalTemperature(context(), settings.boundaries); });
 	else if (heat && water) cost.time(CostMeter::heat, [&] { heat->rest(around); });
 	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(); });
 	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
@@ -47,15 +47,13 @@ template <int D> void Ground<D>::Parts::findFlows()
 template <int D> void Ground<D>::Parts::exchangeHeat()
 {
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
-		if (settings.boundaries[b]->heats())
-			heat->exchange(*settings.boundaries[b], calendarEnd(), surface->patch(b), *surface, grid.spacing(), clock.dt, ledger);
+		if (settings.boundaries[b]->heats()) heat->exchange(context(), *settings.boundaries[b], surface->patch(b), *surface);
 }
 
 template <int D> void Ground<D>::Parts::finishTemperature()
 {
-	const double time = calendarEnd();
-	heat->produce(around, settings.boundaries, time, clock.dt, ledger);
-	heat->finishNodes(around, settings.boundaries, time, clock.dt, ledger);
+	heat->produce(context(), settings.boundaries);
+	heat->finishNodes(context(), settings.boundaries);
 	if (settings.heat->source == 0.0) return;
 	const double* volume = points->volume();
 	context().bookByStrip([&](StepAccount<D>& account, int first, int last) {
@@ -101,7 +99,7 @@ template <int D> void Ground<D>::Parts::solveMomentum()
 			cost.time(CostMeter::water, [this] { findImplicitPressure(); });
 		};
 		const std::function<void()> change = implicit ? correct : std::function<void()>();
-		momentum->solve(around, *motion, water.get(), front.get(), clock.dt, settings.energyLedger && !implicit, ledger, change);
+		momentum->solve(context(), *motion, water.get(), front.get(), settings.energyLedger && !implicit, change);
 		const double mass = clock.initialMass - clock.account.waterOut;
 		for (int a = 0; a < D; ++a)
 			clock.account.impulse[a] += clock.dt * mass * motion->settings->gravity[a];
@@ -115,8 +113,8 @@ template <int D> void Ground<D>::Parts::feedWater()
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		if (boundary.feeds())
 			water->feed(
-			        surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), clock.dt, liquidDensity(), enthalpyModel(),
-			        heat ? &heat->mapped : nullptr, ledger);
+			        context(), surface->patch(b), boundary.inflow(calendarEnd()), boundary.inflowTemperature(), liquid(),
+			        heat ? &heat->mapped : nullptr);
 	}
 }
 
@@ -125,13 +123,13 @@ template <int D> void Ground<D>::Parts::findImplicitPressure()
 {
 	waterRests = false;
 	feedWater();
-	implicit->beginFlow(grid, reached, *cells, *motion, *water, liquidDensity(), clock.dt);
+	implicit->beginFlow(context(), *cells, *motion, *water, liquidDensity());
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
 		if (settings.boundaries[b]->drains())
 			implicit->drain(
-			        grid, reached, surface->patch(b), settings.boundaries[b]->pressure(calendarEnd()), settings.boundaries[b]->recharges(), *water);
-	implicit->solve(grid, reached, *momentum, *motion, *water, liquidDensity(), clock.dt, ledger);
-	if (settings.energyLedger) implicit->bookDissipation(grid, reached, ledger);
+			        context(), surface->patch(b), settings.boundaries[b]->pressure(calendarEnd()), settings.boundaries[b]->recharges(), *water);
+	implicit->solve(context(), *momentum, *motion, *water, liquidDensity());
+	if (settings.energyLedger) implicit->bookDissipation(context());
 }
 
 template <int D> void Ground<D>::Parts::seep()
@@ -148,9 +146,7 @@ template <int D> void Ground<D>::Parts::seep()
 		        [&](SharedRows& rows) { rows.nodes(water->exchange); });
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
-		if (boundary.drains())
-			water->drain(
-			        surface->patch(b), boundary.recharges(), clock.dt, liquidDensity(), enthalpyModel(), heat ? &heat->mapped : nullptr, ledger);
+		if (boundary.drains()) water->drain(context(), surface->patch(b), boundary.recharges(), liquid(), heat ? &heat->mapped : nullptr);
 	}
 	feedWater();
 	if (settings.energyLedger)
@@ -277,28 +273,18 @@ template <int D> void Ground<D>::beginStep(double dt)
 template <int D> void Ground<D>::Parts::findFrontStrength()
 {
 	if (!front->present()) return;
-	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
-		SkeletonBatch<D>        near   = batch(k);
-		const std::vector<int>& places = front->thawedNear(skeletonPlaces[k]);
-		near.place                     = places.data();
-		near.count                     = int(places.size());
-		if (near.count == 0) continue;
-		for (const int p : places)
-			front->setStrength(p, settings.skeletons[k]->shearStrength(near.iceSaturation[p]));
-	}
+	for (int k = 0; k < skeletons.count(); ++k)
+		for (const int p : front->thawedNear(skeletons.places(k)))
+			front->setStrength(p, skeletons.law(k).shearStrength(content->iceSaturation[p]));
 }
 
 /// The skeleton laws get the strain of the soil in place of that of the ground, until restoreGradients().
 template <int D> void Ground<D>::Parts::closeThawStrain()
 {
 	thawStrain->release(averagingCells(), around);
-	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
-		const std::vector<int>& places = thawStrain->openAmong(skeletonPlaces[k]);
-		if (places.empty()) continue;
-		SkeletonBatch<D> open = batch(k);
-		open.place            = places.data();
-		open.count            = int(places.size());
-		settings.skeletons[k]->tangentModulus(open, scratch.data());
+	for (int k = 0; k < skeletons.count(); ++k) {
+		const std::vector<int>& places = thawStrain->openAmong(skeletons.places(k));
+		if (!places.empty()) skeletons.law(k).tangentModulus(skeletons.batch(places, stepTime()), scratch.data());
 	}
 	thawStrain->close(scratch.data());
 	if (compression) compressThawed();
@@ -308,15 +294,13 @@ template <int D> void Ground<D>::Parts::closeThawStrain()
 template <int D> void Ground<D>::Parts::compressThawed()
 {
 	compression->open(*thawStrain);
-	for (std::size_t k = 0; k < settings.skeletons.size(); ++k) {
-		const std::vector<int>& places = compression->thawedAmong(skeletonPlaces[k]);
+	for (int k = 0; k < skeletons.count(); ++k) {
+		const std::vector<int>& places = compression->thawedAmong(skeletons.places(k));
 		if (places.empty()) continue;
-		SkeletonBatch<D> thawed = batch(k);
-		thawed.place            = places.data();
-		thawed.count            = int(places.size());
-		settings.skeletons[k]->tangentModulus(thawed, scratch.data());
+		SkeletonBatch<D> thawed = skeletons.batch(places, stepTime());
+		skeletons.law(k).tangentModulus(thawed, scratch.data());
 		thawed.iceSaturation = compression->noIce();
-		settings.skeletons[k]->tangentModulus(thawed, compression->thawedModulus());
+		skeletons.law(k).tangentModulus(thawed, compression->thawedModulus());
 	}
 	compression->compress(scratch.data(), clock.dt, averagingCells(), around);
 }
@@ -460,9 +444,9 @@ template <int D> void Ground<D>::g2p()
 
 template <int D> void Ground<D>::Parts::levelCells()
 {
-	if (implicit) implicit->exchange(grid, reached, *water, liquidDensity(), enthalpyModel(), ledger);
-	else if (content->iceMass) water->levelCells(grid, around, *cells, motion->settings->gravity, clock.dt, liquidDensity(), enthalpyModel());
-	water->finishCells(reached, ledger);
+	if (implicit) implicit->exchange(context(), *water, liquid());
+	else if (content->iceMass) water->levelCells(context(), *cells, motion->settings->gravity, liquid());
+	water->finishCells(context());
 }
 
 /// Water goes to freezing fronts, before cells know all that they receive.
@@ -559,38 +543,13 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates()
 	throw std::runtime_error(bands ? firstWords(words) : words);
 }
 
-/// One strip after the other, so that what the law sees at once does not depend on the ranks. One that fails ends the step on all of them.
-template <int D> void Ground<D>::Parts::askByStrips(int skeleton)
-{
-	const Strips&           strips = points->strips();
-	const std::vector<int>& places = skeletonPlaces[skeleton];
-	std::string             words;
-	try {
-		auto from = places.begin();
-		for (int s = strips.begin(); s < strips.end(); ++s) {
-			const auto to = std::lower_bound(from, places.end(), strips.first[s + 1]);
-			if (from == to) continue;
-			SkeletonBatch<D> ofStrip = batch(places.data() + (from - places.begin()), int(to - from));
-			ofStrip.strip            = s;
-			settings.skeletons[skeleton]->updateStress(ofStrip);
-			from = to;
-		}
-	} catch (const std::exception& problem) {
-		words = problem.what();
-	}
-	words = wordsOfAny(words);
-	if (!words.empty()) throw std::runtime_error(words);
-}
-
 template <int D> std::exception_ptr Ground<D>::Parts::updateSkeletons()
 {
 	std::exception_ptr stop;
-	for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
-		cost.timeSkeleton(int(k), [&] {
+	for (int k = 0; k < skeletons.count(); ++k)
+		cost.timeSkeleton(k, [&] {
 			try {
-				if (!skeletonUsed[k]) return;
-				if (settings.skeletons[k]->seesStrips()) askByStrips(int(k));
-				else settings.skeletons[k]->updateStress(batch(k));
+				skeletons.update(context(), k);
 			} catch (const StopAfterStep&) {
 				stop = std::current_exception();
 			}

@@ -4,7 +4,10 @@
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/mpm/StepLedger.hpp>
+
+#include <string>
 
 namespace talik {
 
@@ -26,7 +29,16 @@ template <int D> struct StepContext {
 	{
 		strips.gather([&](int strip, int first, int last) { work(ledger.ofStrip(strip), first, last); });
 	}
-	/// True if any rank says so.
+	StepTime time() const { return { dt, calendarDt }; }
+	/// The first words that any rank has; empty if none has. Collective.
+	std::string firstWords(const std::string& own) const
+	{
+		if (bands)
+			for (const std::string& words : bands->say(own))
+				if (!words.empty()) return words;
+		return own;
+	}
+	/// True if any rank says so; collective.
 	bool onAnyRank(bool here) const { return bands ? bands->anyOf(here) : here; }
 };
 

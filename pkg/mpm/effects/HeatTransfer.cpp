@@ -217,10 +217,9 @@ template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, const Acti
 		if (n->ghost >= 0 && range.holds(n->node)) nodal[n->ghost][0] = 2.0 * nodal[n->node][0] - nodal[n->inner][0];
 }
 
-template <int D>
-void HeatTransfer<D>::nodalTemperature(
-        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt)
+template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
+	const ActiveRange& range = step.halo;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
 			const double* r = nodes[i];
@@ -232,11 +231,11 @@ void HeatTransfer<D>::nodalTemperature(
 		}
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
-		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(time) - reference;
-	mirrorWalls(grid, range);
+		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(step.calendarEnd) - reference;
+	mirrorWalls(step.grid, range);
 	for (int i : affected_)
 		if (range.holds(i)) nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
-	prescribe(grid, range, dt);
+	prescribe(step.grid, range, step.dt);
 }
 
 template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt) const
@@ -247,58 +246,55 @@ template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt
 
 template <int D> void HeatTransfer<D>::conduct(const WeightBlock<D>& w, double dt) { nodeLoops<D>().flowHeat(w, flow(dt), nodal[0], energy[0]); }
 
-template <int D>
-void HeatTransfer<D>::produce(
-        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
+template <int D> void HeatTransfer<D>::produce(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
 	for (const ProducingNode& n : produced_) {
-		if (!range.holds(n.node)) continue;
-		const double gained = dt * scale * boundaries[n.boundary]->powerAt(time, n.number) * n.share * volumes[n.node][0];
+		if (!step.halo.holds(n.node)) continue;
+		const double gained = step.dt * scale * boundaries[n.boundary]->powerAt(step.calendarEnd, n.number) * n.share * volumes[n.node][0];
 		energy[n.node][0] += gained;
-		ledger.ofNode(n.node).heatIn += gained;
+		step.ledger.ofNode(n.node).heatIn += gained;
 	}
 }
 
 template <int D>
-void HeatTransfer<D>::exchange(
-        const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt, StepLedger<D>& ledger)
+void HeatTransfer<D>::exchange(const StepContext<D>& step, const Boundary<D>& boundary, const SurfacePatch<D>& patch, const FreeSurface<D>& surface)
 {
+	const double dt = step.dt;
 	for (std::size_t k = 0; k < patch.nodes.size(); ++k) {
 		const SurfaceNode<D>& n        = patch.nodes[k];
 		const double          capacity = nodes[n.node][0];
 		if (capacity <= 0.0) continue;
-		const SurfaceHeat heat = boundary.heatAt(time, k);
+		const SurfaceHeat heat = boundary.heatAt(step.calendarEnd, k);
 		const double      area = lengthOf<D>(n.area);
 		// resistance of a quarter of a cell between the surface and the node that stands for it, that of the air in series
-		const double ground      = 4.0 * surface.conductivity(n.node) / spacing;
+		const double ground      = 4.0 * surface.conductivity(n.node) / step.grid.spacing();
 		const double coefficient = scale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));
 		const double predicted   = mapped[n.node][0] + energy[n.node][0] / capacity;
 		const double conductance = dt * coefficient * area;
 		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + dt * scale * heat.flux * area;
 		energy[n.node][0] += gained;
-		ledger.ofNode(n.node).heatIn += gained;
+		step.ledger.ofNode(n.node).heatIn += gained;
 	}
 }
 
-template <int D>
-void HeatTransfer<D>::hold(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
+template <int D> void HeatTransfer<D>::hold(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
 	for (const HeldNode& n : held_) {
-		if (!range.holds(n.node) || !(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
+		if (!step.halo.holds(n.node) || !(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
 		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
-		const double taken     = n.rate * scale * dt / diffusionTime_;
-		const double wanted    = boundaries[n.boundary]->temperatureAt(time, n.number) - reference;
+		const double taken     = n.rate * scale * step.dt / diffusionTime_;
+		const double wanted    = boundaries[n.boundary]->temperatureAt(step.calendarEnd, n.number) - reference;
 		const double gained    = nodes[n.node][0] * (wanted - predicted) * taken / (1.0 + taken);
 		energy[n.node][0] += gained;
-		ledger.ofNode(n.node).heatIn += gained;
+		step.ledger.ofNode(n.node).heatIn += gained;
 	}
 }
 
-template <int D>
-void HeatTransfer<D>::finishNodes(
-        const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger)
+template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
-	hold(range, boundaries, time, dt, ledger);
+	const ActiveRange& range  = step.halo;
+	StepLedger<D>&     ledger = step.ledger;
+	hold(step, boundaries);
 	for (int i : affected_)
 		if (range.holds(i)) ledger.ofNode(i).heatIn -= energy[i][0];
 	for (const TemperatureNode& n : prescribed_) {
@@ -321,7 +317,7 @@ void HeatTransfer<D>::finishNodes(
 
 	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
 	// the gradient at a wall and the sum of C T stay
-	smoothed_        = smoothing(dt);
+	smoothed_        = smoothing(step.dt);
 	const double chi = smoothed_;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)

@@ -7,7 +7,7 @@
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/kernels/NodeLoops.hpp>
-#include <pkg/mpm/StepLedger.hpp>
+#include <pkg/mpm/StepContext.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>
@@ -60,8 +60,7 @@ public:
 	/// Adds shares and their heat of a block to the nodes, unless motion or water maps them along.
 	void map(const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
-	void nodalTemperature(
-	        const Grid<D>& grid, const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt);
+	void nodalTemperature(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	/// Shares, for motion or water to map along with the temperature, or null.
 	const double* carriedShare() const { return carried_ ? share : nullptr; }
 	/// Conduction of a step as the loops over nodes see it.
@@ -83,14 +82,12 @@ public:
 	/// Adds the heat that conduction and sources bring to the nodes in dt.
 	void conduct(const WeightBlock<D>& w, double dt);
 	/// Heat of the regions that produce it, eq. (9.7).
-	void produce(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
+	void produce(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	/// Heat of a surface patch, implicit in the temperature of each node.
-	void exchange(
-	        const Boundary<D>& boundary, double time, const SurfacePatch<D>& patch, const FreeSurface<D>& surface, double spacing, double dt,
-	        StepLedger<D>& ledger);
+	void exchange(const StepContext<D>& step, const Boundary<D>& boundary, const SurfacePatch<D>& patch, const FreeSurface<D>& surface);
 	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
 	/// that points receive.
-	void finishNodes(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
+	void finishNodes(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
 	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
@@ -119,7 +116,7 @@ private:
 	void mirrorWalls(const Grid<D>& grid, const ActiveRange& range);
 	void prescribe(const Grid<D>& grid, const ActiveRange& range, double dt);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
-	void hold(const ActiveRange& range, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time, double dt, StepLedger<D>& ledger);
+	void                          hold(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
 	double                        smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
 

@@ -189,10 +189,12 @@ template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const 
 
 template <int D>
 void ImplicitPressure<D>::beginFlow(
-        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity,
-        double dt)
+        const StepContext<D>& step, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
 {
-	const double lowest = water.settings->state.cavitationPressure;
+	const Grid<D>&     grid   = step.grid;
+	const ActiveRange& range  = step.owned;
+	const double       dt     = step.dt;
+	const double       lowest = water.settings->state.cavitationPressure;
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
@@ -229,9 +231,10 @@ void ImplicitPressure<D>::beginFlow(
 }
 
 template <int D>
-void ImplicitPressure<D>::drain(
-        const Grid<D>& grid, const ActiveRange& range, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water)
+void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water)
 {
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.owned;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double area = lengthOf<D>(n.area);
 		for (int a = 0; a < D && area > 0.0; ++a)
@@ -510,9 +513,11 @@ template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const 
 
 template <int D>
 void ImplicitPressure<D>::solve(
-        const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity,
-        double dt, StepLedger<D>& ledger)
+        const StepContext<D>& step, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity)
 {
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.owned;
+	const double       dt    = step.dt;
 	momentum.findResponse(range, motion, water, dt, solid_, liquid_);
 	double mass = 0.0, volume = 0.0;
 	for (int i = range.firstNode; i < range.lastNode; ++i) {
@@ -538,11 +543,13 @@ void ImplicitPressure<D>::solve(
 				moved_[i][a] *= solid_[i][a];
 			}
 	});
-	momentum.correct(range, motion, water, force_, moved_, movedLiquid_, dt, ledger);
+	momentum.correct(range, motion, water, force_, moved_, movedLiquid_, dt, step.ledger);
 }
 
-template <int D> void ImplicitPressure<D>::bookDissipation(const Grid<D>& grid, const ActiveRange& range, StepLedger<D>& ledger) const
+template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>& step) const
 {
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.owned;
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		const Cell& cell = cells_[c];
 		if (cell.state == none) continue;
@@ -552,7 +559,7 @@ template <int D> void ImplicitPressure<D>::bookDissipation(const Grid<D>& grid, 
 			const int   next = c + grid.cellStride(a);
 			if (f.moved != 0.0) lost += f.moved * (cell.pressure + change_[c] - cells_[next].pressure - change_[next] + f.weight);
 		}
-		ledger.ofCell(c).dragDissipation += lost;
+		step.ledger.ofCell(c).dragDissipation += lost;
 	}
 }
 
@@ -565,16 +572,18 @@ template <int D> double ImplicitPressure<D>::givenTemperature(const Grid<D>& gri
 	return behind * ahead > 0.0 ? mean(cell) + behind * ahead / (behind + ahead) : mean(cell);
 }
 
-template <int D>
-void ImplicitPressure<D>::exchange(
-        const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, double liquidDensity, const EnthalpyModel* enthalpy, StepLedger<D>& ledger)
+template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid)
 {
-	using Gathered  = typename PoreWater<D>::Gathered;
-	const auto take = [&](double* to, int donor, double mass, double temperature) {
-		to[Gathered::water] += mass;
-		if (enthalpy) to[Gathered::enthalpy] += mass * enthalpy->liquidEnthalpy(temperature);
-		for (int a = 0; a < D; ++a)
-			to[Gathered::momentum + a] += mass / cells_[donor].liquidMass * cells_[donor].carried[a];
+	const Grid<D>&             grid          = step.grid;
+	const ActiveRange&         range         = step.owned;
+	const double               liquidDensity = liquid.density;
+	const EnthalpyModel* const enthalpy      = liquid.enthalpy;
+	using Gathered                           = typename PoreWater<D>::Gathered;
+	const auto take                          = [&](double* to, int donor, double mass, double temperature) {
+                to[Gathered::water] += mass;
+                if (enthalpy) to[Gathered::enthalpy] += mass * enthalpy->liquidEnthalpy(temperature);
+                for (int a = 0; a < D; ++a)
+                        to[Gathered::momentum + a] += mass / cells_[donor].liquidMass * cells_[donor].carried[a];
 	};
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
@@ -598,7 +607,7 @@ void ImplicitPressure<D>::exchange(
 	for (const int c : exposed_) {
 		const double mass = liquidDensity * cells_[c].out;
 		if (mass == 0.0) continue;
-		StepAccount<D>& account = ledger.ofCell(c);
+		StepAccount<D>& account = step.ledger.ofCell(c);
 		account.waterOut += mass;
 		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].warmth / cells_[c].liquidMass);
 		for (int a = 0; a < D; ++a)

@@ -11,7 +11,7 @@
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/PagedArray.hpp>
-#include <pkg/mpm/StepLedger.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <array>
 #include <vector>
@@ -38,20 +38,15 @@ public:
 	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const MaterialPoints<D>& points, const PoreContent<D>& content);
 
 	/// Means of the cells and conductances between them, when nodes are solved.
-	void beginFlow(
-	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water,
-	        double liquidDensity, double dt);
+	void beginFlow(const StepContext<D>& step, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
-	void drain(const Grid<D>& grid, const ActiveRange& range, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water);
+	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water);
 	/// Solves for the pressure, and corrects the velocities of the nodes.
-	void solve(
-	        const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water,
-	        double liquidDensity, double dt, StepLedger<D>& ledger);
+	void solve(const StepContext<D>& step, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity);
 	/// What the flow between cells loses by drag.
-	void bookDissipation(const Grid<D>& grid, const ActiveRange& range, StepLedger<D>& ledger) const;
+	void bookDissipation(const StepContext<D>& step) const;
 	/// Adds what flows to the exchange of the cells.
-	void exchange(
-	        const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, double liquidDensity, const EnthalpyModel* enthalpy, StepLedger<D>& ledger);
+	void exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid);
 	/// The pressure of the cells, for their points.
 	void givePressure(const ActiveRange& range, PoreWater<D>& water) const;
 

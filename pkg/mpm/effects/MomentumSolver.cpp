@@ -544,10 +544,12 @@ void MomentumSolver<D>::keepWallWork(const ActiveRange& range, const SolidMotion
 
 template <int D>
 void MomentumSolver<D>::solve(
-        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger,
-        const std::function<void()>& change)
+        const StepContext<D>& step, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, bool keepWorks, const std::function<void()>& change)
 {
-	const bool damped = motion.settings->localDamping > 0.0;
+	const ActiveRange& range  = step.halo;
+	const double       dt     = step.dt;
+	StepLedger<D>&     ledger = step.ledger;
+	const bool         damped = motion.settings->localDamping > 0.0;
 	rememberWalls(range, motion, water);
 	if (front) {
 		front->addGravity();

@@ -6,7 +6,7 @@
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/grid/ActiveRange.hpp>
-#include <pkg/mpm/StepLedger.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <functional>
 #include <vector>
@@ -63,7 +63,7 @@ public:
 	/// Leaves the solved values of both phases on the nodes, ready to be gathered. water and front may be null. With keepWorks the works are
 	/// summed. Walls outside the range are left out. change: what changes the solved values before they are booked, by correct().
 	void solve(
-	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, double dt, bool keepWorks, StepLedger<D>& ledger,
+	        const StepContext<D>& step, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, bool keepWorks,
 	        const std::function<void()>& change = {});
 	/// What a force on the mixture of a node, of which the liquid takes the part n_I, changes of both velocities in dt, drag implicit
 	/// [m/s/N]; 0 where walls hold them. After solve().

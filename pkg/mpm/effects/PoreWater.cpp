@@ -322,33 +322,32 @@ template <int D> void PoreWater<D>::seep(const WeightBlock<D>& w, double dt, dou
 
 template <int D>
 void PoreWater<D>::drain(
-        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature,
-        StepLedger<D>& ledger)
+        const StepContext<D>& step, const SurfacePatch<D>& patch, bool recharges, const LiquidOfGround& liquid, const NodeField<1>* temperature)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
 		double m = 0.0;
 		for (int a = 0; a < D; ++a)
 			m += flux[n.node][a] * n.area[a];
-		m *= dt * liquidDensity;
+		m *= step.dt * liquid.density;
 		if (m < 0.0 && !recharges) continue;
-		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
-		leave(n.node, m, heat, ledger);
+		const double heat = liquid.enthalpy ? m * liquid.enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
+		leave(n.node, m, heat, step.ledger);
 	}
 }
 
 template <int D>
 void PoreWater<D>::feed(
-        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
-        const NodeField<1>* temperature, StepLedger<D>& ledger)
+        const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const LiquidOfGround& liquid,
+        const NodeField<1>* temperature)
 {
-	const double scaled = inflow * scale * dt * liquidDensity;
+	const double scaled = inflow * scale * step.dt * liquid.density;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
 		const double m    = scaled * lengthOf<D>(n.area);
 		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
-		const double heat = enthalpy ? m * enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
-		leave(n.node, -m, -heat, ledger);
+		const double heat = liquid.enthalpy ? m * liquid.enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
+		leave(n.node, -m, -heat, step.ledger);
 	}
 }
 
@@ -465,11 +464,11 @@ template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, in
 	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
 }
 
-template <int D>
-void PoreWater<D>::levelCells(
-        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
-        const EnthalpyModel* enthalpy)
+template <int D> void PoreWater<D>::levelCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid)
 {
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.halo;
+	const double       dt = step.dt, liquidDensity = liquid.density;
 	findFaces(grid, range, cells, gravity, dt, liquidDensity);
 	const double sides      = 2.0 * (grid.isSlice() ? 2 : D);
 	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
@@ -492,9 +491,9 @@ void PoreWater<D>::levelCells(
 					const int    donor  = mass > 0.0 ? from : from + stride;
 					const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
 					cell.exchange[Gathered::water] += gained;
-					if (enthalpy)
+					if (liquid.enthalpy)
 						cell.exchange[Gathered::enthalpy] += gained
-						        * enthalpy->liquidEnthalpy(freezing_[donor].warmth / cells_[donor].liquidMass);
+						        * liquid.enthalpy->liquidEnthalpy(freezing_[donor].warmth / cells_[donor].liquidMass);
 					for (int i = 0; i < D; ++i)
 						cell.exchange[Gathered::momentum + i] += share * freezing_[donor].carried[i];
 				}
@@ -548,9 +547,9 @@ template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range, Step
 	}
 }
 
-template <int D> void PoreWater<D>::finishCells(const ActiveRange& range, StepLedger<D>& ledger)
+template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step)
 {
-	range.overCells([&](int first, int last) {
+	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
 			if (!(cell.liquidMass > 0.0)) continue;
@@ -560,7 +559,7 @@ template <int D> void PoreWater<D>::finishCells(const ActiveRange& range, StepLe
 			cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 		}
 	});
-	keepLastWater(range, ledger);
+	keepLastWater(step.owned, step.ledger);
 }
 
 template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const

@@ -8,7 +8,7 @@
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/StepLedger.hpp>
+#include <pkg/mpm/StepContext.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
@@ -16,6 +16,12 @@
 namespace talik {
 
 template <int D> class SolidMotion;
+
+/// The liquid of a ground, which is the same in all its materials.
+struct LiquidOfGround {
+	double               density;  ///< [kg/m^3]
+	const EnthalpyModel* enthalpy; ///< null: ground without heat
+};
 
 /// Pore water with a velocity of its own. The force of its pressure and the flux of its mass are adjoint: pressure does exactly
 /// the work that the pore content receives. Mass, momentum and enthalpy that seepage moves are handed over by the same
@@ -83,13 +89,11 @@ public:
 	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
 	void seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.
-	void drain(
-	        const SurfacePatch<D>& patch, bool recharges, double dt, double liquidDensity, const EnthalpyModel* enthalpy, const NodeField<1>* temperature,
-	        StepLedger<D>& ledger);
+	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, bool recharges, const LiquidOfGround& liquid, const NodeField<1>* temperature);
 	/// What is fed through a surface, inflow [m/s] into the ground; temperature of water that enters [degC], NaN: that of the node.
 	void feed(
-	        const SurfacePatch<D>& patch, double inflow, double inflowTemperature, double dt, double liquidDensity, const EnthalpyModel* enthalpy,
-	        const NodeField<1>* temperature, StepLedger<D>& ledger);
+	        const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const LiquidOfGround& liquid,
+	        const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
 	/// rise (may be null): receives the sums S rise of heat, where its column lies in the same record.
@@ -97,9 +101,7 @@ public:
 	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
 	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
 	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
-	void levelCells(
-	        const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity,
-	        const EnthalpyModel* enthalpy);
+	void levelCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid);
 	// Of the liquid of a cell in ground that freezes, at the start of the step; what ice segregation takes from it, and gives to points.
 	double pressureOfCell(int cell) const { return cells_[cell].pressure; }
 	double heightOfCell(int cell) const { return cells_[cell].height; } ///< gravity's potential per volume [Pa]
@@ -114,7 +116,7 @@ public:
 	/// Before the water mass of the point grows.
 	void mixIn(int place, double mass, const Vec<D>& momentum);
 	/// Exchange of each cell per liquid mass.
-	void finishCells(const ActiveRange& range, StepLedger<D>& ledger);
+	void finishCells(const StepContext<D>& step);
 	void keepLastWater(const ActiveRange& range, StepLedger<D>& ledger);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
 	/// water of cells that run dry gave up, see remainingVelocity: it has gone out with the water [N s].
