@@ -160,7 +160,7 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 	g.contentSettled = false;
 	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id), g.contentOf());
 	if (g.content->update(p, p + 1, g.contentOf()) != p + 1)
-		throw std::invalid_argument(g.whereabouts(p) + " cannot exist: " + g.content->whyImpossible(p, g.heat.get()));
+		throw std::invalid_argument(whereabouts(*g.points, p, g.clock.steps) + " cannot exist: " + g.content->whyImpossible(p, g.heat.get()));
 }
 
 template <int D> std::vector<StateArray> Ground<D>::state()

@@ -211,79 +211,31 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
 	return result;
 }
 
-template <int D> std::string Ground<D>::Parts::firstWords(const std::string& own)
-{
-	for (const std::string& words : bands->say(own))
-		if (!words.empty()) return words;
-	return own;
-}
-
-template <int D> typename Ground<D>::Parts::Concerned Ground<D>::Parts::concerned(const std::vector<int>& places)
-{
-	constexpr std::size_t most = 5;
-	std::vector<int>      ids;
-	Concerned             all;
-	all.count = places.size();
-	for (std::size_t k = 0; k < std::min(most, places.size()); ++k)
-		ids.push_back(points->id(places[k]));
-	if (!places.empty()) {
-		all.first  = whereabouts(places.front());
-		double sum = 0.0;
-		for (int a = 0; a < D; ++a)
-			sum += points->position(a)[places.front()];
-		all.finite = std::isfinite(sum);
-	}
-	if (bands) {
-		const auto counts = bands->say(std::to_string(all.count));
-		const auto firsts = bands->say((all.finite ? "1" : "0") + all.first);
-		const auto named  = bands->say(std::string(reinterpret_cast<const char*>(ids.data()), ids.size() * sizeof(int)));
-		all               = {};
-		ids.clear();
-		for (int r = 0; r < bands->count(); ++r) {
-			const std::size_t count = std::stoul(counts[r]);
-			if (all.count == 0 && count > 0) {
-				all.first  = firsts[r].substr(1);
-				all.finite = firsts[r][0] == '1';
-			}
-			all.count += count;
-			const auto* from = reinterpret_cast<const int*>(named[r].data());
-			ids.insert(ids.end(), from, from + named[r].size() / sizeof(int));
-		}
-	}
-	for (std::size_t k = 0; k < std::min(most, ids.size()); ++k)
-		all.names += (k ? ", " : "") + std::to_string(ids[k]);
-	return all;
-}
-
-template void                                 Ground<2>::distribute(std::shared_ptr<RankTalk>, bool);
-template bool                                 Ground<2>::inBands() const;
-template void                                 Ground<2>::Parts::startBands();
-template void                                 Ground<2>::Parts::cutBands();
-template void                                 Ground<2>::Parts::followBands(bool);
-template void                                 Ground<2>::Parts::chooseRows();
-template void                                 Ground<2>::Parts::meetRanks();
-template void                                 Ground<2>::Parts::keepOwnPart();
-template void                                 Ground<2>::Parts::sortInBands();
-template void                                 Ground<2>::Parts::bringPoints() const;
-template void                                 Ground<2>::Parts::keepOwnPoints() const;
-template void                                 Ground<2>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
-template std::string                          Ground<2>::Parts::firstWords(const std::string&);
-template StableTimeStep                       Ground<2>::Parts::limitsOfRanks() const;
-template typename Ground<2>::Parts::Concerned Ground<2>::Parts::concerned(const std::vector<int>&);
-template void                                 Ground<3>::distribute(std::shared_ptr<RankTalk>, bool);
-template bool                                 Ground<3>::inBands() const;
-template void                                 Ground<3>::Parts::startBands();
-template void                                 Ground<3>::Parts::cutBands();
-template void                                 Ground<3>::Parts::followBands(bool);
-template void                                 Ground<3>::Parts::chooseRows();
-template void                                 Ground<3>::Parts::meetRanks();
-template void                                 Ground<3>::Parts::keepOwnPart();
-template void                                 Ground<3>::Parts::sortInBands();
-template void                                 Ground<3>::Parts::bringPoints() const;
-template void                                 Ground<3>::Parts::keepOwnPoints() const;
-template void                                 Ground<3>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
-template std::string                          Ground<3>::Parts::firstWords(const std::string&);
-template StableTimeStep                       Ground<3>::Parts::limitsOfRanks() const;
-template typename Ground<3>::Parts::Concerned Ground<3>::Parts::concerned(const std::vector<int>&);
+template void           Ground<2>::distribute(std::shared_ptr<RankTalk>, bool);
+template bool           Ground<2>::inBands() const;
+template void           Ground<2>::Parts::startBands();
+template void           Ground<2>::Parts::cutBands();
+template void           Ground<2>::Parts::followBands(bool);
+template void           Ground<2>::Parts::chooseRows();
+template void           Ground<2>::Parts::meetRanks();
+template void           Ground<2>::Parts::keepOwnPart();
+template void           Ground<2>::Parts::sortInBands();
+template void           Ground<2>::Parts::bringPoints() const;
+template void           Ground<2>::Parts::keepOwnPoints() const;
+template void           Ground<2>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
+template StableTimeStep Ground<2>::Parts::limitsOfRanks() const;
+template void           Ground<3>::distribute(std::shared_ptr<RankTalk>, bool);
+template bool           Ground<3>::inBands() const;
+template void           Ground<3>::Parts::startBands();
+template void           Ground<3>::Parts::cutBands();
+template void           Ground<3>::Parts::followBands(bool);
+template void           Ground<3>::Parts::chooseRows();
+template void           Ground<3>::Parts::meetRanks();
+template void           Ground<3>::Parts::keepOwnPart();
+template void           Ground<3>::Parts::sortInBands();
+template void           Ground<3>::Parts::bringPoints() const;
+template void           Ground<3>::Parts::keepOwnPoints() const;
+template void           Ground<3>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
+template StableTimeStep Ground<3>::Parts::limitsOfRanks() const;
 
 } // namespace talik

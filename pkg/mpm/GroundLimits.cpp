@@ -22,41 +22,6 @@ namespace {
 			sum += v[a][p] * v[a][p];
 		return std::sqrt(sum);
 	}
-
-	/// The smallest and the largest of some numbers, count >= 1.
-	struct Extent {
-		double low, high;
-		bool   numbers; ///< false: one of them is not finite
-	};
-	TALIK_PROCESSOR_VERSIONS Extent extentOf(int count, const double* x)
-	{
-		constexpr int lanes = 32; // independent of each other, and too many to be unrolled: the compiler makes vectors of them
-		double        low[lanes], high[lanes], notFinite[lanes];
-		for (int l = 0; l < lanes; ++l) {
-			low[l] = high[l] = x[0];
-			notFinite[l]     = 0.0;
-		}
-		int k = 0;
-		for (; k + lanes <= count; k += lanes)
-			for (int l = 0; l < lanes; ++l) {
-				const double value = x[k + l];
-				low[l]             = value < low[l] ? value : low[l];
-				high[l]            = value > high[l] ? value : high[l];
-				notFinite[l] += value - value;
-			}
-		for (; k < count; ++k) {
-			low[0]  = x[k] < low[0] ? x[k] : low[0];
-			high[0] = x[k] > high[0] ? x[k] : high[0];
-			notFinite[0] += x[k] - x[k];
-		}
-		Extent all { low[0], high[0], notFinite[0] == 0.0 };
-		for (int l = 1; l < lanes; ++l) {
-			all.low     = low[l] < all.low ? low[l] : all.low;
-			all.high    = high[l] > all.high ? high[l] : all.high;
-			all.numbers = all.numbers && notFinite[l] == 0.0;
-		}
-		return all;
-	}
 } // namespace
 
 /// Speed of the fastest wave at a point, with that of the point or its water [m/s].
@@ -76,7 +41,7 @@ template <int D> double Ground<D>::Parts::signalSpeed(int p, double modulus) con
 	}
 	if (v > fastestGround)
 		throw std::runtime_error(
-		        whereabouts(p) + " or its water moves at " + std::to_string(v)
+		        whereabouts(*points, p, clock.steps) + " or its water moves at " + std::to_string(v)
 		        + " m/s: the run became unstable; go on from a checkpoint with a smaller time step or slower scales of heat and seepage");
 	return c + v;
 }
@@ -149,136 +114,19 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 
 // ---- points that are about to leave the grid are found before the first of them has moved ---------------------------------
 
-namespace {
-	/// The larger number, or what is not a number.
-	double larger(double a, double b) { return std::isnan(a) || a > b ? a : b; }
-} // namespace
-
-/// Upper bound of |displacement| of any point in this step, per axis [m]; not a number in a run that became unstable.
-template <int D> double Ground<D>::Parts::longestPath()
-{
-	partial.assign(reached.chunks(), 0.0);
-	reached.overNodes([&](int chunk, int first, int last) {
-		Vec<D> most {}, notFinite {};
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a) {
-				const double speed = std::fabs(motion->solved[i][motion->velocityAt + a]);
-				most[a]            = speed > most[a] ? speed : most[a];
-				notFinite[a] += speed - speed;
-			}
-		for (int a = 0; a < D; ++a)
-			partial[chunk] = larger(partial[chunk], most[a] + notFinite[a]);
-	});
-	double longest = 0.0;
-	for (const double chunk : partial)
-		longest = larger(longest, chunk);
-	return clock.dt * (front ? larger(longest, longest + front->fastest()) : longest);
-}
-
-template <int D> bool Ground<D>::Parts::mayLeaveGrid(int p, double reach) const
-{
-	for (int a = 0; a < D; ++a) {
-		const double x = points->position(a)[p];
-		if (!(x - reach >= grid.lower()[a] && x + reach <= grid.upper()[a])) return true;
-	}
-	return false;
-}
-
-template <int D> bool Ground<D>::Parts::leavesGrid(int p, WeightBlock<D>& w) const
-{
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points->position(a);
-	shape->evaluate(grid, x, p, 1, w);
-	Vec<D> next;
-	for (int a = 0; a < D; ++a)
-		next[a] = x[a][p];
-	overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
-		const double* jump = front ? front->correction(node, p) : nullptr;
-		for (int a = 0; a < D; ++a)
-			next[a] += clock.dt * s * (motion->solved[node][motion->velocityAt + a] + (jump ? jump[a] : 0.0));
-	});
-	// rounding may differ from that of the step itself
-	constexpr double rounding = 1e-13;
-	const double     size     = grid.spacing() * rounding;
-	for (int a = 0; a < D; ++a)
-		if (!(next[a] >= grid.lower()[a] - size && next[a] <= grid.upper()[a] + size)) return true;
-	return false;
-}
-
-template <int D> void Ground<D>::Parts::boundPositions(int strip, int first, int last)
-{
-	PositionBounds& b = bounds[strip];
-	b.numbers         = true;
-	for (int a = 0; a < D && first < last; ++a) {
-		const Extent extent = extentOf(last - first, points->position(a) + first);
-		b.low[a]            = extent.low;
-		b.high[a]           = extent.high;
-		b.numbers           = b.numbers && extent.numbers;
-	}
-}
-
-/// Points outside the grid's box are noted, and sorting is asked for where points have strayed far from their strip or out of the
-/// rows that are cleared in every step.
-template <int D> void Ground<D>::Parts::checkPositions()
-{
-	const Strips& strips = points->strips();
-	const int     stride = grid.cellStride(strips.axis);
-	const double  origin = grid.lower()[strips.axis], h = grid.spacing();
-	const double  cleared = clock.range.firstCell / stride, clearedEnd = clock.range.lastCell / stride;
-	for (int s = strips.begin(); s < strips.end(); ++s) {
-		if (strips.first[s] == strips.first[s + 1]) continue;
-		const PositionBounds& b = bounds[s];
-		if (!(b.numbers && grid.contains(b.low) && grid.contains(b.high))) {
-			findOutside(s);
-			continue;
-		}
-		const double low  = origin + std::max(s * Strips::rows - Strips::stray, cleared) * h;
-		const double high = origin + std::min((s + 1) * Strips::rows + Strips::stray, clearedEnd) * h;
-		if (b.low[strips.axis] < low || b.high[strips.axis] >= high) clock.sortWanted = 1;
-	}
-}
-
-template <int D> void Ground<D>::Parts::findOutside(int strip)
-{
-	for (int p = points->strips().first[strip + 1] - 1; p >= points->strips().first[strip]; --p) {
-		Vec<D> x;
-		for (int a = 0; a < D; ++a)
-			x[a] = points->position(a)[p];
-		if (!grid.contains(x)) bad[strip] = p;
-	}
-}
-
 template <int D> void Ground<D>::Parts::requirePathsInside()
 {
-	const double reach = longestPath();
-	points->strips().gather([&](int strip, int first, int last) {
-		if (first == last) return;
-		const PositionBounds& b    = bounds[strip];
-		bool                  near = !b.numbers;
-		for (int a = 0; a < D; ++a)
-			near = near || !(b.low[a] - reach >= grid.lower()[a]) || !(b.high[a] + reach <= grid.upper()[a]);
-		if (!near) return;
-		WeightBlock<D> w;
-		for (int p = last - 1; p >= first; --p)
-			if (mayLeaveGrid(p, reach) && leavesGrid(p, w)) bad[strip] = p;
-	});
 	constexpr unsigned leave = 1, unstable = 2;
-	const unsigned     own   = (anyBad() ? leave : 0) | (std::isfinite(reach) ? 0 : unstable);
-	const unsigned     found = bands ? bands->anyOf(own) : own;
+	const auto         paths = positions.checkPaths(context(), *points, *shape, *motion, front.get());
+	const unsigned     found = context().onAnyRank((paths.leave ? leave : 0) | (paths.finite ? 0 : unstable));
 	if (found & leave) refuseToLeave(!(found & unstable));
 }
 
 template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
 {
-	std::fill(bad.begin(), bad.end(), -1);
-	WeightBlock<D>   w;
-	std::vector<int> leaving;
-	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
-		if (leavesGrid(p, w)) leaving.push_back(p);
-	const Concerned   all   = concerned(leaving);
-	const std::string place = all.count == 0 ? "a material point" : all.first;
-	clock                   = clockBefore;
+	const ConcernedPoints all   = concernedPoints(*points, positions.leaving(context(), *points, *shape, *motion, front.get()), clock.steps, bands.get());
+	const std::string     place = all.count == 0 ? "a material point" : all.first;
+	clock                       = clockBefore;
 	throw std::runtime_error(
 	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(all.count)
 	        + (all.count == 1 ? " point concerned: " : " points concerned: ") + all.names + (all.count > 5 ? ", ..." : "")
@@ -290,10 +138,6 @@ template StableTimeStep Ground<2>::stableTimeStep() const;
 template StableTimeStep Ground<3>::stableTimeStep() const;
 template StableTimeStep Ground<2>::Parts::limitsOfPoints() const;
 template StableTimeStep Ground<3>::Parts::limitsOfPoints() const;
-template void           Ground<2>::Parts::boundPositions(int, int, int);
-template void           Ground<3>::Parts::boundPositions(int, int, int);
-template void           Ground<2>::Parts::checkPositions();
-template void           Ground<3>::Parts::checkPositions();
 template void           Ground<2>::Parts::requirePathsInside();
 template void           Ground<3>::Parts::requirePathsInside();
 

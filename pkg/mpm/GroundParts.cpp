@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/GroundParts.hpp>
 
-#include <sstream>
-
 namespace talik {
-
-template <int D> std::string Ground<D>::Parts::whereabouts(int place) const
-{
-	std::ostringstream text;
-	text << "material point " << points->id(place) << " at (";
-	for (int a = 0; a < D; ++a)
-		text << (a ? ", " : "") << points->position(a)[place];
-	text << ") in step " << clock.steps;
-	return text.str();
-}
 
 template <int D> void Ground<D>::Parts::sort()
 {
@@ -40,8 +28,7 @@ template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
 	if (water && !bands) water->clearCells(0, grid.cellCount());
 	if (!motion) return;
 	skeletons.list();
-	bounds.resize(points->strips().count());
-	points->strips().gather([&](int strip, int first, int last) { boundPositions(strip, first, last); });
+	positions.start(*points);
 }
 
 template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
@@ -88,15 +75,13 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	water->findDrivingPressure(grid, around, *cells, motion->settings->gravity, liquidDensity());
 }
 
-template std::string Ground<2>::Parts::whereabouts(int) const;
-template void        Ground<2>::Parts::sort();
-template void        Ground<2>::Parts::afterReordering(bool);
-template void        Ground<2>::Parts::clearNodes();
-template void        Ground<2>::Parts::locateInCells();
-template std::string Ground<3>::Parts::whereabouts(int) const;
-template void        Ground<3>::Parts::sort();
-template void        Ground<3>::Parts::afterReordering(bool);
-template void        Ground<3>::Parts::clearNodes();
-template void        Ground<3>::Parts::locateInCells();
+template void Ground<2>::Parts::sort();
+template void Ground<2>::Parts::afterReordering(bool);
+template void Ground<2>::Parts::clearNodes();
+template void Ground<2>::Parts::locateInCells();
+template void Ground<3>::Parts::sort();
+template void Ground<3>::Parts::afterReordering(bool);
+template void Ground<3>::Parts::clearNodes();
+template void Ground<3>::Parts::locateInCells();
 
 } // namespace talik

@@ -15,6 +15,7 @@
 #include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/PositionCheck.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/StateDependentBoundaries.hpp>
@@ -27,6 +28,7 @@
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/points/ArraysAhead.hpp>
+#include <pkg/mpm/points/ConcernedPoints.hpp>
 #include <pkg/mpm/skeleton/SkeletonSet.hpp>
 #include <pkg/mpm/StepContext.hpp>
 #include <pkg/mpm/StepLedger.hpp>
@@ -107,26 +109,20 @@ template <int D> struct Ground<D>::Parts {
 
 	StateDependentBoundaries<D> stateDependent;
 
-	SkeletonSet<D>            skeletons;            ///< only with motion
-	std::shared_ptr<RankTalk> talk;                 ///< of the ranks that share out this ground; null: there is one
-	bool                      bandsRequired = true; ///< what bands do not serve is an error
-	std::unique_ptr<Bands>    bands;                ///< the same, from initialise() on
-	std::vector<double>       pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
-	Clock<D>                  clock {};
-	ActiveRange               reached; ///< rows that the points of this rank may touch
-	ActiveRange               around;  ///< and as many beyond as it has to know to solve there
-	StepLedger<D>             ledger;  ///< of the step
-	std::vector<double>       partial;
-	Clock<D>                  clockBefore; ///< the clock at the beginning of the step, to which a step goes back that is refused before points move
-	/// Smallest box around the points of each strip.
-	struct PositionBounds {
-		Vec<D> low, high;
-		bool   numbers; ///< false: a position is not finite
-	};
-	std::vector<PositionBounds> bounds;
-	std::vector<int>            bad; ///< per strip: place of the first point that cannot go on, or -1
-	mutable PagedArray<double>  scratch;
-	mutable CostMeter           cost;
+	SkeletonSet<D>             skeletons;            ///< only with motion
+	std::shared_ptr<RankTalk>  talk;                 ///< of the ranks that share out this ground; null: there is one
+	bool                       bandsRequired = true; ///< what bands do not serve is an error
+	std::unique_ptr<Bands>     bands;                ///< the same, from initialise() on
+	std::vector<double>        pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
+	Clock<D>                   clock {};
+	ActiveRange                reached;     ///< rows that the points of this rank may touch
+	ActiveRange                around;      ///< and as many beyond as it has to know to solve there
+	StepLedger<D>              ledger;      ///< of the step
+	Clock<D>                   clockBefore; ///< the clock at the beginning of the step, to which a step goes back that is refused before points move
+	PositionCheck<D>           positions;
+	std::vector<int>           impossible; ///< per strip: place of the first point whose state cannot be, or -1
+	mutable PagedArray<double> scratch;
+	mutable CostMeter          cost;
 	/// What the passes over blocks read of the points.
 	struct {
 		ArraysAhead toGrid, flows, seepage, toPoints;
@@ -227,7 +223,7 @@ template <int D> struct Ground<D>::Parts {
 		if (bands) (void)std::initializer_list<int> { (arrays ? bands->shareByPoint(arrays) : void(), 0)... };
 	}
 	/// The first words that any rank has; empty if none has.
-	std::string wordsOfAny(const std::string& own) { return bands ? firstWords(own) : own; }
+	std::string wordsOfAny(const std::string& own) { return context().firstWords(own); }
 	std::string refusalOfBands() const;
 	void        cutBands();
 	/// What skeleton laws keep behind points goes where these are; moved: see SkeletonModel.
@@ -259,20 +255,6 @@ template <int D> struct Ground<D>::Parts {
 	/// The limits of this rank's points; in words instead if something is wrong.
 	StableTimeStep limitsOfPoints() const;
 	StableTimeStep limitsOfRanks() const;
-	/// What the first rank says that says anything; collective.
-	std::string firstWords(const std::string& own);
-	/// Points that cannot go on, of all ranks; collective.
-	struct Concerned {
-		std::size_t count = 0;
-		std::string names; ///< of up to five
-		std::string first; ///< where the first one is
-		bool        finite = true;
-	};
-	Concerned concerned(const std::vector<int>& places);
-	bool      anyBad() const
-	{
-		return std::any_of(bad.begin(), bad.end(), [](int p) { return p >= 0; });
-	}
 
 	/// Of the step that goes on.
 	StepContext<D> context()
@@ -328,24 +310,17 @@ template <int D> struct Ground<D>::Parts {
 	void               measureMotion();
 	double             signalSpeed(int place, double modulus) const;
 	double             advectionStep(int place) const;
-	double             longestPath();
-	bool               mayLeaveGrid(int place, double reach) const;
-	bool               leavesGrid(int place, WeightBlock<D>& w) const;
 	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
 	void              requirePathsInside();
 	[[noreturn]] void refuseToLeave(bool stable);
-	void              boundPositions(int strip, int first, int last);
 	void              checkPositions();
-	void              findOutside(int strip);
-	void              refuseBadPoints();
 	void              refuseImpossibleStates();
 	bool              pays(CostMeter::Entry entry) const;
 	/// Pore pressure is known per cell at both ends of a step.
 	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
 	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.
-	double      startShare() const { return implicit ? 0.0 : cellPressure() ? 0.5 : 1.0; }
-	std::string whereabouts(int place) const;
-	void        sort();
+	double startShare() const { return implicit ? 0.0 : cellPressure() ? 0.5 : 1.0; }
+	void   sort();
 
 	StepTime             stepTime() const { return { clock.dt, clock.calendar.scale * clock.dt }; }
 	double               largestModulus() const;

@@ -206,9 +206,8 @@ template <int D> void Ground<D>::Parts::placePoints()
 	bindEffects();
 	fillPoints();
 	const int n = points->count(), first = points->strips().firstPoint(), end = points->strips().endPoint();
-	bad.assign(points->strips().count(), -1);
+	impossible.assign(points->strips().count(), -1);
 	ledger = StepLedger<D>(grid);
-	partial.reserve(std::max(points->strips().count(), 1));
 	scratch.reset(n);
 	cost.allocate(points->strips().count(), int(settings.skeletons.size()), int(effects.size()));
 	for (const auto& effect : effects)
@@ -216,7 +215,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (content) {
 		const int   failed = content->update(first, end, contentOf());
 		std::string words;
-		if (failed < end) words = whereabouts(failed) + " cannot exist: " + content->whyImpossible(failed, heat.get());
+		if (failed < end) words = whereabouts(*points, failed, clock.steps) + " cannot exist: " + content->whyImpossible(failed, heat.get());
 		words = wordsOfAny(words);
 		if (!words.empty()) throw std::invalid_argument(words);
 	}

@@ -38,8 +38,8 @@ template <int D> struct StepContext {
 				if (!words.empty()) return words;
 		return own;
 	}
-	/// True if any rank says so; collective.
-	bool onAnyRank(bool here) const { return bands ? bands->anyOf(here) : here; }
+	/// Bits that any rank sets; collective.
+	unsigned onAnyRank(unsigned bits) const { return bands ? bands->anyOf(bits) : bits; }
 };
 
 } // namespace talik

@@ -198,11 +198,12 @@ template <int D> double seepagePairError(bool averaged)
 			g.water.flux[i][a] = g.water.nodal[i][1] * relative;
 		}
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.seep(w, g.dt, rho, nullptr); });
-	StepLedger<D> ledger(g.grid);
-	g.water.drain(surface.patch(0), true, g.dt, rho, nullptr, nullptr, ledger);
+	StepLedger<D>        ledger(g.grid);
+	const StepContext<D> step { g.dt, g.dt, g.dt, g.grid, g.range, g.range, g.points.strips(), nullptr, ledger };
+	g.water.drain(step, surface.patch(0), true, { rho, nullptr }, nullptr);
 	g.water.finishExchange(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(w, g.field(g.waterMass), nullptr, cells); });
-	if (cells) g.water.finishCells(g.range, ledger);
+	if (cells) g.water.finishCells(step);
 	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr, g.motion.velocity); });
 	double mass = 0.0, largest = 0.0;
 	for (int p = 0; p < g.points.count(); ++p) {
