@@ -46,6 +46,7 @@ def frozenSlope(run):
 		freezing=FreezingCurve(curve="gauss", width=ground.freezingWidth, residualSaturation=ground.residualSaturation),
 		water=PoreWater(
 			conductivity=ground.conductivity,
+			pressure=ground.porePressure,
 			bulkModulus=ground.bulkModulus,
 			zetaActive=ground.zetaActive,
 			# seepage runs by the calendar where that follows the motion; with the paper's constant scale it runs in seconds of motion

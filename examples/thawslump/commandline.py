@@ -11,7 +11,7 @@ import talik
 from talik import output, plots
 from thawslump import page
 from thawslump.page import framesName
-from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, oneGrainThick, presets, skeletons, softened
+from thawslump.settings import Ground, calendars, flowingPicTimeFactor, fullThawStrain, oneGrainThick, porePressures, presets, skeletons, softened
 from thawslump.slump import ThawSlump, bandStrain
 
 shownEvents = 12
@@ -49,6 +49,12 @@ def arguments(description, defaultFolder, thawStrain=0.0):
 		type=_thickness,
 		default=Ground.thickness,
 		help="of the slice of ground that carries the forces of the discs [m]; stiffness and strength of the samples go with its inverse",
+	)
+	parser.add_argument(
+		"--pore-pressure",
+		choices=porePressures,
+		default=Ground.porePressure,
+		help="implicit: water of 2.2e9 Pa, its pressure solved for all cells at once; explicit: water a hundred times as soft, which limits the step",
 	)
 	parser.add_argument("--compare", choices=("skeleton", "thaw-strain", "both", "thickness"), help="also run the alternatives, side by side in one figure")
 	return parser.parse_args()
@@ -141,8 +147,15 @@ def groundOf(options, setting):
 		thawedCohesion=cohesion,
 		followsMotion=calendar == "follows-motion",
 		picTimeFactor=flowingPicTimeFactor if flowing else Ground.picTimeFactor,
-		**({name: modulus * (Ground.thickness / thickness) for name, modulus in softened.items()} if alone else {}),  # stiffness goes with 1/thickness
+		porePressure=options.pore_pressure,
+		**(_softer(options.pore_pressure, thickness) if alone else {}),
 	)
+
+
+def _softer(porePressure, thickness):
+	"""Moduli of a law alone; stiffness goes with 1/thickness."""
+	moduli = {name: modulus * (Ground.thickness / thickness) for name, modulus in softened.items()}
+	return moduli if porePressure == "explicit" else {name: modulus for name, modulus in moduli.items() if name != "bulkModulus"}
 
 
 def presetOf(options, ofCase):

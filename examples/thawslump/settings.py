@@ -27,7 +27,8 @@ class Preset:
 
 skeletons = ("samples", "MohrCoulomb")
 calendars = ("follows-motion", "constant")
-# of Ground with the law alone, of samples 0.1 m thick: five times as stiff as thawed ground is enough, at half the steps
+porePressures = ("implicit", "explicit")
+# of Ground with the law alone, of samples 0.1 m thick: five times as stiff as thawed ground is enough, at half the steps; that of water if explicit
 softened = dict(bulkModulus=5.5e6, frozenModulus=2e7)
 flowingPicTimeFactor = 4.0  # Ground.picTimeFactor of runs whose path is to depend on no setting
 oneGrainThick = 0.01  # mean diameter of the discs [m]
@@ -71,7 +72,8 @@ class Ground:
 	followsMotion: bool = False  # the scale of slow time falls to movingTimeScale while the ground moves (O); False: constant (P)
 	movingTimeScale: float = 1.0  # f_m, while it moves (O)
 	motionTolerance: float = 0.05  # speed at which the scale lies half way [m/s] (O)
-	bulkModulus: float = 2.2e7  # numerical K_w [Pa], lower than water's for the time step (O); see skemptonB in the summary
+	porePressure: str = "implicit"  # solved for all cells at once, at the step of the skeleton; explicit: the water limits the step (O)
+	bulkModulus: float = math.nan  # K_w [Pa]; nan: 2.2e9 if implicit, else a numerical one of 2.2e7 (O); see skemptonB in the summary
 	frozenModulus: float = math.inf  # Young's modulus of frozen ground is at most this, with the law alone [Pa] (O)
 	freezingWidth: float = 0.5  # W of the gauss freezing curve [K] (O)
 	residualSaturation: float = 0.05  # S_r (O)

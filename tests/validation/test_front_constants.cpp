@@ -5,6 +5,7 @@
 #include "Report.hpp"
 #include "Roof.hpp"
 #include "Slab.hpp"
+#include "ThawSlump.hpp"
 
 #include <gtest/gtest.h>
 
@@ -62,6 +63,7 @@ struct Figures {
 	double dry, saturated, inclined, both; ///< slabs over their closed form [-]
 	double foot, roof;                     ///< layer over its foot over limit analysis, path under a roof over X [-]
 	double level, winter, strain;          ///< level ground [mm]
+	double surface, cohesive, base;        ///< slumps thawed from the surface, without and with cohesion, and from the base: path [m]
 };
 
 Figures figuresOf(const FrontConstants& constants)
@@ -83,6 +85,9 @@ Figures figuresOf(const FrontConstants& constants)
 	f.level     = sinksMore(constants, level);
 	f.winter    = sinksMore(constants, winter);
 	f.strain    = sinksMore(constants, strain);
+	f.surface   = pathOf({ false, 0.0, change }, 60.0);
+	f.cohesive  = pathOf({ false, 2e3, change }, 60.0);
+	f.base      = pathOf({ true, 2e3, change }, 600.0);
 	return f;
 }
 
@@ -110,15 +115,14 @@ TEST(FrontConstants, EachIsNeededAndNoneDecidesByItsSize_slow)
 		                { "pores count as full from 0.985 to 0.995", withFill(0.985, 0.995) },
 	};
 	std::printf("| constants | dry slab | saturated slab | dry slab at 45 degrees | saturated slab at 30 degrees | layer over its foot | under a roof | "
-	            "level [mm] | after a winter [mm] | thaw "
-	            "strain [mm] |\n");
-	std::printf("|---|---|---|---|---|---|---|---|---|---|\n");
+	            "level [mm] | after a winter [mm] | thaw strain [mm] | Case I, day 60 [m] | the same with 2 kPa [m] | Case II with 2 kPa, day 600 [m] |\n");
+	std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 	citing("closed forms; one velocity for all");
 	for (const Variant& v : variants) {
 		const Figures f = figuresOf(v.constants);
 		std::printf(
-		        "| %s | %.3f | %.3f | %.3f | %.3f | %.3f | %.4f | %.2f | %.2f | %.2f |\n", v.name, f.dry, f.saturated, f.inclined, f.both, f.foot,
-		        f.roof, f.level, f.winter, f.strain);
+		        "| %s | %.3f | %.3f | %.3f | %.3f | %.3f | %.4f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", v.name, f.dry, f.saturated, f.inclined,
+		        f.both, f.foot, f.roof, f.level, f.winter, f.strain, f.surface, f.cohesive, f.base);
 		const std::string name = v.name, what = "constants of the thaw front: worst figure over its tolerance, ";
 		if (name.find("away") == std::string::npos && name.find("never") == std::string::npos) expectSmall(what + name, worst(f), 1.0);
 	}

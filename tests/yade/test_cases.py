@@ -328,6 +328,7 @@ def asCommanded(folder, **options):
 				resume=False,
 				redraw=False,
 				film=False,
+				pore_pressure="implicit",
 				days=None,
 				no_thaw=False,
 				thaw_strain=0.03,
@@ -372,7 +373,10 @@ def test_command_lines_are_read_and_impossible_ones_refused(tmp_path, monkeypatc
 	}
 	assert not grounds["samples"].followsMotion and grounds["samples"].thawedCohesion == 0
 	assert grounds["MohrCoulomb"].followsMotion and grounds["MohrCoulomb"].thawedCohesion == 2000
-	assert {name: getattr(grounds["MohrCoulomb"], name) for name in thawslump.softened} == thawslump.softened
+	explicit = commandline.groundOf(asCommanded("", skeleton="MohrCoulomb", pore_pressure="explicit"), dict(skeleton="MohrCoulomb", thawStrain=0.0))
+	assert {name: getattr(explicit, name) for name in thawslump.softened} == thawslump.softened and explicit.porePressure == "explicit"
+	assert grounds["MohrCoulomb"].frozenModulus == thawslump.softened["frozenModulus"]
+	assert all(ground.porePressure == "implicit" and math.isnan(ground.bulkModulus) for ground in grounds.values())  # water as stiff as it is
 	assert math.isinf(grounds["samples"].frozenModulus)
 	thin = commandline.groundOf(asCommanded("", skeleton="MohrCoulomb", thickness=0.01), law)
 	assert thin.frozenModulus == pytest.approx(10 * thawslump.softened["frozenModulus"])  # five times thawed ground of such samples, too

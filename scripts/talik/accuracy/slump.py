@@ -54,6 +54,7 @@ def slump(settings, folder):
 	)
 	ground = thawslump.Ground(
 		thermalTimeScale=s["thermal time scale"],
+		porePressure=s.get("pore pressure", "explicit"),
 		bulkModulus=s["bulk modulus of water"],
 		frozenModulus=s["frozen modulus"],
 		thawedCohesion=s["thawed cohesion"],
