@@ -46,7 +46,8 @@ cases = {
 
 
 constantScale, followsMotion = "is constant", "follows motion"  # values of the knob calendar
-draft = {**slump.standard, **slump.scene, "follows motion": True}  # what the rows differ from
+implicitWater = {"pore pressure": "implicit", "bulk modulus of water": 2.2e9}
+draft = {**slump.standard, **slump.scene, **implicitWater, "follows motion": True}  # what the rows differ from
 flowing = {"pic-time": thawslump.flowingPicTimeFactor}  # of sweeps of a slide
 
 
@@ -55,8 +56,13 @@ def fraction(value):
 
 
 def softened(factor=1):
-	"""Settings with so many times the stiffness of frozen ground and water that the slumps have with the law alone."""
-	return {"bulk modulus of water": factor * thawslump.softened["bulkModulus"], "frozen modulus": factor * thawslump.softened["frozenModulus"]}
+	"""Settings with so many times the stiffness of frozen ground that the slumps have with the law alone."""
+	return {"frozen modulus": factor * thawslump.softened["frozenModulus"]}
+
+
+def water(porePressure):
+	"""Settings of real water, or of water soft enough for explicit pressure."""
+	return implicitWater if porePressure == "implicit" else {"pore pressure": "explicit", "bulk modulus of water": slump.standard["bulk modulus of water"]}
 
 
 def followed(preset):
@@ -80,7 +86,8 @@ knobs = {
 	"calendar": Knob("scale of time", lambda value: {"follows motion": value == followsMotion}, str, "a scale that {}"),
 	"motion-tolerance": Knob("motion tolerance [m/s]", lambda value: {"motion tolerance": value}),
 	"pic-time": Knob("PIC time over sqrt(h/g)", lambda value: {"PIC time over sqrt(h/g)": value}, phrase="picTime = {} √(h/g)"),
-	"stiffness": Knob("stiffness of frozen ground and water over draft's", softened),
+	"pore-pressure": Knob("pore pressure", water, str),
+	"stiffness": Knob("stiffness of frozen ground over draft's", softened),
 	"inertial-number": Knob("inertial number", lambda value: {"inertial number": value}),
 	"grains": Knob("grains", lambda value: {"grains": value}),
 	"realisations": Knob("realisations", lambda value: {"realisations": value}, phrase="{} realisations"),
@@ -117,6 +124,7 @@ def _lawSweeps(cohesion):
 		Sweep("grid-spacing", (0.5, 0.25, 1 / 6, 0.125, 0.0625), law, flowing, quick=2),
 		Sweep("f_max", (1, 1 / 4, 1 / 16), law, draft),
 		Sweep("f_max", (1, 1 / 4), law, flowing, quick=2),
+		Sweep("pore-pressure", ("explicit", "implicit"), law, {"grid-spacing": 0.25, **flowing}),
 		Sweep("time-step", (1, 1 / 2), law, draft),
 		Sweep("stiffness", (1, 4), law, draft),
 		Sweep("motion-tolerance", (0.05, 0.0125), law, draft),
@@ -134,6 +142,7 @@ def _sampleSweeps(cohesion):
 		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", "calendar": constantScale}),
 		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", "calendar": constantScale, **flowing}),
 		Sweep("grid-spacing", (0.5, 1 / 3, 0.25, 1 / 6, 0.125), samples, {"sampling": "draft", **flowing}),
+		Sweep("pore-pressure", ("explicit", "implicit"), samples, {"sampling": "draft", "calendar": constantScale, "grid-spacing": 0.25}),
 		Sweep("pic-time", (1.0, 4.0), samples),
 		Sweep("inertial-number", (5e-3, 1e-3), samples, quick=2 if cohesion else 0),
 		Sweep("sample-tolerance", (2e-5, 5e-6, 1.25e-6), samples),

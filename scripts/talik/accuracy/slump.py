@@ -36,6 +36,7 @@ scene = {
 	"thaw strain": 0.0,
 	"follows motion": False,
 	"motion tolerance": thawslump.Ground.motionTolerance,
+	"pore pressure": "explicit",
 	"PIC time over sqrt(h/g)": thawslump.Ground.picTimeFactor,
 }  # what the problem below leaves as it is
 
@@ -54,7 +55,7 @@ def slump(settings, folder):
 	)
 	ground = thawslump.Ground(
 		thermalTimeScale=s["thermal time scale"],
-		porePressure=s.get("pore pressure", "explicit"),
+		porePressure=s["pore pressure"],
 		bulkModulus=s["bulk modulus of water"],
 		frozenModulus=s["frozen modulus"],
 		thawedCohesion=s["thawed cohesion"],
