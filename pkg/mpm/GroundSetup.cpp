@@ -127,6 +127,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
 	if (segregation) {
 		segregation->bind(*points, grid.cellCount());
+		heat->keepOutside(grid);
 		content->holdExcessIce(segregation->volume, segregation->iceMass);
 	}
 	if (compression) compression->bind(*points, *motion, content->porosity, content->iceSaturation, grid.cellCount());

@@ -45,6 +45,8 @@ const Place<3>& placeOf(std::integral_constant<int, 3>)
 struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
 	bool record = false, ledger = false, surface = false;
+	bool segregation = false; ///< frozen ground draws water to its front
+	bool settlement  = false; ///< thaw strain and compression of soil that has thawed
 	bool oneVelocity = false; ///< no thaw front, where frozen and thawed ground meet
 	bool uniform     = false; ///< one temperature everywhere: heat rests
 	bool lookups     = false; ///< of the stable time step, as often as a run does
@@ -78,6 +80,15 @@ template <int D> GroundSettings<D> settingsOf(const Effects& e)
 		w.state.liquidBulkModulus = 2.2e7;
 		w.state.iceBulkModulus    = 8.8e7;
 		s.water                   = w;
+	}
+	if (e.segregation) s.segregation.emplace().potential = 1e-9;
+	if (e.settlement) {
+		SoilMaterial silt;
+		silt.mixture                     = s.mixture;
+		silt.thawStrain                  = 0.1;
+		silt.compression.compressibility = 1e-6;
+		if (s.water) silt.permeability = s.water->permeability;
+		s.materials = { silt };
 	}
 	if (e.surface) {
 		if (e.heat) s.boundaries.push_back(std::make_shared<SurfaceTemperature<D>>(Region<D>::freeSurface(), 10.0));
@@ -275,6 +286,8 @@ std::vector<Combination> combinations()
 		{ "water", with(averaged, &E::water) },
 		{ "water, heat", with(averaged, &E::water, &E::heat) },
 		{ "water, heat, freezing", with(averaged, &E::water, &E::heat, &E::freezing), true },
+		{ "water, heat, freezing, ice segregation", with(averaged, &E::water, &E::heat, &E::freezing, &E::segregation) },
+		{ "water, heat, freezing, thaw settlement", with(averaged, &E::water, &E::heat, &E::freezing, &E::settlement) },
 		{ "water, heat, freezing, surface", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface) },
 		{ "everything", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface, &E::plastic, &E::record, &E::ledger, &E::lookups), true },
 	};

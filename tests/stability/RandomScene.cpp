@@ -33,6 +33,7 @@ namespace {
 		void      fill();
 		void      body();
 		void      movingWall();
+		void      segregation();
 		TimeTable weather(double from, double to);
 
 		static Vec<D> along(double x, double y)
@@ -262,9 +263,18 @@ namespace {
 		wall                  = std::make_shared<MovingBoundary<D>>(side, weather(-fastest, fastest), direction, rough, standing);
 	}
 
+	/// By a potential of soils or far beyond, or by permeability, curve and load.
+	template <int D> void Draw<D>::segregation()
+	{
+		auto& drawn = scene.ground->settings().segregation.emplace();
+		if (!dice.chance("potentialGiven", 0.7)) return;
+		drawn.potential     = dice.decades("SP", 1e-12, 1e-7);
+		drawn.pressureDecay = dice.chance("decays", 0.5) ? dice.decades("a", 1e-7, 1e-4) : 0.0;
+	}
+
 } // namespace
 
-template <int D> RandomScene<D>::RandomScene(std::uint64_t seed, bool wallsRest)
+template <int D> RandomScene<D>::RandomScene(std::uint64_t seed, bool wallsRest, bool segregates)
 {
 	Draw<D> d { Dice(seed), *this, {} };
 	d.s.gridSpacing = d.dice.decades("h", 0.02, 1.0);
@@ -287,6 +297,7 @@ template <int D> RandomScene<D>::RandomScene(std::uint64_t seed, bool wallsRest)
 	if (moves && d.dice.chance("body", 0.3)) d.body();
 	// last, so that the rest of a scene does not depend on it
 	if (moves && !wallsRest && d.dice.chance("movingWall", 0.25)) d.movingWall();
+	if (segregates && d.s.motion && d.s.motion->bBar && d.s.water && d.s.freezing) d.segregation();
 	described = d.dice.text();
 }
 

@@ -24,8 +24,9 @@ template <int D> struct RandomScene {
 	bool   open                = false;             ///< points may leave: a side of the box has no wall, or they were thrown against one
 	bool   energyAccounted     = true; ///< false: water that crosses the surface, or percolates on the spot, has energy which the ledger does not see
 
-	/// The same seed draws the same scene on any machine. wallsRest: without the wall that moves, which scenes found earlier did not have.
-	explicit RandomScene(std::uint64_t seed, bool wallsRest = false);
+	/// The same seed draws the same scene on any machine. wallsRest: without the wall that moves, which scenes found earlier did not have. segregates:
+	/// ground with heat, water and freezing draws water as it freezes, where it may.
+	explicit RandomScene(std::uint64_t seed, bool wallsRest = false, bool segregates = false);
 	/// Initialises the ground and puts the body in its place. Throws what Ground::initialise() throws.
 	void start();
 	/// The body as the watch takes it; nothing in a scene without.

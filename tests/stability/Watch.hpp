@@ -94,10 +94,11 @@ private:
 	{
 		const double brought = outsideStart_ - outside_.energy();
 		const double held    = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy - start_.gravityEnergy - brought;
-		const double spent   = b.skeletonWork + b.porePressureWork - b.workAhead + b.dragDissipation + b.dampingDissipation - b.loadWork - b.wallWork;
-		const double turned  = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
+		const double spent   = b.skeletonWork + b.porePressureWork - b.workAhead + b.dragDissipation + b.dampingDissipation - b.loadWork - b.wallWork
+		        - b.segregationWork;
+		const double turned = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)
 		        + std::abs(b.porePressureWork) + b.dragDissipation + b.dampingDissipation + std::abs(b.loadWork) + std::abs(b.wallWork)
-		        + std::abs(brought);
+		        + std::abs(b.segregationWork) + std::abs(brought);
 		// of ground at rest the height of every point is rounded in every step
 		const double rounded = 1e-10 * std::abs(b.gravityEnergy);
 		turnedOver_          = std::max({ turnedOver_, turned, rounded, 1e-6 * slowest * slowest * (b.solidMass + b.waterMass) });

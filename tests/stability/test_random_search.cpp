@@ -71,7 +71,7 @@ template <int D> std::string whatIsWrong(const RandomScene<D>& scene, const Figu
 struct Search {
 	Figures worst;
 	double  excess  = 0.0;
-	int     refused = 0, left = 0, failed = 0, pushed = 0, walls = 0;
+	int     refused = 0, left = 0, failed = 0, pushed = 0, walls = 0, drew = 0;
 
 	template <int D> void keep(const RandomScene<D>& scene, const Figures& f)
 	{
@@ -83,12 +83,13 @@ struct Search {
 	}
 };
 
-template <int D> void search(const std::string& name, std::uint64_t draws)
+template <int D> Search search(const std::string& name, std::uint64_t draws, bool segregates = false)
 {
 	const std::uint64_t first = firstSeed();
 	Search              search;
 	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
-		RandomScene<D> scene(seed);
+		RandomScene<D> scene(seed, false, segregates);
+		if (segregates && !scene.ground->settings().segregation) continue;
 		try {
 			scene.start();
 		} catch (const std::invalid_argument& refusal) {
@@ -104,6 +105,7 @@ template <int D> void search(const std::string& name, std::uint64_t draws)
 		search.left += !watch.figures().stopped.empty();
 		search.pushed += scene.body.contact && scene.body.contact->bodies[0].impulse != Vec<D> {};
 		search.walls += scene.ground->balance().wallWork != 0.0;
+		search.drew += scene.ground->balance().waterDrawn > 0.0;
 		const std::string wrong = whatIsWrong(scene, watch.figures());
 		if (wrong.empty()) continue;
 		++search.failed;
@@ -121,6 +123,7 @@ template <int D> void search(const std::string& name, std::uint64_t draws)
 	expectSmall(title + ": drift of heat", search.worst.heatDrift, heatLimit);
 	expectSmall(title + ": momentum less impulse", search.worst.momentumDrift, momentumLimit);
 	expectSmall(title + ": temperature beyond those given, over their span", search.excess, 3.0);
+	return search;
 }
 
 /// Runs a scene that has started. Returns the energy from nowhere.
@@ -146,6 +149,14 @@ TEST(RandomSearch, EveryDrawIsStableAndBalancedOrRefusedWithASentence) { search<
 
 // points and nodes are many more in space: a quarter of the draws
 TEST(RandomSearch, EveryDrawInSpaceIsStableAndBalancedOrRefusedWithASentence) { search<3>("random search in space", (drawsAskedFor() + 3) / 4); }
+
+// every fifth scene or so has all that it takes
+TEST(RandomSearch, EveryDrawWithIceSegregationIsStableAndBalancedOrRefusedWithASentence)
+{
+	const Search found = search<2>("random search with ice segregation", 2 * drawsAskedFor(), true);
+	std::printf("%d draws drew water\n", found.drew);
+	EXPECT_GE(found.drew, 3);
+}
 
 /// Found by the search (space, seed 701793): in ground frozen to a fortieth of its water, without change of density, the liquid weighed
 /// five times what its volume fraction said, sank through ground at rest, and drag spent what nobody gave (0.22 of all that was turned

@@ -244,6 +244,73 @@ TEST(IceSegregation, FrozenDepthAndHeaveWithAConstantSegregationPotentialFollowT
 
 namespace {
 
+/// A column without ice whose surface freezes from the first step on, with water at its base.
+struct FreezingSurface {
+	double            spacing, start;
+	FreezingCurvePtr  curve;
+	double            height = 0.6, potential = 1e-9, cold = -1.0, scale = 5e6;
+	GroundSettings<2> settings() const
+	{
+		auto s                                      = freezingGround<2>(spacing, { spacing, height + 4.0 * spacing });
+		s.freezing                                  = curve;
+		s.heat->thermalTimeScale                    = scale;
+		s.water->permeability.referenceConductivity = 1e-7;
+		s.segregation->potential                    = potential;
+		standOnRollers(s);
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(cold));
+		addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable(start));
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::side("bottom"), TimeTable(0.0), true);
+		return s;
+	}
+	/// As Column::exact, with heat that comes from below.
+	std::array<double, 2> exact(double time) const
+	{
+		double       soil = 1e-4, ice = 0.0;
+		const int    steps = 200000;
+		const double dt = time / steps, perDepth = iceDensity * latent * porosity * 0.95;
+		for (int k = 0; k < steps; ++k) {
+			const double all = soil + ice, kappa = (heatConductivity(0.95) * soil + 2.2 * ice) / all, gradient = -cold / all;
+			const double drawn = potential * gradient;
+			soil += dt * (kappa * gradient - waterDensity * latent * drawn - heatConductivity(0.0) * start / (height - soil)) / perDepth;
+			ice += dt * drawn * waterDensity / iceDensity;
+		}
+		return { soil, ice };
+	}
+};
+
+void expectFromTheFirstIceOn(const std::string& name, const FreezingSurface& column, double tolerance)
+{
+	citing("quasi-steady heat balance");
+	Ground<2> ground(column.settings());
+	fillBox(ground, { 0.0, 0.0 }, { column.spacing, column.height }, [&](PointInput<2>& p) {
+		p.porosity    = porosity;
+		p.temperature = column.start;
+	});
+	ground.initialise();
+	const double time  = 100.0 * day;
+	const auto   exact = column.exact(time);
+	marchTo(ground, time / column.scale);
+	const double soil = frozenSoil(ground, column.spacing), ice = sumOf(ground, "segregatedVolume") / column.spacing;
+	char         label[64];
+	std::snprintf(label, sizeof label, ", h = %.2f m", column.spacing);
+	const std::string of = "ground without ice freezes from its surface, " + name + label;
+	expectScaled(of + ": frozen soil [m], error in h", soil, exact[0], column.spacing, 0.6);
+	expectRelative(of + ": excess ice [m]", ice, exact[1], tolerance);
+}
+
+} // namespace
+
+TEST(IceSegregation, GroundWithoutIceDrawsWaterFromTheFirstIceOn)
+{
+	for (const double h : { 0.1, 0.05 }) {
+		expectFromTheFirstIceOn("sharp curve, from 0 degC", { h, 0.0, makeFreezingCurve("sharp", { { "residualSaturation", 0.05 } }) }, 0.06);
+		expectFromTheFirstIceOn("curve of 0.1 K, from 0 degC", { h, 0.0, makeFreezingCurve("gauss", { { "width", 0.1 } }) }, 0.07);
+		expectFromTheFirstIceOn("curve of 0.1 K, from 0.3 degC", { h, 0.3, makeFreezingCurve("gauss", { { "width", 0.1 } }) }, 0.2 * h / 0.2);
+	}
+}
+
+namespace {
+
 /// Five cells between a cold base and a warm upper side, in which heat stands still; stiff, so that little water changes its pressure.
 Ground<2> shortColumn(double h, bool held)
 {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talik {
 
@@ -136,6 +137,7 @@ template <int D> void HeatTransfer<D>::rest(const ActiveRange& range)
 		for (int i = first; i < last; ++i)
 			mapped[i][0] = reference;
 	});
+	if (outside.ownsRecords()) clearOutside(range);
 }
 
 template <int D> void HeatTransfer<D>::map(const WeightBlock<D>& w)
@@ -236,6 +238,30 @@ template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& st
 	for (int i : affected_)
 		if (range.holds(i)) nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
 	prescribe(step.grid, range, step.dt);
+	if (!outside.ownsRecords()) return;
+	clearOutside(range);
+	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+		const TemperatureNode& n = prescribed_[k];
+		if (n.ghost < 0 || !range.holds(n.node)) continue;
+		Vec<D> area {};
+		area[n.axis] = (n.ghost > n.node ? 1.0 : -1.0) * std::pow(step.grid.spacing(), D - 1);
+		addOutside(n.node, area, reference + wanted_[k], std::numeric_limits<double>::infinity());
+	}
+}
+
+template <int D> void HeatTransfer<D>::addOutside(int node, const Vec<D>& area, double temperature, double heatOut)
+{
+	const double size = lengthOf<D>(area);
+	for (int a = 0; a < D; ++a)
+		outside[node][a] += area[a];
+	outside[node][D] += size;
+	outside[node][D + 1] += size * temperature;
+	outside[node][D + 2] += heatOut;
+}
+
+template <int D> void HeatTransfer<D>::clearOutside(const ActiveRange& range)
+{
+	range.overNodes([&](int, int first, int last) { outside.clear(first, last); });
 }
 
 template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt) const
@@ -274,6 +300,10 @@ void HeatTransfer<D>::exchange(const StepContext<D>& step, const Boundary<D>& bo
 		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + dt * scale * heat.flux * area;
 		energy[n.node][0] += gained;
 		step.ledger.ofNode(n.node).heatIn += gained;
+		if (outside.ownsRecords() && area > 0.0)
+			addOutside(
+			        n.node, n.area, mapped[n.node][0] + energy[n.node][0] / capacity + gained / (dt * scale * ground * area),
+			        -gained / (dt * scale));
 	}
 }
 

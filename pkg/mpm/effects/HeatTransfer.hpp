@@ -25,6 +25,8 @@ public:
 	void carriedAlong() { carried_ = true; }
 	/// Where no water has a record for both, conducted heat and noise lie in one record of its own.
 	void receiveInOneRecord(const Grid<D>& grid);
+	/// From now on it is known how cold walls and surfaces are, see outside.
+	void keepOutside(const Grid<D>& grid) { outside.allocate(grid.nodeCount()); }
 
 	/// Collects the nodes with prescribed temperature.
 	void constrain(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
@@ -55,7 +57,7 @@ public:
 	void keepOnly(int first, int last)
 	{
 		const auto keep = [&](auto&... fields) { (fields.keepOnly(first, last), ...); };
-		keep(nodes, capacity, mapped, nodal, energy, noise, rise, moments, volumes, received_);
+		keep(nodes, capacity, mapped, nodal, energy, noise, rise, moments, volumes, received_, outside);
 	}
 	/// Adds shares and their heat of a block to the nodes, unless motion or water maps them along.
 	void map(const WeightBlock<D>& w);
@@ -107,10 +109,15 @@ public:
 	NodeField<1> rise;     ///< what points receive: Delta E_I/C_I and smoothing
 	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
 	NodeField<1> volumes;  ///< sum S V, in scenes with regions that produce heat
+	/// Of the surfaces and walls at a node in this step, for ice segregation: outward area vector, area, area times temperature of the surface
+	/// itself, heat that leaves [W of calendar time]; infinite where it is not known, at walls.
+	NodeField<D + 3> outside;
 
 	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:
+	void clearOutside(const ActiveRange& range);
+	void addOutside(int node, const Vec<D>& area, double temperature, double heatOut);
 	void mapMoments(const WeightBlock<D>& w);
 	void mapVolumes(const WeightBlock<D>& w);
 	void mirrorWalls(const Grid<D>& grid, const ActiveRange& range);

@@ -30,6 +30,8 @@ IceSegregation<D>::IceSegregation(PointFields& fields, const GroundSettings<D>& 
 	}
 	for (const SoilMaterial& m : given) {
 		const FreezingCurve& curve = *(m.freezing ? m.freezing : settings.freezing);
+		curves_.push_back(&curve);
+		leastIce_.push_back(m.segregation.value_or(*settings.segregation).isGiven() ? littleIce : 0.0);
 		freezingTemperature_.push_back(curve.freezingTemperature());
 		soils_.emplace_back(m.segregation.value_or(*settings.segregation), curve, m.permeability.value_or(settings.water->permeability), m.mixture);
 	}
@@ -51,6 +53,8 @@ template <int D>
 void IceSegregation<D>::collect(
         const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content, const ActiveRange& range)
 {
+	heat_ = &heat;
+	ice_  = content.iceSaturation;
 	std::fill(cells_.begin() + range.firstCell, cells_.begin() + range.lastCell, Cell {});
 	const double* const size = points_->volume();
 	points_->strips().scatter(
@@ -60,9 +64,7 @@ void IceSegregation<D>::collect(
 			        const int    material = points_->material(p);
 			        const double v = size[p], depth = heat.temperature[p] - freezingTemperature_[material];
 			        c.volume += v;
-			        if (holds(p, depth)) c.frozenVolume += v;
 			        c.ice += v * content.iceSaturation[p];
-			        c.mostIce = std::max(c.mostIce, content.iceSaturation[p]);
 			        c.depth += v * depth;
 			        for (int a = 0; a < D; ++a)
 				        c.middle[a] += v * points_->position(a)[p];
@@ -84,6 +86,7 @@ void IceSegregation<D>::collect(
 			if (!(c.volume > 0.0)) continue;
 			const double perVolume = 1.0 / c.volume;
 			c.depth *= perVolume;
+			c.frozen = c.depth < -barely && c.ice > leastIce_[int(c.soil)] * c.volume;
 			c.conductivity *= perVolume;
 			for (double& x : c.middle)
 				x *= perVolume;
@@ -98,6 +101,14 @@ template <int D> int IceSegregation<D>::beside(const Grid<D>& grid, const Active
 	const int at = cell / grid.cellStride(axis) % grid.cells(axis) + side, next = cell + side * grid.cellStride(axis);
 	if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || !(cells_[next].volume > 0.0)) return -1;
 	return next;
+}
+
+template <int D> int IceSegregation<D>::destination(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const
+{
+	if (from < 0 || frozen(cells_[from])) return -1;
+	const int to = beside(grid, range, from, axis, side);
+	if (to < 0) return cells_[from].ice > 0.0 ? from : -1;
+	return frozen(cells_[to]) ? to : -1;
 }
 
 /// Unit vector along the gradient of temperature, towards warmer ground.
@@ -116,15 +127,18 @@ template <int D> Vec<D> IceSegregation<D>::direction(const Grid<D>& grid, const 
 	return n;
 }
 
+template <int D> double IceSegregation<D>::icePart(int unfrozen, int first, double depth, double cellVolume) const
+{
+	return (cells_[first].ice + (unfrozen == first ? 0.0 : cells_[unfrozen].ice)) / (cellVolume * fullIce(first, depth));
+}
+
 /// How far the ground is frozen before the middle of the second frozen cell, in cells less a half. A sharp front is smeared over two cells, and their
 /// ice tells where it is; where ice forms over a range of temperatures, these do: they fall along two straight lines that meet at T_f.
 template <int D> double IceSegregation<D>::frozenPart(int unfrozen, int first, int second, double cellVolume) const
 {
-	const double warm = std::max(0.0, cells_[unfrozen].depth), at = cells_[first].depth;
-	const double byIce = (cells_[first].ice + cells_[unfrozen].ice) / (cellVolume * cells_[first].mostIce);
-	if (second < 0) return std::max(byIce, 0.25);
-	const double behind = cells_[second].depth;
-	if (3.0 * at <= behind) return std::min(1.5, 0.5 - at / (at - behind));
+	const double warm = std::max(0.0, cells_[unfrozen].depth), at = cells_[first].depth, behind = cells_[second].depth;
+	const double byIce = icePart(unfrozen, first, behind, cellVolume);
+	if (3.0 * at <= behind) return std::min(2.0, 0.5 - at / (at - behind));
 	double low = 0.0, high = 1.0;
 	for (int k = 0; k < 40; ++k) {
 		const double x = 0.5 * (low + high), cold = 1.0 - x;
@@ -133,21 +147,83 @@ template <int D> double IceSegregation<D>::frozenPart(int unfrozen, int first, i
 	return std::max(byIce, 0.5 * (low + high));
 }
 
-/// The gradient of temperature behind a front: of the straight line from there that fits the cells behind, which have no part in the front.
+template <int D> double IceSegregation<D>::fullIce(int cell, double depth) const
+{
+	const int material = int(cells_[cell].soil);
+	return 1.0 - curves_[material]->liquidSaturation(freezingTemperature_[material] + depth);
+}
+
+template <int D> typename IceSegregation<D>::Outside IceSegregation<D>::outside(const Grid<D>& grid, int cell, int axis, int side) const
+{
+	int corner = 0;
+	for (int a = 0; a < D; ++a)
+		corner += (cell / grid.cellStride(a) % grid.cells(a) + (a == axis && side > 0)) * grid.nodeStride(a);
+	double area = 0.0, sum = 0.0, heat = 0.0;
+	for (int k = 0; k < 1 << D; ++k) {
+		if (k >> axis & 1) continue; // the nodes of the face
+		int node = corner;
+		for (int a = 0; a < D; ++a)
+			node += (k >> a & 1) * grid.nodeStride(a);
+		const double* const of     = heat_->outside[node];
+		const double        facing = side * of[axis];
+		if (!(facing > 0.0)) continue;
+		area += facing;
+		sum += facing * of[D + 1] / of[D];
+		heat += facing * of[D + 2] / of[D];
+	}
+	if (!(area > 0.0)) return { NAN, 0.0 };
+	return { sum / area - freezingTemperature_[int(cells_[cell].soil)], heat / area };
+}
+
+/// Eq. (26.6). Behind a front in the cell at a wall or surface: from its temperature to T_f at the front, whose depth the ice tells. No thinner than
+/// that quarter of a cell through which heat leaves, and no more than the heat that does.
+template <int D> typename IceSegregation<D>::Line IceSegregation<D>::first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const
+{
+	const auto [cold, heat] = outside(grid, first, axis, side);
+	const double h          = grid.spacing();
+	if (!(cold < 0.0 && heat > 0.0)) return { 0.0, 0.0, 0.0, first };
+	const double part  = icePart(unfrozen, first, cold, grid.cellVolume());
+	const double front = placeOfFront(grid, first, part, axis, side);
+	const double slope = std::min(-cold / (h * std::max(part, 0.25)), heat / cells_[first].conductivity);
+	return { slope, std::max(0.0, side * (front - cells_[unfrozen].middle[axis])), cold, first };
+}
+
+/// Where a front lies along an axis.
+template <int D> double IceSegregation<D>::placeOfFront(const Grid<D>& grid, int cell, double part, int axis, int side) const
+{
+	const int row = cell / grid.cellStride(axis) % grid.cells(axis) + (side > 0);
+	return grid.lower()[axis] + (row - side * part) * grid.spacing();
+}
+
+/// The gradient of temperature behind a front: of the straight line from there that fits the cells behind, which have no part in the front. Where ice
+/// forms over a range of temperatures, the front for this is where most of it has formed.
 template <int D>
 typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const
 {
 	constexpr int most   = 3;
-	const int     second = beside(grid, range, first, axis, side);
-	const bool    falls  = second >= 0 && cells_[second].depth < cells_[first].depth;
-	const double  part = frozenPart(unfrozen, first, falls ? second : -1, grid.cellVolume()), h = grid.spacing();
-	const int     row   = first / grid.cellStride(axis) % grid.cells(axis) + (side > 0);
-	const double  front = grid.lower()[axis] + (row - side * part) * h;
-	const double  ahead = std::max(0.0, side * (front - cells_[unfrozen].middle[axis]));
+	int           second = beside(grid, range, first, axis, side);
+	if (second < 0 && (unfrozen == first || !std::isnan(outside(grid, first, axis, side).depth))) return this->first(grid, unfrozen, first, axis, side);
+	const bool   falls = second >= 0 && cells_[second].depth < cells_[first].depth;
+	const double h     = grid.spacing(),
+	             part  = falls ? frozenPart(unfrozen, first, second, grid.cellVolume())
+	                           : std::max(0.25, icePart(unfrozen, first, 2.0 * cells_[first].depth, grid.cellVolume()));
+	double       front = placeOfFront(grid, first, part, axis, side);
+	const double ahead = std::max(0.0, side * (front - cells_[unfrozen].middle[axis]));
 	if (!falls) {
-		// a wall or air behind it: the frozen part has one gradient, which in ground that is warm in front is no larger than that of both
+		// warmer ground behind it, or an end that takes no heat: the frozen part has one gradient, which in ground that is warm in front is no
+		// larger than that of both
 		const double warm = cells_[unfrozen].depth, cold = cells_[first].depth, within = -2.0 * cold / (h * part * part);
 		return { warm > 0.0 ? std::min(within, (warm - cold) / h) : within, ahead, cold, first };
+	}
+	const int reference = second;
+	for (int k = 0; k < most; ++k) {
+		const int third = beside(grid, range, second, axis, side);
+		if (third < 0 || !(cells_[third].depth < cells_[second].depth)) break;
+		if (cells_[second].ice > 0.5 * cells_[second].volume * fullIce(second, cells_[third].depth)) break;
+		unfrozen = first;
+		first    = second;
+		second   = third;
+		front    = placeOfFront(grid, first, frozenPart(unfrozen, first, second, grid.cellVolume()), axis, side);
 	}
 	double moment = 0.0, square = 0.0, coldest = 0.0;
 	for (int c = second, k = 0; k < most && c >= 0 && cells_[c].depth < coldest; ++k, c = beside(grid, range, c, axis, side)) {
@@ -156,15 +232,17 @@ typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, 
 		moment -= coldest * distance;
 		square += distance * distance;
 	}
-	return { moment / square, ahead, coldest, second };
+	return { moment / square, ahead, coldest, reference };
 }
 
 /// Total pressure normal to a front, of the cells at it: stresses that alternate from cell to cell, which no node sees, cancel out.
 template <int D>
 double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const
 {
-	const Vec<D> n   = direction(grid, range, to);
-	double       sum = 0.0, weights = 0.0;
+	Vec<D> n {};
+	if (from == to) n[axis] = 1.0;
+	else n = direction(grid, range, to);
+	double sum = 0.0, weights = 0.0;
 	for (const auto& [cell, share] : { std::pair<int, double> { beside(grid, range, from, axis, -side), 1.0 }, { from, 2.0 }, { to, 1.0 } }) {
 		if (cell < 0) continue;
 		double pressure = water.pressureOfCell(cell);
@@ -182,9 +260,8 @@ template <int D>
 double IceSegregation<D>::drawn(
         const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
 {
-	if (from < 0 || frozen(cells_[from])) return 0.0;
-	const int to = beside(grid, range, from, axis, side);
-	if (to < 0 || !frozen(cells_[to]) || !(cells_[to].frozenVolume > 0.0)) return 0.0;
+	const int to = destination(grid, range, from, axis, side);
+	if (to < 0) return 0.0;
 	const SegregationPotential& soil = soils_[int(cells_[to].soil)];
 	if (soil.drawsNothing()) return 0.0;
 	const Line                  line = behind(grid, range, from, to, axis, side);
@@ -218,24 +295,33 @@ void IceSegregation<D>::draw(
 			if (!(c.volume > 0.0)) continue;
 			for (int a = 0; a < D; ++a)
 				for (const int side : { -1, 1 }) {
+					int other = i;
 					if (!frozen(c)) {
 						const double mass = drawn(grid, range, water, i, a, side, down, dt);
 						if (mass > 0.0) water.give(i, mass, enthalpy);
 						c.lost += mass;
-						continue;
-					}
-					const int    other = beside(grid, range, i, a, -side);
-					const double mass  = drawn(grid, range, water, other, a, side, down, dt);
+						if (destination(grid, range, i, a, side) != i) continue;
+					} else other = beside(grid, range, i, a, -side);
+					const double mass = drawn(grid, range, water, other, a, side, down, dt);
 					if (!(mass > 0.0)) continue;
 					const Vec<D> v = water.velocityOfCell(other);
 					c.mass += mass;
+					c.across[a] += side * mass;
 					c.enthalpy += mass * water.enthalpyOfCell(other, enthalpy);
 					for (int k = 0; k < D; ++k)
 						c.carried[k] += mass * v[k];
 				}
 			if (!(c.mass > 0.0)) continue;
-			c.opened       = c.mass / (iceDensity_ * c.volume);
-			const Vec<D> n = direction(grid, range, i);
+			c.opened = c.mass / (iceDensity_ * c.volume);
+			Vec<D> n;
+			if (frozen(c)) n = direction(grid, range, i);
+			else {
+				double square = 0.0;
+				for (const double part : c.across)
+					square += part * part;
+				for (int k = 0; k < D; ++k)
+					n[k] = square > 0.0 ? c.across[k] / std::sqrt(square) : 0.0;
+			}
 			std::copy(n.begin(), n.end(), c.normal);
 		}
 	});
@@ -263,13 +349,13 @@ template <int D> void IceSegregation<D>::book(const ActiveRange& range, const Po
 
 template <int D>
 void IceSegregation<D>::receive(
-        const CellMeans<D>& cells, int first, int last, const HeatTransfer<D>& heat, double* waterMass, double* enthalpy, PoreWater<D>& water)
+        const CellMeans<D>& cells, int first, int last, const HeatTransfer<D>&, double* waterMass, double* enthalpy, PoreWater<D>& water)
 {
 	const double* const size = points_->volume();
 	for (int p = first; p < last; ++p) {
 		const Cell& c = cells_[cells.cell(p)];
-		if (!(c.mass > 0.0) || !holds(p, heat.temperature[p] - freezingTemperature_[points_->material(p)])) continue;
-		const double part = size[p] / c.frozenVolume, mass = part * c.mass;
+		if (!(c.mass > 0.0) || !(ice_[p] > 0.0)) continue;
+		const double part = size[p] * ice_[p] / c.ice, mass = part * c.mass;
 		Vec<D>       carried;
 		for (int a = 0; a < D; ++a)
 			carried[a] = part * c.carried[a];

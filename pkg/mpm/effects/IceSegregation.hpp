@@ -59,17 +59,19 @@ public:
 private:
 	/// Sums over the points of a cell, and what it is given in the step.
 	struct Cell {
-		double volume, frozenVolume;       ///< [m^D], of all points and of those below T_f
+		double volume;                     ///< [m^D]
 		double depth;                      ///< volume times (T - T_f) [m^D K]; later their mean [K]
 		double conductivity;               ///< volume times the number; later the mean [W/(m K)]
 		double middle[D];                  ///< volume times the position; later the mean [m]
-		double ice, mostIce;               ///< volume times the ice saturation, and its largest value
+		double ice;                        ///< volume times the ice saturation
 		double pores, fill;                ///< volume of the pores and of what is in them [m^D]
 		double stress[stressSize<D>];      ///< effective, as the pressure [Pa]
 		double soil;                       ///< the largest number of its materials
+		bool   frozen;                     ///< so that it gives no water
 		double lost;                       ///< given away in the step [kg]
 		double mass, enthalpy, carried[D]; ///< given to it [kg, J, N s]
 		double opened;                     ///< by what is given to it, over its volume [-]
+		double across[D];                  ///< given along the axes [kg]
 		double normal[D];                  ///< along the gradient of temperature
 	};
 	struct OfGrid {
@@ -77,7 +79,10 @@ private:
 		std::array<double, D * D> gradient;
 	};
 	/// The cell beside, or -1 where there is no ground.
-	int    beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
+	int beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
+	/// Where the water goes that a cell gives along an axis: the frozen cell there, the cell itself if the front stands in it and no ground lies
+	/// behind, or -1.
+	int    destination(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const;
 	Vec<D> direction(const Grid<D>& grid, const ActiveRange& range, int cell) const;
 	/// Behind a front.
 	struct Line {
@@ -85,22 +90,38 @@ private:
 		        coldest; ///< [K/m]; of the front before the middle of the unfrozen cell [m]; temperature of the ground behind, less T_f [K]
 		int reference;   ///< the cell whose heat conduction counts
 	};
+	/// Ice saturation of ground so far below T_f [K], < 0.
+	double fullIce(int cell, double depth) const;
+	/// Ice of both, in cells that are as frozen as ground so far below T_f [K].
+	double icePart(int unfrozen, int first, double depth, double cellVolume) const;
+	double placeOfFront(const Grid<D>& grid, int cell, double part, int axis, int side) const;
 	double frozenPart(int unfrozen, int first, int second, double cellVolume) const;
-	Line   behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
-	double pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const;
+	/// Of the wall or surface of a cell on a side.
+	struct Outside {
+		double depth, heat; ///< temperature less T_f [K], NaN: none is known; heat that leaves there [W/m^2]
+	};
+	Outside outside(const Grid<D>& grid, int cell, int axis, int side) const;
+	Line    first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const;
+	Line    behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
+	double  pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const;
 	/// Water that a cell gives in the step to the one beside it [kg]: 0 unless a front lies between them.
 	double drawn(
 	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
-	/// Points that new ice goes to.
-	bool        holds(int place, double depth) const { return depth < 0.0 || iceMass[place] > 0.0; }
-	static bool frozen(const Cell& c) { return c.depth < -barely; }
+	static bool frozen(const Cell& c) { return c.frozen; }
 	/// What freezes less than this below T_f is noise of the temperature [K].
 	static constexpr double barely = 1e-6;
+	/// With a measured potential ground of a smaller ice saturation gives its water away as if it were not frozen: where ice forms over a range of
+	/// temperatures, all of it may have cooled to a little below T_f. The closed form counts from T_f.
+	static constexpr double littleIce = 0.05;
 
 	const GroundSettings<D>*          settings_;
+	const HeatTransfer<D>*            heat_   = nullptr; ///< as collect() had it
+	const double*                     ice_    = nullptr; ///< saturation, by place
 	MaterialPoints<D>*                points_ = nullptr;
 	std::vector<SegregationPotential> soils_;
-	std::vector<double>               freezingTemperature_; ///< by material
+	std::vector<const FreezingCurve*> curves_;              ///< by material
+	std::vector<double>               freezingTemperature_; ///< the same
+	std::vector<double>               leastIce_;            ///< the same: saturation of cells that count as frozen
 	double                            liquidDensity_, iceDensity_;
 	PointFields::Handle               volumeField_, iceField_;
 	PagedArray<Cell>                  cells_;
