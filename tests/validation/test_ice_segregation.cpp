@@ -294,7 +294,7 @@ void expectFromTheFirstIceOn(const std::string& name, const FreezingSurface& col
 	char         label[64];
 	std::snprintf(label, sizeof label, ", h = %.2f m", column.spacing);
 	const std::string of = "ground without ice freezes from its surface, " + name + label;
-	expectScaled(of + ": frozen soil [m], error in h", soil, exact[0], column.spacing, 0.6);
+	expectScaled(of + ": frozen soil [m], error in h", soil, exact[0], column.spacing, 0.7);
 	expectRelative(of + ": excess ice [m]", ice, exact[1], tolerance);
 }
 
@@ -303,9 +303,9 @@ void expectFromTheFirstIceOn(const std::string& name, const FreezingSurface& col
 TEST(IceSegregation, GroundWithoutIceDrawsWaterFromTheFirstIceOn)
 {
 	for (const double h : { 0.1, 0.05 }) {
-		expectFromTheFirstIceOn("sharp curve, from 0 degC", { h, 0.0, makeFreezingCurve("sharp", { { "residualSaturation", 0.05 } }) }, 0.06);
-		expectFromTheFirstIceOn("curve of 0.1 K, from 0 degC", { h, 0.0, makeFreezingCurve("gauss", { { "width", 0.1 } }) }, 0.07);
-		expectFromTheFirstIceOn("curve of 0.1 K, from 0.3 degC", { h, 0.3, makeFreezingCurve("gauss", { { "width", 0.1 } }) }, 0.2 * h / 0.2);
+		expectFromTheFirstIceOn("sharp curve, from 0 degC", { h, 0.0, makeFreezingCurve("sharp", { { "residualSaturation", 0.05 } }) }, 0.07);
+		expectFromTheFirstIceOn("curve of 0.1 K, from 0 degC", { h, 0.0, makeFreezingCurve("gauss", { { "width", 0.1 } }) }, 0.08);
+		expectFromTheFirstIceOn("curve of 0.1 K, from 0.3 degC", { h, 0.3, makeFreezingCurve("gauss", { { "width", 0.1 } }) }, 1.2 * h);
 	}
 }
 
