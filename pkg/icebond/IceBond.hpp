@@ -4,6 +4,7 @@
 #include <cmath>
 #include <Eigen/Core>
 #include <limits>
+#include <pkg/icebond/BondParameters.hpp>
 #include <type_traits>
 
 namespace talik {
@@ -17,28 +18,20 @@ enum class BondState : int { NONE = 0, BONDED = 1, BROKEN = 2 };
 /// forceContinuous: the force never jumps; secant: F = k(S_i) u, every change of S_i rescales the force.
 enum class StiffnessRule : int { parallel = 0, forceContinuous = 1, secant = 2 };
 
-/// Ice-dependent stiffness and strength of a grain contact, Yu & Zhao eqs (5)-(7).
+/// Ice-dependent stiffness and strength of a grain contact, Yu & Zhao eqs (5)-(7). Its parameters are listed in BondParameters.hpp.
 struct IceBondModel {
-	double grainYoung               = 0.6e9;  ///< E_c0, contact modulus without ice [Pa], > 0
-	double iceYoung                 = 3.0e9;  ///< Delta E, modulus added by full ice saturation [Pa], >= 0
-	double tensileStrength0         = 1.0e6;  ///< C_eta0, bond strength at vanishing ice saturation [Pa], >= 0
-	double tensileStrengthI         = 50.0e6; ///< Delta C_eta, tensile strength added at full ice saturation [Pa], >= 0
-	double shearStrength0           = 1.0e6;  ///< C_tau0 [Pa], >= 0
-	double shearStrengthI           = 50.0e6; ///< Delta C_tau [Pa], >= 0
-	double exponent                 = 2.0;    ///< m of eq. (7) [-], > 1
-	double bondAreaFactor           = 1.0;    ///< a_f: bond area is a_f R_min^2 [-], > 0
-	double meltSaturation           = 0.02;   ///< S_melt: at or below it every bond is gone [-]
-	double bondSaturation           = 0.05;   ///< S_bond: ice rising through it bonds every frictional contact in range [-], >= S_melt
-	double bondRange                = 0.05;   ///< largest gap that is bonded, in units of R_min [-]
-	double thawedStrength           = 0.; ///< tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0; 0: it is gone then
-	bool   cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
+	double young = 0.6e9; ///< E_c0, contact modulus without ice [Pa], > 0
+#define TALIK_MEMBER(name, initial, unit, range, mixing, help, note) double name = initial;
+	TALIK_BOND_PARAMETERS(TALIK_MEMBER)
+#undef TALIK_MEMBER
+	bool cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
 
 	/// Of grains that no ice bonds or stiffens, whatever the ice saturation.
 	static IceBondModel none()
 	{
 		IceBondModel m;
-		m.iceYoung = m.tensileStrength0 = m.tensileStrengthI = m.shearStrength0 = m.shearStrengthI = 0;
-		m.bondSaturation                                                                           = std::numeric_limits<double>::infinity();
+		m.iceYoung = m.tensileStrength = m.iceTensileStrength = m.shearStrength = m.iceShearStrength = 0;
+		m.bondSaturation                                                                             = std::numeric_limits<double>::infinity();
 		return m;
 	}
 	bool formsBondsEver() const { return bondSaturation <= 1; }
@@ -51,18 +44,18 @@ struct IceBondModel {
 		return 1. - std::pow(1. - std::pow(s, exponent), exponent);
 	}
 	/// eq. (6): contact modulus [Pa].
-	double young(double iceSaturation) const { return grainYoung + iceYoung * phi(iceSaturation); }
+	double youngAt(double iceSaturation) const { return young + iceYoung * phi(iceSaturation); }
 	/// Stiffness of the ice spring in units of the grain spring: E_c(S_i)/E_c0 - 1 [-].
-	double iceStiffnessRatio(double iceSaturation) const { return iceYoung * phi(iceSaturation) / grainYoung; }
+	double iceStiffnessRatio(double iceSaturation) const { return iceYoung * phi(iceSaturation) / young; }
 	/// eq. (5): tensile strength of a bond [Pa]; thawedStrength once melted.
-	double tensileStrength(double iceSaturation) const
+	double tensileStrengthAt(double iceSaturation) const
 	{
-		return iceSaturation <= meltSaturation ? thawedStrength : tensileStrength0 + tensileStrengthI * phi(iceSaturation);
+		return iceSaturation <= meltSaturation ? thawedStrength : tensileStrength + iceTensileStrength * phi(iceSaturation);
 	}
 	/// eq. (5): cohesive shear strength of a bond [Pa]; thawedStrength once melted.
-	double shearStrength(double iceSaturation) const
+	double shearStrengthAt(double iceSaturation) const
 	{
-		return iceSaturation <= meltSaturation ? thawedStrength : shearStrength0 + shearStrengthI * phi(iceSaturation);
+		return iceSaturation <= meltSaturation ? thawedStrength : shearStrength + iceShearStrength * phi(iceSaturation);
 	}
 	double bondArea(double smallerRadius) const { return bondAreaFactor * smallerRadius * smallerRadius; }
 	bool   melted(double iceSaturation) const { return iceSaturation <= meltSaturation; }

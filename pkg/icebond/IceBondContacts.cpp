@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/BondTable.hpp>
 #include <pkg/icebond/ContactForces.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/python/ScriptValues.hpp>
@@ -12,13 +13,31 @@ YADE_PLUGIN((IceBondMat)(IceBondPhys)(Ip2_IceBondMat_IceBondMat_IceBondPhys)(Law
 talik::IceBondModel IceBondMat::model() const
 {
 	talik::IceBondModel m;
-	m.grainYoung = young;
-	TALIK_TAKE_ATTRIBUTES(m, *this, (iceYoung)(exponent)(bondAreaFactor)(meltSaturation)(bondSaturation)(bondRange)(thawedStrength))
-	m.tensileStrength0 = tensileStrength;
-	m.tensileStrengthI = iceTensileStrength;
-	m.shearStrength0   = shearStrength;
-	m.shearStrengthI   = iceShearStrength;
+	m.young = young;
+#define TALIK_TAKE(name, initial, unit, range, mixing, help, note) m.name = name;
+	TALIK_BOND_PARAMETERS(TALIK_TAKE)
+#undef TALIK_TAKE
 	return m;
+}
+
+void IceBondMat::takeBonds(const talik::IceBondModel& m)
+{
+#define TALIK_TAKE(name, initial, unit, range, mixing, help, note) name = m.name;
+	TALIK_BOND_PARAMETERS(TALIK_TAKE)
+#undef TALIK_TAKE
+	numberBonds();
+}
+
+/// Ice saturation changes often and leaves the parameters, and what was mixed of them, as they are.
+void IceBondMat::numberBonds()
+{
+	const auto now = model();
+	if (!talik::sameBonds(now, numbered.model)) numbered = { now, talik::nextBondNumber() };
+}
+
+std::shared_ptr<const talik::BondMixture> IceBondMat::mixedWith(const IceBondMat& second) const
+{
+	return mixtures.with({ model(), numbered.number }, { second.model(), second.numbered.number });
 }
 
 shared_ptr<IceBondPhys> IceBondMat::newContact(const IceBondMat&, Real, Real, Real) const { return shared_ptr<IceBondPhys>(new IceBondPhys); }
@@ -30,19 +49,12 @@ namespace {
 void IceBondMat::postLoad(IceBondMat&)
 {
 	require(iceSaturation >= 0 && iceSaturation <= 1, "iceSaturation", iceSaturation, "give a saturation from 0 to 1.");
-	require(iceYoung >= 0, "iceYoung", iceYoung, "give a finite modulus in Pa, 0 or more.");
-	require(tensileStrength >= 0, "tensileStrength", tensileStrength, "give a finite strength in Pa, 0 or more.");
-	require(iceTensileStrength >= 0, "iceTensileStrength", iceTensileStrength, "give a finite strength in Pa, 0 or more.");
-	require(shearStrength >= 0, "shearStrength", shearStrength, "give a finite strength in Pa, 0 or more.");
-	require(iceShearStrength >= 0, "iceShearStrength", iceShearStrength, "give a finite strength in Pa, 0 or more.");
-	require(exponent > 1, "exponent", exponent, "eq. (7) needs a number above 1.");
-	require(bondAreaFactor > 0, "bondAreaFactor", bondAreaFactor, "give a positive factor.");
-	require(meltSaturation >= 0 && meltSaturation < 1, "meltSaturation", meltSaturation, "give a saturation from 0 to below 1.");
-	require(bondSaturation >= meltSaturation, "bondSaturation", bondSaturation, "it must not be below meltSaturation.");
-	require(bondRange >= 0, "bondRange", bondRange, "give a gap over radius, 0 or more.");
-	require(thawedStrength >= 0, "thawedStrength", thawedStrength, "give a finite strength in Pa, 0 or more.");
+	const auto bonds = model();
+	for (const auto& parameter : talik::bondParameters)
+		require(parameter.isValid(bonds), parameter.name, bonds.*parameter.value, parameter.remedy());
 	require(radiusRatio > 0, "radiusRatio", radiusRatio, "it is a positive ratio that GrainSwelling sets; leave it out.");
 	require(radiusRatioBefore > 0, "radiusRatioBefore", radiusRatioBefore, "it is a positive ratio that GrainSwelling sets; leave it out.");
+	numberBonds();
 }
 
 talik::IceBond IceBondPhys::bond() const { return { static_cast<talik::BondState>(bondState), iceCut, uGrain, uIce }; }
@@ -53,6 +65,12 @@ void IceBondPhys::setBond(const talik::IceBond& b)
 	iceCut    = b.iceCut;
 	uGrain    = b.uGrain;
 	uIce      = b.uIce;
+}
+
+const talik::IceBondModel& IceBondPhys::bonds(const IceBondMat& first, const IceBondMat& second)
+{
+	if (!mixture || !first.agree(*mixture, second)) mixture = first.mixedWith(second);
+	return mixture->model;
 }
 
 namespace {
@@ -92,8 +110,9 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 	phys->kn                           = phys->grainStiffness;
 	phys->ks                           = phys->stiffnessRatio * phys->kn;
 	phys->iceSaturation                = std::min(a.iceSaturation, b.iceSaturation);
-	phys->bondArea                     = std::min(a.bondAreaFactor, b.bondAreaFactor) * std::pow(std::min(r1, r2), 2);
-	phys->gapLimit                     = std::min(a.bondRange, b.bondRange) * std::min(r1, r2);
+	const auto& bonds                  = phys->bonds(a, b);
+	phys->bondArea                     = bonds.bondAreaFactor * std::pow(std::min(r1, r2), 2);
+	phys->gapLimit                     = bonds.bondRange * std::min(r1, r2);
 	phys->bondNow                      = bondNewContacts;
 	phys->uRef                         = overlapFromSwelling(a, b, *interaction->geom);
 	interaction->phys                  = phys;
@@ -104,7 +123,6 @@ using talik::BondState;
 using talik::BondStrength;
 using talik::ContactStiffness;
 using Forces = talik::ContactForces<double, Vector3r>;
-using talik::IceBondModel;
 using talik::StiffnessRule;
 
 void Law2_ScGeom_IceBondPhys_IceBond::postLoad(Law2_ScGeom_IceBondPhys_IceBond&)
@@ -115,29 +133,6 @@ void Law2_ScGeom_IceBondPhys_IceBond::postLoad(Law2_ScGeom_IceBondPhys_IceBond&)
 	else
 		throw std::invalid_argument(
 		        "Law2_ScGeom_IceBondPhys_IceBond.stiffnessRule is '" + stiffnessRule + "': choose parallel, forceContinuous or secant.");
-}
-
-/// Of two different grains the one with less ice, and the weaker one, decides.
-IceBondModel Law2_ScGeom_IceBondPhys_IceBond::weakerModel(const Interaction* interaction, double& iceSaturation) const
-{
-	const auto& a     = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id1]->material);
-	const auto& b     = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id2]->material);
-	iceSaturation     = std::min(a.iceSaturation, b.iceSaturation);
-	IceBondModel both = a.model();
-	if (&a != &b) {
-		const IceBondModel other = b.model();
-		both.iceYoung            = both.grainYoung * std::min(both.iceYoung / both.grainYoung, other.iceYoung / other.grainYoung);
-		both.tensileStrength0    = std::min(both.tensileStrength0, other.tensileStrength0);
-		both.tensileStrengthI    = std::min(both.tensileStrengthI, other.tensileStrengthI);
-		both.shearStrength0      = std::min(both.shearStrength0, other.shearStrength0);
-		both.shearStrengthI      = std::min(both.shearStrengthI, other.shearStrengthI);
-		both.exponent            = std::max(both.exponent, other.exponent);
-		both.meltSaturation      = std::max(both.meltSaturation, other.meltSaturation);
-		both.bondSaturation      = std::max(both.bondSaturation, other.bondSaturation);
-		both.thawedStrength      = std::min(both.thawedStrength, other.thawedStrength);
-	}
-	both.cohesionDisablesFriction = cohesionDisablesFriction;
-	return both;
 }
 
 ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, double iceSaturation) const
@@ -187,7 +182,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 {
 	const double friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
 	BondStrength strength { 0, 0 };
-	if (c.bond.intact()) strength = { c.model.tensileStrength(saturation) * area, c.model.shearStrength(saturation) * area };
+	if (c.bond.intact()) strength = { c.model.tensileStrengthAt(saturation) * area, c.model.shearStrengthAt(saturation) * area };
 	const auto contact = c.bond.response(k, strength, rule);
 	const auto settle  = [&](bool, Forces& forces) {
                 if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces, rule) != BondFailure::none) countBroken();
@@ -195,7 +190,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 	c.geom.rotate(c.phys.shearForce);
 	c.geom.rotate(c.phys.iceShear);
 	const Vector3r                                      increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
-	const talik::HWY_NAMESPACE::ContactFriction<double> frictions { friction, c.model.cohesionDisablesFriction ? 0 : friction };
+	const talik::HWY_NAMESPACE::ContactFriction<double> frictions { friction, cohesionDisablesFriction ? 0 : friction };
 	const auto                                          forces = [&](const auto& edge) {
                 return talik::HWY_NAMESPACE::bondedForces(contact, frictions, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, edge, settle);
 	};
@@ -242,10 +237,12 @@ bool Law2_ScGeom_IceBondPhys_IceBond::stayOpen(Contact& c) const
 
 bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys>& ip, Interaction* interaction)
 {
-	const auto& geom = static_cast<const ScGeom&>(*ig);
-	auto&       phys = static_cast<IceBondPhys&>(*ip);
-	double      iceSaturation;
-	Contact     c { geom, phys, weakerModel(interaction, iceSaturation), phys.bond(), geom.penetrationDepth - phys.uRef, *interaction };
+	const auto&  geom          = static_cast<const ScGeom&>(*ig);
+	auto&        phys          = static_cast<IceBondPhys&>(*ip);
+	const auto&  a             = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id1]->material);
+	const auto&  b             = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id2]->material);
+	const double iceSaturation = std::min(a.iceSaturation, b.iceSaturation); // the grain with less ice decides
+	Contact      c { geom, phys, phys.bonds(a, b), phys.bond(), geom.penetrationDepth - phys.uRef, *interaction };
 
 	takeUpIceSaturation(c, iceSaturation);
 	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);

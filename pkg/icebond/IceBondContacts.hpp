@@ -4,42 +4,48 @@
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/dem/FrictPhys.hpp>
 #include <pkg/dem/ScGeom.hpp>
+#include <pkg/icebond/BondMixture.hpp>
 #include <pkg/icebond/IceBond.hpp>
 
 namespace yade {
 class IceBondPhys;
 
+#define TALIK_BOND_ATTRIBUTE(name, initial, unit, range, mixing, help, note) \
+	((Real, name, initial, Attr::triggerPostLoad, TALIK_BOND_HELP(unit, range, mixing, help, note)))
+
 /// Frictional grain material whose contacts may carry ice, Yu & Zhao eqs (5)-(7).
 class IceBondMat : public FrictMat {
 public:
-	/// The material as the formulas see it; the stiffness rule belongs to the law.
+	/// The material as the formulas see it; stiffness rule and friction of bonds belong to the law.
 	talik::IceBondModel model() const;
-	void                postLoad(IceBondMat&);
+	/// Takes the parameters of bonds, all but young.
+	void takeBonds(const talik::IceBondModel&);
+	/// The bonds between grains of this material and of a second one: mixed once for all their contacts, until a parameter of one of them changes.
+	std::shared_ptr<const talik::BondMixture> mixedWith(const IceBondMat& second) const;
+	/// Whether a mixture is that of both as they are now.
+	bool agree(const talik::BondMixture& mixture, const IceBondMat& second) const
+	{
+		return mixture.isOf(numbered.number, young, second.numbered.number, second.young);
+	}
+	void postLoad(IceBondMat&);
 	/// A new contact with a grain of another material, without its parameters of force; r1, r2: radii [m], shearStiffness: k_s without ice [N/m].
 	virtual shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const;
 	/// What a grain of this radius has grown in this step [m], 0 if it shrank.
 	Real growth(Real radius) const { return radius * std::max(1 - radiusRatioBefore / radiusRatio, 0.); }
+
+private:
+	void                        numberBonds();
+	talik::NumberedBonds        numbered { talik::IceBondModel(), talik::nextBondNumber() }; ///< the parameters as they are now
+	mutable talik::BondMixtures mixtures;
+
+public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondMat,FrictMat,"Grain material with ice bonds: :yref:`young<ElastMat.young>` [Pa] and :yref:`poisson<ElastMat.poisson>` "
 			"(ratio k_s/k_n) describe the contact without ice, the attributes below what ice adds (Yu & Zhao eqs 5-7: C = C0 + dC phi, E = E0 + dE phi, phi = "
 			"1-(1-S_i^m)^m). Example: IceBondMat(young=0.6e9,poisson=0.8,frictionAngle=0.4636,density=2650,iceSaturation=1).",
 		((Real,iceSaturation,0,Attr::triggerPostLoad,"Volumetric ice saturation of the pores around these grains, 0 to 1 [-]. A contact takes the smaller one of "
 				"its two grains."))
-		((Real,iceYoung,3e9,Attr::triggerPostLoad,"Contact modulus added at full ice saturation [Pa], >= 0."))
-		((Real,tensileStrength,1e6,Attr::triggerPostLoad,"Tensile strength of a bond at vanishing ice saturation [Pa], >= 0; dropped once melted, see "
-				"thawedStrength."))
-		((Real,iceTensileStrength,50e6,Attr::triggerPostLoad,"Tensile strength added at full ice saturation [Pa], >= 0."))
-		((Real,shearStrength,1e6,Attr::triggerPostLoad,"Cohesive shear strength of a bond at vanishing ice saturation [Pa], >= 0; dropped once melted, see "
-				"thawedStrength."))
-		((Real,iceShearStrength,50e6,Attr::triggerPostLoad,"Cohesive shear strength added at full ice saturation [Pa], >= 0."))
-		((Real,exponent,2,Attr::triggerPostLoad,"Exponent m of eq. (7), > 1 [-]."))
-		((Real,bondAreaFactor,1,Attr::triggerPostLoad,"Bond area over the square of the smaller radius, > 0 [-]."))
-		((Real,meltSaturation,0.02,Attr::triggerPostLoad,"At or below this ice saturation every bond is gone and contacts are purely frictional [-]."))
-		((Real,bondSaturation,0.05,Attr::triggerPostLoad,"Ice rising through this saturation bonds every frictional contact in range, >= meltSaturation [-]."))
-		((Real,bondRange,0.05,Attr::triggerPostLoad,"Largest gap that is bonded, in units of the smaller radius, >= 0 [-]."))
-		((Real,thawedStrength,0,Attr::triggerPostLoad,"Tensile and cohesive shear strength that a bond keeps when its ice has melted [Pa], >= 0: C_0 of eq. (5), "
-				"the strength without ice. Such a bond holds until it breaks, once; ice that grows again bonds the contact anew. 0 (default): melting takes the bond "
-				"away."))
+		TALIK_BOND_PARAMETERS(TALIK_BOND_ATTRIBUTE)
 		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling."))
 		((Real,radiusRatioBefore,1,Attr::hidden,"radiusRatio of the step before.")),
 		createIndex();
@@ -59,6 +65,8 @@ public:
 	/// The bond as the formulas see it, and back.
 	talik::IceBond bond() const;
 	void           setBond(const talik::IceBond&);
+	/// The parameters of a contact of grains of two materials; they take what has changed in one of them.
+	const talik::IceBondModel& bonds(const IceBondMat& first, const IceBondMat& second);
 	/// Whether an intact bond carries moments.
 	virtual bool carriesMoments() const { return false; }
 	/// The moment of an intact bond follows the turning of a step; what it adds at the edge of the section.
@@ -68,6 +76,11 @@ public:
 	/// Moments on the grains beyond those of the forces: none here. Called in every step after the forces.
 	virtual void addMoments(const ScGeom&, const Interaction&, Scene&) {}
 	virtual void clearMoments() {}
+
+private:
+	std::shared_ptr<const talik::BondMixture> mixture; ///< of the two materials
+
+public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(IceBondPhys,FrictPhys,"Contact of two grains of :yref:`IceBondMat`: frictional, bonded by ice, or broken. Forces and overlaps "
 			"are positive in compression. Example: [i.phys.bondState for i in O.interactions if i.isReal].",
@@ -119,15 +132,14 @@ public:
 private:
 	/// What one evaluation works on.
 	struct Contact {
-		const ScGeom&       geom;
-		IceBondPhys&        phys;
-		talik::IceBondModel model;
-		talik::IceBond      bond;
-		double              un;
-		const Interaction&  interaction;
+		const ScGeom&              geom;
+		IceBondPhys&               phys;
+		const talik::IceBondModel& model;
+		talik::IceBond             bond;
+		double                     un;
+		const Interaction&         interaction;
 	};
 	talik::ContactStiffness stiffness(const Contact&, double iceSaturation) const;
-	talik::IceBondModel     weakerModel(const Interaction*, double& iceSaturation) const;
 	void                    takeUpIceSaturation(Contact&, double iceSaturation);
 	void                    meltBond(Contact&);
 	void                    formOrMelt(Contact&, double iceSaturation);

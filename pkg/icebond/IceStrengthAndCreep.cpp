@@ -105,7 +105,7 @@ void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double o
 	if (!bond.hasIceSpring()) return;
 	const auto& a = static_cast<const yade::IceBondMat&>(*(*scene.bodies)[contact.id1]->material);
 	const auto& b = static_cast<const yade::IceBondMat&>(*(*scene.bodies)[contact.id2]->material);
-	if (phys->iceSaturation <= std::max(a.meltSaturation, b.meltSaturation)) return;
+	if (phys->bonds(a, b).melted(phys->iceSaturation)) return;
 	CreepingContact c;
 	c.stiffness         = { phys->grainStiffness, phys->stiffnessRatio, phys->kn / phys->grainStiffness - 1 };
 	const auto [r1, r2] = yade::stiffnessRadii(*geom, a, b);

@@ -96,11 +96,11 @@ private:
 		s.friction       = dice_.between("mu", 0.0, 1.5);
 		s.stiffnessRatio = dice_.between("ks/kn", 0.0, 1.0);
 		s.damping        = dice_.between("damping", 0.05, 0.9);
-		s.dt *= dice_.decades("dt", 0.1, 1.0) * std::sqrt(s.ice.young(0.0) / s.ice.young(1.0));
-		s.ice.tensileStrength0 = s.ice.shearStrength0 = dice_.decades("C0", 1.0, 1e7);
-		s.ice.tensileStrengthI = s.ice.shearStrengthI = dice_.decades("C1", 1e3, 1e9);
-		s.ice.bondRange                               = dice_.between("range", 0.0, 0.2);
-		s.ice.cohesionDisablesFriction                = dice_.chance("cohesionDisablesFriction", 0.3);
+		s.dt *= dice_.decades("dt", 0.1, 1.0) * std::sqrt(s.ice.youngAt(0.0) / s.ice.youngAt(1.0));
+		s.ice.tensileStrength = s.ice.shearStrength = dice_.decades("C0", 1.0, 1e7);
+		s.ice.iceTensileStrength = s.ice.iceShearStrength = dice_.decades("C1", 1e3, 1e9);
+		s.ice.bondRange                                   = dice_.between("range", 0.0, 0.2);
+		s.ice.cohesionDisablesFriction                    = dice_.chance("cohesionDisablesFriction", 0.3);
 		if (dice_.chance("shrinks", 0.4)) s.thawStrain = { dice_.between("thawStrain", 0.0, 0.5), s.iceSaturation };
 		return s;
 	}
@@ -155,7 +155,7 @@ private:
 	/// Grains without bonds cannot pull, and carry no more shear than friction lets them.
 	void judgeFriction(const Matrix& stress, const State& s)
 	{
-		const double pressure = -stress.trace() / D, noise = 1e-6 * s.ice.grainYoung;
+		const double pressure = -stress.trace() / D, noise = 1e-6 * s.ice.young;
 		if (pressure < -noise) note("tension without bonds");
 		if (pressure <= noise) return;
 		ratioOverBound = std::max(ratioOverBound, stressOverBound<D>(stress, s.friction));
@@ -186,7 +186,7 @@ private:
 	void rest()
 	{
 		const State         start  = pool_.state(0);
-		const double        stored = start.stress.squaredNorm() / (2.0 * softest * start.ice.grainYoung) * start.volume();
+		const double        stored = start.stress.squaredNorm() / (2.0 * softest * start.ice.young) * start.volume();
 		PackedUpdateOptions options;
 		options.relaxSteps = 1500;
 		double kinetic[3];

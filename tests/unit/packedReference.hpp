@@ -36,7 +36,7 @@ struct Reference {
 		const Frame& f = frames.at(frame);
 		State        s;
 		s.dt = dt, s.damping = damping, s.thickness = thickness, s.friction = friction, s.stiffnessRatio = stiffnessRatio, s.density = density;
-		s.ice.grainYoung = young;
+		s.ice.young = young;
 		s.hSize = s.prevHSize = f.hSize;
 		s.trsf                = f.trsf;
 		s.stress              = f.stress;

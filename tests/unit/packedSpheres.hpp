@@ -35,7 +35,7 @@ struct Reference {
 		const Frame& f = frames.at(0);
 		State        s;
 		s.dt = dt, s.damping = damping, s.friction = friction, s.stiffnessRatio = stiffnessRatio, s.density = density;
-		s.ice.grainYoung = young;
+		s.ice.young = young;
 		s.hSize = s.prevHSize = f.hSize;
 		s.trsf                = f.trsf;
 		s.stress              = f.stress;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <map>
+#include <pkg/icebond/BondTable.hpp>
 #include <random>
 
 using namespace talik;
@@ -21,7 +23,7 @@ constexpr StrengthRow strengthTable[] = {
 	{ 0.05, -31.2421875, -1.0160370743010457e-05, 31.2421875, 1.2700463428763072e-05, 81.2421875, 3.3026286370519426e-05, 50 },
 };
 
-double stiffness(double iceSaturation) { return IceBondModel().young(iceSaturation) * packedPair::radius; }
+double stiffness(double iceSaturation) { return IceBondModel().youngAt(iceSaturation) * packedPair::radius; }
 
 } // namespace
 
@@ -69,7 +71,7 @@ TEST(PackedBond, thatAddsStrengthButNoStiffnessBreaksToo)
 		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, 0, slip * (1 + 1e-10))));
 		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, -gap * (1 - 1e-10), 0)));
 		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, -gap * (1 + 1e-10), 0)));
-		cemented.ice.tensileStrength0 = cemented.ice.tensileStrengthI = 0;
+		cemented.ice.tensileStrength = cemented.ice.iceTensileStrength = 0;
 		EXPECT_TRUE(packedPair::intact(packedPair::step(cemented, 1e-9, 0)));
 		EXPECT_FALSE(packedPair::intact(packedPair::step(cemented, -1e-9, 0)));
 	}
@@ -143,16 +145,16 @@ TEST(PackedBond, saturationTablesFollowThePublishedFormulas)
 {
 	const IceBondModel m;
 	EXPECT_NEAR(m.phi(0.5), 0.4375, 1e-15);
-	EXPECT_NEAR(m.young(0.5), 1.9125e9, 1e-3);
-	EXPECT_NEAR(m.tensileStrength(0.5), 22.875e6, 1e-6);
-	EXPECT_NEAR(m.young(0.8), 3.2112e9, 1e-3);
-	EXPECT_NEAR(m.shearStrength(0.8), 44.52e6, 1e-6);
+	EXPECT_NEAR(m.youngAt(0.5), 1.9125e9, 1e-3);
+	EXPECT_NEAR(m.tensileStrengthAt(0.5), 22.875e6, 1e-6);
+	EXPECT_NEAR(m.youngAt(0.8), 3.2112e9, 1e-3);
+	EXPECT_NEAR(m.shearStrengthAt(0.8), 44.52e6, 1e-6);
 	EXPECT_NEAR(equivalentRadiusRatio(0.18, 0, 1, 2), 1.104315261, 1e-9);
 	EXPECT_NEAR(equivalentRadiusRatio(0.18, 0, 1, 3), 1.068387297, 1e-9);
 	EXPECT_NEAR(equivalentRadiusRatio(0.4, -0.02, 0.5, 2), 1.147460965, 1e-9);
 	std::printf(
-	        "phi(0.5) = %.15g (0.4375), E = %.9g Pa, C = %.9g Pa, r/r_0 at S_i = 1, n_0 = 0.18: %.9f (1.104315261)\n", m.phi(0.5), m.young(0.5),
-	        m.tensileStrength(0.5), equivalentRadiusRatio(0.18, 0, 1, 2));
+	        "phi(0.5) = %.15g (0.4375), E = %.9g Pa, C = %.9g Pa, r/r_0 at S_i = 1, n_0 = 0.18: %.9f (1.104315261)\n", m.phi(0.5), m.youngAt(0.5),
+	        m.tensileStrengthAt(0.5), equivalentRadiusRatio(0.18, 0, 1, 2));
 }
 
 namespace {
@@ -210,12 +212,12 @@ struct WrittenLaw {
 		if (state == bonded) {
 			force = kg * (un - uGrain) + ki * (un - uIce);
 			s += nu * (kg + ki) * slip, sIce += nu * ki * slip;
-			if (force < -m.tensileStrength(saturation) * area) {
+			if (force < -m.tensileStrengthAt(saturation) * area) {
 				++tension;
 				force = s = sIce = 0;
 				state = broken, cut = true;
 				if (un <= 0) forget();
-			} else if (std::fabs(s) > m.shearStrength(saturation) * area + mu * std::max(force, 0.)) {
+			} else if (std::fabs(s) > m.shearStrengthAt(saturation) * area + mu * std::max(force, 0.)) {
 				++shear;
 				const double fi = ki * std::max(un - uIce, 0.), fg = kg * std::max(un, 0.);
 				force = fi + fg, uGrain = 0, state = broken, cut = fi == 0;
@@ -290,3 +292,50 @@ void walk(bool portable)
 TEST(PackedBond, randomWalkAgreesWithTheWrittenLawOnThePortablePath) { walk(true); }
 
 TEST(PackedBond, randomWalkAgreesWithTheWrittenLawOnTheFastestPath) { walk(false); }
+
+TEST(PackedBond, everyParameterOfTheListIsArchivedWithItsSampleAndRefusedByNameOutsideItsRange)
+{
+	State state = packedPair::bonded(0, 0.5);
+	for (const BondParameter& parameter : bondParameters)
+		state.ice.*parameter.value = 0.75 * state.ice.*parameter.value + 0.125 * (parameter.value == &IceBondModel::exponent ? 6 : 1);
+	const auto back = State::fromBytes(state.toBytes());
+	int        kept = 0, refused = 0;
+	for (const BondParameter& parameter : bondParameters) {
+		kept += back.ice.*parameter.value == state.ice.*parameter.value;
+		State wrong                = packedPair::bonded(0, 0.5);
+		wrong.ice.*parameter.value = -1;
+		try {
+			wrong.check();
+		} catch (const std::invalid_argument& refusal) {
+			refused += std::string(refusal.what()).find(std::string("ice.") + parameter.name + " = -1") != std::string::npos;
+		}
+	}
+	std::printf("%zu parameters: %d kept to the last bit, %d refused at -1 by name\n", std::size(bondParameters), kept, refused);
+	EXPECT_EQ(kept, int(std::size(bondParameters)));
+	EXPECT_EQ(refused, int(std::size(bondParameters)));
+}
+
+TEST(PackedBond, ofTwoMaterialsEachParameterIsThatOfTheWeakerBond)
+{
+	IceBondModel a, b;
+	b.young = 2 * a.young;
+	// by hand: whether the smaller or the larger value makes the weaker bond, or the later one
+	const std::map<std::string, bool> smaller { { "tensileStrength", true },  { "iceTensileStrength", true }, { "shearStrength", true },
+		                                    { "iceShearStrength", true }, { "exponent", false },          { "bondAreaFactor", true },
+		                                    { "meltSaturation", false },  { "bondSaturation", false },    { "bondRange", true },
+		                                    { "thawedStrength", true } };
+	int                               agree = 0;
+	for (const BondParameter& parameter : bondParameters) {
+		if (parameter.value == &IceBondModel::iceYoung) continue;
+		a.*parameter.value  = 0.5 * b.*parameter.value + 1e-3 * (parameter.value == &IceBondModel::thawedStrength);
+		const double wanted = smaller.at(parameter.name) ? std::min(a.*parameter.value, b.*parameter.value)
+		                                                 : std::max(a.*parameter.value, b.*parameter.value);
+		agree += mixed(a, b).*parameter.value == wanted && mixed(b, a).*parameter.value == wanted;
+	}
+	std::printf("%d of %zu parameters as by hand; ice over grains %.3g, by hand 2.5\n", agree, smaller.size(), mixed(a, b).iceYoung / mixed(a, b).young);
+	EXPECT_EQ(agree, int(smaller.size()));
+	EXPECT_EQ(smaller.size() + 1, std::size(bondParameters));
+	// 3 GPa on 0.6 GPa beside 3 GPa on 1.2 GPa: the smaller ratio
+	EXPECT_DOUBLE_EQ(mixed(a, b).iceYoung / mixed(a, b).young, 2.5);
+	EXPECT_DOUBLE_EQ(mixed(b, a).iceYoung / mixed(b, a).young, 2.5);
+}

@@ -56,7 +56,7 @@ TEST(PackedMoments, momentOfOneBondIsThatOfABeamAndBreaksItAtItsTensileStrengthO
 	const State  pair = withMoments(packedPair::bonded(0, 1));
 	const double r = packedPair::radius, area = r * r, bondRadius = 1.2 * std::sqrt(area / M_PI), inertia = area * bondRadius * bondRadius / 4;
 	const double ice = pair.ice.iceYoung * r, stiffness = ice * bondRadius * bondRadius / 4;
-	const double limit = (pair.ice.tensileStrength0 + pair.ice.tensileStrengthI) * inertia / bondRadius, angle = limit / stiffness;
+	const double limit = (pair.ice.tensileStrength + pair.ice.iceTensileStrength) * inertia / bondRadius, angle = limit / stiffness;
 	for (const bool portable : { false, true }) {
 		const double moment = turned(pair, 0.5 * angle, 100, portable).contacts.bondMoment.at(0);
 		const State  before = turned(pair, 0.999 * angle, 1000, portable), after = turned(pair, 1.001 * angle, 1000, portable);

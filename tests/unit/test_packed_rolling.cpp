@@ -47,8 +47,8 @@ TEST(PackedRolling, momentOfOneContactIsItsStiffnessTimesTheAngleUpToItsShareOfT
 {
 	const double overlap = 1e-5, r = packedPair::radius;
 	const State  pair      = withRolling(packedPair::make(overlap, 0), rough);
-	const double normal    = pair.ice.grainYoung * r * overlap;
-	const double stiffness = rough.alphaKr * pair.stiffnessRatio * pair.ice.grainYoung * r * r * r, largest = rough.etaRoll * r * normal;
+	const double normal    = pair.ice.young * r * overlap;
+	const double stiffness = rough.alphaKr * pair.stiffnessRatio * pair.ice.young * r * r * r, largest = rough.etaRoll * r * normal;
 	const double spin = 0.01 * largest / (stiffness * pair.dt);
 	for (const bool portable : { false, true }) {
 		const double elastic = momentAfter(pair, spin, 50, portable), backwards = momentAfter(pair, -spin, 50, portable);

@@ -314,9 +314,9 @@ TEST(PackedSample, refreezingBondsOnceAndOnlyThroughItsThreshold)
 
 TEST(PackedSample, stretchedApartEveryBondBreaksAndNothingIsLeft)
 {
-	State weak                = frozen(0.1);
-	weak.ice.tensileStrength0 = weak.ice.shearStrength0 = 1e3;
-	weak.ice.tensileStrengthI = weak.ice.shearStrengthI = 0;
+	State weak               = frozen(0.1);
+	weak.ice.tensileStrength = weak.ice.shearStrength = 1e3;
+	weak.ice.iceTensileStrength = weak.ice.iceShearStrength = 0;
 	PackedSample<2>     sample(weak);
 	const auto          formed = sample.state().bondsFormed;
 	PackedUpdateOptions options;

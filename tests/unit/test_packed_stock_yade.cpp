@@ -26,7 +26,7 @@ double normalForce(const State& s, const std::vector<State::Vector>& positions, 
 	const double             a = s.grains->radius[c.first[k]], b = s.grains->radius[c.second[k]];
 	const State::Vector      shift(c.cellDist[k][0], c.cellDist[k][1]);
 	const double             overlap = a + b - (positions[c.second[k]] + s.hSize * shift - positions[c.first[k]]).norm();
-	return 2 * s.ice.grainYoung * a * b / (a + b) * overlap;
+	return 2 * s.ice.young * a * b / (a + b) * overlap;
 }
 
 /// `before`: positions at the evaluation of the forces, one step earlier than those of `s`.

@@ -467,6 +467,52 @@ def test_of_two_different_grains_the_one_with_less_ice_and_strength_decides_whic
 	assert results[0] == results[1]
 
 
+def test_bonds_of_two_materials_follow_a_parameter_that_changes_in_one_of_them():
+	"""Ice over grains is the smaller ratio of the two, strength the smaller one: k_n and the load at which the bond breaks, in closed form."""
+	materials = [wrapper.IceBondMat(young=E0, frictionAngle=0.4, density=2650), wrapper.IceBondMat(young=E0, frictionAngle=0.4, density=2650)]
+	for material in materials:
+		O.materials.append(material)
+	O.bodies.append([utils.sphere((x, 0, 0), R, fixed=True, material=i) for i, x in enumerate((0, 2 * R))])
+	law = wrapper.Law2_ScGeom_IceBondPhys_IceBond()
+	O.engines = [
+		wrapper.ForceResetter(),
+		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb(aabbEnlargeFactor=1.1)], verletDist=0),
+		wrapper.InteractionLoop(
+			[wrapper.Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=1.1)], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(bondNewContacts=True)], [law]
+		),
+	]
+	O.dt = 1
+	for material in materials:
+		material.iceSaturation = 1
+	O.step()
+	phys = O.interactions[0, 1].phys
+	seen = [(phys.kn, (E0 + dE) * R)]
+	materials[1].iceYoung = dE / 2
+	O.step()
+	seen.append((phys.kn, (E0 + dE / 2) * R))
+	materials[0].young = 4 * E0  # an attribute of stock YADE, which tells nobody; the grain spring of a contact stays as it was made
+	O.step()
+	seen.append((phys.kn, E0 * R * (1 + min(dE / (4 * E0), dE / 2 / E0))))
+	materials[1].iceTensileStrength = 1e6
+	limit = (C0 + 1e6) * area / phys.kn
+	for share in (1 - 1e-9, 1 + 1e-9):
+		O.bodies[1].state.pos = (2 * R + share * limit, 0, 0)
+		O.step()
+		seen.append((law.brokenBonds, 0 if share < 1 else 1))
+	for measured, reference in seen:
+		print(f"{measured:.12g}, closed form {reference:.12g}, tolerance {tolerance}")
+		assert measured == pytest.approx(reference, rel=tolerance)
+
+
+def test_help_of_every_bond_parameter_gives_its_unit_its_range_and_how_two_materials_mix():
+	names = [n for n in wrapper.IceBondMat().dict() if n not in wrapper.FrictMat().dict() and n not in ("iceSaturation", "radiusRatio")]
+	print(f"{len(names)} parameters: {', '.join(sorted(names))}")
+	assert len(names) == 11
+	for name in names:
+		text = getattr(wrapper.IceBondMat, name).__doc__
+		assert re.search(r"\[(Pa|-)\], (>|\d)", text) and "Of two materials the" in text, (name, text)
+
+
 @pytest.mark.parametrize("attribute, value", [("iceSaturation", 1.2), ("exponent", 1.0), ("iceYoung", -1.0), ("bondSaturation", 0.01), ("bondAreaFactor", 0.0)])
 def test_impossible_ice_is_refused_by_name(attribute, value):
 	with pytest.raises(ValueError, match=f"IceBondMat.{attribute} is"):

@@ -57,7 +57,7 @@ PackedStore<Dim>::PackedStore(std::vector<StatePointer> p)
 template <int Dim> double PackedStore<Dim>::oedometricModulus(int prototype, double iceSaturation) const
 {
 	const auto&  state = *prototypes.at(prototype);
-	const double young = state.ice.young(iceSaturation);
+	const double young = state.ice.youngAt(iceSaturation);
 	return Dim == 2 ? 1.1 * young * meanRadius[prototype] / state.thickness : 0.8 * young;
 }
 

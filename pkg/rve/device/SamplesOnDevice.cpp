@@ -208,8 +208,8 @@ template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
 	call.place           = away.place;
 	call.formerIceRatio  = call.iceRatio;
 	call.iceRatio        = ice.iceStiffnessRatio(target);
-	call.tensileStrength = ice.tensileStrength(target);
-	call.shearStrength   = ice.shearStrength(target);
+	call.tensileStrength = ice.tensileStrengthAt(target);
+	call.shearStrength   = ice.shearStrengthAt(target);
 	call.thawed          = ice.melted(target);
 	call.changesIce      = 1;
 	copyMatrix<Dim>(now.hSize, call.hSize);

@@ -464,7 +464,7 @@ bool OpenSample::bondPair(Body& first, Body& second)
 	if (isClumpMember(first) && first.clumpId == second.clumpId) return false;
 	const auto &   one = static_cast<const IceBondMat&>(*first.material), &two = static_cast<const IceBondMat&>(*second.material);
 	const double   r1 = static_cast<const Sphere&>(*first.shape).radius, r2 = static_cast<const Sphere&>(*second.shape).radius;
-	const double   reach      = r1 + r2 + std::min(one.bondRange, two.bondRange) * std::min(r1, r2);
+	const double   reach      = r1 + r2 + one.mixedWith(two)->model.bondRange * std::min(r1, r2);
 	const Vector3r difference = second.state->se3.position - first.state->se3.position;
 	const Vector3i image      = nearestImage(*scene->cell, scene->cell->hSize.inverse(), difference);
 	const Vector3r branch     = difference + scene->cell->hSize * image.cast<Real>();
@@ -574,7 +574,7 @@ OpenStatistics OpenSample::statistics() const
 	return result;
 }
 
-double StiffnessBound::modulus(double iceSaturation) const { return (hasIce ? ice.young(iceSaturation) : young) * std::max(1.1 * scale, 1.2 * network); }
+double StiffnessBound::modulus(double iceSaturation) const { return (hasIce ? ice.youngAt(iceSaturation) : young) * std::max(1.1 * scale, 1.2 * network); }
 
 StiffnessBound OpenSample::stiffnessBound() const
 {
@@ -585,7 +585,7 @@ StiffnessBound OpenSample::stiffnessBound() const
 	bound.hasIce = hasIce();
 	if (hasIce()) bound.ice = iceMaterials.front()->model();
 	const auto   contacts = tangent();
-	const double stiffest = std::max({ contacts[0], contacts[40], contacts[80] }), present = hasIce() ? bound.ice.young(iceSaturation()) : bound.young;
+	const double stiffest = std::max({ contacts[0], contacts[40], contacts[80] }), present = hasIce() ? bound.ice.youngAt(iceSaturation()) : bound.young;
 	bound.scale = discs ? averageRadius / (thicknessOverDepth * std::abs(scene->cell->hSize(2, 2))) : 1;
 	if (present > 0) bound.network = stiffest / present;
 	else bound.young = stiffest; // a material without modulus: the contacts are all there is

@@ -390,7 +390,7 @@ namespace {
 			state.iceSaturation                = ice.iceSaturation;
 			state.ice.cohesionDisablesFriction = py::extract<bool>(law.attr("cohesionDisablesFriction"));
 		}
-		state.ice.grainYoung = material.young;
+		state.ice.young = material.young;
 	}
 
 	/// A contact of the scene as the sample knows it.
@@ -503,7 +503,7 @@ namespace {
 	template <int Dim> shared_ptr<IPhys> openedPhys(const PackedState<Dim>& s, std::size_t c, bool ice, double r1, double r2, const Vector3r& n, double un)
 	{
 		const auto&  k     = s.contacts;
-		const double grain = 2 * r1 * r2 / (r1 + r2) * s.ice.grainYoung;
+		const double grain = 2 * r1 * r2 / (r1 + r2) * s.ice.young;
 		if (!ice) {
 			shared_ptr<FrictPhys> phys(new FrictPhys);
 			phys->kn                     = grain;
@@ -759,7 +759,7 @@ template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 			material.iceSaturation     = s.iceSaturation;
 			material.radiusRatio       = s.radiusFactor;
 			material.radiusRatioBefore = s.radiusFactor;
-			material.thawedStrength    = s.ice.thawedStrength;
+			material.takeBonds(s.ice);
 		}
 	openCell(scene, s);
 	openContacts(scene, s);

@@ -389,7 +389,7 @@ namespace {
 		double stiffness() const
 		{
 			const PackedTangent<Dim> c       = workspace.tangent();
-			double                   largest = Dim == 2 ? state.ice.grainYoung * workspace.meanRadius() / state.thickness : state.ice.grainYoung;
+			double                   largest = Dim == 2 ? state.ice.young * workspace.meanRadius() / state.thickness : state.ice.young;
 			for (int d = 0; d < Dim; ++d)
 				largest = std::max(largest, c[std::size_t(((d * Dim + d) * Dim + d) * Dim + d)]);
 			return largest;

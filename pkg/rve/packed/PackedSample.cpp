@@ -38,7 +38,7 @@ namespace {
 
 	template <int Dim> double shearModulusScale(const PackedParameters<Dim>& p, double meanRadius)
 	{
-		return Dim == 2 ? p.ice.grainYoung * meanRadius / p.thickness : p.ice.grainYoung;
+		return Dim == 2 ? p.ice.young * meanRadius / p.thickness : p.ice.young;
 	}
 
 } // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <pkg/icebond/BondTable.hpp>
 #include <pkg/rve/packed/PackedState.hpp>
 #include <stdexcept>
 
@@ -60,33 +62,16 @@ namespace {
 	{
 		for (auto* m : { &p.hSize, &p.prevHSize, &p.velGrad, &p.prevVelGrad, &p.nextVelGrad, &p.trsf, &p.stress })
 			stream.matrix(*m);
-		for (auto* v : { &p.dt,
-		                 &p.damping,
-		                 &p.thickness,
-		                 &p.friction,
-		                 &p.stiffnessRatio,
-		                 &p.density,
-		                 &p.iceSaturation,
-		                 &p.radiusFactor,
-		                 &p.thawStrain.thawStrain,
-		                 &p.thawStrain.frozenSaturation,
-		                 &p.ice.grainYoung,
-		                 &p.ice.iceYoung,
-		                 &p.ice.tensileStrength0,
-		                 &p.ice.tensileStrengthI,
-		                 &p.ice.shearStrength0,
-		                 &p.ice.shearStrengthI,
-		                 &p.ice.exponent,
-		                 &p.ice.bondAreaFactor,
-		                 &p.ice.meltSaturation,
-		                 &p.ice.bondSaturation,
-		                 &p.ice.bondRange,
-		                 &p.ice.thawedStrength })
+		for (auto* v : { &p.dt, &p.damping, &p.thickness, &p.friction, &p.stiffnessRatio, &p.density, &p.iceSaturation, &p.radiusFactor,
+		                 &p.thawStrain.thawStrain, &p.thawStrain.frozenSaturation })
 			stream.value(*v);
-		StiffnessRule rule = StiffnessRule::parallel; // the only one of packed samples; a former version knew others
-		stream.value(rule);
-		if (rule != StiffnessRule::parallel)
-			throw std::runtime_error("packed sample: saved with a stiffness rule other than parallel; prepare the sample again");
+		stream.value(p.ice.young);
+		for (const BondParameter& parameter : bondParameters)
+			stream.value(p.ice.*parameter.value);
+		const std::int32_t here  = std::int32_t(std::size(bondParameters)) - 11; // parameters beyond those of the first list
+		std::int32_t       added = here;
+		stream.value(added);
+		if (added != here) throw std::runtime_error("packed sample: saved with other parameters of ice bonds; prepare the sample again");
 		stream.value(p.ice.cohesionDisablesFriction);
 		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
 			stream.value(*v);
@@ -177,12 +162,10 @@ template <int Dim> void PackedParameters<Dim>::checkParameters() const
 	if (!(stiffnessRatio >= 0)) refuse("stiffnessRatio", stiffnessRatio, "must not be negative");
 	if (Dim == 2 && !(thickness > 0)) refuse("thickness", thickness, "m must be positive; 0.1 m is the usual slice");
 	if (!(density > 0)) refuse("density", density, "kg/m^3 must be positive");
-	if (!(ice.grainYoung > 0)) refuse("ice.grainYoung", ice.grainYoung, "Pa must be positive");
-	if (!(ice.iceYoung >= 0) || !std::isfinite(ice.iceYoung)) refuse("ice.iceYoung", ice.iceYoung, "Pa must be finite and not negative");
-	if (!(ice.thawedStrength >= 0) || !std::isfinite(ice.thawedStrength))
-		refuse("ice.thawedStrength", ice.thawedStrength, "Pa must be finite and not negative");
-	if (!(ice.bondSaturation >= ice.meltSaturation)) refuse("ice.bondSaturation", ice.bondSaturation, "must not be smaller than ice.meltSaturation");
-	if (!(ice.meltSaturation >= 0)) refuse("ice.meltSaturation", ice.meltSaturation, "must not be negative");
+	if (!(ice.young > 0)) refuse("ice.young", ice.young, "Pa must be positive");
+	for (const BondParameter& parameter : bondParameters)
+		if (!parameter.isValid(ice))
+			refuse((std::string("ice.") + parameter.name).c_str(), ice.*parameter.value, ("is not valid: " + parameter.remedy()).c_str());
 	if (!(iceSaturation >= 0 && iceSaturation <= 1)) refuse("iceSaturation", iceSaturation, "must lie in 0..1");
 	if (!(radiusFactor > 0)) refuse("radiusFactor", radiusFactor, "must be positive");
 	if (!(thawStrain.thawStrain >= 0 && thawStrain.thawStrain < 1))

@@ -109,7 +109,7 @@ template <int Dim> struct PackedParameters {
 	double stiffnessRatio = 0.8;                ///< k_s/k_n [-], >= 0
 	double density        = 2650;               ///< of grains, of discs mass over area and thickness; for the inertial number only [kg/m^3], > 0
 
-	IceBondModel     ice;               ///< ice.grainYoung is the contact modulus of the grains, with or without bonds
+	IceBondModel     ice;               ///< ice.young is the contact modulus of the grains, with or without bonds
 	double           iceSaturation = 0; ///< S_i [-]
 	PackedThawStrain thawStrain;
 	double           radiusFactor = 1; ///< r/r_0 of every grain at present [-]

@@ -114,7 +114,7 @@ template <int Dim> double longestTimeStep(const PackedParameters<Dim>& parameter
 	}
 	const GrainStiffening ofSmallest { ofRolling / radii.smallest, ofMoments };
 	return std::min(
-	        timeStepOverPeriod * std::sqrt(mass / (ice.grainYoung * stiffness)), parameters.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
+	        timeStepOverPeriod * std::sqrt(mass / (ice.young * stiffness)), parameters.dt * std::sqrt(ofSmallest.total(full) / ofSmallest.total(now)));
 }
 
 /// Radii follow the thaw strain; peripheral velocities follow the radii.
@@ -235,8 +235,8 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 	// what is left of a bond without ice is no ice
 	const BondStrengthFactors factors = base.ice.melted(base.iceSaturation) ? BondStrengthFactors() : strengthFactors;
 
-	tensileStrength   = factors.tensile * base.ice.tensileStrength(base.iceSaturation);
-	shearStrength     = factors.shear * base.ice.shearStrength(base.iceSaturation);
+	tensileStrength   = factors.tensile * base.ice.tensileStrengthAt(base.iceSaturation);
+	shearStrength     = factors.shear * base.ice.shearStrengthAt(base.iceSaturation);
 	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
 }
 

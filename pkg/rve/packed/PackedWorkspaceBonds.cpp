@@ -140,7 +140,7 @@ template <int Dim> void PackedWorkspace<Dim>::creep(const BondCreep& creep)
 {
 	if (bondsCarryMoments) throw std::invalid_argument(momentsDoNotCreep);
 	if (!carriesBonds || base.ice.melted(base.iceSaturation)) return;
-	const double young = base.ice.grainYoung * (1 + iceRatio);
+	const double young = base.ice.young * (1 + iceRatio);
 	for (Lanes* lanes : { &innerLanes, &periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->bond.size(); ++lane) {
 			const std::size_t b = lane / packedWidth, l = lane % packedWidth;

@@ -452,7 +452,7 @@ template <int Dim> ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes&
 {
 	const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
 	const double            a = grains->radius[rowOf(block.first[lane % packedWidth])], b = grains->radius[rowOf(block.second[lane % packedWidth])];
-	return { grainStiffness(base.ice.grainYoung, a, b), base.stiffnessRatio, ratio };
+	return { grainStiffness(base.ice.young, a, b), base.stiffnessRatio, ratio };
 }
 
 template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lanes, std::size_t lane) const
@@ -472,7 +472,7 @@ template <int Dim> void PackedWorkspace<Dim>::setResponses(Lanes& lanes)
 		return;
 	}
 	const double *const now = view.radius, *const own = grains->radius.data();
-	const double young = base.ice.grainYoung;
+	const double young = base.ice.young;
 	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
 		PackedBlock<Dim>&   block = lanes.block[lane / packedWidth];
 		const std::size_t   l     = lane % packedWidth;
