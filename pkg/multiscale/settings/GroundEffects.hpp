@@ -135,7 +135,8 @@ public:
 			"-5e4 or less where the water "
 			"table lies below the front. Adds the fields segregatedVolume [m^3] and segregatedIceMass [kg]; MpmEngine.balance has waterDrawn and "
 			"segregationWork. In the "
-			"first frozen cell intake begins when a point has frozen: some 0.6 cells of frost depth are without heave. Example: "
+			"cell at a surface or wall of known temperature intake begins with the first ice. Computed intake is too small, by up to a third, where "
+			"the fringe is thicker than a cell. Example: "
 			"MpmEngine(gridSpacing=0.1,segregation=IceSegregation(segregationPotential=1e-9,pressureDecay=5e-6)).",
 		((Real,segregationPotential,NaN,,"SP_0 [m^2/(s K)], 0 or 1e-13 to 1e-6: water that the front draws over the gradient of temperature "
 				"in the frozen ground behind it, without "
