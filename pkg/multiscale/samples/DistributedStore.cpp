@@ -83,11 +83,6 @@ DistributedStore<Dim>::DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> here
 		beginAnew(s);
 }
 
-template <int Dim> DistributedStore<Dim>::~DistributedStore()
-{
-	if (number >= 0) talk->dismiss(number);
-}
-
 // ---- states that every rank has -------------------------------------------------------------------------------------------
 
 template <int Dim> void DistributedStore<Dim>::beginAnew(std::size_t sample)
@@ -98,22 +93,20 @@ template <int Dim> void DistributedStore<Dim>::beginAnew(std::size_t sample)
 	auto  state = known.lock(); // none, too, where the memory of a former state was used again
 	if (!state) known = state = std::make_shared<State>();
 	stateOf[sample] = state;
-	brought.erase(sample);
+	changedElsewhere(sample);
 }
 
-template <int Dim> void DistributedStore<Dim>::clear()
+template <int Dim> void DistributedStore<Dim>::forget(std::size_t samples)
 {
-	held->clear();
-	stateOf.clear();
 	beginning.clear();
-	brought.clear();
+	stateOf.assign(samples, nullptr);
 }
 
-template <int Dim> void DistributedStore<Dim>::resize(std::size_t samples)
+/// What was brought of it to be looked at is out of date.
+template <int Dim> void DistributedStore<Dim>::changedElsewhere(std::size_t sample)
 {
-	clear();
-	held->resize(samples);
-	stateOf.resize(samples);
+	this->seen.erase(sample);
+	this->brought.erase(sample);
 }
 
 template <int Dim> void DistributedStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& samples)
@@ -129,15 +122,15 @@ template <int Dim> void DistributedStore<Dim>::restoreState(ByteReader& reader, 
 /// agree bit for bit stay together, since they will share the next state.
 template <int Dim> std::vector<int> DistributedStore<Dim>::dealt(const std::vector<Request>& requests) const
 {
-	std::vector<int>         rankOf(requests.size(), everywhere);
+	std::vector<int>         rankOf(requests.size(), nobody);
 	std::vector<std::size_t> load(std::size_t(talk->count()), 0);
 	for (std::size_t k = 0; k < requests.size(); ++k) {
 		rankOf[k] = stateOf.at(requests[k].sample)->owner;
-		if (rankOf[k] != everywhere) load[std::size_t(rankOf[k])]++;
+		if (rankOf[k] != nobody) load[std::size_t(rankOf[k])]++;
 	}
 	std::map<std::pair<const State*, std::uint64_t>, int> together;
 	for (std::size_t k = 0; k < requests.size(); ++k) {
-		if (rankOf[k] != everywhere) continue;
+		if (rankOf[k] != nobody) continue;
 		Digest work;
 		addTo(work, requests[k]);
 		const auto found = together.emplace(std::make_pair(stateOf[requests[k].sample].get(), work.value()), 0);
@@ -154,7 +147,7 @@ template <int Dim> std::vector<int> DistributedStore<Dim>::dealt(const std::vect
 template <int Dim>
 std::vector<PackedUpdateResult<Dim>> DistributedStore<Dim>::update(const std::vector<Request>& requests, const PackedUpdateOptions& options, int threads)
 {
-	if (number < 0) number = talk->enrol(this);
+	this->enrol();
 	++updates;
 	talk->meet("update " + std::to_string(updates) + " of samples " + std::to_string(number), digestOf(requests));
 	Batch batch(requests, dealt(requests), talk->count());
@@ -268,172 +261,68 @@ template <int Dim> void DistributedStore<Dim>::takeOver(const Batch& batch)
 			continue;
 		}
 		auto& state = made[batch.leader[k]];
-		if (!state) state = std::make_shared<State>(State { rank, stateOf[sample]->owner == everywhere ? 0 : stateOf[sample]->cost });
+		if (!state) state = std::make_shared<State>(State { rank, stateOf[sample]->owner == nobody ? 0 : stateOf[sample]->cost });
 		state->cost += batch.cost[k];
 		stateOf[sample] = state;
-		brought.erase(sample);
+		changedElsewhere(sample);
 		if (rank != talk->rank()) held->release(sample);
 	}
-	meanCost += std::accumulate(load.begin(), load.end(), 0.) / talk->count();
-	largestCost += *std::max_element(load.begin(), load.end());
+	this->bookCosts(load);
 }
 
 /// States go to other ranks, as the bytes that a checkpoint holds of them. Those that would not go on with the same bits stay.
 template <int Dim> void DistributedStore<Dim>::dealAgain()
 {
 	if (!held->restoresExactly()) return;
-	const auto               numbers = this->numbering();
+	const auto               states = SampleStore::survey("");
 	std::vector<std::size_t> owned; // numbers of states
 	std::vector<double>      cost;
 	std::vector<int>         owner;
-	for (std::size_t n = 0; n < numbers.firstOf.size(); ++n) {
-		State& state = *stateOf[numbers.firstOf[n]];
-		if (state.owner == everywhere) continue;
+	for (std::size_t n = 0; n < states.firstOf.size(); ++n) {
+		State& state = *stateOf[states.firstOf[n]];
+		if (state.owner == nobody) continue;
 		owned.push_back(n);
 		cost.push_back(state.cost);
 		owner.push_back(state.owner);
 		state.cost *= keptCost;
 	}
-	const auto                            next = dealtAgain(cost, owner, talk->count());
-	std::vector<std::vector<std::size_t>> samplesOf(numbers.firstOf.size());
-	for (std::size_t s = 0; s < numbers.stateOf.size(); ++s)
-		samplesOf[numbers.stateOf[s]].push_back(s);
-	std::vector<ByteWriter> going(std::size_t(talk->count()));
+	const auto next = dealtAgain(cost, owner, talk->count());
+	if (owner == next) return;
+	std::vector<std::vector<std::size_t>> samplesOf(states.firstOf.size());
+	for (std::size_t s = 0; s < states.stateOf.size(); ++s)
+		samplesOf[states.stateOf[s]].push_back(s);
+	std::vector<std::vector<typename StoreOfRanks<Dim>::Leaving>> leaving(std::size_t(talk->count()));
 	for (std::size_t i = 0; i < owned.size(); ++i) {
 		if (owner[i] == next[i]) continue;
 		++shared.moved;
-		if (owner[i] != talk->rank()) continue;
-		ByteWriter state;
-		held->saveState(state, numbers.firstOf[owned[i]]);
-		going[std::size_t(next[i])].block(state.bytes());
+		for (const auto sample : samplesOf[owned[i]])
+			changedElsewhere(sample);
+		if (owner[i] == talk->rank()) leaving[std::size_t(next[i])].push_back({ samplesOf[owned[i]], "" });
+		stateOf[states.firstOf[owned[i]]]->owner = next[i];
 	}
-	if (owner == next) return;
-	std::vector<std::string> toEach;
-	for (const auto& writer : going)
-		toEach.push_back(writer.bytes());
-	const auto              coming = talk->ranks().exchange(toEach);
-	std::vector<ByteReader> readers(coming.begin(), coming.end());
-	for (std::size_t i = 0; i < owned.size(); ++i) {
-		if (owner[i] == next[i]) continue;
-		const auto& samples                       = samplesOf[owned[i]];
-		stateOf[numbers.firstOf[owned[i]]]->owner = next[i];
-		for (const auto sample : samples)
-			brought.erase(sample);
-		if (next[i] == talk->rank()) {
-			const std::string bytes = readers[std::size_t(owner[i])].block();
-			ByteReader        state(bytes);
-			held->restoreState(state, samples);
-		} else if (owner[i] == talk->rank())
-			for (const auto sample : samples)
-				held->release(sample);
-	}
+	this->move(leaving, [](const std::vector<std::size_t>&, const std::string&) {});
 }
 
 // ---- looking at samples that other ranks own ------------------------------------------------------------------------------
 
-/// "measure <name>": that of each state of this rank, in order. "state <sample>": its state, if it is of this rank. "states": each of
-/// this rank; "lengths": how long they are.
-template <int Dim> std::string DistributedStore<Dim>::answerTo(const std::string& question) const
+template <int Dim> std::string DistributedStore<Dim>::answerOfMine(const std::string& question) const
 {
-	ByteWriter        writer;
-	const std::size_t blank = question.find(' ');
-	const std::string what = question.substr(0, blank), which = blank == std::string::npos ? "" : question.substr(blank + 1);
-	if (what == "state") {
-		const std::size_t sample = std::stoul(which);
-		if (isMine(sample)) held->saveState(writer, sample);
-		return writer.bytes();
-	}
-	for (const auto sample : this->numbering().firstOf) {
-		if (!isMine(sample)) continue;
-		if (what == "measure") {
-			const auto values = held->measure(sample, which);
-			writer.block(values.data(), values.size() * sizeof(double));
-		} else {
-			ByteWriter part;
-			if (what == "lengths") part.number(this->lengthOf("", sample));
-			else held->saveState(part, sample);
-			writer.block(part.bytes());
-		}
-	}
+	ByteWriter writer;
+	for (const auto sample : SampleStore::survey("").firstOf)
+		if (this->isMine(sample)) writer.block(this->answer(question, sample));
 	return writer.bytes();
 }
 
-/// For each state in order what its owner says of it; empty where every rank has the state.
-template <int Dim> std::vector<std::string> DistributedStore<Dim>::partsOfOwners(const std::string& question) const
+/// All ranks know which samples share a state, and who owns it.
+template <int Dim> SampleStore::Survey DistributedStore<Dim>::survey(const std::string& question) const
 {
-	const auto               firstOf = this->numbering().firstOf;
-	std::vector<std::string> parts(firstOf.size());
-	if (number < 0) return parts;
+	auto told = SampleStore::survey("");
+	if (number < 0 || question.empty()) return told;
 	const auto              answers = talk->ask(number, question);
 	std::vector<ByteReader> readers(answers.begin(), answers.end());
-	for (std::size_t n = 0; n < firstOf.size(); ++n)
-		if (const int owner = stateOf[firstOf[n]]->owner; owner != everywhere) parts[n] = readers.at(std::size_t(owner)).block();
-	return parts;
-}
-
-template <int Dim> void DistributedStore<Dim>::fetch(std::size_t sample) const
-{
-	const State& state = *stateOf.at(sample);
-	if (state.owner == everywhere || brought.count(sample)) return;
-	const auto answers = talk->ask(number, "state " + std::to_string(sample));
-	if (state.owner != talk->rank()) {
-		ByteReader reader(answers.at(std::size_t(state.owner)));
-		held->restoreState(reader, { sample });
-	}
-	brought.insert(sample);
-}
-
-template <int Dim> std::vector<std::vector<double>> DistributedStore<Dim>::measureAll(const std::string& name) const
-{
-	const auto numbers = this->numbering();
-	if (!numbers.firstOf.empty()) held->measure(numbers.firstOf.front(), name); // an unknown name is refused before anybody is asked
-	const auto                       parts = partsOfOwners("measure " + name);
-	std::vector<std::vector<double>> ofStates, result;
-	for (std::size_t n = 0; n < parts.size(); ++n) {
-		if (stateOf[numbers.firstOf[n]]->owner == everywhere) {
-			ofStates.push_back(held->measure(numbers.firstOf[n], name));
-			continue;
-		}
-		ofStates.emplace_back(parts[n].size() / sizeof(double));
-		std::memcpy(ofStates.back().data(), parts[n].data(), parts[n].size());
-	}
-	for (const auto state : numbers.stateOf)
-		result.push_back(ofStates[state]);
-	return result;
-}
-
-/// The bytes that one rank with all samples would write.
-template <int Dim> void DistributedStore<Dim>::save(ByteWriter& writer) const
-{
-	const auto numbers = this->numbering();
-	const auto parts   = partsOfOwners("states");
-	writer.number(numbers.stateOf.size());
-	for (const auto state : numbers.stateOf)
-		writer.number(state);
-	writer.number(numbers.firstOf.size());
-	for (std::size_t n = 0; n < parts.size(); ++n) {
-		ByteWriter here;
-		if (parts[n].empty()) held->saveState(here, numbers.firstOf[n]);
-		writer.block(parts[n].empty() ? here.bytes() : parts[n]);
-	}
-}
-
-template <int Dim> std::vector<std::uint64_t> DistributedStore<Dim>::lengthsOfStates(std::vector<std::uint64_t>& numberOf) const
-{
-	const auto                 numbers = this->numbering();
-	const auto                 parts   = partsOfOwners("lengths");
-	std::vector<std::uint64_t> lengths;
-	numberOf.assign(numbers.stateOf.begin(), numbers.stateOf.end());
-	for (std::size_t n = 0; n < parts.size(); ++n)
-		lengths.push_back(this->lengthOf(parts[n], numbers.firstOf[n]));
-	return lengths;
-}
-
-template <int Dim> const SampleStore::Sharing* DistributedStore<Dim>::sharing() const
-{
-	shared.samples = std::uint64_t(std::count_if(stateOf.begin(), stateOf.end(), [&](const auto& state) { return state->owner == talk->rank(); }));
-	shared.balance = largestCost > 0 ? meanCost / largestCost : 1;
-	return &shared;
+	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
+		if (const int owner = ownerOf(told.firstOf[n]); owner != nobody) told.answers[n] = readers.at(std::size_t(owner)).block();
+	return told;
 }
 
 template class DistributedStore<2>;

@@ -15,51 +15,40 @@ public:
 
 	/// held: the samples as this rank has them; up to date are those of its own states and those that every rank has.
 	DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<RankTalk> talk);
-	~DistributedStore() override;
 
-	void clear() override;
 	/// An update that fails on one rank fails on all, with the same sentence.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
 
-	std::vector<std::vector<double>> measureAll(const std::string& name) const override;
-	const void*                      identity(std::size_t sample) const override { return stateOf.at(sample).get(); }
-	std::size_t                      distinctStates() const override { return this->numbering().firstOf.size(); }
-	void                             save(ByteWriter&) const override;
-	void                             restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
-	void                             resize(std::size_t samples) override;
-	void                             replaced(std::size_t sample) override { beginAnew(sample); }
-	const SampleStore::Sharing*      sharing() const override;
+	const void* identity(std::size_t sample) const override { return stateOf.at(sample).get(); }
+	void        restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
+	void        replaced(std::size_t sample) override { beginAnew(sample); }
 
 private:
-	static constexpr int everywhere = -1;
+	using StoreOfRanks<Dim>::nobody;
+	using StoreOfRanks<Dim>::held;
+	using StoreOfRanks<Dim>::talk;
+	using StoreOfRanks<Dim>::shared;
+	using StoreOfRanks<Dim>::number;
+
 	/// What all ranks know of a state that one or several samples have.
 	struct State {
-		int    owner = everywhere;
+		int    owner = nobody;
 		double cost  = 0; ///< of its updates, older ones less and less
 	};
 	struct Batch;
 
-	std::string              answerTo(const std::string& question) const override;
-	bool                     isMine(std::size_t sample) const override { return stateOf[sample]->owner == talk->rank(); }
-	bool                     isNobodys(std::size_t sample) const override { return stateOf[sample]->owner == everywhere; }
-	void                     beginAnew(std::size_t sample) override;
-	void                     fetch(std::size_t sample) const override;
-	std::vector<int>         dealt(const std::vector<Request>&) const;
-	void                     compute(Batch&, const PackedUpdateOptions&, int threads) const;
-	void                     spread(Batch&, bool tangent) const;
-	void                     takeOver(const Batch&);
-	void                     dealAgain();
-	std::vector<std::string> partsOfOwners(const std::string& question) const;
+	int                          ownerOf(std::size_t sample) const override { return stateOf.at(sample)->owner; }
+	void                         beginAnew(std::size_t sample) override;
+	void                         forget(std::size_t samples) override;
+	typename SampleStore::Survey survey(const std::string& question) const override;
+	std::string                  answerOfMine(const std::string& question) const override;
+	std::vector<int>             dealt(const std::vector<Request>&) const;
+	void                         compute(Batch&, const PackedUpdateOptions&, int threads) const;
+	void                         spread(Batch&, bool tangent) const;
+	void                         takeOver(const Batch&);
+	void                         dealAgain();
+	void                         changedElsewhere(std::size_t sample);
 
-	std::vector<std::uint64_t> lengthsOfStates(std::vector<std::uint64_t>& numberOf) const override;
-
-	using StoreOfRanks<Dim>::held;
-	using StoreOfRanks<Dim>::talk;
-	using StoreOfRanks<Dim>::brought;
-	using StoreOfRanks<Dim>::shared;
-	using StoreOfRanks<Dim>::meanCost;
-	using StoreOfRanks<Dim>::largestCost;
-	using StoreOfRanks<Dim>::number;
 	std::vector<std::shared_ptr<State>>         stateOf;   ///< by sample
 	std::map<const void*, std::weak_ptr<State>> beginning; ///< states that every rank has, by their identity here
 	std::uint64_t                               updates = 0;

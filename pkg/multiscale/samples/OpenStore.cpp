@@ -178,14 +178,6 @@ template <int Dim> const void* OpenStore<Dim>::identity(std::size_t sample) cons
 	return s.running ? static_cast<const void*>(s.running.get()) : static_cast<const void*>(s.beginning.get());
 }
 
-template <int Dim> std::size_t OpenStore<Dim>::distinctStates() const
-{
-	std::set<const void*> distinct;
-	for (std::size_t s = 0; s < samples.size(); ++s)
-		distinct.insert(identity(s));
-	return distinct.size();
-}
-
 template <int Dim> std::size_t OpenStore<Dim>::bytes() const
 {
 	std::size_t                sum = 0;

@@ -23,7 +23,6 @@ public:
 	bool                                 comparesRates() const override { return false; }
 	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
 	const void*                          identity(std::size_t sample) const override;
-	std::size_t                          distinctStates() const override;
 	std::size_t                          bytes() const override; ///< of the archived states; a running Scene holds about a megabyte more
 	double                               costOfStep(std::size_t) const override;
 	void                                 saveState(ByteWriter&, std::size_t sample) const override;

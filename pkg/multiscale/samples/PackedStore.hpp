@@ -22,7 +22,7 @@ public:
 	bool                                 comparesRates() const override { return true; }
 	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
 	const void*                          identity(std::size_t sample) const override { return pool.compact(sample).get(); }
-	std::size_t                          distinctStates() const override { return pool.distinctStates(); }
+	std::size_t                          distinctStates() const override { return pool.distinctStates(); } ///< asks no device
 	std::size_t                          bytes() const override { return pool.bytes(); }
 	double                               costOfStep(std::size_t sample) const override { return double(pool.bytes(sample)); }
 	void                                 saveState(ByteWriter&, std::size_t sample) const override;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/samples/SampleAccuracy.hpp>
+#include <pkg/multiscale/samples/SampleScheduler.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 namespace talik {
 namespace {
-	constexpr double stressFloor           = 1e3; ///< added to a point's stress before errors are related to it [Pa]
-	constexpr double comparisonInterval    = 16;  ///< calls of a point from one comparison of rates to the next
+	constexpr double comparisonInterval    = 16; ///< calls of a point from one comparison of rates to the next
 	constexpr double firstInertialNumber   = 2e-3;
 	constexpr double largestInertialNumber = 2e-2;
 	/// Smallest inertial number over the tolerance: slower, quasi-static stress is off by less than the tolerance at 10 to 200 kPa (measured: by

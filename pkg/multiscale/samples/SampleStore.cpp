@@ -9,6 +9,17 @@
 
 namespace talik {
 
+namespace {
+	const std::string measureOf = "measure ";
+
+	template <class T> std::vector<T> valuesIn(const std::string& bytes)
+	{
+		std::vector<T> values(bytes.size() / sizeof(T));
+		std::copy_n(bytes.data(), values.size() * sizeof(T), reinterpret_cast<char*>(values.data()));
+		return values;
+	}
+} // namespace
+
 const std::vector<std::string>& sampleMeasures()
 {
 	static const std::vector<std::string> names { "bondsIntact",    "bondsFormed",         "bondsBroken", "bondsMelted",   "contacts", "coordinationNumber",
@@ -25,41 +36,59 @@ void refuseMeasure(const std::string& name)
 	throw std::invalid_argument("RveSkeleton.values: there is no measure '" + name + "'; choose " + list + " or " + names.back() + ".");
 }
 
-SampleStore::Numbering SampleStore::numbering() const
+// ---- what all samples say -------------------------------------------------------------------------------------------------
+
+SampleStore::Survey SampleStore::survey(const std::string&) const
 {
-	Numbering                                    result;
+	Survey                                       result;
 	std::unordered_map<const void*, std::size_t> number;
 	for (std::size_t s = 0; s < size(); ++s) {
 		const auto added = number.emplace(identity(s), result.firstOf.size());
 		if (added.second) result.firstOf.push_back(s);
 		result.stateOf.push_back(added.first->second);
 	}
+	result.answers.resize(result.firstOf.size());
 	return result;
+}
+
+std::string SampleStore::answer(const std::string& question, std::size_t sample) const
+{
+	ByteWriter writer;
+	if (question == "state") here().saveState(writer, sample);
+	if (question == "length") writer.number(answer("state", sample).size());
+	if (question.compare(0, measureOf.size(), measureOf) != 0) return writer.bytes();
+	const auto values = here().measure(sample, question.substr(measureOf.size()));
+	return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+}
+
+std::string SampleStore::said(const Survey& told, const std::string& question, std::size_t state) const
+{
+	return told.answers[state].empty() ? answer(question, told.firstOf[state]) : told.answers[state];
 }
 
 std::vector<std::vector<double>> SampleStore::measureAll(const std::string& name) const
 {
-	const Numbering                  numbers = numbering();
+	if (std::find(sampleMeasures().begin(), sampleMeasures().end(), name) == sampleMeasures().end()) refuseMeasure(name); // before anybody is asked
+	const std::string                question = measureOf + name;
+	const Survey                     told     = survey(question);
 	std::vector<std::vector<double>> ofStates, result;
-	for (const auto sample : numbers.firstOf)
-		ofStates.push_back(measure(sample, name));
-	for (const auto state : numbers.stateOf)
+	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
+		ofStates.push_back(valuesIn<double>(said(told, question, n)));
+	for (const auto state : told.stateOf)
 		result.push_back(ofStates[state]);
 	return result;
 }
 
+/// Ranks write the bytes that one process with all samples would write.
 void SampleStore::save(ByteWriter& writer) const
 {
-	const Numbering numbers = numbering();
-	writer.number(numbers.stateOf.size());
-	for (const auto state : numbers.stateOf)
+	const Survey told = survey("state");
+	writer.number(told.stateOf.size());
+	for (const auto state : told.stateOf)
 		writer.number(state);
-	writer.number(numbers.firstOf.size());
-	for (const auto sample : numbers.firstOf) {
-		ByteWriter state;
-		saveState(state, sample);
-		writer.block(state.bytes());
-	}
+	writer.number(told.firstOf.size());
+	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
+		writer.block(said(told, "state", n));
 }
 
 void SampleStore::restore(ByteReader& reader)
@@ -107,24 +136,18 @@ void SampleStore::Layout::save(ByteWriter& writer) const
 SampleStore::Layout SampleStore::Layout::from(ByteReader& reader)
 {
 	Layout layout;
-	for (auto* numbers : { &layout.stateOf, &layout.lengths }) {
-		const std::string bytes = reader.block();
-		numbers->resize(bytes.size() / sizeof(std::uint64_t));
-		std::copy_n(bytes.data(), numbers->size() * sizeof(std::uint64_t), reinterpret_cast<char*>(numbers->data()));
-	}
+	for (auto* numbers : { &layout.stateOf, &layout.lengths })
+		*numbers = valuesIn<std::uint64_t>(reader.block());
 	return layout;
 }
 
 SampleStore::Layout SampleStore::layout() const
 {
-	const Numbering numbers = numbering();
-	Layout          layout;
-	layout.stateOf.assign(numbers.stateOf.begin(), numbers.stateOf.end());
-	for (const auto sample : numbers.firstOf) {
-		ByteWriter state;
-		saveState(state, sample);
-		layout.lengths.push_back(state.bytes().size());
-	}
+	const Survey told = survey("length");
+	Layout       layout;
+	layout.stateOf.assign(told.stateOf.begin(), told.stateOf.end());
+	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
+		layout.lengths.push_back(valuesIn<std::uint64_t>(said(told, "length", n)).at(0));
 	return layout;
 }
 

@@ -37,17 +37,17 @@ public:
 	/// A named measure; several numbers for tensors. Throws std::invalid_argument on an unknown name.
 	virtual std::vector<double> measure(std::size_t sample, const std::string& name) const = 0;
 	/// That of all samples; those that share a state are measured once.
-	virtual std::vector<std::vector<double>> measureAll(const std::string& name) const;
+	std::vector<std::vector<double>> measureAll(const std::string& name) const;
 	/// The same for samples that share one state.
 	virtual const void* identity(std::size_t sample) const = 0;
-	virtual std::size_t distinctStates() const             = 0;
-	virtual std::size_t bytes() const                      = 0;
+	virtual std::size_t distinctStates() const { return survey("").firstOf.size(); }
+	virtual std::size_t bytes() const = 0;
 	/// Of one DEM step of a sample, in a unit of the store's own: samples are shared out by it.
 	virtual double costOfStep(std::size_t sample) const = 0;
 
 	/// All samples, each state once.
-	virtual void save(ByteWriter&) const;
-	virtual void restore(ByteReader&);
+	void save(ByteWriter&) const;
+	void restore(ByteReader&);
 	/// Passes by what restore() would read.
 	static void skip(ByteReader&);
 	/// The same in a file of parts: states in the order of the first sample that has each.
@@ -58,7 +58,7 @@ public:
 		void                       save(ByteWriter&) const;
 		static Layout              from(ByteReader&);
 	};
-	virtual Layout layout() const;
+	Layout layout() const;
 	/// Returns what the states add to the sum of the file. Where ranks own samples each writes its own; one rank may call it.
 	virtual std::uint64_t writeStates(const Layout&, const FilePlace&) const;
 	/// Those of whose first sample this is true.
@@ -74,7 +74,7 @@ public:
 	virtual void resize(std::size_t samples) = 0;
 
 	/// Where other ranks own samples: before the state of one is read, and after it was replaced, on all ranks by the same.
-	virtual void bring(std::size_t) {}
+	virtual void bring(std::size_t) const {}
 	/// Waits for ranks that look at it alone: they see it as it was.
 	virtual void beforeReplacing(std::size_t) {}
 	virtual void replaced(std::size_t) {}
@@ -89,11 +89,20 @@ public:
 protected:
 	/// Whether restoreState() needs the state of samples that share it.
 	virtual bool wants(const std::vector<std::size_t>&) const { return true; }
-	/// For each sample the number of its state, in the order of the first sample that has it, and that sample.
-	struct Numbering {
-		std::vector<std::size_t> stateOf, firstOf;
+	/// The states of all samples, in the order of the first sample that has each, and what their owners say to a question: "state" (its bytes),
+	/// "length" (how many), "measure <name>" (its numbers) or nothing. All that saves, measures or counts samples begins with it.
+	struct Survey {
+		std::vector<std::size_t> stateOf, firstOf; ///< number of each sample's state, and the first sample that has each state
+		std::vector<std::string> answers;          ///< of each state; empty where it is in this process
 	};
-	Numbering numbering() const;
+	virtual Survey survey(const std::string& question) const;
+	/// What a sample that is in this process says to such a question.
+	std::string answer(const std::string& question, std::size_t sample) const;
+	/// The samples as they are in this process.
+	virtual const SampleStore& here() const { return *this; }
+
+private:
+	std::string said(const Survey&, const std::string& question, std::size_t state) const;
 };
 
 /// The same of discs (Dim 2) or spheres (Dim 3).

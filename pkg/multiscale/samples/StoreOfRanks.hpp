@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <algorithm>
+#include <numeric>
 #include <pkg/multiscale/samples/SampleStore.hpp>
 #include <pkg/ranks/RankTalk.hpp>
 #include <set>
@@ -18,8 +20,9 @@ template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
 	digest.add(&request.creep, sizeof(request.creep));
 }
 
-/// Samples of which each rank keeps its share up to date and has the others as they once were. One that a rank only looks at is brought, and
-/// stays until its owner may have changed it.
+/// Samples of which each rank keeps its own up to date and has the others as they once were. What all of it share is here: owners answer for their
+/// samples, one that a rank only looks at is brought, and states move to other ranks as the bytes that a checkpoint holds of them. How samples
+/// get their owners, and who computes an update, is in the classes derived from it.
 template <int Dim> class StoreOfRanks : public SampleStoreOf<Dim>, protected RankTalk::Answerer {
 public:
 	int                 prototypeCount() const override { return held->prototypeCount(); }
@@ -32,24 +35,34 @@ public:
 	bool                restoresExactly() const override { return held->restoresExactly(); }
 	std::vector<double> measure(std::size_t sample, const std::string& name) const override
 	{
-		fetch(sample);
+		bring(sample);
 		return held->measure(sample, name);
 	}
 	void saveState(ByteWriter& writer, std::size_t sample) const override
 	{
-		fetch(sample);
+		bring(sample);
 		held->saveState(writer, sample);
 	}
-	void bring(std::size_t sample) override { fetch(sample); }
+	/// The owner asks, too: ranks that all look go on together, and none replaces a sample or ends its ground before the others have seen it.
+	void bring(std::size_t sample) const override
+	{
+		const int owner = ownerOf(sample);
+		if (owner != nobody && !seen.count(sample)) show(sample, talk->ask(number, aSample + std::to_string(sample)).at(std::size_t(owner)));
+	}
+	/// The state of a sample of this rank, for others to look at; empty where all have it.
+	std::string stateToShow(std::size_t sample) const { return isMine(sample) && !isEverywhere(sample) ? this->answer("state", sample) : ""; }
+	/// The same of another rank is here to be looked at.
+	void show(std::size_t sample, const std::string& state) const
+	{
+		seen.insert(sample);
+		if (isMine(sample) || state.empty()) return; // it is here
+		ByteReader reader(state);
+		held->restoreState(reader, { sample });
+		brought.insert(sample);
+	}
 	void beforeReplacing(std::size_t sample) override
 	{
 		if (number >= 0) talk->meet("sample " + std::to_string(sample) + " is replaced");
-	}
-	typename SampleStore::Layout layout() const override
-	{
-		typename SampleStore::Layout layout;
-		layout.lengths = lengthsOfStates(layout.stateOf);
-		return layout;
 	}
 	std::uint64_t writeStates(const typename SampleStore::Layout& layout, const FilePlace& place) const override
 	{
@@ -70,49 +83,126 @@ public:
 		held->release(sample);
 		beginAnew(sample);
 	}
+	void clear() override
+	{
+		held->clear();
+		seen.clear();
+		brought.clear();
+		forget(0);
+	}
+	void resize(std::size_t samples) override
+	{
+		clear();
+		held->resize(samples);
+		forget(samples);
+	}
+	const SampleStore::Sharing* sharing() const override
+	{
+		shared.samples = 0;
+		for (std::size_t s = 0; s < size(); ++s)
+			shared.samples += isMine(s);
+		shared.balance = largestCost > 0 ? meanCost / largestCost : 1;
+		return &shared;
+	}
+	/// What the updates of a step have cost, by rank: for the balance.
+	void bookCosts(const std::vector<double>& costs)
+	{
+		meanCost += std::accumulate(costs.begin(), costs.end(), 0.0) / talk->count();
+		largestCost += *std::max_element(costs.begin(), costs.end());
+	}
 
 protected:
+	static constexpr int nobody = -1; ///< owns a sample that all ranks have alike
+
 	/// held: the samples as this rank has them.
 	StoreOfRanks(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
 	        : held(std::move(here))
 	        , talk(std::move(others))
 	{}
+	~StoreOfRanks() override
+	{
+		if (number >= 0) talk->dismiss(number);
+	}
 
+	const SampleStore& here() const override { return *held; }
+	void               enrol()
+	{
+		if (number < 0) number = talk->enrol(this);
+	}
+
+	virtual int ownerOf(std::size_t sample) const = 0;
+	bool        isMine(std::size_t sample) const { return ownerOf(sample) == talk->rank(); }
+	/// Whether all ranks have the state of a sample, although one may own it.
+	virtual bool isEverywhere(std::size_t sample) const { return ownerOf(sample) == nobody; }
+	/// The sample takes the state that it has on this rank, the same on all ranks.
+	virtual void beginAnew(std::size_t sample) = 0;
+	/// So many samples, of which nothing is known yet.
+	virtual void forget(std::size_t samples) = 0;
+	/// What this rank says to a question of survey(), of all its samples.
+	virtual std::string answerOfMine(const std::string& question) const = 0;
+
+	/// A state that goes to another rank, with the samples that share it and what else is to be known of it.
+	struct Leaving {
+		std::vector<std::size_t> samples;
+		std::string              note;
+	};
+	/// States that go to each rank; arrives(samples, note) is called for those that come here. Collective.
+	template <class Arrives> void move(const std::vector<std::vector<Leaving>>& toEach, Arrives arrives)
+	{
+		std::vector<std::string> going;
+		for (const auto& states : toEach) {
+			ByteWriter writer;
+			for (const auto& [samples, note] : states) {
+				writer.block(samples.data(), samples.size() * sizeof(std::size_t));
+				writer.block(note);
+				writer.block(this->answer("state", samples.front()));
+			}
+			going.push_back(writer.bytes());
+		}
+		for (const auto& states : toEach)
+			for (const auto& state : states)
+				for (const auto sample : state.samples)
+					held->release(sample);
+		for (const auto& bytes : talk->ranks().exchange(going)) {
+			ByteReader reader(bytes);
+			while (!reader.atEnd()) {
+				const std::string        numbers = reader.block();
+				std::vector<std::size_t> samples(numbers.size() / sizeof(std::size_t));
+				std::memcpy(samples.data(), numbers.data(), numbers.size());
+				arrives(samples, reader.block());
+				const std::string state = reader.block();
+				ByteReader        from(state);
+				held->restoreState(from, samples);
+			}
+		}
+	}
+
+	std::shared_ptr<SampleStoreOf<Dim>>   held;
+	std::shared_ptr<RankTalk>             talk;
+	mutable std::set<std::size_t>         seen;    ///< samples that are here as their owner has them
+	mutable std::set<std::size_t>         brought; ///< those of them that other ranks own
+	mutable typename SampleStore::Sharing shared;
+	int                                   number = -1; ///< of this store in the talk
+
+private:
+	static inline const std::string aSample = "sample ";
+
+	std::string answerTo(const std::string& question) const override
+	{
+		if (question.compare(0, aSample.size(), aSample) != 0) return answerOfMine(question);
+		return stateToShow(std::stoul(question.substr(aSample.size())));
+	}
 	std::string carryOut(const std::string& order) const override
 	{
 		return partWritten([&](PartSum& sum) {
 			ByteReader reader(order);
 			const auto place  = FilePlace::from(reader.block());
-			const auto writes = [&](std::size_t sample) { return isMine(sample) || (talk->rank() == 0 && isNobodys(sample)); };
+			const auto writes = [&](std::size_t sample) { return isMine(sample) || (talk->rank() == 0 && ownerOf(sample) == nobody); };
 			held->writeStates(SampleStore::Layout::from(reader), place, sum, writes);
 		});
 	}
-	/// This rank owns the sample; no rank does, all have it alike.
-	virtual bool isMine(std::size_t sample) const    = 0;
-	virtual bool isNobodys(std::size_t sample) const = 0;
-	/// Bytes of each state, and the number of that of each sample.
-	virtual std::vector<std::uint64_t> lengthsOfStates(std::vector<std::uint64_t>& stateOf) const = 0;
-	/// From what owners have said of their states: nothing where all have one alike.
-	std::uint64_t lengthOf(const std::string& said, std::size_t sample) const
-	{
-		std::uint64_t length = 0;
-		ByteWriter    here;
-		if (said.empty()) held->saveState(here, sample);
-		else std::memcpy(&length, said.data(), sizeof length);
-		return said.empty() ? here.bytes().size() : length;
-	}
 
-	/// The state of a sample of another rank comes here, if it is not here already.
-	virtual void fetch(std::size_t sample) const = 0;
-	/// The sample takes the state that it has on this rank, the same on all ranks.
-	virtual void beginAnew(std::size_t sample) = 0;
-
-	std::shared_ptr<SampleStoreOf<Dim>>   held;
-	std::shared_ptr<RankTalk>             talk;
-	mutable std::set<std::size_t>         brought; ///< samples of other ranks whose state is here, too
-	mutable typename SampleStore::Sharing shared;
-	double                                meanCost = 0, largestCost = 0; ///< of ranks, summed over updates
-	int                                   number = -1;                   ///< of this store in the talk
+	double meanCost = 0, largestCost = 0; ///< of ranks, summed over updates
 };
 
 } // namespace talik
