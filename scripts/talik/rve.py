@@ -326,18 +326,20 @@ def _cached(parameters, cache, make):
 			return found
 	writableFolder(folder, "give a folder of yours as cache=, or set XDG_CACHE_HOME")
 	with heldAlone(folder / f".{key}.lock", f"the sample {scene}"):
-		found = cache is not False and _found(sheet, scene, parameters)  # made while this process waited
+		# made while this process waited; what is not whole now is damaged, not half written
+		found = cache is not False and _found(sheet, scene, parameters, told=True)
 		return found or _makeAndKeep(sheet, scene, key, parameters, make)
 
 
-def _found(sheet, scene, parameters):
-	"""The sample of these files; None if there is none, or one that is damaged or another."""
-	if not (scene.exists() and sheet.exists()):
+def _found(sheet, scene, parameters, told=False):
+	"""The sample of these files; None if there is none, or one that is damaged or another, which is said if told."""
+	if not (scene.exists() or sheet.exists()):
 		return None
 	try:
 		return _fromSheet(sheet, scene, parameters)
 	except (OSError, ValueError, TypeError, KeyError) as problem:
-		print(f"talik.rve: the cached sample {scene} is {_said(problem)}; it is made anew.", file=sys.stderr)
+		if told:
+			print(f"talik.rve: the cached sample {scene} is {_said(problem)}; it is made anew.", file=sys.stderr)
 		return None
 
 

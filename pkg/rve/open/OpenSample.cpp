@@ -270,10 +270,12 @@ private:
 	using Strengths = std::array<double, 4>;
 	static void set(IceBondMat& material, const Strengths& s)
 	{
-		material.tensileStrength    = s[0];
-		material.iceTensileStrength = s[1];
-		material.shearStrength      = s[2];
-		material.iceShearStrength   = s[3];
+		auto bonds               = material.model();
+		bonds.tensileStrength    = s[0];
+		bonds.iceTensileStrength = s[1];
+		bonds.shearStrength      = s[2];
+		bonds.iceShearStrength   = s[3];
+		material.takeBonds(bonds); // contacts see that they have changed
 	}
 	const std::vector<IceBondMat*>& materials;
 	std::vector<Strengths>          before;
@@ -289,7 +291,7 @@ public:
 		if (factor == 1) return;
 		for (auto* material : sample.iceMaterials) {
 			before.push_back(material->iceYoung);
-			material->iceYoung *= factor;
+			setIceYoung(*material, factor * material->iceYoung);
 		}
 		stiffen(factor);
 	}
@@ -297,13 +299,19 @@ public:
 	{
 		if (factor == 1) return;
 		for (std::size_t k = 0; k < before.size(); ++k)
-			sample.iceMaterials[k]->iceYoung = before[k];
+			setIceYoung(*sample.iceMaterials[k], before[k]);
 		stiffen(1 / factor);
 	}
 	StifferIce(const StifferIce&)            = delete;
 	StifferIce& operator=(const StifferIce&) = delete;
 
 private:
+	static void setIceYoung(IceBondMat& material, double modulus)
+	{
+		auto bonds     = material.model();
+		bonds.iceYoung = modulus;
+		material.takeBonds(bonds);
+	}
 	void stiffen(double by)
 	{
 		sample.visitContacts([&](Interaction& contact, double overlap) { stiffenContact(contact, overlap, by); });
