@@ -9,10 +9,9 @@
 A soil that is known by name, frozen density and water content has no single settlement: tests of such soils differ by some 10 % of strain. So
 every number comes with its spread, and `draw` gives soils that differ as much.
 
-Sources
-- fitted:  276 tests of the Permafrost Thaw Settlement Dataset (Mohammadi & Hayley, Zenodo 14538524; Earth Syst. Sci. Data 17, 3921, 2025, CC BY 4.0),
-		   by scripts/calibrate --settlement. Spread is that of tests of boreholes that were left out of the fit.
-- table 4: means, deciles and standard deviations by soil group and ice content in that paper, for soils of which no density is known.
+"fitted" are 276 tests of the Permafrost Thaw Settlement Dataset (Mohammadi & Hayley, Zenodo 14538524; Earth Syst. Sci. Data 17, 3921, 2025, CC BY 4.0),
+by scripts/calibrate --settlement. The spread is that of tests of boreholes that were left out of the fit. "table 4" are means, deciles and standard
+deviations by soil group and ice content in that paper, for soils of which no density is known.
 """
 
 import dataclasses
