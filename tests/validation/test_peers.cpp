@@ -81,9 +81,6 @@ private:
 	std::vector<double> temperature_, enthalpy_, flux_;
 };
 
-/// The temperature at which ground has this enthalpy per volume.
-double temperatureOf(const FrozenInclusion& c, double enthalpy) { return c.temperature(enthalpy, -0.1); }
-
 } // namespace
 
 TEST(Peers, AColumnThatThawsFromItsTopHasTheFrontOfTheFiniteVolumes)
@@ -128,7 +125,7 @@ TEST(Peers, AFrozenAndAThawedHalfMixToTheTemperatureOfTheirHeat)
 	marchTo(ground, 86400.0 * 1000.0);
 	const double latent = height * spacing * porosity * c.iceDensity * c.latentHeat;
 	expectSmall("halves that mix: heat from nowhere over the latent heat of all water", (ground.balance().enthalpy - before) / latent, 1e-12);
-	const double mixed = temperatureOf(c, 0.5 * (c.enthalpy(c.cold)[0] + c.enthalpy(c.warm)[0]));
+	const double mixed = c.temperature(0.5 * (c.enthalpy(c.cold)[0] + c.enthalpy(c.warm)[0]), -0.1);
 	for (const bool low : { true, false }) {
 		const auto all = valuesOf(ground, "temperature");
 		expectScaled(

@@ -245,40 +245,32 @@ void OpenSample::recover()
 
 // ---------------------------------------------------------------------------------------------- one update
 
-/// Bonds of the materials are stronger or weaker as long as it lives.
-class OpenSample::StrengthFactors {
+/// The bonds of the materials are others as long as it lives; contacts see that they have changed.
+class OpenSample::ChangedBonds {
 public:
-	StrengthFactors(const std::vector<IceBondMat*>& all, const BondStrengthFactors& factors)
+	/// change: of the parameters of each material.
+	template <class Change>
+	ChangedBonds(const std::vector<IceBondMat*>& all, Change&& change)
 	        : materials(all)
 	{
 		for (auto* material : materials) {
-			before.push_back({ material->tensileStrength, material->iceTensileStrength, material->shearStrength, material->iceShearStrength });
-			set(*material,
-			    { factors.tensile * before.back()[0], factors.tensile * before.back()[1], factors.shear * before.back()[2],
-			      factors.shear * before.back()[3] });
+			before.push_back(material->model());
+			auto bonds = before.back();
+			change(bonds);
+			material->takeBonds(bonds);
 		}
 	}
-	~StrengthFactors()
+	~ChangedBonds()
 	{
 		for (std::size_t k = 0; k < materials.size(); ++k)
-			set(*materials[k], before[k]);
+			materials[k]->takeBonds(before[k]);
 	}
-	StrengthFactors(const StrengthFactors&)            = delete;
-	StrengthFactors& operator=(const StrengthFactors&) = delete;
+	ChangedBonds(const ChangedBonds&)            = delete;
+	ChangedBonds& operator=(const ChangedBonds&) = delete;
 
 private:
-	using Strengths = std::array<double, 4>;
-	static void set(IceBondMat& material, const Strengths& s)
-	{
-		auto bonds               = material.model();
-		bonds.tensileStrength    = s[0];
-		bonds.iceTensileStrength = s[1];
-		bonds.shearStrength      = s[2];
-		bonds.iceShearStrength   = s[3];
-		material.takeBonds(bonds); // contacts see that they have changed
-	}
 	const std::vector<IceBondMat*>& materials;
-	std::vector<Strengths>          before;
+	std::vector<IceBondModel>       before;
 };
 
 /// The ice of the materials and of the contacts is stiffer as long as it lives; forces stay.
@@ -287,38 +279,25 @@ public:
 	StifferIce(OpenSample& changed, double by)
 	        : sample(changed)
 	        , factor(by)
+	        , bonds(changed.iceMaterials, [by](IceBondModel& m) { m.iceYoung *= by; })
 	{
-		if (factor == 1) return;
-		for (auto* material : sample.iceMaterials) {
-			before.push_back(material->iceYoung);
-			setIceYoung(*material, factor * material->iceYoung);
-		}
-		stiffen(factor);
+		if (factor != 1) stiffen(factor);
 	}
 	~StifferIce()
 	{
-		if (factor == 1) return;
-		for (std::size_t k = 0; k < before.size(); ++k)
-			setIceYoung(*sample.iceMaterials[k], before[k]);
-		stiffen(1 / factor);
+		if (factor != 1) stiffen(1 / factor);
 	}
 	StifferIce(const StifferIce&)            = delete;
 	StifferIce& operator=(const StifferIce&) = delete;
 
 private:
-	static void setIceYoung(IceBondMat& material, double modulus)
-	{
-		auto bonds     = material.model();
-		bonds.iceYoung = modulus;
-		material.takeBonds(bonds);
-	}
 	void stiffen(double by)
 	{
 		sample.visitContacts([&](Interaction& contact, double overlap) { stiffenContact(contact, overlap, by); });
 	}
-	OpenSample&         sample;
-	double              factor;
-	std::vector<double> before;
+	OpenSample&  sample;
+	double       factor;
+	ChangedBonds bonds;
 };
 
 OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
@@ -330,8 +309,13 @@ OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double 
 	result.stress    = symmetric(meanStress);
 	const long start = scene->iter;
 	try {
-		const StrengthFactors now(iceMaterials, options.strength);
-		const StifferIce      stiffer(*this, options.iceStiffness);
+		const ChangedBonds stronger(iceMaterials, [&](IceBondModel& m) {
+			m.tensileStrength *= options.strength.tensile;
+			m.iceTensileStrength *= options.strength.tensile;
+			m.shearStrength *= options.strength.shear;
+			m.iceShearStrength *= options.strength.shear;
+		});
+		const StifferIce   stiffer(*this, options.iceStiffness);
 		onOneThread([&] {
 			SampleUpdate<OpenSample>(*this, options).perform(displacementGradient, targetIceSaturation);
 			checkHealth();

@@ -94,7 +94,7 @@ private:
 	/// Volume that stress is a mean over: of discs area times thickness [m^3].
 	double stressVolume() const;
 
-	class StrengthFactors;
+	class ChangedBonds;
 	class StifferIce;
 	friend class SampleUpdate<OpenSample>;
 	using Matrix                          = Eigen::Matrix3d;
