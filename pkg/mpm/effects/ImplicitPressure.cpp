@@ -16,9 +16,7 @@ namespace {
 	constexpr double unseenShare = 0.25;
 	/// A cell is filled at least so far where the way of water to its surface is concerned [-].
 	constexpr double leastFill = 0.1;
-	/// A neighbour that conducts less than this part of a cell is ice to its water.
-	constexpr double tight = 0.1;
-	constexpr int    piece = 512;
+	constexpr int    piece     = 512;
 } // namespace
 
 template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
@@ -167,7 +165,7 @@ template <int D> double ImplicitPressure<D>::carriedAt(const Grid<D>& grid, int 
 template <int D> double ImplicitPressure<D>::wayFrom(const Cell& cell, const Cell& neighbour)
 {
 	if (neighbour.mobility < cell.mobility) return cell.mobility;
-	return cell.mobility < tight * neighbour.mobility ? cell.layer : cell.open;
+	return cell.mobility < PoreWater<D>::tight * neighbour.mobility ? cell.layer : cell.open;
 }
 
 template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)

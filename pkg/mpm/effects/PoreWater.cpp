@@ -18,8 +18,6 @@ namespace {
 	constexpr double traceDensity = 1e-9;
 	/// The same, below which it sticks to the grains: permeability has fallen by more than ten orders [kg/m^D].
 	constexpr double stuckDensity = 0.1;
-	// A neighbour that conducts less than this part of a cell is ice to its water.
-	constexpr double tight = 0.1;
 } // namespace
 
 template <int D>

@@ -38,6 +38,8 @@ public:
 	/// Exchange by seepage.
 	using Gathered                    = typename Columns::Gathered;
 	static constexpr int exchangeSize = Gathered::exchange;
+	/// A neighbour that conducts less than this part of a cell is ice to its water [-].
+	static constexpr double tight = 0.1;
 
 	PoreWater(PointFields& fields, const WaterSettings& settings);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass);
