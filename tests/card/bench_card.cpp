@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Time of packed samples on a device beside the processor, for scripts/bench gpu: bench_card DEVICE SAMPLES[,SAMPLES...] DATA prints JSON. Calls are whole
 // ones, as the ground asks them. Where bits differ nothing is compared.
-#include "packedReference.hpp"
-#include "packedSpheres.hpp"
+#include "packedStarts.hpp"
 
 #include <pkg/mpm/ThreadTeam.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
@@ -73,14 +72,19 @@ template <int Dim> bool row(const char* kind, const PackedState<Dim>& start, std
 	return same;
 }
 
-template <int Dim> PackedState<Dim> frozen(const PackedState<Dim>& start)
+/// Samples of one size, thawed and frozen, in calls of few and of many steps.
+template <int Dim> bool rows(const PackedState<Dim>& moving, std::size_t samples, const std::shared_ptr<SampleDevice>& device)
 {
-	PackedSample<Dim> sample(start);
-	for (int k = 1; k <= 20; ++k) {
-		sample.setIceSaturation(0.5 * k / 20);
-		sample.advance(5);
+	const std::string kind = Dim == 2 ? "discs" : "spheres";
+	PackedSample<Dim> settled(moving);
+	settled.advance(PackedTypes<Dim>::Matrix::Zero(), 5000); // samples of a ground that is updated are at rest
+	const PackedState<Dim> start = settled.state(), frozen = packedStarts::frozenOf<Dim>(start, 0.5, 20);
+	bool                   same = true;
+	for (const long steps : { 10l, 40l }) {
+		same &= row<Dim>(kind.c_str(), start, samples, steps, device);
+		same &= row<Dim>((kind + ", frozen").c_str(), frozen, samples, steps, device);
 	}
-	return sample.state();
+	return same;
 }
 
 } // namespace
@@ -95,20 +99,20 @@ int main(int count, char** words)
 		std::printf("{\"missing\": \"%s\"}\n", failure.what());
 		return 0;
 	}
-	const std::string data   = words[3];
-	const auto        discs  = packedReference::read(data + "/packed_reference.txt").state();
-	const auto        sphere = packedSpheres::read(data + "/packed_spheres_reference.txt").state();
-	bool              same   = true;
+	const std::string data    = words[3];
+	const auto        discs   = packedReference::read(data + "/packed_reference.txt").state();
+	const auto        spheres = packedSpheres::read(data + "/packed_spheres_reference.txt").state();
+	const auto        more    = packedStarts::tiled<2>(discs, { 2, 1, 1 });
+	const auto        many    = packedStarts::tiled<3>(spheres, { 2, 2, 2 });
+	bool              same    = true;
 	std::printf("{\"device\": \"%s\", \"threads\": %d, \"rows\": [\n", device->name().c_str(), ThreadTeam::threads());
 	for (const char* at = words[2]; *at;) {
 		char*             end;
 		const std::size_t samples = std::strtoul(at, &end, 10);
-		for (const long steps : { 10l, 40l }) {
-			same &= row<2>("discs", discs, samples, steps, device);
-			same &= row<2>("discs, frozen", frozen(discs), samples, steps, device);
-			same &= row<3>("spheres", sphere, samples, steps, device);
-			same &= row<3>("spheres, frozen", frozen(sphere), samples, steps, device);
-		}
+		for (const auto& start : { discs, more })
+			same &= rows<2>(start, samples, device);
+		for (const auto& start : { spheres, many })
+			same &= rows<3>(start, samples, device);
 		at = *end == ',' ? end + 1 : end;
 	}
 	std::printf("\n]}\n");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Packed samples on a device, held against those on the processor to the last bit. The device is the twin of a card.
-#include "packedReference.hpp"
-#include "packedSpheres.hpp"
+#include "packedStarts.hpp"
 #include "threadRanks.hpp"
 
 #include <pkg/multiscale/samples/DistributedStore.hpp>
@@ -18,67 +17,11 @@
 #include <cstring>
 
 using namespace talik;
+using namespace packedStarts;
 
 namespace {
 
-template <int Dim> PackedState<Dim> thawed()
-{
-	if constexpr (Dim == 2) return packedReference::sample().state();
-	else return packedSpheres::sample().state();
-}
-
-template <int Dim> PackedState<Dim> frozen(double iceSaturation)
-{
-	PackedSample<Dim> sample(thawed<Dim>());
-	for (int k = 1; k <= 20; ++k) {
-		sample.setIceSaturation(iceSaturation * k / 20);
-		sample.advance(5);
-	}
-	return sample.state();
-}
-
-/// So many times the sample in every direction, with its contacts new: larger kernels advance it.
-template <int Dim> PackedState<Dim> tiled(const PackedState<Dim>& one, const std::array<int, 3>& times)
-{
-	PackedState<Dim> all(one);
-	auto             grains = std::make_shared<PackedGrains>();
-	for (int d = 0; d < Dim; ++d) {
-		all.hSize.col(d) *= times[std::size_t(d)];
-		all.prevHSize.col(d) *= times[std::size_t(d)];
-	}
-	all.contacts = {};
-	all.position.clear();
-	all.velocity.clear();
-	all.angularVelocity.clear();
-	all.orientation.clear();
-	for (int k = 0; k < times[0] * times[1] * times[2]; ++k)
-		for (std::size_t g = 0; g < one.size(); ++g) {
-			typename PackedTypes<Dim>::Vector cells;
-			cells[0] = k % times[0];
-			cells[1] = k / times[0] % times[1];
-			if (Dim == 3) cells[Dim - 1] = k / times[0] / times[1];
-			all.position.push_back(one.position[g] + one.hSize * cells);
-			all.velocity.push_back(PackedTypes<Dim>::Vector::Zero());
-			all.angularVelocity.push_back(one.angularVelocity[g]);
-			if (Dim == 2) all.orientation.push_back(one.orientation[g]);
-			grains->radius.push_back(one.grains->radius[g] * (1 - 1e-4 * (k % 5)));
-			grains->mass.push_back(one.grains->mass[g]);
-			grains->inertia.push_back(one.grains->inertia[g]);
-			grains->id.push_back(int(grains->id.size()));
-		}
-	all.grains = grains;
-	PackedSample<Dim> settled(all);
-	settled.advance(PackedTypes<Dim>::Matrix::Zero(), 300);
-	return settled.state();
-}
-
-template <int Dim> PackedState<Dim> frozenOf(const PackedState<Dim>& start, double iceSaturation)
-{
-	PackedSample<Dim> sample(start);
-	sample.setIceSaturation(iceSaturation);
-	sample.advance(20);
-	return sample.state();
-}
+template <int Dim> PackedState<Dim> frozen(double iceSaturation) { return frozenOf<Dim>(thawed<Dim>(), iceSaturation, 20); }
 
 /// A shear with a swing of its volume, in the plane x y.
 template <int Dim> typename PackedTypes<Dim>::Matrix increment(double shear, double swing)

@@ -124,12 +124,19 @@ template <int Dim> struct SamplesOnDevice<Dim>::Worker {
 	}
 };
 
-/// Calls of one kernel.
+/// Calls of one kernel. Its memory is kept for the next ones.
 template <int Dim> struct SamplesOnDevice<Dim>::Launch {
 	KernelArguments           arguments;
-	std::vector<std::size_t>  tasks;
+	std::vector<Task*>        tasks;
 	std::vector<SampleCall>   calls;
-	std::vector<SampleAnswer> answers;
+	std::vector<SampleAnswer> answers; ///< as many as there were calls at most
+	void                      beginWith(const PlaceLayout& layout)
+	{
+		arguments        = {};
+		arguments.layout = layout;
+		tasks.clear();
+		calls.clear();
+	}
 };
 
 template <int Dim>
@@ -301,22 +308,25 @@ template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
 	toldOfMemory |= without > 0;
 }
 
+template <int Dim> typename SamplesOnDevice<Dim>::Launch& SamplesOnDevice<Dim>::launchOf(const PlaceLayout& layout)
+{
+	for (std::size_t k = 0; k < launched; ++k)
+		if (launches[k].arguments.layout == layout) return launches[k];
+	if (launched == launches.size()) launches.emplace_back();
+	launches[launched].beginWith(layout);
+	return launches[launched++];
+}
+
 template <int Dim> template <class Which> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, Which which)
 {
-	launches.clear();
-	for (std::size_t t = 0; t < tasks.size(); ++t) {
-		Task& task = tasks[t];
+	launched = 0;
+	for (Task& task : tasks) {
 		if (!which(task)) continue;
-		auto found = std::find_if(launches.begin(), launches.end(), [&](const Launch& l) { return l.arguments.layout == task.away->layout; });
-		if (found == launches.end()) {
-			launches.push_back({});
-			launches.back().arguments.layout = task.away->layout;
-			found                            = launches.end() - 1;
-		}
-		found->tasks.push_back(t);
-		found->calls.push_back(task.call);
+		Launch& launch = launchOf(task.away->layout);
+		launch.tasks.push_back(&task);
+		launch.calls.push_back(task.call);
 	}
-	for (std::size_t k = 0; k < launches.size(); ++k) {
+	for (std::size_t k = 0; k < launched; ++k) {
 		Launch&             launch  = launches[k];
 		const std::size_t   count   = launch.calls.size();
 		const std::uint64_t calls   = memory->buffer(2 * k, count * sizeof(SampleCall)),
@@ -351,22 +361,23 @@ template <int Dim> void SamplesOnDevice<Dim>::bringHome(std::vector<Task>& tasks
 	inParallel(tasks, threads, stays, [this](Task& task, Worker& worker) { leaveToProcessor(task, worker); });
 }
 
-template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks)
+template <int Dim> void SamplesOnDevice<Dim>::awaitAll()
 {
 	memory->device().wait();
-	for (Launch& launch : launches) {
-		launch.answers.resize(launch.calls.size());
-		memory->device().copyOut(
-		        launch.answers.data(), reinterpret_cast<std::uint64_t>(launch.arguments.answers), launch.answers.size() * sizeof(SampleAnswer));
-		for (std::size_t n = 0; n < launch.tasks.size(); ++n)
-			tasks[launch.tasks[n]].answer = launch.answers[n];
+	for (std::size_t k = 0; k < launched; ++k) {
+		Launch&           launch = launches[k];
+		const std::size_t count  = launch.calls.size();
+		if (launch.answers.size() < count) launch.answers.resize(count);
+		memory->device().copyOut(launch.answers.data(), reinterpret_cast<std::uint64_t>(launch.arguments.answers), count * sizeof(SampleAnswer));
+		for (std::size_t n = 0; n < count; ++n)
+			launch.tasks[n]->answered = &launch.answers[n];
 	}
-	launches.clear();
 }
 
 /// A change of ice is done, or has come to a halt; the motion is planned with the stress after it.
 template <int Dim> void SamplesOnDevice<Dim>::absorbIce(Task& task)
 {
+	task.answer   = *task.answered;
 	task.iceSteps = task.call.resting - long(task.answer.steps);
 	task.stage    = Task::halted;
 	absorb(task);
@@ -388,7 +399,7 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 			const auto changesIce = [](const Task& task) { return task.stage == Task::ice; };
 			if (std::any_of(tasks.begin(), tasks.end(), changesIce)) {
 				launchAll(tasks, changesIce);
-				awaitAll(tasks);
+				awaitAll();
 				inParallel(tasks, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
 			}
 			launchAll(tasks, [](const Task& task) { return task.stage == Task::begun; });
@@ -443,16 +454,16 @@ template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
 	now.stress = sum / 1.;
 }
 
-/// Takes the answer of the device; true: nothing is left to do.
-template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
+/// Takes the answer of the device; the task is done where nothing is left to do.
+template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 {
 	SampleOnDevice<Dim>&         away   = *task.away;
 	const SampleAnswer&          answer = task.answer;
 	const PackedParameters<Dim>& now    = away.now;
 	absorb(task);
-	if (long(answer.steps) < task.call.moving + task.call.resting) return false;
+	if (long(answer.steps) < task.call.moving + task.call.resting) return;
 	const bool gone = away.layout.bonded && answer.bonds == 0;
-	if (gone || flipIsDue<Dim>(now.hSize, task.options) || !isCompact<Dim>(now.hSize) || away.since.size() + 1 >= mostSince) return false;
+	if (gone || flipIsDue<Dim>(now.hSize, task.options) || !isCompact<Dim>(now.hSize) || away.since.size() + 1 >= mostSince) return;
 	const typename PackedTypes<Dim>::Matrix transposed = now.stress.transpose();
 	task.result.stress                                 = 0.5 * (now.stress + transposed);
 	task.result.steps                                  = long(now.step - task.stepBefore);
@@ -467,7 +478,6 @@ template <int Dim> bool SamplesOnDevice<Dim>::take(Task& task)
 	}
 	away.since.push_back({ task.request->displacementGradient, task.request->iceSaturation, task.options });
 	task.stage = Task::done;
-	return true;
 }
 
 /// What the device leaves to the host: the steps after its lists were used up, a flip, a slip, bonds that are gone.
@@ -522,15 +532,21 @@ template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int 
 		return;
 	}
 	try {
-		if (!memory->lost()) awaitAll(tasks);
+		if (!memory->lost()) awaitAll();
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
 	}
+	if (!memory->lost())
+		inParallel(
+		        tasks, threads, [](const Task& task) { return task.stage == Task::begun; },
+		        [this](Task& task, Worker&) {
+			        task.answer = *task.answered;
+			        if (!task.answer.unsound) take(task);
+		        });
 	for (Task& task : tasks) {
 		if (!task.underWay()) continue;
 		task.bytes.clear();
-		if (memory->lost() || task.answer.unsound) continue;
-		if (task.stage == Task::halted || !take(task)) task.away->fetch(task.bytes);
+		if (!memory->lost() && !task.answer.unsound) task.away->fetch(task.bytes);
 		if (memory->lost()) task.bytes.clear();
 	}
 	for (const Task& task : tasks)

@@ -79,14 +79,19 @@ public:
 
 		// while it is under way
 		PackedUpdateOptions        options;
-		SampleCall                 call {};
-		SampleAnswer               answer {};
+		SampleCall                 call;
+		const SampleAnswer*        answered = nullptr; ///< among those of its launch
+		SampleAnswer               answer;
 		std::uint64_t              stepBefore = 0;
 		long                       iceSteps   = 0;     ///< that a halted one has still to do
 		bool                       isNew      = false; ///< on the device
 		std::vector<unsigned char> bytes;
 		std::string                refusal;
+
+		Task() {} // no zeros for call and answer, which come with the launch
 	};
+	/// The tasks of an update, to be filled in and to be cleared at its end: their memory is used again.
+	std::vector<Task>& tasks() { return kept; }
 	/// Begins what the device can do. What it leaves to the processor has its state at home.
 	void begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads);
 	/// Waits for it. What is done has its result and its sample; the rest goes to the processor, its state at home.
@@ -97,28 +102,30 @@ public:
 private:
 	struct Worker;
 	struct Launch;
-	std::string                 reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
-	void                        plan(Task&, Worker&);
-	bool                        makeAway(Task&, Worker&);
-	bool                        planCall(Task&);
-	bool                        planIce(Task&);
-	bool                        planMotion(Task&);
-	void                        placeAll(std::vector<Task>& tasks);
-	template <class Which> void launchAll(std::vector<Task>& tasks, Which which);
-	void                        awaitAll(std::vector<Task>& tasks);
-	void                        absorbIce(Task&);
-	void                        absorb(Task&);
-	void                        leaveToProcessor(Task&, Worker&);
-	void                        bringHome(std::vector<Task>& tasks, int threads);
-	/// Takes the answer of the device; true: nothing is left to do.
-	bool                                    take(Task&);
+	std::string                             reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
+	void                                    plan(Task&, Worker&);
+	bool                                    makeAway(Task&, Worker&);
+	bool                                    planCall(Task&);
+	bool                                    planIce(Task&);
+	bool                                    planMotion(Task&);
+	void                                    placeAll(std::vector<Task>& tasks);
+	template <class Which> void             launchAll(std::vector<Task>& tasks, Which which);
+	Launch&                                 launchOf(const PlaceLayout&);
+	void                                    awaitAll();
+	void                                    absorbIce(Task&);
+	void                                    absorb(Task&);
+	void                                    leaveToProcessor(Task&, Worker&);
+	void                                    bringHome(std::vector<Task>& tasks, int threads);
+	void                                    take(Task&);
 	void                                    finish(Task&, Worker&);
 	Worker&                                 worker(int member) { return *workers[std::size_t(member)]; }
 	template <class Which, class Work> void inParallel(std::vector<Task>& tasks, int threads, Which which, Work work);
 
 	std::shared_ptr<DeviceMemory>        memory;
 	std::vector<std::unique_ptr<Worker>> workers;
-	std::vector<Launch>                  launches;
+	std::vector<Task>                    kept;
+	std::vector<Launch>                  launches; ///< the first `launched` are under way
+	std::size_t                          launched = 0;
 	DeviceUse                            went;
 	bool                                 toldOfMemory = false;
 };

@@ -210,9 +210,9 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 	std::vector<std::size_t> order(requests.size());
 	for (std::size_t k = 0; k < order.size(); ++k)
 		order[k] = k;
-	const auto compare = [&](std::size_t a, std::size_t b) {
-		return compareWork<Dim>(requests[a], samples[requests[a].sample].identity(), requests[b], samples[requests[b].sample].identity());
-	};
+	std::vector<const void*> state(requests.size());
+	std::transform(requests.begin(), requests.end(), state.begin(), [this](const auto& request) { return samples[request.sample].identity(); });
+	const auto compare = [&](std::size_t a, std::size_t b) { return compareWork<Dim>(requests[a], state[a], requests[b], state[b]); };
 	std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
 		const int c = compare(a, b);
 		return c != 0 ? c < 0 : a < b;
@@ -242,7 +242,9 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 		}
 	};
 	if (device && !device->lost()) {
-		std::vector<typename SamplesOnDevice<Dim>::Task> away(tasks.size());
+		std::vector<typename SamplesOnDevice<Dim>::Task>& away = device->tasks();
+		away.clear(); // an update that threw may have left some
+		away.resize(tasks.size());
 		for (std::size_t t = 0; t < tasks.size(); ++t) {
 			const PackedRequest<Dim>& request = requests[order[tasks[t].begin]];
 			const Held&               sample  = samples[request.sample];
@@ -270,6 +272,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 		those([&](std::size_t k) { return away[k].stage == Away::processor && !left[k]; });
 		for (std::size_t t = 0; t < tasks.size(); ++t)
 			if (away[t].stage == Away::done) take(tasks[t], away[t].result, { away[t].away ? nullptr : away[t].home, away[t].away });
+		away.clear();
 	} else {
 		ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
 			Task& task = tasks[std::size_t(t)];
