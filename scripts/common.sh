@@ -134,8 +134,14 @@ ensureBuilt() {
 tellWarnings() {
 	local number
 	number=$(grep -c 'warning:' "$1" || true)
-	[ "$number" = 0 ] || note "Warnings of the compiler: $number; they are in $1"
+	rm -f "$build/warnings.log"
+	[ "$number" != 0 ] || return 0
+	cp "$1" "$build/warnings.log" # the next build empties the other one
+	note "Warnings of the compiler: $number; they are in $build/warnings.log"
 }
+
+# Fails where the last build compiled something that the compiler warns of.
+refuseWarnings() { [ ! -f "$build/warnings.log" ] || fail "the compiler warns of what it has compiled: see $build/warnings.log, and mend it"; }
 
 # Packages, the right YADE, and an up-to-date build.
 ensureReady() {

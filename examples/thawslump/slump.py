@@ -354,10 +354,13 @@ class ThawSlump:
 		}
 
 	def _firstDayWith(self, path):
-		"""Day on which a point has first moved so far [m], by what was looked at; None if none has."""
+		"""Day on which a point has first moved so far [m], on a straight line between two looks; None if none has."""
 		looked = [(frame["day"], float(np.linalg.norm(frame["displacement"], axis=1).max())) for frame in self.frames.frames]
-		reached = [day for day, moved in [*((day, moved) for day, _, moved in self.history), *looked] if moved >= path]
-		return min(reached, default=None)
+		looks = sorted([(0.0, 0.0), *((day, moved) for day, _, moved in self.history), *looked])
+		for (before, least), (day, moved) in zip(looks, looks[1:]):
+			if moved >= path:
+				return before + (day - before) * (path - least) / (moved - least)
+		return None
 
 	def _bandSummary(self):
 		if not self.frames.frames:
