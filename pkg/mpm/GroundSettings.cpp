@@ -16,7 +16,7 @@ std::vector<std::string> velocityTransferNames() { return { "flip", "apic", "tpi
 
 VelocityTransfer velocityTransferFromName(const std::string& name)
 {
-	return static_cast<VelocityTransfer>(placeOfName("transfer", name, velocityTransferNames()));
+	return static_cast<VelocityTransfer>(placeOfName("MpmEngine.transfer", name, velocityTransferNames()));
 }
 
 double keptFraction(double picTime, double dt) { return std::exp(-dt / picTime); }
@@ -41,16 +41,18 @@ template <int D> void checkCalendar(const GroundSettings<D>& s)
 	const HeatSettings& heat = *s.heat;
 	if (!s.motion)
 		throw std::invalid_argument(
-		        "followsMotion = true without motion: rigid ground never moves, its calendar has one scale; leave followsMotion out");
+		        "HeatTransfer.followsMotion = true without motion: rigid ground never moves, its calendar has one scale; leave followsMotion out");
 	requireSetting(
-	        heat.movingTimeScale > 0.0 && heat.movingTimeScale <= heat.thermalTimeScale, "movingTimeScale", heat.movingTimeScale,
+	        heat.movingTimeScale > 0.0 && heat.movingTimeScale <= heat.thermalTimeScale, "HeatTransfer.movingTimeScale", heat.movingTimeScale,
 	        "must be positive and no more than thermalTimeScale = " + asText(heat.thermalTimeScale));
 	requireSetting(
-	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "motionTolerance", heat.motionTolerance,
+	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "HeatTransfer.motionTolerance", heat.motionTolerance,
 	        "must lie between 1e-6 and 1 m/s, e.g. 0.01");
-	requireSetting(heat.eventSpeed >= 0.0 && std::isfinite(heat.eventSpeed), "eventSpeed", heat.eventSpeed, "must not be negative, in m/s, e.g. 1e-5");
 	requireSetting(
-	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "eventDisplacement", heat.eventDisplacement,
+	        heat.eventSpeed >= 0.0 && std::isfinite(heat.eventSpeed), "HeatTransfer.eventSpeed", heat.eventSpeed,
+	        "must not be negative, in m/s, e.g. 1e-5");
+	requireSetting(
+	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "HeatTransfer.eventDisplacement", heat.eventDisplacement,
 	        "must be positive, in m, e.g. 0.02");
 }
 
@@ -64,9 +66,9 @@ namespace {
 			requireSetting(a == b, name + attribute, a, remedy.str());
 		};
 		const auto samePhase = [&](const Phase& a, const Phase& b, const std::string& phase) {
-			same(a.density, b.density, (phase + ".density").c_str());
-			same(a.specificHeat, b.specificHeat, (phase + ".specificHeat").c_str());
-			same(a.expansivity, b.expansivity, (phase + ".expansivity").c_str());
+			same(a.density, b.density, (phase + "Density").c_str());
+			same(a.specificHeat, b.specificHeat, (phase + "SpecificHeat").c_str());
+			same(a.expansivity, b.expansivity, (phase + "Expansivity").c_str());
 		};
 		samePhase(other.ice, first.ice, "ice");
 		samePhase(other.liquid, first.liquid, "liquid");
@@ -95,10 +97,10 @@ namespace {
 	template <int D> void checkMaterials(const GroundSettings<D>& s)
 	{
 		constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
-		requireSetting(s.materials.size() <= most, "materials", s.materials.size(), "must be no more than 65535");
+		requireSetting(s.materials.size() <= most, "MpmEngine.materials", s.materials.size(), "must be no more than 65535");
 		for (std::size_t k = 0; k < s.materials.size(); ++k) {
 			const SoilMaterial& m    = s.materials[k];
-			const std::string   name = "materials[" + std::to_string(k) + "].";
+			const std::string   name = "MpmEngine.materials[" + std::to_string(k) + "].";
 			m.mixture.validate();
 			requireSameWater(s.materials.front().mixture, m.mixture, name);
 			if (m.freezing && !s.freezing)
@@ -142,20 +144,23 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.bodies) s.bodies->validate();
 	if (s.segregation) checkSegregation(s);
 	if (s.thawFront) s.thawFront->validate();
-	requireSetting(std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "poreFill", s.poreFill, "must lie in [0, 1]");
-	requireSetting(!s.water || s.usedPoreFill() == 1.0, "poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
-	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "courantNumber", s.courantNumber, "must lie in (0, 1]");
-	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "heatFraction", s.heatFraction, "must lie in (0, 1]");
-	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "motionFraction", s.motionFraction, "must lie in (0, 0.5]");
+	requireSetting(std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "MpmEngine.poreFill", s.poreFill, "must lie in [0, 1]");
+	requireSetting(!s.water || s.usedPoreFill() == 1.0, "MpmEngine.poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
+	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "MpmEngine.courantNumber", s.courantNumber, "must lie in (0, 1]");
+	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "MpmEngine.heatFraction", s.heatFraction, "must lie in (0, 1]");
+	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "MpmEngine.motionFraction", s.motionFraction, "must lie in (0, 0.5]");
 	if (s.motion) {
 		for (int a = 0; a < D; ++a)
-			requireSetting(std::isfinite(s.motion->gravity[a]), "gravity", s.motion->gravity[a], "must be finite, in m/s^2");
-		requireSetting(!(s.motion->picTime < 0.0), "picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
-		requireSetting(s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "localDamping", s.motion->localDamping, "must lie in [0, 1)");
+			requireSetting(std::isfinite(s.motion->gravity[a]), "MpmEngine.gravity", s.motion->gravity[a], "must be finite, in m/s^2");
+		requireSetting(
+		        !(s.motion->picTime < 0.0), "MpmEngine.picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
+		requireSetting(
+		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "MpmEngine.damping", s.motion->localDamping, "must lie in [0, 1)");
 		if (s.motion->transfer == VelocityTransfer::apic && s.shapeFunction == "linear")
-			throw std::invalid_argument("transfer = 'apic' with shapeFunction = 'linear': a point on a node has no second moment there; use "
-			                            "quadraticBSpline or gimp, or "
-			                            "transfer = 'tpic'");
+			throw std::invalid_argument(
+			        "MpmEngine.transfer = 'apic' with shapeFunction = 'linear': a point on a node has no second moment there; use "
+			        "quadraticBSpline or gimp, or "
+			        "transfer = 'tpic'");
 		if (s.skeletons.empty()) throw std::invalid_argument("skeletons = []: a scene with motion needs at least one skeleton model");
 		for (const auto& skeleton : s.skeletons) {
 			if (!skeleton) throw std::invalid_argument("skeletons: an entry is empty; give a skeleton model");
@@ -169,36 +174,38 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	}
 	if (s.heat) {
 		requireSetting(
-		        std::isfinite(s.heat->thermalTimeScale) && s.heat->thermalTimeScale > 0.0, "thermalTimeScale", s.heat->thermalTimeScale,
+		        std::isfinite(s.heat->thermalTimeScale) && s.heat->thermalTimeScale > 0.0, "HeatTransfer.thermalTimeScale", s.heat->thermalTimeScale,
 		        "must be positive (1: real time)");
 		if (s.heat->followsMotion) checkCalendar(s);
-		requireSetting(!(s.heat->smoothingTime <= 0.0), "smoothingTime", s.heat->smoothingTime, "must be positive, in s; infinity: none, NaN: chosen");
-		requireSetting(std::isfinite(s.heat->source), "source", s.heat->source, "must be finite, in W/m^3");
+		requireSetting(
+		        !(s.heat->smoothingTime <= 0.0), "HeatTransfer.smoothingTime", s.heat->smoothingTime,
+		        "must be positive, in s; infinity: none, NaN: chosen");
+		requireSetting(std::isfinite(s.heat->source), "HeatTransfer.source", s.heat->source, "must be finite, in W/m^3");
 		if (s.heat->enthalpyForm == EnthalpyForm::capacityIntegral && s.motion)
 			throw std::invalid_argument(
-			        "enthalpyForm = capacityIntegral: knows no strain and no moving water; use stateFunction in a scene with motion");
+			        "HeatTransfer.enthalpyForm = capacityIntegral: knows no strain and no moving water; use stateFunction in a scene with motion");
 	}
 	if (s.water) {
 		s.water->state.validate();
 		s.water->permeability.validate();
 		requireSetting(
-		        !(s.water->largestConductivity <= 0.0), "largestConductivity", s.water->largestConductivity,
+		        !(s.water->largestConductivity <= 0.0), "PoreWater.largestConductivity", s.water->largestConductivity,
 		        "must be positive, in m/s; leave it out to have it chosen");
 		requireSetting(
 		        s.water->permeability.hydraulicTimeScale == 1.0, "permeability.hydraulicTimeScale", s.water->permeability.hydraulicTimeScale,
 		        "must be 1 in a ground; set WaterSettings::hydraulicTimeScale");
 		requireSetting(
 		        std::isnan(s.water->hydraulicTimeScale) || (s.water->hydraulicTimeScale >= 1e-12 && s.water->hydraulicTimeScale <= 1e12),
-		        "hydraulicTimeScale", s.water->hydraulicTimeScale,
+		        "PoreWater.hydraulicTimeScale", s.water->hydraulicTimeScale,
 		        "must lie between 1e-12 and 1e12 (1: no scaling); leave it out for the scale of the calendar");
 		requireSetting(
-		        !s.water->implicit || s.motion->bBar, "bBar", s.motion->bBar,
+		        !s.water->implicit || s.motion->bBar, "MpmEngine.bBar", s.motion->bBar,
 		        "must be on with implicit pressure, which belongs to cells; switch it on or take the explicit pressure");
 		requireSetting(
-		        !s.water->implicit || s.water->state.massCoefficient == MassCoefficient::exact, "massCoefficient", "printed",
+		        !s.water->implicit || s.water->state.massCoefficient == MassCoefficient::exact, "PoreWater.massCoefficient", "printed",
 		        "must be exact with implicit pressure, which follows from masses");
 		requireSetting(
-		        !(s.water->picTime < 0.0), "water.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
+		        !(s.water->picTime < 0.0), "PoreWater.picTime", s.water->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 	}
 }
 
@@ -206,30 +213,30 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 {
 	for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
 		const auto& b = settings.boundaries[i];
-		if (!b) throw std::invalid_argument("boundaries[" + std::to_string(i) + "] is empty; give a boundary condition");
+		if (!b) throw std::invalid_argument("MpmEngine.boundaries[" + std::to_string(i) + "] is empty; give a boundary condition");
 		const std::string effect  = b->effect();
 		const bool        present = effect == "motion" ? bool(settings.motion) : effect == "heat" ? bool(settings.heat) : bool(settings.water);
 		if (!present)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no " + effect
-			        + "; add it or leave this boundary out");
+			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no "
+			        + effect + "; add it or leave this boundary out");
 		if (b->region().kind == Region<D>::Kind::bodies && !settings.bodies)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
+			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
 			        + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
 		if (b->moves() && settings.water && settings.water->implicit)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name()
+			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()
 			        + " moves, and the implicit pressure of the water knows no walls that move; take the explicit pressure, or a body of the "
 			          "scene");
 		if (b->accelerates() && settings.water)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name()
+			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()
 			        + " accelerates grains and ice, and this ground has pore water, which would stay behind; leave water out, or change gravity");
 		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
 			throw std::invalid_argument(
-			        "boundaries[" + std::to_string(i) + "] = " + b->name()
+			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()
 			        + ".temperature is set but the scene has no heat; leave it out or add heat");
 		for (std::size_t j = 0; j < i; ++j) {
 			const auto& other = settings.boundaries[j];
@@ -254,8 +261,9 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			}
 			if (overlap)
 				throw std::invalid_argument(
-				        "boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + r.describe() + " overlaps boundaries["
-				        + std::to_string(j) + "] = " + other->name() + " on " + q.describe() + "; limit one of them to a box or remove it");
+				        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + r.describe()
+				        + " overlaps MpmEngine.boundaries[" + std::to_string(j) + "] = " + other->name() + " on " + q.describe()
+				        + "; limit one of them to a box or remove it");
 		}
 	}
 }

@@ -269,7 +269,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 		const bool found = !surface->patch(b).nodes.empty();
 		if (bands ? bands->anyOf(found) : found) continue;
 		throw std::invalid_argument(
-		        "boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
+		        "MpmEngine.boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
 		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall "
 		          "more than one point in height; hollows that no air from above reaches are cavities");
 	}

@@ -9,10 +9,13 @@ namespace talik {
 
 EnthalpyForm enthalpyFormFromName(const std::string& name)
 {
-	return static_cast<EnthalpyForm>(placeOfName("enthalpyForm", name, { "stateFunction", "capacityIntegral" }));
+	return static_cast<EnthalpyForm>(placeOfName("HeatTransfer.enthalpyForm", name, { "stateFunction", "capacityIntegral" }));
 }
 
-LatentDensity latentDensityFromName(const std::string& name) { return static_cast<LatentDensity>(placeOfName("latentDensity", name, { "ice", "liquid" })); }
+LatentDensity latentDensityFromName(const std::string& name)
+{
+	return static_cast<LatentDensity>(placeOfName("HeatTransfer.latentDensity", name, { "ice", "liquid" }));
+}
 
 EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurvePtr curve, EnthalpyForm form, LatentDensity latentDensity)
         : curve_(curve ? std::move(curve) : unfrozenCurve())

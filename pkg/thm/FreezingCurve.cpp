@@ -82,7 +82,8 @@ namespace {
 	const Registration& registered(const std::string& name)
 	{
 		const auto found = registry().find(name);
-		if (found == registry().end()) throw std::invalid_argument("freezingCurve = '" + name + "': choose one of " + listed(freezingCurveNames()));
+		if (found == registry().end())
+			throw std::invalid_argument("FreezingCurve.curve = '" + name + "': choose one of " + listed(freezingCurveNames()));
 		return found->second;
 	}
 
@@ -96,7 +97,7 @@ namespace {
 		}
 		for (const auto& [key, value] : given) {
 			if (!values.count(key))
-				throw std::invalid_argument("freezingCurve " + name + " has no parameter '" + key + "': it has " + listed(names));
+				throw std::invalid_argument("FreezingCurve.curve = '" + name + "' has no parameter '" + key + "': it has " + listed(names));
 			values[key] = value;
 		}
 		return values;
@@ -108,20 +109,20 @@ namespace {
 		return parameters;
 	}
 
-	double positive(const CurveParameters& given, const std::string& curve, const std::string& name, const std::string& unit)
+	double positive(const CurveParameters& given, const std::string& name, const std::string& unit)
 	{
 		const double value = given.at(name);
-		requireSetting(std::isfinite(value) && value > 0.0, "freezingCurve." + curve + "." + name, value, "must be positive, in " + unit);
+		requireSetting(std::isfinite(value) && value > 0.0, "FreezingCurve." + name, value, "must be positive, in " + unit);
 		return value;
 	}
 
 	constexpr double narrowest = 1e-9; // [K]; a millionth of what any ground shows, and its square is a number
 
-	double undercooling(const CurveParameters& given, const std::string& curve, const std::string& name)
+	double undercooling(const CurveParameters& given, const std::string& name)
 	{
 		const double value = given.at(name);
 		requireSetting(
-		        std::isfinite(value) && value >= narrowest, "freezingCurve." + curve + "." + name, value,
+		        std::isfinite(value) && value >= narrowest, "FreezingCurve." + name, value,
 		        "must be positive, at least 1e-9, in K (for a jump choose the curve sharp)");
 		return value;
 	}
@@ -146,10 +147,10 @@ CurveBase::CurveBase(const CurveParameters& given)
 	freezingTemperature = given.at("freezingTemperature");
 	residualSaturation  = given.at("residualSaturation");
 	requireSetting(
-	        freezingTemperature > -50.0 && freezingTemperature < 50.0, "freezingCurve.freezingTemperature", freezingTemperature,
+	        freezingTemperature > -50.0 && freezingTemperature < 50.0, "FreezingCurve.freezingTemperature", freezingTemperature,
 	        "must be a temperature in degC between -50 and 50 (pure water: 0)");
 	requireSetting(
-	        residualSaturation >= 0.0 && residualSaturation < 1.0, "freezingCurve.residualSaturation", residualSaturation,
+	        residualSaturation >= 0.0 && residualSaturation < 1.0, "FreezingCurve.residualSaturation", residualSaturation,
 	        "must lie in [0, 1); 0.01 or more keeps the liquid defined in frozen ground");
 }
 
@@ -165,7 +166,7 @@ std::vector<CurveParameter> GaussCurve::parameters()
 }
 GaussCurve::GaussCurve(const CurveParameters& given)
         : CurveBase(given)
-        , width(undercooling(given, name(), "width"))
+        , width(undercooling(given, "width"))
 {}
 
 std::vector<CurveParameter> ExponentialCurve::parameters()
@@ -174,19 +175,19 @@ std::vector<CurveParameter> ExponentialCurve::parameters()
 }
 ExponentialCurve::ExponentialCurve(const CurveParameters& given)
         : CurveBase(given)
-        , width(undercooling(given, name(), "width"))
+        , width(undercooling(given, "width"))
 {}
 
 std::vector<CurveParameter> PowerCurve::parameters()
 {
-	return with(baseParameters(), { { "scale", 1.0, "D [K]" }, { "exponent", 5.0, "a [-], > 1, usually 2 to 10" } });
+	return with(baseParameters(), { { "width", 1.0, "D [K]" }, { "exponent", 5.0, "a [-], > 1, usually 2 to 10" } });
 }
 PowerCurve::PowerCurve(const CurveParameters& given)
         : CurveBase(given)
-        , scale(undercooling(given, name(), "scale"))
+        , scale(undercooling(given, "width"))
         , exponent(given.at("exponent"))
 {
-	requireSetting(std::isfinite(exponent) && exponent > 1.0, "freezingCurve.power.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
+	requireSetting(std::isfinite(exponent) && exponent > 1.0, "FreezingCurve.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
 }
 
 std::vector<CurveParameter> LinearCurve::parameters()
@@ -198,7 +199,7 @@ LinearCurve::LinearCurve(const CurveParameters& given)
         , frozenTemperature(given.at("frozenTemperature"))
 {
 	requireSetting(
-	        frozenTemperature <= freezingTemperature - narrowest && frozenTemperature > -100.0, "freezingCurve.linear.frozenTemperature", frozenTemperature,
+	        frozenTemperature <= freezingTemperature - narrowest && frozenTemperature > -100.0, "FreezingCurve.frozenTemperature", frozenTemperature,
 	        "must lie below freezingTemperature, in degC (for a jump choose the curve sharp)");
 }
 
@@ -206,18 +207,18 @@ std::vector<CurveParameter> VanGenuchtenCurve::parameters()
 {
 	return with(
 	        baseParameters(),
-	        { { "entryPressure", 1e5, "P_0 [Pa]: sand 1e4 to 5e4, silt 5e4 to 5e5, clay 2e5 to 2e6" },
-	          { "lambda", 0.4, "[-], in (0,1), usually 0.2 to 0.6" },
+	        { { "airEntryPressure", 1e5, "P_0 [Pa]: sand 1e4 to 5e4, silt 5e4 to 5e5, clay 2e5 to 2e6" },
+	          { "exponent", 0.4, "lambda [-], in (0,1), usually 0.2 to 0.6" },
 	          { "suctionCoefficient", 910.0 * 334.0e3, "rho_i L_f [Pa]" } });
 }
 VanGenuchtenCurve::VanGenuchtenCurve(const CurveParameters& given)
         : CurveBase(given)
-        , entryPressure(positive(given, name(), "entryPressure", "Pa"))
-        , lambda(given.at("lambda"))
-        , suctionCoefficient(positive(given, name(), "suctionCoefficient", "Pa"))
+        , entryPressure(positive(given, "airEntryPressure", "Pa"))
+        , lambda(given.at("exponent"))
+        , suctionCoefficient(positive(given, "suctionCoefficient", "Pa"))
         , freezingKelvin(freezingTemperature + zeroCelsius)
 {
-	requireSetting(lambda > 0.0 && lambda < 1.0, "freezingCurve.vanGenuchten.lambda", lambda, "must lie in (0, 1)");
+	requireSetting(lambda > 0.0 && lambda < 1.0, "FreezingCurve.exponent", lambda, "must lie in (0, 1)");
 	knots_.push_back(0.0);
 	integrals_.push_back(0.0);
 	const auto saturation = [this](double theta) { return liquidSaturation(freezingTemperature - theta); };
@@ -252,7 +253,7 @@ namespace {
 	void requireMonotone(const std::vector<CurvePoint>& points)
 	{
 		const auto require = [](bool valid, const char* attribute, std::size_t k, double value, const char* remedy) {
-			requireSetting(valid, "freezingCurve.table." + std::string(attribute) + "[" + std::to_string(k) + "]", value, remedy);
+			requireSetting(valid, "FreezingCurve." + std::string(attribute) + "[" + std::to_string(k) + "]", value, remedy);
 		};
 		for (std::size_t k = 0; k < points.size(); ++k) {
 			const auto [temperature, saturation] = points[k];
@@ -271,14 +272,14 @@ namespace {
 TableCurve::TableCurve(std::vector<CurvePoint> points)
         : CurveBase(CurveParameters {})
 {
-	requireSetting(points.size() >= 2, "freezingCurve.table.temperatures: number of points", points.size(), "must be 2 or more");
+	requireSetting(points.size() >= 2, "FreezingCurve.temperatures: number of points", points.size(), "must be 2 or more");
 	requireMonotone(points);
 	requireSetting(
-	        points.back().liquidSaturation == 1.0, "freezingCurve.table.liquidSaturations: last value", points.back().liquidSaturation,
+	        points.back().liquidSaturation == 1.0, "FreezingCurve.liquidSaturations: last value", points.back().liquidSaturation,
 	        "must be 1, at the temperature at which freezing begins");
 	points_ = usedPoints(points);
 	requireSetting(
-	        points_.size() >= 2, "freezingCurve.table.liquidSaturations: first value", points_.front().liquidSaturation,
+	        points_.size() >= 2, "FreezingCurve.liquidSaturations: first value", points_.front().liquidSaturation,
 	        "must be less than 1, the liquid that is left in the coldest ground");
 	freezingTemperature = points_.back().temperature;
 	residualSaturation  = points_.front().liquidSaturation;

@@ -7,16 +7,18 @@ namespace talik {
 
 namespace {
 
+	/// name: as the attributes of GroundMaterial begin.
 	void validatePhase(const Phase& phase, const std::string& name)
 	{
 		const auto positive = [&](double value, const char* attribute, const char* unit) {
-			requireSetting(std::isfinite(value) && value > 0.0, name + "." + attribute, value, std::string("must be positive, in ") + unit);
+			requireSetting(
+			        std::isfinite(value) && value > 0.0, "GroundMaterial." + name + attribute, value, std::string("must be positive, in ") + unit);
 		};
-		positive(phase.density, "density", "kg/m^3");
-		positive(phase.specificHeat, "specificHeat", "J/(kg K)");
-		positive(phase.conductivity, "conductivity", "W/(m K)");
+		positive(phase.density, "Density", "kg/m^3");
+		positive(phase.specificHeat, "SpecificHeat", "J/(kg K)");
+		positive(phase.conductivity, "Conductivity", "W/(m K)");
 		requireSetting(
-		        std::abs(phase.expansivity) < 1e-2, name + ".expansivity", phase.expansivity,
+		        std::abs(phase.expansivity) < 1e-2, "GroundMaterial." + name + "Expansivity", phase.expansivity,
 		        "must be a volumetric expansivity below 1e-2 in size, in 1/K");
 	}
 
@@ -30,7 +32,7 @@ const std::vector<std::string>& conductivityMeanNames()
 
 ConductivityMean conductivityMeanFromName(const std::string& name)
 {
-	return static_cast<ConductivityMean>(placeOfName("conductivityMean", name, conductivityMeanNames()));
+	return static_cast<ConductivityMean>(placeOfName("GroundMaterial.conductivityMean", name, conductivityMeanNames()));
 }
 
 /// Eq. (3.2).
@@ -58,10 +60,10 @@ void MixtureProperties::validate() const
 	validatePhase(solid, "solid");
 	validatePhase(ice, "ice");
 	validatePhase(liquid, "liquid");
-	requireSetting(ice.density <= liquid.density, "ice.density", ice.density, "must not exceed liquid.density");
+	requireSetting(ice.density <= liquid.density, "GroundMaterial.iceDensity", ice.density, "must not exceed liquidDensity");
 	requireSetting(
 	        ice.specificHeat <= liquid.specificHeat, "ice.specificHeat", ice.specificHeat, "must not exceed liquid.specificHeat, or H(T) is not monotone");
-	requireSetting(std::isfinite(latentHeat) && latentHeat > 0.0, "latentHeat", latentHeat, "must be positive, in J/kg (water: 334e3)");
+	requireSetting(std::isfinite(latentHeat) && latentHeat > 0.0, "GroundMaterial.latentHeat", latentHeat, "must be positive, in J/kg (water: 334e3)");
 	requireSetting(
 	        std::isfinite(referenceTemperature) && std::abs(referenceTemperature) < 100.0, "referenceTemperature", referenceTemperature,
 	        "must be a temperature in degC near the melting point (0)");

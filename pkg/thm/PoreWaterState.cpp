@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/Mixture.hpp>
+#include <pkg/thm/PermeabilityRanges.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
 #include <cmath>
@@ -11,18 +12,20 @@ namespace talik {
 void PoreWaterState::validate() const
 {
 	requireSetting(
-	        std::isfinite(liquidBulkModulus) && liquidBulkModulus > 0.0, "liquidBulkModulus", liquidBulkModulus, "must be positive, in Pa (water: 2.2e9)");
-	requireSetting(iceBulkModulus > 0.0, "iceBulkModulus", iceBulkModulus, "must be positive, in Pa (ice: 8.8e9; infinity leaves ice storage out)");
+	        std::isfinite(liquidBulkModulus) && liquidBulkModulus > 0.0, "PoreWater.bulkModulus", liquidBulkModulus,
+	        "must be positive, in Pa (water: 2.2e9)");
 	requireSetting(
-	        std::isfinite(cavitationPressure) && cavitationPressure <= 0.0 && cavitationPressure > -0.1 * liquidBulkModulus, "cavitationPressure",
-	        cavitationPressure, "must be zero or negative and small against liquidBulkModulus, in Pa");
+	        iceBulkModulus > 0.0, "PoreWater.iceBulkModulus", iceBulkModulus, "must be positive, in Pa (ice: 8.8e9; infinity leaves ice storage out)");
+	requireSetting(
+	        std::isfinite(cavitationPressure) && cavitationPressure <= 0.0 && cavitationPressure > -0.1 * liquidBulkModulus, "PoreWater.cavitationPressure",
+	        cavitationPressure, "must be zero or negative and small against bulkModulus, in Pa");
 }
 
 double PoreWaterState::waterMass(const MixtureProperties& m, double pressure, double liquidSaturation, double poreVolume, double temperature) const
 {
 	requireSetting(
 	        pressure >= cavitationPressure && pressure < 0.1 * liquidBulkModulus, "initial pore pressure", pressure,
-	        "must lie between cavitationPressure and a tenth of liquidBulkModulus, in Pa");
+	        "must lie between cavitationPressure and a tenth of bulkModulus, in Pa");
 	requireSetting(liquidSaturation >= 0.0 && liquidSaturation <= 1.0, "liquidSaturation", liquidSaturation, "must lie in [0, 1]");
 	requireSetting(std::isfinite(poreVolume) && poreVolume > 0.0, "poreVolume", poreVolume, "must be positive, in m^3");
 	// each phase takes its unstressed volume, less what the pressure compresses
@@ -74,20 +77,37 @@ double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, co
 
 RelativeConductivity relativeConductivityFromName(const std::string& name)
 {
-	return static_cast<RelativeConductivity>(placeOfName("relativeConductivity", name, { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" }));
+	return static_cast<RelativeConductivity>(
+	        placeOfName("PoreWater.relativeConductivity", name, { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" }));
+}
+
+namespace {
+	bool inside(double value, double low, double high) { return value > low && value < high; }
+} // namespace
+
+void requireConductivity(double value, const std::string& attribute)
+{
+	requireSetting(inside(value, 0.0, 1e3), attribute, value, "must be positive, in m/s (sand: 1e-4)");
+}
+
+void requireReferencePorosity(double value, const std::string& attribute) { requireSetting(inside(value, 0.0, 1.0), attribute, value, "must lie in (0, 1)"); }
+
+void requireImpedance(double value, const std::string& attribute)
+{
+	requireSetting(value >= 0.0 && value < 100.0, attribute, value, "must lie in [0, 100), usually 4 to 10");
 }
 
 void Permeability::validate() const
 {
-	const auto inside = [](double value, double low, double high) { return value > low && value < high; };
-	requireSetting(inside(referenceConductivity, 0.0, 1e3), "referenceConductivity", referenceConductivity, "must be positive, in m/s (sand: 1e-4)");
-	requireSetting(inside(referencePorosity, 0.0, 1.0), "referencePorosity", referencePorosity, "must lie in (0, 1)");
-	requireSetting(impedance >= 0.0 && impedance < 100.0, "impedance", impedance, "must lie in [0, 100), usually 4 to 10");
-	requireSetting(inside(exponent, 0.0, 100.0), "exponent", exponent, "must lie in (0, 100), usually 3 to 9");
-	requireSetting(inside(lambda, 0.0, 1.0), "lambda", lambda, "must lie in (0, 1)");
-	requireSetting(residualSaturation >= 0.0 && residualSaturation < 1.0, "residualSaturation", residualSaturation, "must lie in [0, 1)");
-	requireSetting(floor > 0.0 && floor <= 1.0, "floor", floor, "must lie in (0, 1], default 1e-6");
-	requireSetting(inside(hydraulicTimeScale, 1e-12, 1e12), "hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
+	requireConductivity(referenceConductivity, "PoreWater.conductivity");
+	requireReferencePorosity(referencePorosity, "PoreWater.referencePorosity");
+	requireImpedance(impedance, "PoreWater.impedance");
+	requireSetting(inside(exponent, 0.0, 100.0), "PoreWater.exponent", exponent, "must lie in (0, 100), usually 3 to 9");
+	requireSetting(inside(lambda, 0.0, 1.0), "PoreWater.lambda", lambda, "must lie in (0, 1)");
+	requireSetting(residualSaturation >= 0.0 && residualSaturation < 1.0, "FreezingCurve.residualSaturation", residualSaturation, "must lie in [0, 1)");
+	requireSetting(floor > 0.0 && floor <= 1.0, "PoreWater.relativeConductivityFloor", floor, "must lie in (0, 1], default 1e-6");
+	requireSetting(
+	        inside(hydraulicTimeScale, 1e-12, 1e12), "PoreWater.hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
 }
 
 } // namespace talik

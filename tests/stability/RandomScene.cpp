@@ -103,7 +103,7 @@ namespace {
 		CurveParameters p { { "residualSaturation", dice.between("Sr", 0.0, 0.3) } };
 		if (name == "gauss" || name == "exponential") p["width"] = width;
 		if (name == "linear") p["frozenTemperature"] = -width;
-		if (name == "power") p["scale"] = width;
+		if (name == "power") p["width"] = width;
 		s.freezing = makeFreezingCurve(name, p);
 	}
 

@@ -18,7 +18,7 @@ namespace {
 FreezingCurvePtr curveOfWidth(const std::string& name, double width)
 {
 	if (name == "linear") return makeFreezingCurve(name, { { "frozenTemperature", -width } });
-	if (name == "power") return makeFreezingCurve(name, { { "scale", width } });
+	if (name == "power") return makeFreezingCurve(name, { { "width", width } });
 	if (name == "vanGenuchten" || name == "sharp") return makeFreezingCurve(name);
 	return makeFreezingCurve(name, { { "width", width } });
 }

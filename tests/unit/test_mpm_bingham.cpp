@@ -196,8 +196,8 @@ TEST(MpmBinghamSkeleton, BadParametersAreNamed)
 	};
 	using Law                                                    = BinghamSkeleton<2>;
 	const std::tuple<double Law::*, double, const char*> wrong[] = {
-		{ &Law::youngModulus, 0.0, "BinghamSkeleton.youngModulus = 0: must be positive" },
-		{ &Law::poissonRatio, 0.5, "BinghamSkeleton.poissonRatio = 0.5: must lie in" },
+		{ &Law::youngModulus, 0.0, "BinghamSkeleton.young = 0: must be positive" },
+		{ &Law::poissonRatio, 0.5, "BinghamSkeleton.poisson = 0.5: must lie in" },
 		{ &Law::yieldStress, -1.0, "BinghamSkeleton.yieldStress = -1: must be finite and not negative" },
 		{ &Law::yieldStress, INFINITY, "BinghamSkeleton.yieldStress = inf" },
 		{ &Law::yieldStressFrozen, 700.0, "BinghamSkeleton.yieldStressFrozen = 700: must be finite and at least yieldStress" },

@@ -431,14 +431,14 @@ TEST(MpmGround, BadScenesAreRefusedBySentencesThatNameTheFault)
 		        ground.initialise();
 	        }),
 	        "gridSpacing = -1");
-	EXPECT_NAMES(start([](auto& s) { s.motion->picTime = -1.5; }), "picTime = -1.5");
-	EXPECT_NAMES(start([](auto& s) { s.motion->localDamping = 1.0; }), "localDamping = 1");
+	EXPECT_NAMES(start([](auto& s) { s.motion->picTime = -1.5; }), "MpmEngine.picTime = -1.5");
+	EXPECT_NAMES(start([](auto& s) { s.motion->localDamping = 1.0; }), "MpmEngine.damping = 1");
 	EXPECT_NAMES(start([](auto& s) { s.motion->gravity[1] = NAN; }), "gravity");
-	EXPECT_NAMES(start([](auto& s) { s.heat->thermalTimeScale = 0.0; }), "thermalTimeScale = 0");
-	EXPECT_NAMES(start([](auto& s) { s.mixture.solid.density = -1.0; }), "density");
-	EXPECT_NAMES(start([](auto& s) { s.water->permeability.referenceConductivity = 0.0; }), "referenceConductivity");
-	EXPECT_NAMES(start([](auto& s) { s.poreFill = 0.5; }), "poreFill = 0.5");
-	EXPECT_NAMES(start([](auto& s) { s.shapeFunction = "cubic"; }), "shapeFunction = 'cubic'");
+	EXPECT_NAMES(start([](auto& s) { s.heat->thermalTimeScale = 0.0; }), "HeatTransfer.thermalTimeScale = 0");
+	EXPECT_NAMES(start([](auto& s) { s.mixture.solid.density = -1.0; }), "GroundMaterial.solidDensity = -1");
+	EXPECT_NAMES(start([](auto& s) { s.water->permeability.referenceConductivity = 0.0; }), "PoreWater.conductivity = 0");
+	EXPECT_NAMES(start([](auto& s) { s.poreFill = 0.5; }), "MpmEngine.poreFill = 0.5");
+	EXPECT_NAMES(start([](auto& s) { s.shapeFunction = "cubic"; }), "MpmEngine.shapeFunction = 'cubic'");
 	EXPECT_NAMES(start(same, [](PointInput<2>& p) { p.position[0] = 7.0; }), "outside the grid");
 	EXPECT_NAMES(start(same, [](PointInput<2>& p) { p.position[1] = NAN; }), "point 0.position[1]");
 	EXPECT_NAMES(start(same, [](PointInput<2>& p) { p.volume = 0.0; }), "point 0.volume = 0");
@@ -456,7 +456,7 @@ TEST(MpmGround, BadScenesAreRefusedBySentencesThatNameTheFault)
 		        s.boundaries = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")),
 			                 std::make_shared<FixedBoundary<2>>(Region<2>::side("left")) };
 	        }),
-	        "overlaps boundaries[0]");
+	        "overlaps MpmEngine.boundaries[0]");
 	EXPECT_NAMES(
 	        start([](auto& s) {
 		        s.boundaries = { std::make_shared<WallTemperature<2>>(Region<2>::side("left"), 1.0) };

@@ -195,7 +195,7 @@ TEST(Enthalpy, BadPropertiesAreRefusedByName)
 		EnthalpyModel model(m, makeFreezingCurve());
 		FAIL() << "a negative specific heat was accepted";
 	} catch (const std::invalid_argument& error) {
-		EXPECT_NE(std::string(error.what()).find("ice.specificHeat = -1"), std::string::npos) << error.what();
+		EXPECT_NE(std::string(error.what()).find("GroundMaterial.iceSpecificHeat = -1"), std::string::npos) << error.what();
 	}
 	EnthalpyModel model;
 	EXPECT_THROW(model.setTolerance(0.0), std::invalid_argument);

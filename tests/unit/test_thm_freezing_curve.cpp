@@ -274,12 +274,12 @@ TEST(FreezingCurve, WrongNamesAndValuesAreRefusedWithAttributeValueAndRemedy)
 		for (const char* part : parts)
 			EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is missing in: " << text;
 	};
-	expect(message("gaus", {}), { "freezingCurve", "gaus", "gauss", "vanGenuchten" });
+	expect(message("gaus", {}), { "FreezingCurve.curve", "gaus", "gauss", "vanGenuchten" });
 	expect(message("gauss", { { "wdth", 1.0 } }), { "wdth", "width", "residualSaturation" });
 	expect(message("gauss", { { "width", -0.5 } }), { "width", "-0.5", "positive" });
 	expect(message("gauss", { { "width", std::nan("") } }), { "width", "nan", "positive" });
 	expect(message("gauss", { { "residualSaturation", 1.0 } }), { "residualSaturation", "1", "[0, 1)" });
 	expect(message("linear", { { "frozenTemperature", 0.5 } }), { "frozenTemperature", "0.5", "sharp" });
-	expect(message("vanGenuchten", { { "lambda", 1.2 } }), { "lambda", "1.2", "(0, 1)" });
+	expect(message("vanGenuchten", { { "exponent", 1.2 } }), { "exponent", "1.2", "(0, 1)" });
 	expect(message("power", { { "exponent", 0.5 } }), { "exponent", "0.5", "exceed 1" });
 }

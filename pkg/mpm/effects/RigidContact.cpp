@@ -32,10 +32,10 @@ namespace {
 void RigidContactSettings::validate() const
 {
 	requireSetting(
-	        std::isnan(stiffness) || (std::isfinite(stiffness) && stiffness > 0.0), "bodies.stiffness", stiffness,
+	        std::isnan(stiffness) || (std::isfinite(stiffness) && stiffness > 0.0), "BodyContact.stiffness", stiffness,
 	        "must be positive, in Pa/m; NaN: chosen");
-	requireSetting(shearRatio > 0.0 && shearRatio <= 1.0, "bodies.shearRatio", shearRatio, "must lie in (0, 1]");
-	requireSetting(damping >= 0.0 && damping < 1.0, "bodies.damping", damping, "must lie in [0, 1)");
+	requireSetting(shearRatio > 0.0 && shearRatio <= 1.0, "BodyContact.shearRatio", shearRatio, "must lie in (0, 1]");
+	requireSetting(damping >= 0.0 && damping < 1.0, "BodyContact.damping", damping, "must lie in [0, 1)");
 }
 
 template <int D>

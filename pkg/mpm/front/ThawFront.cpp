@@ -8,8 +8,8 @@ namespace talik {
 
 void ThawFrontSettings::validate() const
 {
-	requireSetting(thawedBelow >= 0.0 && thawedBelow < 1.0, "thawFront.thawedBelow", thawedBelow, "must lie in [0, 1)");
-	requireSetting(frozenAbove > thawedBelow && frozenAbove <= 1.0, "thawFront.frozenAbove", frozenAbove, "must lie above thawedBelow, up to 1");
+	requireSetting(thawedBelow >= 0.0 && thawedBelow < 1.0, "ThawFront.thawedBelow", thawedBelow, "must lie in [0, 1)");
+	requireSetting(frozenAbove > thawedBelow && frozenAbove <= 1.0, "ThawFront.frozenAbove", frozenAbove, "must lie above thawedBelow, up to 1");
 }
 
 template <int D>

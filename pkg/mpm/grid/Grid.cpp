@@ -12,12 +12,12 @@ namespace {
 
 	template <int D> int wholeCells(int axis, double lower, double upper, double spacing)
 	{
-		const std::string name = std::string("upper.") + axisNames[axis];
-		requireSetting(std::isfinite(lower), std::string("lower.") + axisNames[axis], lower, "the grid's box must be finite");
+		const std::string name = std::string("MpmEngine.upper.") + axisNames[axis];
+		requireSetting(std::isfinite(lower), std::string("MpmEngine.lower.") + axisNames[axis], lower, "the grid's box must be finite");
 		requireSetting(std::isfinite(upper) && upper > lower, name, upper, "must be finite and above the lower corner");
 		const double cells = (upper - lower) / spacing;
 		const double whole = std::round(cells);
-		requireSetting(cells < 1e6, "gridSpacing", spacing, "gives more than a million cells along one axis; use a larger spacing");
+		requireSetting(cells < 1e6, "MpmEngine.gridSpacing", spacing, "gives more than a million cells along one axis; use a larger spacing");
 		requireSetting(whole >= 1.0 && std::abs(cells - whole) < 1e-6, name, upper, "the box must be a whole number of grid spacings wide");
 		return int(whole);
 	}
@@ -29,7 +29,7 @@ Grid<D>::Grid(const Vec<D>& lower, const Vec<D>& upper, double spacing)
         , upper_(upper)
         , spacing_(spacing)
 {
-	requireSetting(std::isfinite(spacing) && spacing > 0.0, "gridSpacing", spacing, "must be positive, in m");
+	requireSetting(std::isfinite(spacing) && spacing > 0.0, "MpmEngine.gridSpacing", spacing, "must be positive, in m");
 	inverseSpacing_ = 1.0 / spacing;
 	for (int a = 0; a < D; ++a)
 		cells_[a] = wholeCells<D>(a, lower[a], upper[a], spacing);
@@ -38,7 +38,7 @@ Grid<D>::Grid(const Vec<D>& lower, const Vec<D>& upper, double spacing)
 	double nodes = 1.0;
 	for (int a = 0; a < D; ++a)
 		nodes *= cells_[a] + 3;
-	requireSetting(nodes < 2e8, "gridSpacing", spacing, "gives more than 200 million nodes; use a larger spacing or a smaller box");
+	requireSetting(nodes < 2e8, "MpmEngine.gridSpacing", spacing, "gives more than 200 million nodes; use a larger spacing or a smaller box");
 
 	int        nodeStride = 1, cellStride = 1;
 	const auto place = [&](int a) {

@@ -164,7 +164,7 @@ std::vector<std::string> shapeFunctionNames()
 
 template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::string& name)
 {
-	return table<D>()[placeOfName("shapeFunction", name, shapeFunctionNames())].second();
+	return table<D>()[placeOfName("MpmEngine.shapeFunction", name, shapeFunctionNames())].second();
 }
 
 template <int D>

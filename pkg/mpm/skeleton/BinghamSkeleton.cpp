@@ -10,8 +10,8 @@ namespace talik {
 
 template <int D> void BinghamSkeleton<D>::validate() const
 {
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "BinghamSkeleton.youngModulus", youngModulus, "must be positive, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "BinghamSkeleton.poissonRatio", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "BinghamSkeleton.young", youngModulus, "must be positive, in Pa");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "BinghamSkeleton.poisson", poissonRatio, "must lie in (-1, 0.5)");
 	requireSetting(std::isfinite(yieldStress) && yieldStress >= 0.0, "BinghamSkeleton.yieldStress", yieldStress, "must be finite and not negative, in Pa");
 	requireSetting(
 	        std::isfinite(yieldStressFrozen) && yieldStressFrozen >= yieldStress, "BinghamSkeleton.yieldStressFrozen", yieldStressFrozen,

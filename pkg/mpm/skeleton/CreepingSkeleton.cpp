@@ -10,9 +10,9 @@ namespace talik {
 
 template <int D> void CreepingSkeleton<D>::validate() const
 {
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "CreepingSkeleton.youngModulus", youngModulus, "must be positive, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "CreepingSkeleton.poissonRatio", poissonRatio, "must lie in (-1, 0.5)");
-	requireSetting(exponent >= 1.0 && exponent <= 10.0, "CreepingSkeleton.exponent", exponent, "must lie in [1, 10]");
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "CreepingSkeleton.young", youngModulus, "must be positive, in Pa");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "CreepingSkeleton.poisson", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(exponent >= 1.0 && exponent <= 10.0, "CreepingSkeleton.iceCreep.exponent", exponent, "must lie in [1, 10]");
 }
 
 template <int D> void CreepingSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)

@@ -8,8 +8,8 @@ namespace talik {
 
 template <int D> void ElasticSkeleton<D>::validate() const
 {
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "ElasticSkeleton.youngModulus", youngModulus, "must be positive, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "ElasticSkeleton.poissonRatio", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "ElasticSkeleton.young", youngModulus, "must be positive, in Pa");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "ElasticSkeleton.poisson", poissonRatio, "must lie in (-1, 0.5)");
 }
 
 template <int D> void ElasticSkeleton<D>::updateStress(const SkeletonBatch<D>& b)

@@ -119,11 +119,11 @@ namespace {
 template <int D> void MohrCoulombSkeleton<D>::validate() const
 {
 	const auto name = [](const char* attribute) { return std::string("MohrCoulombSkeleton.") + attribute; };
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, name("youngModulus"), youngModulus, "must be positive, in Pa");
+	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, name("young"), youngModulus, "must be positive, in Pa");
 	requireSetting(
-	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus, name("youngModulusFrozen"), youngModulusFrozen,
+	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus, name("youngFrozen"), youngModulusFrozen,
 	        "must not be below youngModulus, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, name("poissonRatio"), poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, name("poisson"), poissonRatio, "must lie in (-1, 0.5)");
 	requireSetting(std::isfinite(cohesion) && cohesion >= 0.0, name("cohesion"), cohesion, "must not be negative, in Pa");
 	requireSetting(std::isfinite(cohesionFrozen) && cohesionFrozen >= 0.0, name("cohesionFrozen"), cohesionFrozen, "must not be negative, in Pa");
 	requireSetting(frictionAngle >= 0.0 && frictionAngle < 90.0, name("frictionAngle"), frictionAngle, "must lie in [0, 90) degrees");
@@ -132,14 +132,14 @@ template <int D> void MohrCoulombSkeleton<D>::validate() const
 	requireSetting(
 	        std::isfinite(tensileStrengthFrozen) && tensileStrengthFrozen >= 0.0, name("tensileStrengthFrozen"), tensileStrengthFrozen,
 	        "must not be negative, in Pa");
-	requireSetting(std::isfinite(iceExponent) && iceExponent >= 1.0, name("iceExponent"), iceExponent, "must be 1 or more");
+	requireSetting(std::isfinite(iceExponent) && iceExponent >= 1.0, name("exponent"), iceExponent, "must be 1 or more");
 	validateTable();
 }
 
 template <int D> void MohrCoulombSkeleton<D>::validateTable() const
 {
 	const auto require = [](const char* column, const std::vector<double>& values, std::size_t wanted, bool zeroAllowed) {
-		const std::string name = std::string("MohrCoulombSkeleton.table.") + column;
+		const std::string name = std::string("MohrCoulombSkeleton.") + column;
 		requireSetting(values.size() == wanted, name + " length", double(values.size()), "must be that of the ice saturations");
 		for (const double value : values)
 			requireSetting(
@@ -147,12 +147,12 @@ template <int D> void MohrCoulombSkeleton<D>::validateTable() const
 			        zeroAllowed ? "must not be negative" : "must be positive");
 	};
 	const auto& s = table.saturation;
-	require("youngModulus", table.youngModulus, s.size(), false);
-	require("cohesion", table.cohesion, s.size(), true);
-	require("tensileStrength", table.tensileStrength, s.size(), true);
+	require("youngs", table.youngModulus, s.size(), false);
+	require("cohesions", table.cohesion, s.size(), true);
+	require("tensileStrengths", table.tensileStrength, s.size(), true);
 	for (std::size_t k = 0; k < s.size(); ++k)
 		requireSetting(
-		        s[k] >= 0.0 && s[k] <= 1.0 && (k == 0 || s[k] > s[k - 1]), "MohrCoulombSkeleton.table.saturation", s[k],
+		        s[k] >= 0.0 && s[k] <= 1.0 && (k == 0 || s[k] > s[k - 1]), "MohrCoulombSkeleton.iceSaturations", s[k],
 		        "must lie in 0 to 1 and above the one before it");
 }
 

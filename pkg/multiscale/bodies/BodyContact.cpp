@@ -43,7 +43,7 @@ talik::RigidContactSettings BodyContact::build(int dimension) const
 	                + " if radians were meant");
 	talik::requireSetting(bodySteps >= 1, "BodyContact.bodySteps", bodySteps, "must be 1 or more");
 	const talik::RigidContactSettings settings { stiffness, shearRatio, damping };
-	talik::underScriptNames({ { "bodies.", "BodyContact." } }, [&] { settings.validate(); });
+	settings.validate();
 	return settings;
 }
 

@@ -231,46 +231,18 @@ void MpmEngine::checkChangeable() const
 	if (bodies) bodies->build(usedDimension());
 }
 
-namespace {
-	/// Settings of the ground under the names that a script gives them.
-	template <class Work> auto underSettingNames(Work&& work)
-	{
-		return talik::underScriptNames(
-		        { { "enthalpyForm", "HeatTransfer.enthalpyForm" },
-		          { "latentDensity", "HeatTransfer.latentDensity" },
-		          { "thermalTimeScale", "HeatTransfer.thermalTimeScale" },
-		          { "followsMotion", "HeatTransfer.followsMotion" },
-		          { "movingTimeScale", "HeatTransfer.movingTimeScale" },
-		          { "motionTolerance", "HeatTransfer.motionTolerance" },
-		          { "eventSpeed", "HeatTransfer.eventSpeed" },
-		          { "eventDisplacement", "HeatTransfer.eventDisplacement" },
-		          { "smoothingTime", "HeatTransfer.smoothingTime" },
-		          { "source", "HeatTransfer.source" },
-		          { "transfer", "MpmEngine.transfer" },
-		          { "shapeFunction", "MpmEngine.shapeFunction" },
-		          { "gridSpacing", "MpmEngine.gridSpacing" },
-		          { "lower", "MpmEngine.lower" },
-		          { "upper", "MpmEngine.upper" },
-		          { "poreFill", "MpmEngine.poreFill" },
-		          { "materials", "MpmEngine.materials" },
-		          { "boundaries", "MpmEngine.boundaries" },
-		          { "hydraulicTimeScale", "PoreWater.hydraulicTimeScale" } },
-		        std::forward<Work>(work));
-	}
-} // namespace
-
 void MpmEngine::initialise()
 {
 	followInputs();
 	if (ground) return;
 	const bool goesOn = begun || !saved.empty();
 	begun             = false;
-	underSettingNames([&] { checkPresence(); });
+	checkPresence();
 	shareAmongRanks();
 	boundaryCount     = boundaries.size();
 	materialCount     = materials.size();
 	effectCount       = effects.size();
-	groundOfScene     = underSettingNames([&] { return GroundOfScene::make(*this, usedDimension(), goesOn); });
+	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
 	ground            = &groundOfScene->ground();
 	stepsUntilLimit   = 0;
 	bodiesNamed       = false;
@@ -279,7 +251,7 @@ void MpmEngine::initialise()
 	distributeInForce = distribute;
 	try {
 		if (mayBeInBands()) ground->distribute(talik::jobTalk(), distribute == "ground");
-		underSettingNames([&] { ground->initialise(); });
+		ground->initialise();
 		sayHowRanksShare();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
@@ -504,7 +476,7 @@ void MpmEngine::followHeat()
 		return;
 	talik::HeatSettings changed = heat->build();
 	changed.followsMotion       = inForce.followsMotion;
-	underSettingNames([&] { groundOfScene->followHeat(changed); });
+	groundOfScene->followHeat(changed);
 	stepsUntilLimit = 0;
 }
 

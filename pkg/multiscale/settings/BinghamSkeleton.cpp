@@ -14,9 +14,7 @@ public:
 		model->youngModulus = young;
 		model->poissonRatio = poisson;
 		TALIK_TAKE_ATTRIBUTES(*model, *this, (yieldStress)(yieldStressFrozen)(viscosity))
-		talik::underScriptNames(
-		        { { "BinghamSkeleton.youngModulus", "BinghamSkeleton.young" }, { "BinghamSkeleton.poissonRatio", "BinghamSkeleton.poisson" } },
-		        [&] { model->validate(); });
+		model->validate();
 		return model;
 	}
 	// clang-format off

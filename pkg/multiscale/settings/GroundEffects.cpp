@@ -3,6 +3,7 @@
 #include <pkg/multiscale/settings/GroundEffects.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/thm/Errors.hpp>
+#include <pkg/thm/PermeabilityRanges.hpp>
 
 #include <tuple>
 
@@ -12,30 +13,12 @@ YADE_PLUGIN((GroundMaterial)(HeatTransfer)(FreezingCurve)(ThawFront)(PoreWater)(
 talik::MixtureProperties GroundMaterial::build() const
 {
 	talik::MixtureProperties m;
-	m.solid          = { solidDensity, solidSpecificHeat, solidConductivity, solidExpansivity };
-	m.ice            = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
-	m.liquid         = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
-	m.latentHeat     = latentHeat;
-	const auto check = [&] {
-		m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
-		m.validate();
-	};
-	talik::underScriptNames(
-	        { { "solid.density", "GroundMaterial.solidDensity" },
-	          { "solid.specificHeat", "GroundMaterial.solidSpecificHeat" },
-	          { "solid.conductivity", "GroundMaterial.solidConductivity" },
-	          { "solid.expansivity", "GroundMaterial.solidExpansivity" },
-	          { "ice.density", "GroundMaterial.iceDensity" },
-	          { "ice.specificHeat", "GroundMaterial.iceSpecificHeat" },
-	          { "ice.conductivity", "GroundMaterial.iceConductivity" },
-	          { "ice.expansivity", "GroundMaterial.iceExpansivity" },
-	          { "liquid.density", "GroundMaterial.liquidDensity" },
-	          { "liquid.specificHeat", "GroundMaterial.liquidSpecificHeat" },
-	          { "liquid.conductivity", "GroundMaterial.liquidConductivity" },
-	          { "liquid.expansivity", "GroundMaterial.liquidExpansivity" },
-	          { "latentHeat", "GroundMaterial.latentHeat" },
-	          { "conductivityMean", "GroundMaterial.conductivityMean" } },
-	        check);
+	m.solid            = { solidDensity, solidSpecificHeat, solidConductivity, solidExpansivity };
+	m.ice              = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
+	m.liquid           = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
+	m.latentHeat       = latentHeat;
+	m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
+	m.validate();
 	return m;
 }
 
@@ -78,14 +61,14 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 	if (!water) return s;
 	const FreezingCurve* const curve = freezing ? freezing.get() : ofScene;
 	s.permeability                   = water->build(curve ? curve->residual() : 0).permeability;
-	if (!std::isnan(hydraulicConductivity)) s.permeability->referenceConductivity = hydraulicConductivity;
-	if (!std::isnan(referencePorosity)) s.permeability->referencePorosity = referencePorosity;
-	if (!std::isnan(impedance)) s.permeability->impedance = impedance;
-	talik::underScriptNames(
-	        { { "referenceConductivity", "GroundMaterial.hydraulicConductivity" },
-	          { "referencePorosity", "GroundMaterial.referencePorosity" },
-	          { "impedance", "GroundMaterial.impedance" } },
-	        [&] { s.permeability->validate(); });
+	const auto take                  = [&](Real own, double& value, auto requireValid, const char* attribute) {
+                if (std::isnan(own)) return;
+                requireValid(own, string("GroundMaterial.") + attribute);
+                value = own;
+	};
+	take(hydraulicConductivity, s.permeability->referenceConductivity, talik::requireConductivity, "hydraulicConductivity");
+	take(referencePorosity, s.permeability->referencePorosity, talik::requireReferencePorosity, "referencePorosity");
+	take(impedance, s.permeability->impedance, talik::requireImpedance, "impedance");
 	return s;
 }
 
@@ -93,8 +76,7 @@ talik::ThawFrontSettings ThawFront::build() const
 {
 	talik::ThawFrontSettings f;
 	TALIK_TAKE_ATTRIBUTES(f, *this, (thawedBelow)(frozenAbove))
-	talik::underScriptNames(
-	        { { "thawFront.thawedBelow", "ThawFront.thawedBelow" }, { "thawFront.frozenAbove", "ThawFront.frozenAbove" } }, [&] { f.validate(); });
+	f.validate();
 	return f;
 }
 
@@ -118,24 +100,6 @@ talik::HeatSettings HeatTransfer::build() const
 }
 
 namespace {
-	/// What the attributes mean for each curve; an attribute that is missing here has the curve's own name.
-	struct CurveAttribute {
-		const char *curve, *attribute, *parameter;
-	};
-	constexpr CurveAttribute curveAttributes[] = {
-		{ "power", "width", "scale" },
-		{ "vanGenuchten", "exponent", "lambda" },
-		{ "vanGenuchten", "airEntryPressure", "entryPressure" },
-		{ "linear", "width", "frozenTemperature" },
-	};
-
-	string parameterName(const string& curve, const string& attribute)
-	{
-		for (const auto& known : curveAttributes)
-			if (curve == known.curve && attribute == known.attribute) return known.parameter;
-		return attribute;
-	}
-
 	bool hasParameter(const string& curve, const string& parameter)
 	{
 		for (const auto& known : talik::freezingCurveParameters(curve))
@@ -172,7 +136,7 @@ talik::FreezingCurvePtr FreezingCurve::ofTable() const
 	std::vector<talik::CurvePoint> points;
 	for (std::size_t k = 0; k < temperatures.size(); ++k)
 		points.push_back({ temperatures[k], liquidSaturations[k] });
-	return talik::underScriptNames({ { "freezingCurve.table.", "FreezingCurve." } }, [&] { return talik::makeFreezingCurve(points); });
+	return talik::makeFreezingCurve(points);
 }
 
 talik::FreezingCurvePtr FreezingCurve::build() const
@@ -185,28 +149,20 @@ talik::FreezingCurvePtr FreezingCurve::build() const
 	talik::CurveParameters given { { "freezingTemperature", freezingTemperature }, { "residualSaturation", residualSaturation } };
 	const auto             pass = [&](const string& attribute, Real value) {
                 if (std::isnan(value)) return;
-                const string parameter = parameterName(curve, attribute);
-                if (!hasParameter(curve, parameter))
+                if (attribute == "width" && curve == "linear") { // whose parameter is the end of that width
+                        if (!(value > 0)) throw std::invalid_argument("FreezingCurve.width = " + talik::asText(value) + ": must be positive, in K");
+                        given["frozenTemperature"] = freezingTemperature - value;
+                        return;
+                }
+                if (!hasParameter(curve, attribute))
                         throw std::invalid_argument(
 			                    "FreezingCurve." + attribute + " = " + talik::asText(value) + ": the curve " + curve + " has none; leave it out");
-                if (parameter != "frozenTemperature") given[parameter] = value;
-                else if (value > 0) given[parameter] = freezingTemperature - value;
-                else throw std::invalid_argument("FreezingCurve.width = " + talik::asText(value) + ": must be positive, in K");
+                given[attribute] = value;
 	};
-	const string prefix = "freezingCurve." + curve + ".";
-	return talik::underScriptNames(
-	        { { (prefix + "scale").c_str(), "FreezingCurve.width" },
-	          { (prefix + "lambda").c_str(), "FreezingCurve.exponent" },
-	          { (prefix + "entryPressure").c_str(), "FreezingCurve.airEntryPressure" },
-	          { prefix.c_str(), "FreezingCurve." },
-	          { "freezingCurve.", "FreezingCurve." },
-	          { "freezingCurve =", "FreezingCurve.curve =" } },
-	        [&] {
-		        pass("width", width);
-		        pass("exponent", exponent);
-		        pass("airEntryPressure", airEntryPressure);
-		        return talik::makeFreezingCurve(curve, given);
-	        });
+	pass("width", width);
+	pass("exponent", exponent);
+	pass("airEntryPressure", airEntryPressure);
+	return talik::makeFreezingCurve(curve, given);
 }
 
 talik::WaterSettings PoreWater::build(Real residualSaturation) const
@@ -230,21 +186,9 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
 	water.picTime = picTime;
 	talik::requireSetting(!(picTime < 0), "PoreWater.picTime", picTime, "must not be negative, in s; inf: none dies out, nan: chosen");
-	talik::underScriptNames(
-	        { { "liquidBulkModulus", "PoreWater.bulkModulus" },
-	          { "iceBulkModulus", "PoreWater.iceBulkModulus" },
-	          { "cavitationPressure", "PoreWater.cavitationPressure" },
-	          { "referenceConductivity", "PoreWater.conductivity" },
-	          { "referencePorosity", "PoreWater.referencePorosity" },
-	          { "relativeConductivity", "PoreWater.relativeConductivity" },
-	          { "impedance", "PoreWater.impedance" },
-	          { "floor", "PoreWater.relativeConductivityFloor" },
-	          { "hydraulicTimeScale", "PoreWater.hydraulicTimeScale" } },
-	        [&] {
-		        water.permeability.law = talik::relativeConductivityFromName(relativeConductivity);
-		        water.state.validate();
-		        water.permeability.validate();
-	        });
+	water.permeability.law = talik::relativeConductivityFromName(relativeConductivity);
+	water.state.validate();
+	water.permeability.validate();
 	water.permeability.hydraulicTimeScale = 1;
 	return water;
 }

@@ -26,9 +26,7 @@ template <int D> SkeletonLaw::Model<D> ElasticSkeleton::model() const
 	auto model          = std::make_shared<talik::ElasticSkeleton<D>>();
 	model->youngModulus = young;
 	model->poissonRatio = poisson;
-	talik::underScriptNames(
-	        { { "ElasticSkeleton.youngModulus", "ElasticSkeleton.young" }, { "ElasticSkeleton.poissonRatio", "ElasticSkeleton.poisson" } },
-	        [&] { model->validate(); });
+	model->validate();
 	return model;
 }
 
@@ -41,16 +39,7 @@ template <int D> SkeletonLaw::Model<D> MohrCoulombSkeleton::model() const
 	TALIK_TAKE_ATTRIBUTES(*model, *this, (cohesion)(cohesionFrozen)(frictionAngle)(dilationAngle)(tensileStrength)(tensileStrengthFrozen))
 	model->iceExponent = exponent;
 	model->table       = { iceSaturations, youngs, cohesions, tensileStrengths };
-	talik::underScriptNames(
-	        { { "MohrCoulombSkeleton.youngModulusFrozen", "MohrCoulombSkeleton.youngFrozen" },
-	          { "MohrCoulombSkeleton.youngModulus", "MohrCoulombSkeleton.young" },
-	          { "MohrCoulombSkeleton.poissonRatio", "MohrCoulombSkeleton.poisson" },
-	          { "MohrCoulombSkeleton.iceExponent", "MohrCoulombSkeleton.exponent" },
-	          { "MohrCoulombSkeleton.table.saturation", "MohrCoulombSkeleton.iceSaturations" },
-	          { "MohrCoulombSkeleton.table.youngModulus", "MohrCoulombSkeleton.youngs" },
-	          { "MohrCoulombSkeleton.table.cohesion", "MohrCoulombSkeleton.cohesions" },
-	          { "MohrCoulombSkeleton.table.tensileStrength", "MohrCoulombSkeleton.tensileStrengths" } },
-	        [&] { model->validate(); });
+	model->validate();
 	return model;
 }
 
@@ -64,11 +53,7 @@ template <int D> SkeletonLaw::Model<D> CreepingSkeleton::model() const
 	model->exponent               = law.exponent;
 	model->rateFactor             = [law](double temperature) { return law.rateFactorAt(temperature); };
 	model->temperatureWithoutHeat = law.referenceTemperature;
-	talik::underScriptNames(
-	        { { "CreepingSkeleton.youngModulus", "CreepingSkeleton.young" },
-	          { "CreepingSkeleton.poissonRatio", "CreepingSkeleton.poisson" },
-	          { "CreepingSkeleton.exponent", "CreepingSkeleton.iceCreep.exponent" } },
-	        [&] { model->validate(); });
+	model->validate();
 	return model;
 }
 
