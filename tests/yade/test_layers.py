@@ -156,7 +156,7 @@ materials = {
 	"number too high": (dict(materials=[Material(), Material()]), 2, "material = 2: must be an index into the list of materials, 0 to 1"),
 	"half a number": (dict(materials=[Material(), Material()]), 0.5, "material is 0.5: give the name or number"),
 	"unknown name": (dict(materials=[Material(name="silt")]), "clay", "material is 'clay', and MpmEngine.materials has only silt"),
-	"other ice": (dict(materials=[Material(), Material(iceDensity=900)]), 1, "ice.density = 900: must be that of materials"),
+	"other ice": (dict(materials=[Material(), Material(iceDensity=900)]), 1, "iceDensity = 900: must be that of materials"),
 	"thaw strain above porosity": (dict(materials=[Material(thawStrain=0.5)]), 0, "porosity = 0.4: must exceed the thawStrain of its material, 0.5"),
 	"thaw strain without ice": (dict(materials=[Material(thawStrain=0.3)], freezing=None), 0, "thawStrain = 0.3: ground that does not freeze"),
 	"thaw strain without gravity": (dict(materials=[Material(thawStrain=0.3)], gravity=(0, 0)), 0, "thawStrain = 0.3: acts along gravity"),
