@@ -125,7 +125,7 @@ ensureBuilt() {
 	if [ ! -f "$build/CMakeCache.txt" ] || [ ! -f "$build/Makefile" ]; then
 		note "Building Talik for the first time (a few minutes) ..."
 		quietly "cmake" "$build/configure.log" cmake -S "$root" -B "$build" -G "Unix Makefiles" -DCMAKE_BUILD_TYPE=Release \
-			$(compilerLauncher)
+			$(compilerLauncher) ${TALIK_WARNINGS_ARE_ERRORS:+-DTALIK_WARNINGS_ARE_ERRORS=ON}
 	fi
 	showingProgress "the build" "$build/build.log" cmake --build "$build" -j "$(nproc)" "${target[@]}"
 	tellWarnings "$build/build.log"
@@ -134,14 +134,8 @@ ensureBuilt() {
 tellWarnings() {
 	local number
 	number=$(grep -c 'warning:' "$1" || true)
-	rm -f "$build/warnings.log"
-	[ "$number" != 0 ] || return 0
-	cp "$1" "$build/warnings.log" # the next build empties the other one
-	note "Warnings of the compiler: $number; they are in $build/warnings.log"
+	[ "$number" = 0 ] || note "Warnings of the compiler: $number; they are in $1"
 }
-
-# Fails where the last build compiled something that the compiler warns of.
-refuseWarnings() { [ ! -f "$build/warnings.log" ] || fail "the compiler warns of what it has compiled: see $build/warnings.log, and mend it"; }
 
 # Packages, the right YADE, and an up-to-date build.
 ensureReady() {

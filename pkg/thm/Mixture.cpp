@@ -62,7 +62,8 @@ void MixtureProperties::validate() const
 	validatePhase(liquid, "liquid");
 	requireSetting(ice.density <= liquid.density, "GroundMaterial.iceDensity", ice.density, "must not exceed liquidDensity");
 	requireSetting(
-	        ice.specificHeat <= liquid.specificHeat, "ice.specificHeat", ice.specificHeat, "must not exceed liquid.specificHeat, or H(T) is not monotone");
+	        ice.specificHeat <= liquid.specificHeat, "GroundMaterial.iceSpecificHeat", ice.specificHeat,
+	        "must not exceed liquidSpecificHeat, or H(T) is not monotone");
 	requireSetting(std::isfinite(latentHeat) && latentHeat > 0.0, "GroundMaterial.latentHeat", latentHeat, "must be positive, in J/kg (water: 334e3)");
 	requireSetting(
 	        std::isfinite(referenceTemperature) && std::abs(referenceTemperature) < 100.0, "referenceTemperature", referenceTemperature,

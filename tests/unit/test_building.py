@@ -19,15 +19,15 @@ compiling = "for k in 4 8 11 35 38 72 100; do printf '[%3d%%] Building CXX objec
 def built(tmp_path):
 	"""Runs ensureBuilt in a folder of its own: (status, what was said)."""
 
-	def run(build=compiling, launcher=False, then=":"):
+	def run(build=compiling, launcher=False, environment={}):
 		programs = tmp_path / "bin"
 		programs.mkdir(exist_ok=True)
 		for name, text in {"cmake": cmake.format(build=build, root=root), "ccache": "#!/bin/sh\n"}.items():
 			(programs / name).write_text(text)
 			(programs / name).chmod(0o755 if name == "cmake" or launcher else 0o644)
-		environment = {**os.environ, "PATH": f"{programs}:/usr/bin:/bin", "TALIK_BUILD": str(tmp_path / "build")}
-		script = f"set -euo pipefail; source {root}/scripts/common.sh; ensureBuilt; {then}"
-		done = subprocess.run(["bash", "-c", script], env=environment, capture_output=True, text=True, timeout=60)
+		inside = {**os.environ, **environment, "PATH": f"{programs}:/usr/bin:/bin", "TALIK_BUILD": str(tmp_path / "build")}
+		script = f"set -euo pipefail; source {root}/scripts/common.sh; ensureBuilt"
+		done = subprocess.run(["bash", "-c", script], env=inside, capture_output=True, text=True, timeout=60)
 		return done.returncode, done.stderr
 
 	return run
@@ -73,14 +73,21 @@ def test_a_build_that_fails_shows_its_end_and_names_its_log(built, tmp_path):
 	assert status == 1 and "x.cpp:3: error: no such name" in said and f"the build failed; everything it said is in {tmp_path}/build/build.log" in said
 
 
-def test_the_tests_fail_where_the_compiler_warns(built, tmp_path):
-	warning = "echo 'x.cpp:3:5: warning: unused variable [-Wunused-variable]'"
-	status, said = built(build=warning, then="refuseWarnings")
-	print(said)
-	assert status == 1 and f"the compiler warns of what it has compiled: see {tmp_path}/build/warnings.log" in said
-	assert "unused variable" in (tmp_path / "build" / "warnings.log").read_text()
-	assert built(then="refuseWarnings")[0] == 0
-	assert (root / "scripts/test").read_text().splitlines()[-2:] == ["refuseWarnings", "exit $status"]
+def test_a_compile_that_warns_fails_the_build_of_the_fresh_clone(built, tmp_path):
+	status, _ = built(environment={"TALIK_WARNINGS_ARE_ERRORS": "1"})
+	asked = (tmp_path / "build" / "asked").read_text()
+	assert status == 0 and "-DTALIK_WARNINGS_ARE_ERRORS=ON" in asked and "TALIK_WARNINGS_ARE_ERRORS=1" in (root / ".ci/run").read_text()
+	project = tmp_path / "project"
+	project.mkdir()
+	(project / "warns.cpp").write_text("int main() { int unused; }\n")
+	flags = next(line for line in (root / "CMakeLists.txt").read_text().splitlines() if line.startswith("add_compile_options(-Wall"))
+	given = "cmake_minimum_required(VERSION 3.16)\nproject(warns CXX)\n" + flags + "\nadd_executable(warns warns.cpp)\n"
+	(project / "CMakeLists.txt").write_text(given)
+	for value, wanted in (("ON", False), ("OFF", True)):
+		subprocess.run(["cmake", "-S", project, "-B", project / value, f"-DTALIK_WARNINGS_ARE_ERRORS={value}"], check=True, capture_output=True)
+		done = subprocess.run(["cmake", "--build", project / value], capture_output=True, text=True)
+		print(f"warnings are errors {value}: {done.returncode}")
+		assert "unused variable" in done.stdout + done.stderr and (done.returncode == 0) == wanted
 
 
 def test_where_ccache_is_installed_it_compiles(built, tmp_path):
@@ -92,7 +99,7 @@ def test_a_build_tells_how_often_the_compiler_warned(built, tmp_path):
 	warning = "x.cpp:3: warning: unused variable"
 	status, said = built(build=f"{compiling}; echo '{warning}'; echo '{warning}' >&2")
 	print(said)
-	assert status == 0 and said.splitlines()[-1] == f"Warnings of the compiler: 2; they are in {tmp_path}/build/warnings.log"
+	assert status == 0 and said.splitlines()[-1] == f"Warnings of the compiler: 2; they are in {tmp_path}/build/build.log"
 
 
 def test_run_takes_a_script_of_the_users_with_its_arguments(tmp_path):

@@ -197,7 +197,7 @@ template <int D> std::string ThawedCompression<D>::fault(const std::string& law,
 	const SoilMaterial& soil = settings_->materials[points_->material(p)];
 	std::ostringstream  text;
 	text.precision(4);
-	text << "materials[" << points_->material(p) << "].";
+	text << "MpmEngine.materials[" << points_->material(p) << "].";
 	if (soil.compression.compressibility > 0.0 && soil.compression.compressibility * thawedModulus_[p] <= 1.0) {
 		text << "compressibility = " << soil.compression.compressibility << ": " << law << ", the law of these points, alone strains by "
 		     << 1.0 / thawedModulus_[p] << " per Pa when it is thawed; give a stiffer law, which the compressibility makes softer, or leave it 0";

@@ -122,7 +122,7 @@ template <int D> void MohrCoulombSkeleton<D>::validate() const
 	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, name("young"), youngModulus, "must be positive, in Pa");
 	requireSetting(
 	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus, name("youngFrozen"), youngModulusFrozen,
-	        "must not be below youngModulus, in Pa");
+	        "must not be below young, in Pa");
 	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, name("poisson"), poissonRatio, "must lie in (-1, 0.5)");
 	requireSetting(std::isfinite(cohesion) && cohesion >= 0.0, name("cohesion"), cohesion, "must not be negative, in Pa");
 	requireSetting(std::isfinite(cohesionFrozen) && cohesionFrozen >= 0.0, name("cohesionFrozen"), cohesionFrozen, "must not be negative, in Pa");

@@ -150,7 +150,10 @@ talik::FreezingCurvePtr FreezingCurve::build() const
 	const auto             pass = [&](const string& attribute, Real value) {
                 if (std::isnan(value)) return;
                 if (attribute == "width" && curve == "linear") { // whose parameter is the end of that width
-                        if (!(value > 0)) throw std::invalid_argument("FreezingCurve.width = " + talik::asText(value) + ": must be positive, in K");
+                        if (!(value >= 1e-9 && value < 100))
+                                throw std::invalid_argument(
+				                    "FreezingCurve.width = " + talik::asText(value)
+				                    + ": must be positive and below 100, in K (for a jump choose the curve sharp)");
                         given["frozenTemperature"] = freezingTemperature - value;
                         return;
                 }

@@ -50,7 +50,11 @@ std::uint64_t DeviceMemory::take(const PlaceLayout& layout)
 	return place;
 }
 
-void DeviceMemory::giveBack(const PlaceLayout& layout, std::uint64_t place) { free[sizeOf(layout)].push_back(place); }
+void DeviceMemory::giveBack(const PlaceLayout& layout, std::uint64_t place)
+{
+	const std::lock_guard<std::mutex> alone(giving);
+	free[sizeOf(layout)].push_back(place);
+}
 
 std::uint64_t DeviceMemory::buffer(std::size_t which, std::size_t bytes)
 {

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <set>
 #include <string>
@@ -28,7 +29,7 @@ public:
 	static std::size_t sizeOf(const PlaceLayout& l) { return (std::size_t(l.bytes) + sizeStep - 1) / sizeStep * sizeStep; }
 	/// So many free places of this size, or as many as there is memory for.
 	void reserve(std::size_t size, std::size_t wanted);
-	/// 0: there is none.
+	/// 0: there is none. Taken by one thread; places are given back by any.
 	std::uint64_t take(const PlaceLayout&);
 	void          giveBack(const PlaceLayout&, std::uint64_t place);
 
@@ -49,6 +50,7 @@ private:
 	std::set<std::string>                             said;
 	bool                                              failed = false;
 	std::map<std::size_t, std::vector<std::uint64_t>> free; ///< by size
+	std::mutex                                        giving;
 	std::vector<std::uint64_t>                        pieces;
 	std::vector<Buffer>                               buffers;
 };

@@ -64,6 +64,7 @@ template <int Dim> bool SampleOnDevice<Dim>::fetch(std::vector<unsigned char>& b
 		return true;
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
+		bytes.clear();
 		return false;
 	}
 }
@@ -96,6 +97,14 @@ template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::co
 	return base;
 }
 
+template <int Dim>
+typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::broughtHome(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
+{
+	const std::lock_guard<std::mutex> alone(settling);
+	if (since.empty()) return base;
+	return bytes.empty() ? computedAgain(workspace) : settled(workspace, bytes);
+}
+
 template <int Dim> double SampleOnDevice<Dim>::longestTimeStep() const
 {
 	thread_local std::vector<double> radii; // its memory is kept
@@ -106,10 +115,14 @@ template <int Dim> double SampleOnDevice<Dim>::longestTimeStep() const
 
 template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::home()
 {
-	if (since.empty()) return base;
+	{
+		const std::lock_guard<std::mutex> alone(settling);
+		if (since.empty()) return base;
+	}
 	const auto                 workspace = newWorkspace<Dim>();
 	std::vector<unsigned char> bytes;
-	return fetch(bytes) ? settled(*workspace, bytes) : computedAgain(*workspace);
+	fetch(bytes);
+	return broughtHome(*workspace, bytes);
 }
 
 // ---------------------------------------------------------------------------------------------- begin
@@ -348,8 +361,7 @@ template <int Dim> void SamplesOnDevice<Dim>::leaveToProcessor(Task& task, Worke
 	task.stage = Task::processor;
 	if (!task.away) return;
 	SampleOnDevice<Dim>& away = *task.away;
-	if (away.since.empty()) task.home = away.base;
-	else task.home = task.bytes.empty() ? away.computedAgain(worker.ready()) : away.settled(worker.ready(), task.bytes);
+	task.home                 = away.broughtHome(worker.ready(), task.bytes);
 	task.away.reset();
 }
 

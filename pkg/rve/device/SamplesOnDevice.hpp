@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -37,9 +38,11 @@ private:
 		double                            iceSaturation;
 		PackedUpdateOptions               options;
 	};
-	double  longestTimeStep() const;                        ///< as PackedWorkspace has it, of now
-	bool    fetch(std::vector<unsigned char>& bytes) const; ///< false where the device does not know it any more
-	void    takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
+	double longestTimeStep() const;                        ///< as PackedWorkspace has it, of now
+	bool   fetch(std::vector<unsigned char>& bytes) const; ///< false where the device does not know it any more
+	void   takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
+	/// The state of now, from the bytes of its place or computed again where there are none. Samples that shared a state may ask at once.
+	Compact broughtHome(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
 	Compact settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
 	Compact computedAgain(PackedWorkspace<Dim>& workspace);
 
@@ -52,7 +55,8 @@ private:
 	SampleCall                          common {}; ///< what its calls have in common
 	double                              meanRadius = 0;
 	std::shared_ptr<const PackedGrains> grains;
-	std::uint64_t                       place   = 0;     ///< 0: none yet
+	std::uint64_t                       place = 0; ///< 0: none yet
+	std::mutex                          settling;
 	bool                                spoiled = false; ///< the device holds another state than that of now
 };
 
