@@ -4,6 +4,8 @@
 // Closed-form and independently integrated solutions that the solver is measured against. Nothing here uses the code of
 // pkg/: material laws that a solution needs are passed in as functions.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -253,6 +255,58 @@ struct MorgensternNixon {
 		const double meanErf = std::erf(r) + (std::exp(-r * r) - 1.0) / (r * std::sqrt(pi));
 		return 1.0 - meanErf / (std::erf(r) + std::exp(-r * r) / (std::sqrt(pi) * r));
 	}
+};
+
+/// The same for a front that moves in any way, from the similarity solution at its first depth: finite volumes in depth over X, implicit in time.
+/// What thaws brings the load P: d/dt of the integral of u over X is P dX/dt less what leaves through the drained surface. u over P.
+class ThawConsolidation {
+public:
+	ThawConsolidation(double consolidation, double depth, const MorgensternNixon& start)
+	        : consolidation_(consolidation)
+	        , depth_(depth)
+	{
+		for (int i = 0; i < cells; ++i)
+			u_[i] = start.pressure((i + 0.5) / cells);
+	}
+	/// The front goes to a depth within dt.
+	void advance(double depth, double dt)
+	{
+		const double              speed = (depth - depth_) / dt, conducts = consolidation_ / depth * cells, per = dt * cells;
+		std::array<double, cells> lower {}, middle {}, upper {};
+		for (int i = 0; i < cells; ++i) {
+			u_[i] *= depth_;
+			middle[i] = depth;
+		}
+		for (int i = 0; i + 1 < cells; ++i) { // faces within
+			const double moved = 0.5 * speed * (i + 1) / cells;
+			middle[i] -= per * (moved - conducts);
+			upper[i] -= per * (moved + conducts);
+			middle[i + 1] += per * (moved + conducts);
+			lower[i + 1] += per * (moved - conducts);
+		}
+		middle[0] += per * 2.0 * conducts;
+		u_[cells - 1] += per * speed;
+		for (int i = 1; i < cells; ++i) {
+			const double part = lower[i] / middle[i - 1];
+			middle[i] -= part * upper[i - 1];
+			u_[i] -= part * u_[i - 1];
+		}
+		for (int i = cells - 1; i >= 0; --i)
+			u_[i] = (u_[i] - (i + 1 < cells ? upper[i] * u_[i + 1] : 0.0)) / middle[i];
+		depth_ = depth;
+	}
+	/// At depth over front.
+	double pressure(double place) const
+	{
+		const double at = std::min(std::max(place * cells - 0.5, 0.0), cells - 1.001);
+		const int    i  = int(at);
+		return u_[i] + (at - i) * (u_[i + 1] - u_[i]);
+	}
+
+private:
+	static constexpr int      cells = 200;
+	double                    consolidation_, depth_;
+	std::array<double, cells> u_ {};
 };
 
 // ---- dynamics -------------------------------------------------------------------------------------------------------------

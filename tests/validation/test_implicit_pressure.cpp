@@ -218,6 +218,127 @@ TEST(ImplicitPressure, WaterThatFreezesAndThawsInASealedBoxIsKept)
 	expectSmall("implicit pressure, freezing in a sealed box: largest pressure [MPa]", 1e-6 * largestSize(valuesOf(ground, "pressure")), 1.0);
 }
 
+namespace {
+
+constexpr double frozenAt = -0.2, warm = 10.0;
+
+/// Thaw depth over the square root of time, with a linear freezing curve down to -0.1 degC [m/s^0.5].
+double frontPerRoot(const MixtureProperties& m, const FreezingCurve& curve)
+{
+	const reference::SimilarityFront front(
+	        [&](double t) { return m.conductivity(VolumeFractions::of(porosity, curve.liquidSaturation(t))); },
+	        [&](double t) {
+		        return m.heatCapacity(VolumeFractions::of(porosity, curve.liquidSaturation(t))) + porosity * 910.0 * m.latentHeat * curve.derivative(t);
+	        },
+	        warm, frozenAt, 4e-3, 40000);
+	return front.integralOf([&](double t) { return curve.liquidSaturation(t); }) / 0.95;
+}
+
+double thawDepth(const Ground<2>& ground)
+{
+	const auto ice = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume");
+	double     sum = 0.0;
+	for (std::size_t k = 0; k < ice.size(); ++k)
+		sum += (1.0 - ice[k] / 0.95) * volume[k] / ground.settings().gridSpacing;
+	return sum;
+}
+
+/// Errors of the excess pressure behind a front while it goes from 0.3 to 0.6 of the height, over the load: of the cells from 0.1 to 0.8 of the thawed
+/// depth; and over the pressure that is due, at 0.4 of that depth: mean and scatter in time.
+struct ThawErrors {
+	double ofProfile, mean, scatter;
+};
+
+ThawErrors thawUnderLoad(double ratio, int cells)
+{
+	auto s                        = loadedColumn(1e-4, 2.2e9, cells);
+	s.water->state.densityChange  = false; // as in the theory
+	s.water->state.iceBulkModulus = s.water->state.liquidBulkModulus;
+	s.water->hydraulicTimeScale   = 1.0;
+	s.heat.emplace();
+	s.freezing                 = makeFreezingCurve("linear", { { "frozenTemperature", -0.1 } });
+	const double consolidation = 1e-4 / 9810.0 / (1.0 / oedometer + porosity / 2.2e9), perRoot = frontPerRoot(s.mixture, *s.freezing);
+	s.heat->thermalTimeScale = std::pow(2.0 * ratio * std::sqrt(consolidation) / perRoot, 2);
+	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), warm);
+	Ground<2> ground(s);
+	fillBox(ground, { 0.0, 0.0 }, { s.gridSpacing, 1.0 }, [](PointInput<2>& p) {
+		p.porosity    = porosity;
+		p.temperature = frozenAt;
+		p.pressure    = load;
+	});
+	ground.initialise();
+	const double end = std::pow(0.6 / (2.0 * ratio), 2) / consolidation;
+	marchTo(ground, 0.1 * end);
+	double                       last = ground.time(), squares = 0.0, sum = 0.0, square = 0.0;
+	reference::ThawConsolidation exact(consolidation, thawDepth(ground), { 0.5 * thawDepth(ground) / std::sqrt(consolidation * last) });
+	long                         compared = 0, looks = 0, step = 0;
+	marchTo(ground, end, 1e300, [&] {
+		if (++step % 20) return;
+		const double depth = thawDepth(ground);
+		exact.advance(depth, ground.time() - last);
+		last = ground.time();
+		if (last < 0.25 * end) return;
+		const auto found = cellPressures(ground, cells);
+		for (int k = 0; k < cells; ++k) {
+			const double x = (1.0 - (k + 0.5) / cells) / depth;
+			if (x < 0.1 || x > 0.8) continue;
+			squares += std::pow(found[k] / load - exact.pressure(x), 2);
+			++compared;
+		}
+		const double at   = (1.0 - 0.4 * depth) * cells - 0.5;
+		const int    cell = int(at);
+		const double off  = (found[cell] + (at - cell) * (found[cell + 1] - found[cell])) / (load * exact.pressure(0.4)) - 1.0;
+		sum += off;
+		square += off * off;
+		++looks;
+	});
+	return { std::sqrt(squares / compared), sum / looks, std::sqrt(square / looks - sum * sum / looks / looks) };
+}
+
+void expectThawConsolidation(double ratio, int cells, double allowedScatter)
+{
+	citing("Morgenstern & Nixon 1971, R set by f_T");
+	const ThawErrors found = thawUnderLoad(ratio, cells);
+	char             name[100];
+	std::snprintf(name, sizeof name, "implicit pressure, Morgenstern-Nixon R = %.2f, %d cells: ", ratio, cells);
+	const double atFront = reference::MorgensternNixon { ratio }.atThawLine();
+	std::printf("rms of u over its value at the thaw line: %.3f\n", found.ofProfile / atFront);
+	expectSmall(name + std::string("rms of u/P0 within the thawed layer"), found.ofProfile, 1e-2);
+	expectScaled(name + std::string("mean in time of u over exact at 0.4 X"), 1.0 + found.mean, 1.0, 1.0, 3e-2);
+	expectSmall(name + std::string("scatter in time of u over exact at 0.4 X"), found.scatter, allowedScatter);
+}
+
+} // namespace
+
+TEST(ImplicitPressure, ReferenceOfThawConsolidationKeepsTheSimilaritySolution)
+{
+	citing("Morgenstern & Nixon 1971");
+	for (const double ratio : { 0.2, 1.0 }) {
+		const reference::MorgensternNixon similar { ratio };
+		reference::ThawConsolidation      moving(1.0, 0.3, similar);
+		for (int k = 1; k <= 2000; ++k) { // X^2 = 4 R^2 t
+			const double square = 0.09 + k * (0.36 - 0.09) / 2000;
+			moving.advance(std::sqrt(square), (0.36 - 0.09) / 2000 / (4.0 * ratio * ratio));
+		}
+		char name[80];
+		std::snprintf(name, sizeof name, "reference of thaw consolidation, R = %.1f: u/P0 at 0.5 X", ratio);
+		expectScaled(name, moving.pressure(0.5), similar.pressure(0.5), similar.atThawLine(), 5e-3);
+	}
+}
+
+TEST(ImplicitPressure, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixon)
+{
+	for (const double ratio : { 0.5, 1.0 })
+		expectThawConsolidation(ratio, 12, 3e-2);
+}
+
+// A cell that thaws lets the whole load go, of which a slow front leaves but a few hundredths: what scatters is how evenly heat melts the cells
+TEST(ImplicitPressure, PressureBehindASlowThawFrontIsSteadyInTime_slow)
+{
+	expectThawConsolidation(0.2, 12, 0.1);
+	expectThawConsolidation(0.25, 20, 5e-2);
+}
+
 TEST(ImplicitPressure, HasTheSameBitsWithAnyThreads)
 {
 	const auto run = [](int threads) {

@@ -91,6 +91,10 @@ void ImplicitPressure<D>::addContent(
 		const double opens = mass * mass / water.drag[p];
 		c.open += opens;
 		c.opensWell += opens * opens / volume[p];
+		if (content.iceMass) {
+			c.ice += content.iceMass[p];
+			c.thawed += content.iceMass[p] > 0.0 ? volume[p] * content.thawedOpening(p) : opens;
+		}
 		c.excess += excess;
 		c.compliance += compliance;
 		c.pressure += volume[p] * water.pressure[p];
@@ -164,8 +168,61 @@ template <int D> double ImplicitPressure<D>::carriedAt(const Grid<D>& grid, int 
 /// but its own thickness to go.
 template <int D> double ImplicitPressure<D>::wayFrom(const Cell& cell, const Cell& neighbour)
 {
+	if (cell.part > 0.0 && (cell.part == 1.0 || neighbour.ice == 0.0 || neighbour.part == 1.0)) return cell.layer;
 	if (neighbour.mobility < cell.mobility) return cell.mobility;
 	return cell.mobility < PoreWater<D>::tight * neighbour.mobility ? cell.layer : cell.open;
+}
+
+/// The cell so many further along an axis, if it holds water; else -1.
+template <int D> int ImplicitPressure<D>::wetCell(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int by) const
+{
+	const int  place = placeOf(grid, cell, axis) + by, other = cell + by * grid.cellStride(axis);
+	const bool inside = place >= 0 && place < grid.cells(axis) && other >= range.firstCell && other < range.lastCell;
+	return inside && cells_[other].state != none ? other : -1;
+}
+
+/// Part of a cell that the thawed layer takes whose ground lies in front of it along an axis, and frozen ground behind it. A front melts points of the
+/// cell behind it, too, because nodes are warmed on both sides of it: what has melted in both is a layer that begins at the thawed ground. So the
+/// front goes on evenly, and passes from cell to cell without a jump.
+template <int D> double ImplicitPressure<D>::thawedPart(const Grid<D>& grid, const ActiveRange& range, int c, int axis, int side) const
+{
+	const auto next       = [&](int by) { return wetCell(grid, range, c, axis, by * side); };
+	const auto liquidPart = [&](int at) { return cells_[at].liquidMass / (cells_[at].liquidMass + cells_[at].ice); };
+	const int  before = next(1), behind = next(-1);
+	if (before < 0 || behind < 0 || liquidPart(behind) >= liquidPart(c)) return 0.0;
+	if (cells_[before].ice == 0.0) {
+		const double frozen = std::min(liquidPart(behind), next(-2) >= 0 ? liquidPart(next(-2)) : 1.0);
+		return std::min(1.0, (liquidPart(c) + liquidPart(behind) - 2.0 * frozen) / (1.0 - frozen));
+	}
+	if (next(2) < 0 || cells_[next(2)].ice > 0.0 || liquidPart(before) <= liquidPart(c)) return 0.0;
+	const double frozen = liquidPart(behind);
+	return std::max(0.0, (liquidPart(c) + liquidPart(before) - 2.0 * frozen) / (1.0 - frozen) - 1.0);
+}
+
+/// Cells that a thaw front passes, and the pressure of their thawed layer, eq. (7.6).
+template <int D> void ImplicitPressure<D>::findLayers(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			Cell& cell = cells_[c];
+			if (cell.state == none || cell.ice == 0.0) continue;
+			double frozenPressure = 0.0, lowest = cell.pressure;
+			for (int a = 0; a < D; ++a)
+				for (const int side : { -1, 1 }) {
+					const double weight = side * water.weight[a] * spacing_;
+					if (const int before = wetCell(grid, range, c, a, side); before >= 0)
+						lowest = std::min(lowest, cells_[before].pressure - weight);
+					const double part = thawedPart(grid, range, c, a, side);
+					if (part <= cell.part) continue;
+					cell.part      = part;
+					frozenPressure = cells_[c - side * grid.cellStride(a)].pressure + weight;
+				}
+			if (cell.part == 0.0) continue;
+			cell.layer           = cell.thawed / cell.part;
+			const double inLayer = (cell.pressure - (1.0 - cell.part) * frozenPressure) / cell.part;
+			cell.drivingExcess   = frozenPressure <= cell.pressure ? 0.0 : std::max(lowest, inLayer) - cell.pressure;
+		}
+	});
 }
 
 template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
@@ -204,7 +261,8 @@ void ImplicitPressure<D>::beginFlow(
 			const double part = cell.open * cell.open / (cell.volume * cell.opensWell);
 			cell.open /= liquidDensity * liquidDensity * cell.volume;
 			cell.layer = cell.open / (part * part);
-			cell.fill  = std::min(1.0, cell.volume / cellVolume_);
+			cell.thawed /= liquidDensity * liquidDensity * cell.volume;
+			cell.fill = std::min(1.0, cell.volume / cellVolume_);
 			cell.pressure /= cell.volume;
 			cell.height /= cell.liquidMass;
 			cell.lowest        = lowest;
@@ -213,6 +271,7 @@ void ImplicitPressure<D>::beginFlow(
 			cell.base          = cell.state == cavitated ? lowest : cell.pressure;
 		}
 	});
+	findLayers(grid, range, water);
 	findCarried(range, motion, dt);
 	findFaces(grid, range);
 	exposed_.clear();

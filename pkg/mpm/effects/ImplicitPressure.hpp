@@ -61,6 +61,9 @@ private:
 		double liquidMass, drag, excess, compliance, pressure, height, warmth, carried[D];
 		double open, opensWell; ///< sum V times the mobility of each point, of layers beside each other; and times its square
 		double layer;           ///< mobility of the way out of a layer that is open
+		double ice;             ///< [kg]
+		double thawed;          ///< as open, with all ice melted
+		double part;            ///< of it that has thawed as a layer on one side, see thawedPart(); 0: none
 		double volume, mobility, fill, base, drivingExcess; ///< base: pressure from which x counts [Pa]
 		double lowest;                                      ///< cavitation pressure [Pa]
 		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
@@ -82,6 +85,9 @@ private:
 		return placeOf(grid, cell, axis) + 1 < grid.cells(axis) && cell + grid.cellStride(axis) < range.lastCell;
 	}
 	static double wayFrom(const Cell& cell, const Cell& neighbour);
+	int           wetCell(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int by) const;
+	double        thawedPart(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
+	void          findLayers(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water);
 	void          findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt);
 	void          findFaces(const Grid<D>& grid, const ActiveRange& range);
 	double        carriedAt(const Grid<D>& grid, int cell, int axis) const;

@@ -92,6 +92,12 @@ public:
 	const MixtureProperties& mixture(int place) const { return of(place).mixture; }
 	/// Seepage follows slow processes that run f times as fast as motion, in each material as far as its conductivity lets it.
 	void useScale(PoreWater<D>& water, double f);
+	/// m_l^2/(V Q) of a point as it will be when all of its ice has melted: k rho_l/g [kg s/m^3].
+	double thawedOpening(int place) const
+	{
+		const Material& m = of(place);
+		return m.seepageScale * m.permeability.conductivity(porosity[place], 1.0) * m.mixture.liquid.density / Permeability::gravity;
+	}
 	/// f_H in force at a point [-].
 	double seepageScale(int place) const { return of(place).seepageScale; }
 	double smallestReferencePorosity() const;
