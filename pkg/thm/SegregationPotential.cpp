@@ -35,21 +35,37 @@ SegregationPotential::SegregationPotential(
         , suction_(mixture.latentHeat / (gravity * kelvin))
 {
 	if (settings.isGiven()) return;
-	const int  count     = int(std::lround(lowest / step));
-	const auto resistsAt = [&](double depth) {
-		const double t = curve.freezingTemperature() - depth;
-		return 1.0 / permeability.conductivity(permeability.referencePorosity, curve.liquidSaturation(t));
+	const int  count = int(std::lround(lowest / step));
+	const auto at    = [&](double depth) {
+                const double liquid = curve.liquidSaturation(curve.freezingTemperature() - depth), ice = 1.0 - liquid;
+                const double resistivity = 1.0 / permeability.conductivity(permeability.referencePorosity, liquid);
+                return Fringe { resistivity, ice * resistivity, ice * ice * resistivity };
 	};
-	resistance_.assign(1, 0.0);
-	for (int i = 0; i < count; ++i) // Simpson
-		resistance_.push_back(resistance_.back() + step / 6.0 * (resistsAt(i * step) + 4.0 * resistsAt((i + 0.5) * step) + resistsAt((i + 1) * step)));
+	fringes_.assign(1, {});
+	for (int i = 0; i < count; ++i) {
+		const Fringe first = at(i * step), middle = at((i + 0.5) * step), last = at((i + 1) * step);
+		const auto   next = [&](double Fringe::*of) { return fringes_.back().*of + step / 6.0 * (first.*of + 4.0 * middle.*of + last.*of); }; // Simpson
+		fringes_.push_back({ next(&Fringe::resistance), next(&Fringe::withIce), next(&Fringe::withIceSquared) });
+	}
 }
 
-double SegregationPotential::resistance(double depth) const
+SegregationPotential::Fringe SegregationPotential::fringe(double depth) const
 {
-	const double at    = depth / step;
-	const int    below = std::clamp(int(at), 0, int(resistance_.size()) - 2);
-	return resistance_[below] + (at - below) * (resistance_[below + 1] - resistance_[below]);
+	const double  at    = depth / step;
+	const int     below = std::clamp(int(at), 0, int(fringes_.size()) - 2);
+	const Fringe &a = fringes_[below], &b = fringes_[below + 1];
+	const double  part = at - below;
+	return { a.resistance + part * (b.resistance - a.resistance), a.withIce + part * (b.withIce - a.withIce),
+		 a.withIceSquared + part * (b.withIceSquared - a.withIceSquared) };
+}
+
+/// Eq. (26.3b), of second order in the scatter of the gradient.
+double SegregationPotential::resistance(double depth, const Gradient& g) const
+{
+	const Fringe f   = fringe(depth);
+	const double ice = f.withIce / f.resistance, scatter = std::max(0.0, f.withIceSquared / f.resistance - ice * ice);
+	const double mean = g.ofNoIce + g.perIce * ice;
+	return f.resistance / mean * (1.0 + g.perIce * g.perIce * scatter / (mean * mean));
 }
 
 /// Clapeyron's equation with both pressures: the water at a lens under the load p_i has p_l/rho_l = p_i/rho_i + L T/T_0.
@@ -60,10 +76,10 @@ double SegregationPotential::heavingPressure(double coldest, double pressure) co
 	return iceDensity_ * gravity * (-suction_ * coldest + pressure / (liquidDensity_ * gravity));
 }
 
-double SegregationPotential::largestIntake(double head, double perGradient, double more, double coldest) const
+SegregationPotential::Intake SegregationPotential::largestIntake(double head, const Gradient& gradient, double more, double coldest) const
 {
 	const double end     = std::min(-coldest, lowest);
-	const auto   through = [&](double depth) { return (suction_ * depth - head) / (resistance(depth) * perGradient + more); };
+	const auto   through = [&](double depth) { return (suction_ * depth - head) / (resistance(depth, gradient) + more); };
 	// eq. (26.2): an affine function over a convex one has one maximum
 	int low = 0, high = int(end / step);
 	while (high - low > 1) {
@@ -71,33 +87,43 @@ double SegregationPotential::largestIntake(double head, double perGradient, doub
 		if (through((middle + 1) * step) > through(middle * step)) low = middle;
 		else high = middle;
 	}
-	return std::max({ 0.0, low > 0 ? through(low * step) : 0.0, high > 0 ? through(high * step) : 0.0, through(end) });
+	Intake best { 0.0, 0.0 };
+	for (const double depth : { low * step, high * step, end })
+		if (depth > 0.0 && through(depth) > best.water) best = { through(depth), -depth };
+	return best;
 }
 
 double SegregationPotential::potential(double load, double pressure, double coldest) const
 {
 	if (settings_.isGiven()) return settings_.potential * std::exp(-settings_.pressureDecay * std::max(0.0, load - pressure));
-	return largestIntake(headOf(load, pressure), 1.0, 0.0, coldest);
+	return largestIntake(headOf(load, pressure), { 1.0, 0.0 }, 0.0, coldest).water;
 }
 
-double SegregationPotential::intake(const Front& f) const
+SegregationPotential::Intake SegregationPotential::intake(const Front& f) const
 {
-	if (!(f.gradient > 0.0) || !(f.coldest < 0.0)) return 0.0;
-	if (settings_.isGiven()) return f.gradient * potential(f.load, f.pressure);
+	if (!(f.gradient > 0.0) || !(f.coldest < 0.0)) return { 0.0, 0.0 };
+	if (settings_.isGiven()) return { f.gradient * potential(f.load, f.pressure), 0.0 };
 	const double head = headOf(f.load, f.pressure) + f.rise, more = f.distance / conductivity_;
-	const auto   drawn = [&](double gradient) { return gradient > 0.0 ? largestIntake(head, 1.0 / gradient, more, f.coldest) : 0.0; };
-	// eq. (26.3): what freezes at the lens gives off heat, so that the gradient in the fringe is smaller than that behind it
 	const double heat = liquidDensity_ * latentHeat_ / f.conductivity;
-	double       low = 0.0, high = f.gradient / heat;
-	double       left = drawn(f.gradient), right = -high;
-	if (!(left > 0.0)) return 0.0;
+	Intake       best {};
+	const auto   drawn = [&](double q) {
+                const double behind = f.gradient - heat * q;
+                if (!(behind > 0.0)) return 0.0;
+                // eq. (26.3a): what freezes in the fringe gives off heat
+                best = largestIntake(head, { f.unfrozen, (behind - f.unfrozen) / f.ice }, more, f.coldest);
+                return best.water;
+	};
+	// eq. (26.3): what freezes at the lens gives off heat, so that the gradient in the fringe is smaller than that behind it
+	double low = 0.0, high = f.gradient / heat;
+	double left = drawn(0.0), right = -high;
+	if (!(left > 0.0)) return { 0.0, 0.0 };
 	for (int k = 0; k < 60 && high - low > 1e-9 * high; ++k) {
-		const double q = k % 3 == 2 ? 0.5 * (low + high) : (low * right - high * left) / (right - left), miss = drawn(f.gradient - heat * q) - q;
+		const double q = k % 3 == 2 ? 0.5 * (low + high) : (low * right - high * left) / (right - left), miss = drawn(q) - q;
 		if (miss > 0.0) low = q, left = miss;
 		else high = q, right = miss;
 		if (miss == 0.0) break;
 	}
-	return 0.5 * (low + high);
+	return { 0.5 * (low + high), best.lens };
 }
 
 } // namespace talik

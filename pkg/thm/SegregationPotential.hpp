@@ -40,9 +40,14 @@ public:
 		double distance;     ///< from the front [m], and
 		double rise;         ///< how much higher the front lies [m]
 		double coldest;      ///< temperature of the coldest ground behind the front less T_f [K], < 0: no lens lies farther
+		double unfrozen;     ///< gradient in the unfrozen ground before the front that carries as much heat there [K/m], >= 0
+		double ice;          ///< saturation of the pores where the gradient behind the front stands, > 0
 	};
-	/// Water that the front draws [m/s], >= 0.
-	double intake(const Front& front) const;
+	struct Intake {
+		double water; ///< that the front draws [m/s], >= 0
+		double lens;  ///< temperature of the lens less T_f [K], <= 0; 0: not known
+	};
+	Intake intake(const Front& front) const;
 
 	/// SP of eq. (26.1) where neither the way to the front nor the heat of what freezes counts [m^2/(s K)].
 	double potential(double load, double pressure, double coldest = -lowest) const;
@@ -52,14 +57,26 @@ public:
 
 private:
 	static constexpr double lowest = 10.0, step = 2.5e-3; ///< of the table, below T_f [K]
-	double                  resistance(double depth) const;
-	/// Largest of (suction depth - head)/(resistance + more) over the depth, up to the coldest.
-	double largestIntake(double head, double perGradient, double more, double coldest) const;
+	/// Integrals over the temperature from T_f down.
+	struct Fringe {
+		double resistance;     ///< of dT/k [K s/m]
+		double withIce;        ///< of S_i dT/k, and
+		double withIceSquared; ///< of S_i^2 dT/k
+	};
+	/// How temperature falls in a fringe: linearly with the ice saturation.
+	struct Gradient {
+		double ofNoIce, perIce; ///< [K/m]
+	};
+	Fringe fringe(double depth) const;
+	/// Of unit area, up to a depth below T_f [s].
+	double resistance(double depth, const Gradient& gradient) const;
+	/// Largest of (suction depth - head)/(resistance + more) over the depth, up to the coldest; and where.
+	Intake largestIntake(double head, const Gradient& gradient, double more, double coldest) const;
 	double headOf(double load, double pressure) const;
 
 	SegregationSettings settings_;
 	double              liquidDensity_, iceDensity_, latentHeat_, conductivity_, suction_; ///< [m/K]: head of Clapeyron's suction
-	std::vector<double> resistance_;                                                       ///< integral of dT/k from T_f down, in steps [K s/m]
+	std::vector<Fringe> fringes_;                                                          ///< up to k steps
 };
 
 } // namespace talik

@@ -15,21 +15,22 @@ namespace {
 
 constexpr double kelvin = 273.15, latent = 334e3, day = 86400.0, porosity = 0.4, iceDensity = 910.0, waterDensity = 1000.0, weight = 9.81 * waterDensity;
 
-/// Intake of a fringe from Clapeyron's and Darcy's equations alone: the lens lies where it is largest. Heat that the lens gives off makes the gradient
-/// in the fringe smaller than that behind it.
+/// Intake of a fringe from Clapeyron's and Darcy's equations and the heat balance of a front that moves, by quadrature: the lens lies where intake is
+/// largest. What freezes in the fringe and at the lens gives off heat, so that the gradient grows from that of the unfrozen ground to that behind.
 struct Fringe {
 	double conductivity = 1e-9, impedance = 6.0, width = 0.5, residual = 0.05; ///< [m/s, -, K, -]
 	double gradient = 50.0, load = 50e3, below = 0.0;                          ///< [K/m, Pa]; of unfrozen ground that counts [m]
-	double heat = INFINITY;                                                    ///< conductivity [W/(m K)]
+	double heat     = INFINITY;                                                ///< conductivity [W/(m K)]
+	double unfrozen = 50.0, iceBehind = 0.95; ///< gradient of as much heat before the front [K/m]; ice where the gradient behind stands [-]
 
 	double ice(double depth) const { return (1.0 - residual) * (1.0 - std::exp(-std::pow(depth / width, 2))); }
 	double resistivity(double depth) const { return std::pow(10.0, impedance * ice(depth)) / conductivity; }
-	double through(double slope) const
+	double through(double behind) const
 	{
 		constexpr double step       = 1e-4;
 		double           resistance = below / conductivity, best = 0.0;
 		for (double depth = 0.5 * step; depth < 3.0; depth += step) {
-			resistance += step * resistivity(depth) / slope;
+			resistance += step * resistivity(depth) / (unfrozen + (behind - unfrozen) * ice(depth) / iceBehind);
 			const double head = latent * (depth + 0.5 * step) / (9.81 * kelvin) - load / (9.81 * iceDensity);
 			best              = std::max(best, head / resistance);
 		}
@@ -38,10 +39,9 @@ struct Fringe {
 	double intake() const
 	{
 		double low = 0.0, high = through(gradient);
-		if (std::isinf(heat)) return high;
 		for (int k = 0; k < 30; ++k) {
-			const double q = 0.5 * (low + high), slope = gradient - waterDensity * latent * q / heat;
-			(slope > 0.0 && through(slope) > q ? low : high) = q;
+			const double q = 0.5 * (low + high), behind = gradient - waterDensity * latent * q / heat;
+			(behind > 0.0 && through(behind) > q ? low : high) = q;
 		}
 		return low;
 	}
@@ -114,12 +114,13 @@ template <int D> double intakeOf(const Fringe& f, double h, const Vec<D>& cells,
 
 TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
 {
-	citing("Clapeyron and Darcy, quadrature");
+	citing("Clapeyron, Darcy and heat, quadrature");
 	for (const double h : { 0.2, 0.05 })
 		for (const auto& [k, impedance, load, gradient] : { std::array<double, 4> { 1e-9, 6.0, 50e3, 20.0 },
 		                                                    { 1e-9, 6.0, 200e3, 20.0 },
 		                                                    { 1e-8, 6.0, 50e3, 20.0 },
-		                                                    { 1e-9, 9.0, 50e3, 20.0 },
+		                                                    { 1e-10, 6.0, 50e3, 20.0 },
+		                                                    { 1e-10, 9.0, 50e3, 20.0 },
 		                                                    { 1e-9, 6.0, 50e3, 5.0 },
 		                                                    { 1e-11, 6.0, 50e3, 20.0 } }) {
 			double worst = 0.0, at = 0.0, exact = 0.0;
@@ -133,6 +134,8 @@ TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
 				const double unfrozen = h * std::floor(front / h + 0.5) + 0.5 * h; // middle of the first unfrozen cell
 				f.heat                = heatConductivity(f.ice(gradient * (front - unfrozen + 2.0 * h)));
 				f.below               = unfrozen - front;
+				f.unfrozen            = gradient * heatConductivity(0.0) / f.heat;
+				f.iceBehind           = f.ice(gradient * (front - unfrozen + 4.0 * h));
 				const double exactNow = f.intake(), q = intakeOf<2>(f, h, { 1.0, 8.0 }, { 0.0, 1.0 }, front, h);
 				if (std::abs(q / exactNow - 1.0) < worst) continue;
 				worst = std::abs(q / exactNow - 1.0);
@@ -313,7 +316,7 @@ TEST(IceSegregation, GroundWithoutIceDrawsWaterFromTheFirstIceOn)
 namespace {
 
 /// The column of ResolvedFringe; its fringe becomes 6 cm thick.
-double excessIceOfAThickFringe(double h, const ResolvedFringe& resolved, double time)
+std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& resolved, const std::vector<double>& days)
 {
 	auto s                       = freezingGround<2>(h, { h, resolved.height + 3.0 * 0.05 });
 	s.mixture.ice.density        = waterDensity;
@@ -336,23 +339,33 @@ double excessIceOfAThickFringe(double h, const ResolvedFringe& resolved, double 
 		p.stress[1]    = p.pressure - resolved.load - 9.81 * 1990.0 * (resolved.height - y);
 	});
 	ground.initialise();
-	marchTo(ground, time / s.heat->thermalTimeScale);
-	return sumOf(ground, "segregatedVolume") / h;
+	std::vector<double> ice;
+	for (const double d : days) {
+		marchTo(ground, d * day / s.heat->thermalTimeScale);
+		ice.push_back(sumOf(ground, "segregatedVolume") / h);
+	}
+	return ice;
 }
 
 } // namespace
 
-// Excess ice forms in the first frozen cell, and the lens of a fringe that is thicker than a cell lies farther behind: the front goes too deep.
-TEST(IceSegregation, HeaveThroughAFringeThickerThanACellFallsShortByNoMoreThanTwoFifths_slow)
+// The fringe of a front that moves on is a part of what freezes: its gradient is much smaller than that behind it. Later the front stands still and one
+// lens grows to 9 cm, which points whose soil was 1 or 2 cm high cannot fill.
+TEST(IceSegregation, HeaveThroughAFringeThickerThanACellMeetsFiniteVolumesUntilItsLensParts_slow)
 {
 	citing("heat, Darcy and Clapeyron, finite volumes");
-	const double   time = 20.0 * day;
-	ResolvedFringe resolved;
-	const double   exact = resolved.excessIceAfter(time);
+	const std::vector<double>   days { 2.0, 4.0, 20.0 };
+	const std::array<double, 3> tolerances { 0.05, 0.1, 0.4 };
+	std::vector<double>         exact;
+	for (const double d : days)
+		exact.push_back(ResolvedFringe().excessIceAfter(d * day));
 	for (const double h : { 0.05, 0.025 }) {
-		char label[96];
-		std::snprintf(label, sizeof label, "fringe thicker than a cell, h = %.3f m: excess ice after 20 days [m]", h);
-		expectRelative(label, excessIceOfAThickFringe(h, resolved, time), exact, 0.4);
+		const auto ice = excessIceOfAThickFringe(h, ResolvedFringe(), days);
+		for (std::size_t k = 0; k < days.size(); ++k) {
+			char label[96];
+			std::snprintf(label, sizeof label, "fringe thicker than a cell, h = %.3f m: excess ice after %.0f days [m]", h, days[k]);
+			expectRelative(label, ice[k], exact[k], tolerances[k]);
+		}
 	}
 }
 
@@ -412,7 +425,11 @@ TEST(IceSegregation, GroundThatIsHeldPressesWithTheHeavingPressureAndClosedGroun
 	        -pressure / coldest(held, h), iceDensity * latent / kelvin, 0.03);
 	Ground<2>  closed = shortColumn(h, false);
 	const auto start  = closed.balance();
-	marchTo(closed, 3.0);
+	double     drawn  = -1.0; // until it draws nothing any more
+	for (double time = 0.1; closed.balance().waterDrawn > drawn && time < 3.0; time += 0.1) {
+		drawn = closed.balance().waterDrawn;
+		marchTo(closed, time);
+	}
 	expectRelative(
 	        "ground that freezes and cannot heave or drink: suction of closed ground at no flow over its lowest temperature [Pa/K]",
 	        sumOf(closed, "pressure") / count / coldest(closed, h), waterDensity * latent / kelvin, 0.04);

@@ -249,22 +249,58 @@ double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& ran
 		for (int i = 0; i < D; ++i)
 			for (int j = 0; j < D; ++j)
 				pressure -= n[i] * cells_[cell].stress[stressIndex<D>(i, j)] * n[j];
-		sum += share * pressure;
+		// between cells that are not full of points, force is in balance, and stress is not
+		const bool inside = beside(grid, range, cell, axis, -side) >= 0 && beside(grid, range, cell, axis, side) >= 0;
+		sum += share * pressure * (inside ? cells_[cell].volume / grid.cellVolume() : 1.0);
 		weights += share;
 	}
 	return sum / weights;
 }
 
+template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const ActiveRange& range, int first, double lens, int axis, int side) const
+{
+	int cell = first;
+	for (int k = 0; k < farthestLens; ++k) {
+		const int next = beside(grid, range, cell, axis, side);
+		// at the face between them
+		if (next < 0 || !(cells_[next].depth < cells_[cell].depth) || !(0.5 * (cells_[cell].depth + cells_[next].depth) > lens)) break;
+		cell = next;
+	}
+	return cell;
+}
+
+/// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient.
+template <int D>
+void IceSegregation<D>::seeFrom(const Grid<D>& grid, const ActiveRange& range, int lens, int axis, int side, SegregationPotential::Front& front) const
+{
+	const int     next = beside(grid, range, lens, axis, side), second = next < 0 ? -1 : beside(grid, range, next, axis, side);
+	const int     last   = next < 0 ? lens : second < 0 ? next : beside(grid, range, second, axis, side) < 0 ? second : -1;
+	const Outside beyond = last < 0 ? Outside { NAN, 0.0 } : outside(grid, last, axis, side);
+	const bool    known  = !std::isnan(beyond.depth);
+	if (!known && second < 0) return;
+	front.gradient = known ? beyond.heat / cells_[last].conductivity
+	                       : (cells_[next].depth - cells_[second].depth) / (side * (cells_[second].middle[axis] - cells_[next].middle[axis]));
+	front.ice      = fullIce(lens, next < 0 ? front.coldest : cells_[next].depth);
+}
+
+template <int D> double IceSegregation<D>::heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const
+{
+	const int warmer = beside(grid, range, cell, axis, -side);
+	if (warmer < 0) return 0.0;
+	const double distance = side * (cells_[cell].middle[axis] - cells_[warmer].middle[axis]);
+	return cells_[warmer].conductivity * std::max(0.0, (cells_[warmer].depth - cells_[cell].depth) / distance);
+}
+
 /// Eq. (26.4).
 template <int D>
-double IceSegregation<D>::drawn(
+typename IceSegregation<D>::Gift IceSegregation<D>::drawn(
         const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
 {
-	const int to = destination(grid, range, from, axis, side);
-	if (to < 0) return 0.0;
-	const SegregationPotential& soil = soils_[int(cells_[to].soil)];
-	if (soil.drawsNothing()) return 0.0;
-	const Line                  line = behind(grid, range, from, to, axis, side);
+	const int first = destination(grid, range, from, axis, side);
+	if (first < 0) return { 0.0, -1 };
+	const SegregationPotential& soil = soils_[int(cells_[first].soil)];
+	if (soil.drawsNothing()) return { 0.0, -1 };
+	const Line                  line = behind(grid, range, from, first, axis, side);
 	SegregationPotential::Front f {};
 	f.gradient     = line.gradient;
 	f.conductivity = cells_[line.reference].conductivity;
@@ -272,10 +308,22 @@ double IceSegregation<D>::drawn(
 	f.distance     = line.ahead;
 	f.rise         = -side * f.distance * weight[axis];
 	f.pressure     = water.pressureOfCell(from);
-	f.load         = pressureOn(grid, range, water, from, to, axis, side);
+	f.load         = pressureOn(grid, range, water, from, first, axis, side);
+	f.unfrozen     = heatBefore(grid, range, from, axis, side) / f.conductivity;
+	f.ice          = fullIce(line.reference, line.coldest);
+	auto intake    = soil.intake(f);
+	int  lens      = first;
+	// what stands behind the lens depends on where it lies, which depends on that
+	for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
+		lens = cellOfLens(grid, range, first, intake.lens, axis, side);
+		if (lens == first) break;
+		seeFrom(grid, range, lens, axis, side, f);
+		const auto seen = soil.intake(f);
+		intake          = { seen.water, seen.lens < 0.0 ? seen.lens : intake.lens };
+	}
 	// ground that has run dry in part lets as much less of its water go as anywhere
 	const double full = std::min(1.0, cells_[from].fill / cells_[from].pores);
-	return std::min(liquidDensity_ * dt * grid.faceArea() * full * full * full * soil.intake(f), largestPart * water.liquidOfCell(from));
+	return { std::min(liquidDensity_ * dt * grid.faceArea() * full * full * full * intake.water, largestPart * water.liquidOfCell(from)), lens };
 }
 
 template <int D>
@@ -292,25 +340,20 @@ void IceSegregation<D>::draw(
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int i = firstCell; i < lastCell; ++i) {
 			Cell& c = cells_[i];
-			if (!(c.volume > 0.0)) continue;
+			if (!(c.volume > 0.0) || frozen(c)) continue;
 			for (int a = 0; a < D; ++a)
 				for (const int side : { -1, 1 }) {
-					int other = i;
-					if (!frozen(c)) {
-						const double mass = drawn(grid, range, water, i, a, side, down, dt);
-						if (mass > 0.0) water.give(i, mass, enthalpy);
-						c.lost += mass;
-						if (destination(grid, range, i, a, side) != i) continue;
-					} else other = beside(grid, range, i, a, -side);
-					const double mass = drawn(grid, range, water, other, a, side, down, dt);
-					if (!(mass > 0.0)) continue;
-					const Vec<D> v = water.velocityOfCell(other);
-					c.mass += mass;
-					c.across[a] += side * mass;
-					c.enthalpy += mass * water.enthalpyOfCell(other, enthalpy);
-					for (int k = 0; k < D; ++k)
-						c.carried[k] += mass * v[k];
+					const Gift gift             = drawn(grid, range, water, i, a, side, down, dt);
+					c.gifts[2 * a + (side > 0)] = gift;
+					c.lost += gift.mass;
 				}
+		}
+	});
+	handOver(range, water, enthalpy);
+	range.overCells([&](int firstCell, int lastCell) {
+		for (int i = firstCell; i < lastCell; ++i) {
+			Cell& c = cells_[i];
+			if (c.lost > 0.0) water.give(i, c.lost, enthalpy);
 			if (!(c.mass > 0.0)) continue;
 			c.opened = c.mass / (iceDensity_ * c.volume);
 			Vec<D> n;
@@ -325,6 +368,25 @@ void IceSegregation<D>::draw(
 			std::copy(n.begin(), n.end(), c.normal);
 		}
 	});
+}
+
+template <int D> void IceSegregation<D>::handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy)
+{
+	for (int i = range.firstCell; i < range.lastCell; ++i) {
+		if (!(cells_[i].lost > 0.0)) continue;
+		const Vec<D> v = water.velocityOfCell(i);
+		const double e = water.enthalpyOfCell(i, enthalpy);
+		for (int k = 0; k < 2 * D; ++k) {
+			const auto [mass, to] = cells_[i].gifts[k];
+			if (!(mass > 0.0)) continue;
+			Cell& c = cells_[to];
+			c.mass += mass;
+			c.across[k / 2] += (k % 2 ? 1.0 : -1.0) * mass;
+			c.enthalpy += mass * e;
+			for (int a = 0; a < D; ++a)
+				c.carried[a] += mass * v[a];
+		}
+	}
 }
 
 /// What the water that is drawn does to the works: it leaves at one pressure and height and comes in at others, and its ice parts grains that press

@@ -21,8 +21,8 @@ template <int D> class SolidMotion;
 template <int D> class ThawStrain;
 
 /// Freezing ground draws water to its front, where it freezes as excess ice and parts the ground. The fringe through which it is drawn is
-/// thinner than a cell, so that the flux between the last unfrozen cell and the first frozen one comes from the closed form of the fringe,
-/// eqs (26.1) to (26.3), or from a measured segregation potential. The ice that forms there is no ice of the pores: it melts at T_f whatever
+/// thinner than a cell or as thick as a few, so that the flux out of the last unfrozen cell comes from the closed form of the fringe, eqs (26.1) to
+/// (26.3b), or from a measured segregation potential. It arrives in the cell that has the temperature of the lens. The ice that forms there is no ice of the pores: it melts at T_f whatever
 /// the freezing curve. Its volume is strain of the ground along the gradient of temperature, and no strain of the soil, eq. (26.5). Where it melts,
 /// the room that it leaves closes as that of thaw strain.
 template <int D> class IceSegregation {
@@ -39,7 +39,7 @@ public:
 	/// The ground as it is at the start of the step, by cells.
 	void collect(
 	        const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content, const ActiveRange& range);
-	/// Water that flows from cell to cell through frozen fringes in the step: leaves the exchange of the one, and waits at the other for receive().
+	/// Water that flows from cells to lenses through frozen fringes in the step: leaves the exchange of the one, and waits at the other for receive().
 	/// dt: of calendar time.
 	void draw(const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, const EnthalpyModel& enthalpy, const Vec<D>& gravity, double dt);
 	/// What that does to the works.
@@ -57,6 +57,11 @@ public:
 	double *volume, *iceMass; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
 
 private:
+	/// Water that leaves a cell [kg].
+	struct Gift {
+		double mass;
+		int    to;
+	};
 	/// Sums over the points of a cell, and what it is given in the step.
 	struct Cell {
 		double volume;                     ///< [m^D]
@@ -68,7 +73,8 @@ private:
 		double stress[stressSize<D>];      ///< effective, as the pressure [Pa]
 		double soil;                       ///< the largest number of its materials
 		bool   frozen;                     ///< so that it gives no water
-		double lost;                       ///< given away in the step [kg]
+		double lost;                       ///< given away in the step [kg], and
+		Gift   gifts[2 * D];               ///< to whom, by axis and side
 		double mass, enthalpy, carried[D]; ///< given to it [kg, J, N s]
 		double opened;                     ///< by what is given to it, over its volume [-]
 		double across[D];                  ///< given along the axes [kg]
@@ -104,12 +110,22 @@ private:
 	Line    first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const;
 	Line    behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
 	double  pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const;
-	/// Water that a cell gives in the step to the one beside it [kg]: 0 unless a front lies between them.
-	double drawn(
+	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
+	int cellOfLens(const Grid<D>& grid, const ActiveRange& range, int first, double lens, int axis, int side) const;
+	/// The front seen from a lens that lies in a cell behind the first frozen one. Unchanged where nothing is known of the ground behind it.
+	void seeFrom(const Grid<D>& grid, const ActiveRange& range, int lens, int axis, int side, SegregationPotential::Front& front) const;
+	/// That comes through the unfrozen ground to the front [W/m^2].
+	double heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
+	/// Water that a cell gives in the step to the one with the lens: 0 unless a front lies beside it.
+	Gift drawn(
 	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
+	/// What cells give to others arrives there.
+	void        handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);
 	static bool frozen(const Cell& c) { return c.frozen; }
 	/// What freezes less than this below T_f is noise of the temperature [K].
 	static constexpr double barely = 1e-6;
+	/// What lies farther behind the first frozen cell is not looked at; ranks know as many rows.
+	static constexpr int farthestLens = 3;
 	/// With a measured potential ground of a smaller ice saturation gives its water away as if it were not frozen: where ice forms over a range of
 	/// temperatures, all of it may have cooled to a little below T_f. The closed form counts from T_f.
 	static constexpr double littleIce = 0.05;
