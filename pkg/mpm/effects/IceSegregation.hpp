@@ -22,9 +22,9 @@ template <int D> class ThawStrain;
 
 /// Freezing ground draws water to its front, where it freezes as excess ice and parts the ground. The fringe through which it is drawn is
 /// thinner than a cell or as thick as a few, so that the flux out of the last unfrozen cell comes from the closed form of the fringe, eqs (26.1) to
-/// (26.3b), or from a measured segregation potential. It arrives in the cell that has the temperature of the lens. The ice that forms there is no ice of the pores: it melts at T_f whatever
-/// the freezing curve. Its volume is strain of the ground along the gradient of temperature, and no strain of the soil, eq. (26.5). Where it melts,
-/// the room that it leaves closes as that of thaw strain.
+/// (26.3b), or from a measured segregation potential. It arrives in the cell that has the temperature of the lens. The ice that forms there is no ice
+/// of the pores: it melts at T_f whatever the freezing curve. Its volume is strain of the ground along the gradient of temperature, and no strain of the
+/// soil, eq. (26.5). Where it melts, the room that it leaves closes as that of thaw strain.
 template <int D> class IceSegregation {
 public:
 	IceSegregation(PointFields& fields, const GroundSettings<D>& settings);
